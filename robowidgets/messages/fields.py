@@ -1,0 +1,74 @@
+"""Reading fields of messages, whether they are objects or dictionaries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+MISSING: Any = object()
+
+
+def get(message: Any, path: str, default: Any = MISSING) -> Any:
+    """The value at a dotted path, through attributes or keys; the default when a part is missing."""
+    value = message
+    for name in path.split("."):
+        value = value.get(name, MISSING) if isinstance(value, Mapping) else getattr(value, name, MISSING)
+        if value is MISSING:
+            return default
+    return value
+
+
+def has(message: Any, *names: str) -> bool:
+    """Whether a message has all these fields."""
+    return all(get(message, name) is not MISSING for name in names)
+
+
+def unwrap(message: Any) -> Any:
+    """The message inside a rosbridge envelope (``{"op": "publish", "msg": ...}``); anything else as it is."""
+    if isinstance(message, Mapping) and message.get("op") == "publish" and "msg" in message:
+        return message["msg"]
+    return message
+
+
+def stamp_ns(message: Any, path: str = "header.stamp") -> int | None:
+    """Nanoseconds of a stamp; None when there is none or it was never set (0).
+
+    rospy says ``secs`` and ``nsecs``, ROS 2 and rosbags ``sec`` and ``nanosec``.
+    """
+    stamp = get(message, path, None)
+    seconds = get(stamp, "sec", get(stamp, "secs", 0))
+    nanoseconds = get(stamp, "nanosec", get(stamp, "nsecs", 0))
+    try:
+        return (int(seconds) * 1_000_000_000 + int(nanoseconds)) or None
+    except (TypeError, ValueError):
+        return None
+
+
+def frame_id(message: Any) -> str:
+    """``header.frame_id``, or nothing."""
+    return str(get(message, "header.frame_id", ""))
+
+
+def type_name(message: Any) -> str:
+    """The message type as a person writes it (``sensor_msgs/LaserScan``), or the Python type."""
+    name = getattr(message, "__msgtype__", None) or getattr(message, "_type", None)
+    if isinstance(name, str):
+        return name.replace("/msg/", "/")
+    module = type(message).__module__.split(".")
+    if "msg" in module:
+        return f"{module[0]}/{type(message).__name__}"
+    return type(message).__name__
+
+
+def describe(message: Any) -> str:
+    """What came, in a few words, for an error: the type and its fields."""
+    if isinstance(message, Mapping):
+        return f"a dict with the keys {_listed([str(k) for k in message])}"
+    fields = getattr(message, "__slots__", None) or getattr(message, "__dict__", {})
+    names = [str(f).lstrip("_") for f in fields if not str(f).startswith("__")]
+    about = type_name(message)
+    return f"a {about} with the fields {_listed(names)}" if names else f"a {about}: {str(message)[:60]!r}"
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:8]) + (", …" if len(names) > 8 else "") if names else "(none)"

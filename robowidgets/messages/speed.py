@@ -1,0 +1,40 @@
+"""Twist and odometry messages to speeds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..samples import Speed
+from .fields import describe, frame_id, get, has, stamp_ns, unwrap
+
+
+def to_speed(message: Any) -> Speed:
+    """The velocity in a Twist, TwistStamped, TwistWithCovariance(Stamped) or Odometry-like message.
+
+    Args:
+        message: an object or dictionary of one of these shapes; a `Speed` is returned as it is.
+
+    Raises:
+        TypeError: it is not such a message; the text says what came and what was expected.
+    """
+    if isinstance(message, Speed):
+        return message
+    message = unwrap(message)
+    twist = message
+    while not has(twist, "linear", "angular") and has(twist, "twist"):
+        twist = get(twist, "twist")
+    if not has(twist, "linear", "angular"):
+        raise TypeError(
+            "expected a message like geometry_msgs/Twist, TwistStamped, TwistWithCovariance or nav_msgs/Odometry, "
+            f"with linear and angular; got {describe(message)}"
+        )
+    linear, angular = (_vector(name, get(twist, name)) for name in ("linear", "angular"))
+    return Speed(linear, angular, stamp_ns(message), str(get(message, "child_frame_id", "") or frame_id(message)))
+
+
+def _vector(name: str, value: Any) -> tuple[float, float, float]:
+    if not has(value, "x", "y", "z"):
+        raise TypeError(f"{name}: expected a vector with x, y and z, got {describe(value)}")
+    x, y, z = (get(value, axis) for axis in "xyz")
+    nan = float("nan")
+    return (nan if x is None else x, nan if y is None else y, nan if z is None else z)

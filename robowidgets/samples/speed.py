@@ -1,0 +1,54 @@
+"""One velocity of a robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .scan import number
+
+AXES = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
+
+
+@dataclass(frozen=True)
+class Speed:
+    """A velocity in the body frame: measured, or commanded.
+
+    Args:
+        linear: x forward, y left, z up, in m/s. NaN means that there is no value; it is never taken for 0.
+        angular: about x (roll), y (pitch) and z (yaw, counter-clockwise), in rad/s. NaN as above.
+        stamp_ns: time in nanoseconds since the epoch, or None.
+        frame_id: the frame in which the velocity is expressed (``child_frame_id`` of an odometry message).
+
+    Raises:
+        TypeError: something is not a number.
+        ValueError: not three values.
+
+    Source: geometry_msgs/Twist, REP-103.
+
+    Example:
+        >>> Speed(linear=(0.5, 0.0, 0.0), angular=(0.0, 0.0, 0.1)).values[5]
+        0.1
+    """
+
+    linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stamp_ns: int | None = None
+    frame_id: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("linear", "angular"):
+            given = getattr(self, name)
+            try:
+                values = tuple(given)
+            except TypeError:
+                raise TypeError(f"{name}: expected three numbers (x, y, z), got {given!r}") from None
+            if len(values) != 3:
+                raise ValueError(f"{name}: expected three numbers (x, y, z), got {len(values)}")
+            object.__setattr__(
+                self, name, tuple(number(f"{name}.{axis}", v) for axis, v in zip("xyz", values, strict=True))
+            )
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The six numbers in the order of `AXES`."""
+        return self.linear + self.angular

@@ -1,0 +1,63 @@
+"""What touch sensors said at one moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum
+from types import MappingProxyType
+
+
+class TouchState(IntEnum):
+    """What is known of one touch sensor."""
+
+    FREE = 0
+    TOUCHED = 1
+    UNKNOWN = 2
+
+
+class TouchMode(Enum):
+    """How a source speaks of its sensors.
+
+    EVENT: one message per change, of the sensors it names only. LEVEL: each message says how each sensor stands.
+    PRESENCE: each message lists what is touched; what it does not list is free.
+    """
+
+    EVENT = "event"
+    LEVEL = "level"
+    PRESENCE = "presence"
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """What touch sensors said at one moment.
+
+    Args:
+        touched: sensor name to True (touched), False (free) or None (the source does not know). In PRESENCE mode it
+            holds the touched ones only.
+        mode: how the source speaks, see `TouchMode`.
+        sensors: every sensor that this source is known to have, from the robot's left to its right; those that the
+            message did not name are shown as unknown (or, in PRESENCE mode, as free).
+        stamp_ns: time in nanoseconds since the epoch, or None.
+        dialect: the message type it was read from, for a person to read.
+
+    Raises:
+        TypeError: a name that is not a string, or a state that is not True, False or None.
+    """
+
+    touched: Mapping[str, bool | None]
+    mode: TouchMode = TouchMode.LEVEL
+    sensors: tuple[str, ...] = ()
+    stamp_ns: int | None = None
+    dialect: str = field(default="")
+
+    def __post_init__(self) -> None:
+        for name, state in self.touched.items():
+            if not isinstance(name, str):
+                raise TypeError(f"touched: expected sensor names as strings, got {name!r}")
+            if state not in (True, False, None):
+                raise TypeError(f"touched[{name!r}]: expected True, False or None, got {state!r}")
+        touched = {name: None if state is None else bool(state) for name, state in self.touched.items()}
+        object.__setattr__(self, "touched", MappingProxyType(touched))
+        known = dict.fromkeys(self.sensors) | dict.fromkeys(touched)
+        object.__setattr__(self, "sensors", tuple(known))
