@@ -1,0 +1,60 @@
+"""What a file of messages is, whoever reads it: the seam between the readers and a `Recording`."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import NamedTuple, Protocol
+
+
+class RecordingError(Exception):
+    """A recording that cannot be opened or read. The text is one line for a person: which file, and why."""
+
+
+class Channel(NamedTuple):
+    """One stream of messages of one type.
+
+    ``id`` is unique within a source, and only there. ``type`` is written as ``sensor_msgs/msg/LaserScan``, for ROS 1
+    too. ``encoding`` is ``"ros1"`` or ``"cdr"``; messages in any other encoding are listed but cannot be read.
+    ``definition`` is the text of the message definition in ROS's ``.msg`` syntax with its dependencies after lines of
+    ``===``; empty when the file holds none. ``count`` is the number of messages.
+    """
+
+    id: int
+    topic: str
+    type: str
+    encoding: str
+    definition: str
+    count: int
+
+
+class Source(Protocol):
+    """The messages of one file or folder, as bytes.
+
+    Opening one raises `RecordingError` when nothing at all can be read; what could not be read beside the rest is told
+    in ``problems``, one line each. ``start_ns`` and ``end_ns`` are the log times of the first and of the last message in
+    nanoseconds since the epoch, both None when there is no message.
+    """
+
+    @property
+    def channels(self) -> tuple[Channel, ...]: ...
+
+    @property
+    def problems(self) -> tuple[str, ...]: ...
+
+    @property
+    def start_ns(self) -> int | None: ...
+
+    @property
+    def end_ns(self) -> int | None: ...
+
+    def messages(
+        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[tuple[Channel, int, bytes]]:
+        """Channel, log time and bytes of the messages of these channels, by log time where the file is indexed.
+
+        Those logged at ``start_ns`` or later and before ``stop_ns``; None means no limit. No channel, no message. May be
+        called again and again, also while an earlier iterator is in use.
+        """
+
+    def close(self) -> None:
+        """Close the file; again does nothing."""
