@@ -1,0 +1,1 @@
+"""Recordings of robots: files of messages, opened for reading as samples."""

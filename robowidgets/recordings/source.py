@@ -24,37 +24,39 @@ class Channel(NamedTuple):
     type: str
     encoding: str
     definition: str
-    count: int
+    count: int  # type: ignore[assignment]  # hides tuple.count, which nobody asks of a channel
 
 
 class Source(Protocol):
     """The messages of one file or folder, as bytes.
 
-    Opening one raises `RecordingError` when nothing at all can be read; what could not be read beside the rest is told
-    in ``problems``, one line each. ``start_ns`` and ``end_ns`` are the log times of the first and of the last message in
-    nanoseconds since the epoch, both None when there is no message.
+    Opening one raises `RecordingError` when nothing at all can be read.
     """
 
     @property
-    def channels(self) -> tuple[Channel, ...]: ...
+    def channels(self) -> tuple[Channel, ...]:
+        """Every channel that the file names, also those without a message."""
 
     @property
-    def problems(self) -> tuple[str, ...]: ...
+    def problems(self) -> tuple[str, ...]:
+        """What could not be read beside the rest, one line each, for a person."""
 
     @property
-    def start_ns(self) -> int | None: ...
+    def start_ns(self) -> int | None:
+        """Log time of the first message in nanoseconds since the epoch; None when there is no message."""
 
     @property
-    def end_ns(self) -> int | None: ...
+    def end_ns(self) -> int | None:
+        """Log time of the last message (not one after it); None when there is no message."""
 
     def messages(
         self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
     ) -> Iterator[tuple[Channel, int, bytes]]:
         """Channel, log time and bytes of the messages of these channels, by log time where the file is indexed.
 
-        Those logged at ``start_ns`` or later and before ``stop_ns``; None means no limit. No channel, no message. May be
-        called again and again, also while an earlier iterator is in use.
+        Those logged at ``start_ns`` or later and before ``stop_ns``; None means no limit. No channel, no message. May
+        be called again and again, also while an earlier iterator is in use.
         """
 
     def close(self) -> None:
-        """Close the file; again does nothing."""
+        """Close the file; doing it again does nothing."""
