@@ -1,0 +1,143 @@
+"""The pace at which samples go to the page: newest wins, one budget for all widgets of the process."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+log = logging.getLogger("robowidgets")
+
+INTERVAL = 1 / 60
+"""Seconds between two messages of one widget: a display shows no more."""
+
+MESSAGES_PER_SECOND = 240
+"""Of all widgets together. JupyterLab's server drops what exceeds 1000 in 3 s on a kernel's connection, prints included."""
+
+BYTES_PER_SECOND = 20_000_000
+"""Of all widgets together. A page takes no more."""
+
+BURST = 0.05
+"""Seconds of budget that may be spent at once after a rest."""
+
+
+class Sender(Protocol):
+    """What the pacer calls; a widget."""
+
+    def send_newest(self) -> int:
+        """Send what is newest to the page and return the bytes sent."""
+
+
+class Pacer:
+    """Calls `send_newest` of each marked sender, as soon as the pace allows, from a thread of its own.
+
+    Marking only stores, never waits for a send, and may be done from any thread at any rate. What was marked last is
+    always sent in the end: nothing queues but the set of those who have something to say.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._condition = threading.Condition()
+        self._due: dict[Sender, float] = {}
+        self._earliest: dict[Sender, float] = {}
+        self._timers: dict[Sender, float] = {}
+        self._free_at = 0.0
+        self._thread: threading.Thread | None = None
+        self._hooked = False
+
+    def mark(self, sender: Sender) -> None:
+        """Note that a sender has something newer to send."""
+        if sender in self._due:
+            return
+        with self._condition:
+            self._due[sender] = max(self._clock(), self._earliest.get(sender, 0.0))
+            self._start()
+            self._condition.notify()
+
+    def mark_at(self, sender: Sender, when: float | None) -> None:
+        """Mark a sender at a time of the monotonic clock; None takes the appointment back."""
+        with self._condition:
+            if when is None:
+                self._timers.pop(sender, None)
+                return
+            self._timers[sender] = when
+            self._start()
+            self._condition.notify()
+
+    def forget(self, sender: Sender) -> None:
+        """Send nothing more for a sender."""
+        with self._condition:
+            for table in (self._due, self._earliest, self._timers):
+                table.pop(sender, None)
+
+    def flush(self) -> None:
+        """Send at once, in the caller's thread, whatever is marked."""
+        with self._condition:
+            waiting = list(self._due)
+            self._due.clear()
+        for sender in waiting:
+            self._send(sender)
+
+    def _start(self) -> None:
+        if self._thread is None or not self._thread.is_alive():
+            self._thread = threading.Thread(target=self._run, name="robowidgets-pacer", daemon=True)
+            self._thread.start()
+        if not self._hooked:
+            self._hooked = True
+            atexit.register(self.flush)
+            ipython = sys.modules.get("IPython")
+            shell = ipython.get_ipython() if ipython else None
+            if shell is not None:
+                # A notebook that is saved or exported after its last cell holds what that cell showed.
+                shell.events.register("post_execute", self.flush)
+
+    def _run(self) -> None:
+        while True:
+            with self._condition:
+                sender = self._next()
+                while sender is None:
+                    self._condition.wait(self._wait())
+                    sender = self._next()
+            self._send(sender)
+
+    def _next(self) -> Sender | None:
+        """Take the sender that has been due for longest, if the budget allows."""
+        now = self._clock()
+        for sender in [s for s, when in self._timers.items() if when <= now]:
+            del self._timers[sender]
+            self._due.setdefault(sender, max(now, self._earliest.get(sender, 0.0)))
+        if not self._due or self._free_at > now:
+            return None
+        sender = min(self._due, key=self._due.__getitem__)
+        if self._due[sender] > now:
+            return None
+        # Out of the table before it is sent: what comes meanwhile marks it again.
+        del self._due[sender]
+        return sender
+
+    def _wait(self) -> float | None:
+        """Seconds until there may be something to do; None when nothing is marked."""
+        times = [max(min(self._due.values()), self._free_at)] if self._due else []
+        times += self._timers.values()
+        return max(0.0, min(times) - self._clock()) if times else None
+
+    def _send(self, sender: Sender) -> None:
+        try:
+            size = sender.send_newest()
+        except Exception:
+            log.exception("robowidgets: could not send to the page")
+            size = 0
+        now = self._clock()
+        with self._condition:
+            self._earliest[sender] = now + INTERVAL
+            if sender in self._due:
+                self._due[sender] = max(self._due[sender], now + INTERVAL)
+            self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
+
+
+pacer = Pacer()
+"""The one pacer of this process."""

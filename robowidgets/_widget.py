@@ -1,0 +1,175 @@
+"""What the widgets share: their front end, the way of a sample to the page, freezing, and words when something is wrong."""
+
+from __future__ import annotations
+
+import difflib
+import logging
+import os
+import struct
+import threading
+import time
+from collections import deque
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, ClassVar, Generic, TypeVar
+
+import anywidget
+import traitlets
+
+from ._pacer import pacer
+
+log = logging.getLogger("robowidgets")
+
+STATIC = Path(__file__).parent / "static"
+HEAD = struct.Struct("<ddq")
+"""Each frame starts with its sequence number, samples per second (NaN: unknown), and the sample's stamp in ns (0: none)."""
+
+_HOST_TRAITS = ("layout", "tooltip", "tabbable")
+
+S = TypeVar("S")
+
+
+def bundle(name: str) -> Any:
+    """The text of a built front-end file; its path, for hot reload, when ROBOWIDGETS_DEV is set."""
+    path = STATIC / name
+    if not path.is_file():
+        raise ImportError(
+            f"robowidgets was installed without its front end ({name} is missing); "
+            "in a checkout run `make build`, else install it again"
+        )
+    return path if os.environ.get("ROBOWIDGETS_DEV") else path.read_text(encoding="utf-8")
+
+
+def bytes_trait(**tags: Any) -> Any:
+    """A trait of bytes, as the page sends them (a memoryview) or Python sets them."""
+    return traitlets.Bytes().tag(sync=True, from_json=lambda value, _: bytes(value or b""), **tags)
+
+
+class RobotWidget(anywidget.AnyWidget, Generic[S]):  # type: ignore[misc]
+    """A widget that shows the newest sample of type S.
+
+    Subclasses pack samples to bytes and back, and hand new ones to `_show`. A sample is only stored by the caller; it
+    is packed and sent by the pacer, so that any thread may update a widget at any rate.
+    """
+
+    title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
+    header = traitlets.Bool(True, help="Whether title and controls stand above the picture.").tag(sync=True)
+    footer = traitlets.Bool(True, help="Whether counts stand below the picture.").tag(sync=True)
+    paused = traitlets.Bool(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
+
+    _css = bundle("robowidgets.css")
+    _frame = bytes_trait(echo_update=False)
+    _held = bytes_trait(echo_update=False)
+    _about = traitlets.Dict().tag(sync=True, echo_update=False)
+
+    _noun: ClassVar[str] = "sample"
+
+    def __init__(self, **kwargs: Any) -> None:
+        settable = [name for name in self.trait_names(sync=True) if self._is_ours(name)]
+        for name in kwargs:
+            if name not in settable:
+                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable))
+        self._newest: S | None = None
+        self._newest_about: dict[str, Any] = {}
+        self._sequence = 0
+        self._arrivals: deque[float] = deque(maxlen=40)
+        self._changed = False
+        self._sending = threading.RLock()
+        self._logged: set[str] = set()
+        super().__init__(**kwargs)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            settable = [n for n in self.trait_names(sync=True) if self._is_ours(n)]
+            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable))
+        super().__setattr__(name, value)
+
+    @classmethod
+    def _is_ours(cls, name: str) -> bool:
+        if name in _HOST_TRAITS:
+            return True
+        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, RobotWidget))
+
+    # -- for subclasses ------------------------------------------------------------------------------------------------
+
+    def _pack(self, sample: S) -> bytes:
+        """The bytes of a frame after its head."""
+        raise NotImplementedError
+
+    def _show(self, sample: S, about: dict[str, Any]) -> None:
+        """Store the newest sample, with what is to be said of it in words, for the page to show."""
+        self._newest, self._newest_about = sample, about
+        self._sequence += 1
+        self._arrivals.append(time.monotonic())
+        self._changed = True
+        pacer.mark(self)
+
+    def _refuse(self, error: Exception) -> None:
+        """Say on the widget why a message could not be shown; raise where a person called, log in a callback's thread."""
+        text = str(error)
+        self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
+        self._changed = True
+        pacer.mark(self)
+        if threading.current_thread() is threading.main_thread():
+            raise error from None
+        if text not in self._logged:
+            self._logged.add(text)
+            log.error("%s %s: a message could not be shown: %s", type(self).__name__, self.title, text)
+
+    # -- to the page ---------------------------------------------------------------------------------------------------
+
+    @property
+    def rate(self) -> float:
+        """Samples per second over the last ones that came; NaN until there are two."""
+        arrivals = list(self._arrivals)
+        if len(arrivals) < 2 or arrivals[-1] <= arrivals[0]:
+            return float("nan")
+        return (len(arrivals) - 1) / (arrivals[-1] - arrivals[0])
+
+    def send_newest(self) -> int:
+        """Send the newest sample to the page; the pacer's call. Returns the bytes sent."""
+        with self._sending:
+            about_before = self._about
+            self._bring_up_to_date()
+            keys = ["_frame"] if self._about == about_before else ["_frame", "_about"]
+            self.send_state(keys)
+            return len(self._frame)
+
+    def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
+        """The synced state, with the newest sample in it: what a new view, a reload and a saved notebook get."""
+        if key is None:
+            self._bring_up_to_date()
+        state: dict[str, Any] = super().get_state(key, drop_defaults)
+        return state
+
+    def close(self) -> None:
+        """Take the widget off the page."""
+        pacer.forget(self)
+        super().close()
+
+    def _bring_up_to_date(self) -> None:
+        """Pack the newest sample into the state, without a message: these two travel at the pacer's pace."""
+        with self._sending:
+            if not self._changed:
+                return
+            self._changed = False
+            sample, about, sequence = self._newest, self._newest_about, self._sequence
+            if sample is not None:
+                stamp = getattr(sample, "stamp_ns", None) or 0
+                self._trait_values["_frame"] = HEAD.pack(sequence, self.rate, stamp) + self._pack(sample)
+            self._trait_values["_about"] = about
+
+    @traitlets.observe("paused")
+    def _hold(self, _change: Any) -> None:
+        """Hold the sample on show when Python froze the picture; the page does so itself when a person did."""
+        if self.paused and not self._held:
+            self._bring_up_to_date()
+            self._held = self._frame
+        elif not self.paused and self._held:
+            self._held = b""
+
+
+def _unknown(of: str, what: str, name: str, known: list[str]) -> str:
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"{of} has no {what} {name!r}{hint} It takes: {', '.join(sorted(known))}"

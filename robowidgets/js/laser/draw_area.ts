@@ -1,0 +1,157 @@
+import type { Theme } from "../shared/theme.ts";
+import { labelBox, type RayLabel } from "./guides.ts";
+import { type Projection, toPixel } from "./projection.ts";
+import { angleOf, isFullCircle, type Sweep } from "./scan.ts";
+
+export interface Limits {
+  rangeMin: number;
+  rangeMax: number;
+}
+
+/** Traces a stretch of circle from the first to the last ray, in either direction. */
+function traceArc(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  sweep: Sweep,
+  range: number,
+  back = false,
+) {
+  const radius = (range / projection.viewRange) * projection.radius;
+  const toCanvas = (angle: number) => -(angle + projection.forward);
+  const [first, last] = [toCanvas(angleOf(sweep, 0)), toCanvas(angleOf(sweep, Math.max(0, sweep.count - 1)))];
+  const clockwise = sweep.angleIncrement >= 0;
+  if (isFullCircle(sweep)) {
+    context.arc(projection.centerX, projection.centerY, radius, first, first + (back ? -2 : 2) * Math.PI, back);
+  } else if (back) {
+    context.arc(projection.centerX, projection.centerY, radius, last, first, !clockwise);
+  } else {
+    context.arc(projection.centerX, projection.centerY, radius, first, last, clockwise);
+  }
+}
+
+/** The detection area: what the scanner can see, from range_min to range_max over the swept angle, to scale. */
+export function drawArea(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  sweep: Sweep,
+  { rangeMin, rangeMax }: Limits,
+  theme: Theme,
+): void {
+  const far = Math.min(rangeMax, projection.viewRange);
+  if (sweep.count === 0 || rangeMin >= far) return;
+  if (sweep.count === 1) {
+    drawLine(context, projection, angleOf(sweep, 0), rangeMin, far, theme.line, 3);
+    return;
+  }
+  context.beginPath();
+  traceArc(context, projection, sweep, far);
+  if (isFullCircle(sweep)) context.closePath();
+  const inner = toPixel(projection, rangeMin, angleOf(sweep, sweep.count - 1));
+  if (isFullCircle(sweep)) context.moveTo(...start(projection, sweep, rangeMin));
+  else context.lineTo(inner.x, inner.y);
+  traceArc(context, projection, sweep, rangeMin, true);
+  context.closePath();
+  context.fillStyle = theme.area;
+  context.fill("evenodd");
+  context.strokeStyle = theme.line;
+  context.lineWidth = 1;
+  context.stroke();
+}
+
+function start(projection: Projection, sweep: Sweep, range: number): [number, number] {
+  const { x, y } = toPixel(projection, range, angleOf(sweep, 0));
+  return [x, y];
+}
+
+/** The range arcs and the radial lines. */
+export function drawGuides(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  sweep: Sweep,
+  { rangeMin, rangeMax }: Limits,
+  arcs: number[],
+  rays: number[],
+  theme: Theme,
+): void {
+  context.strokeStyle = theme.line;
+  context.lineWidth = 1;
+  for (const distance of arcs) {
+    if (distance <= rangeMin || distance > rangeMax) continue;
+    context.beginPath();
+    traceArc(context, projection, sweep, distance);
+    context.stroke();
+  }
+  const far = Math.min(rangeMax, projection.viewRange);
+  for (const index of rays) drawLine(context, projection, angleOf(sweep, index), rangeMin, far, theme.line, 1);
+}
+
+export function drawLine(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  angle: number,
+  from: number,
+  to: number,
+  color: string,
+  width: number,
+): void {
+  const [a, b] = [toPixel(projection, from, angle), toPixel(projection, to, angle)];
+  context.beginPath();
+  context.moveTo(a.x, a.y);
+  context.lineTo(b.x, b.y);
+  context.strokeStyle = color;
+  context.lineWidth = width;
+  context.stroke();
+}
+
+/** The angle over the index, at the outer end of each radial line. */
+export function drawRayLabels(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  labels: RayLabel[],
+  theme: Theme,
+): void {
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  for (const label of labels) {
+    const box = labelBox(projection, label);
+    const x = box.x + label.halfWidth;
+    context.font = angleFont(theme);
+    context.fillStyle = theme.ink;
+    context.fillText(label.lines[0], x, box.y + 8);
+    context.font = indexFont(theme);
+    context.fillStyle = theme.muted;
+    context.fillText(label.lines[1], x, box.y + 23);
+  }
+}
+
+export function angleFont(theme: Theme): string {
+  return `600 12px ${theme.font}`;
+}
+
+export function indexFont(theme: Theme): string {
+  return `11px ${theme.mono}`;
+}
+
+export function arcFont(theme: Theme): string {
+  return `11px ${theme.font}`;
+}
+
+/** The robot at the scanner's place, its nose in the robot's forward. */
+export function drawRobot(context: CanvasRenderingContext2D, projection: Projection, theme: Theme): void {
+  context.save();
+  context.translate(projection.centerX, projection.centerY);
+  context.rotate(Math.PI / 2 - projection.forward);
+  context.beginPath();
+  context.moveTo(0, -9);
+  context.lineTo(6.5, 7);
+  context.lineTo(0, 3.5);
+  context.lineTo(-6.5, 7);
+  context.closePath();
+  context.lineJoin = "round";
+  context.lineWidth = 3;
+  context.strokeStyle = theme.background;
+  context.stroke();
+  context.fillStyle = theme.ink;
+  context.fill();
+  context.restore();
+}

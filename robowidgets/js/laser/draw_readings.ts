@@ -1,0 +1,140 @@
+import { toShortMetres } from "../shared/format.ts";
+import type { Theme } from "../shared/theme.ts";
+import { arcFont } from "./draw_area.ts";
+import type { ArcLabel, Occupancy } from "./guides.ts";
+import { type Projection, toDirection } from "./projection.ts";
+import {
+  angleOf,
+  classify,
+  NO_MEASUREMENT,
+  NOTHING_IN_RANGE,
+  OUTSIDE_LIMITS,
+  READING,
+  type Scan,
+  TOO_CLOSE,
+  type Validity,
+} from "./scan.ts";
+
+const DOT = 3;
+const LANE = 5;
+const INNER_LANE = 17;
+const MARK_SPACING = 7;
+const BEYOND = 5;
+
+export interface ReadingStyle {
+  theme: Theme;
+  /** The classes whose marks are drawn. */
+  marks: ReadonlySet<Validity>;
+  /** Colour of a reading by its intensity; null for the one red. */
+  colorOf: ((intensity: number) => string) | null;
+}
+
+/**
+ * Draws every ray of a scan: a square dot for a reading, and for the other classes gray marks that cannot be taken for
+ * one, thinned so that they stay apart. Readings beyond the view are arrow heads at its edge.
+ *
+ * @returns how many readings lie beyond the view
+ */
+export function drawReadings(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  scan: Scan,
+  { theme, marks, colorOf }: ReadingStyle,
+  occupied: Occupancy,
+): number {
+  const scale = projection.radius / projection.viewRange;
+  const rim = Math.min(scan.rangeMax, projection.viewRange) * scale;
+  const last: ({ x: number; y: number } | undefined)[] = [];
+  let beyond = 0;
+  let color = theme.reading;
+  context.fillStyle = color;
+  for (let i = 0; i < scan.count; i++) {
+    const range = scan.ranges[i] as number;
+    const kind = classify(range, scan.rangeMin, scan.rangeMax);
+    const { x: ux, y: uy } = toDirection(angleOf(scan, i), projection.forward);
+    if (kind === READING && range <= projection.viewRange) {
+      const x = projection.centerX + ux * range * scale;
+      const y = projection.centerY + uy * range * scale;
+      const next = colorOf ? colorOf(scan.intensities[i] as number) : theme.reading;
+      if (next !== color) {
+        color = next;
+        context.fillStyle = color;
+      }
+      context.fillRect(x - DOT / 2, y - DOT / 2, DOT, DOT);
+      occupied.mark(x, y);
+      continue;
+    }
+    if (kind === READING) beyond++;
+    else if (!marks.has(kind)) continue;
+    const shape = kind === READING ? BEYOND : kind;
+    const distance = laneOf(kind, range * scale, rim, projection.radius);
+    const x = projection.centerX + ux * distance;
+    const y = projection.centerY + uy * distance;
+    const before = last[shape];
+    if (before && Math.hypot(before.x - x, before.y - y) < MARK_SPACING) continue;
+    last[shape] = { x, y };
+    drawMark(context, shape, x, y, ux, uy, theme);
+    occupied.mark(x, y);
+    context.fillStyle = color;
+  }
+  return beyond;
+}
+
+/** Pixels from the scanner at which the mark of a ray without a reading in view stands. */
+function laneOf(kind: Validity, pixels: number, rim: number, edge: number): number {
+  if (kind === TOO_CLOSE) return INNER_LANE;
+  if (kind === OUTSIDE_LIMITS && pixels <= edge) return Math.max(INNER_LANE, pixels);
+  return rim + LANE;
+}
+
+function drawMark(
+  context: CanvasRenderingContext2D,
+  shape: number,
+  x: number,
+  y: number,
+  ux: number,
+  uy: number,
+  theme: Theme,
+): void {
+  context.strokeStyle = theme.muted;
+  context.lineWidth = 1.2;
+  context.beginPath();
+  if (shape === NOTHING_IN_RANGE) {
+    context.moveTo(x - ux * 2.5, y - uy * 2.5);
+    context.lineTo(x + ux * 2.5, y + uy * 2.5);
+  } else if (shape === NO_MEASUREMENT) {
+    context.moveTo(x - 2.2, y - 2.2);
+    context.lineTo(x + 2.2, y + 2.2);
+    context.moveTo(x - 2.2, y + 2.2);
+    context.lineTo(x + 2.2, y - 2.2);
+  } else if (shape === OUTSIDE_LIMITS) {
+    context.arc(x, y, 2.2, 0, 2 * Math.PI);
+  } else {
+    // An arrow head: towards the scanner for too close, away from it for beyond the view.
+    const sign = shape === TOO_CLOSE ? -1 : 1;
+    context.moveTo(x + sign * ux * 3, y + sign * uy * 3);
+    context.lineTo(x - sign * ux * 2 - uy * 3, y - sign * uy * 2 + ux * 3);
+    context.lineTo(x - sign * ux * 2 + uy * 3, y - sign * uy * 2 - ux * 3);
+    context.closePath();
+    context.fillStyle = shape === TOO_CLOSE ? theme.muted : theme.reading;
+    context.fill();
+    return;
+  }
+  context.stroke();
+}
+
+/** The distance at each arc, with a halo. */
+export function drawArcLabels(context: CanvasRenderingContext2D, labels: ArcLabel[], theme: Theme): void {
+  context.font = arcFont(theme);
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.lineJoin = "round";
+  for (const { distance, box } of labels) {
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2 + 0.5];
+    context.lineWidth = 4;
+    context.strokeStyle = theme.area;
+    context.strokeText(toShortMetres(distance), x, y);
+    context.fillStyle = theme.muted;
+    context.fillText(toShortMetres(distance), x, y);
+  }
+}

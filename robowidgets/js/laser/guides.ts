@@ -1,0 +1,179 @@
+import { toDegrees } from "../shared/format.ts";
+import { type Box, type Projection, RIM_MARKS, type Rim, toDirection, toPixel } from "./projection.ts";
+import { angleOf, isFullCircle, type Sweep } from "./scan.ts";
+
+/** Distances of the range arcs in metres: those asked for, or `count` that divide the view in equal parts. */
+export function arcDistances(asked: number[], count: number, viewRange: number): number[] {
+  const arcs = asked.length ? [...asked].sort((a, b) => a - b) : divide(count, viewRange);
+  return arcs.filter((distance) => distance <= viewRange * (1 + 1e-9));
+}
+
+function divide(count: number, whole: number): number[] {
+  return Array.from({ length: count }, (_, i) => (whole * (i + 1)) / count);
+}
+
+/**
+ * Indices of the rays at which radial lines stand: `count` of them, which divide the swept angle in equal parts, as
+ * near as there is a ray. The first and the last ray are among them, but on a full circle, where they meet.
+ */
+export function rayIndices(sweep: Sweep, count: number): number[] {
+  if (sweep.count === 0 || count === 0) return [];
+  if (count === 1) return [Math.floor((sweep.count - 1) / 2)];
+  const step = isFullCircle(sweep) ? sweep.count / count : (sweep.count - 1) / (count - 1);
+  return [...new Set(Array.from({ length: count }, (_, i) => Math.min(sweep.count - 1, Math.round(i * step))))];
+}
+
+export interface RayLabel extends Rim {
+  index: number;
+  angle: number;
+  /** Angle over index, as a program writes it. */
+  lines: [string, string];
+}
+
+const LABEL_GAP = 4;
+
+/** Labels of the radial lines, outside the area. `measure` gives the width of the two lines in pixels. */
+export function rayLabels(
+  sweep: Sweep,
+  indices: number[],
+  forward: number,
+  measure: (lines: [string, string]) => number,
+): RayLabel[] {
+  return indices.map((index) => {
+    const angle = angleOf(sweep, index);
+    const lines: [string, string] = [toDegrees(angle), `[${index}]`];
+    const direction = toDirection(angle, forward);
+    const halfWidth = measure(lines) / 2;
+    const halfHeight = 15;
+    const gap = RIM_MARKS + LABEL_GAP + Math.abs(direction.x) * halfWidth + Math.abs(direction.y) * halfHeight;
+    return { index, angle, lines, direction, gap, halfWidth, halfHeight };
+  });
+}
+
+export function labelBox({ centerX, centerY, radius }: Projection, label: Rim): Box {
+  return {
+    x: centerX + label.direction.x * (radius + label.gap) - label.halfWidth,
+    y: centerY + label.direction.y * (radius + label.gap) - label.halfHeight,
+    width: 2 * label.halfWidth,
+    height: 2 * label.halfHeight,
+  };
+}
+
+export function overlaps(a: Box, b: Box, margin = 0): boolean {
+  return (
+    a.x < b.x + b.width + margin &&
+    b.x < a.x + a.width + margin &&
+    a.y < b.y + b.height + margin &&
+    b.y < a.y + a.height + margin
+  );
+}
+
+/** Drops every second label until none overlaps another. */
+export function thinLabels(projection: Projection, labels: RayLabel[]): RayLabel[] {
+  let kept = labels;
+  while (kept.length > 1) {
+    const boxes = kept.map((label) => labelBox(projection, label));
+    const clash = boxes.some((box, i) => boxes.slice(i + 1).some((other) => overlaps(box, other, 2)));
+    if (!clash) break;
+    kept = kept.filter((_, i) => i % 2 === 0);
+  }
+  return kept;
+}
+
+const CELL = 6;
+
+/** Which parts of the picture hold something that a label must not cover. */
+export class Occupancy {
+  readonly #columns: number;
+  readonly #rows: number;
+  readonly #cells: Uint8Array;
+
+  constructor(width: number, height: number) {
+    this.#columns = Math.ceil(width / CELL) + 1;
+    this.#rows = Math.ceil(height / CELL) + 1;
+    this.#cells = new Uint8Array(this.#columns * this.#rows);
+  }
+
+  mark(x: number, y: number): void {
+    const [column, row] = [Math.floor(x / CELL), Math.floor(y / CELL)];
+    if (column >= 0 && row >= 0 && column < this.#columns && row < this.#rows) {
+      this.#cells[row * this.#columns + column] = 1;
+    }
+  }
+
+  /** How many marked cells lie under a box. */
+  count({ x, y, width, height }: Box): number {
+    let found = 0;
+    const last = { column: Math.floor((x + width) / CELL), row: Math.floor((y + height) / CELL) };
+    for (let row = Math.max(0, Math.floor(y / CELL)); row <= Math.min(this.#rows - 1, last.row); row++) {
+      for (
+        let column = Math.max(0, Math.floor(x / CELL));
+        column <= Math.min(this.#columns - 1, last.column);
+        column++
+      ) {
+        found += this.#cells[row * this.#columns + column] as number;
+      }
+    }
+    return found;
+  }
+}
+
+export interface ArcLabel {
+  distance: number;
+  angle: number;
+  box: Box;
+}
+
+const ARC_LABEL_HEIGHT = 14;
+const CLOSEST_TO_ROBOT = 26;
+const CANDIDATES = 48;
+
+/**
+ * Where the arcs are labelled: just inside each arc, left of forward, and elsewhere round it when a reading is there. A
+ * label stays where it was as long as that place is free, so that a live picture keeps still; without a free place it
+ * is left out.
+ */
+export function arcLabels(
+  projection: Projection,
+  sweep: Sweep,
+  arcs: { distance: number; width: number }[],
+  lines: number[],
+  occupied: Occupancy,
+  previous: ArcLabel[],
+): ArcLabel[] {
+  const placed: ArcLabel[] = [];
+  const spread = isFullCircle(sweep) ? 2 * Math.PI : Math.abs(sweep.angleIncrement) * Math.max(0, sweep.count - 1);
+  const from = Math.min(angleOf(sweep, 0), angleOf(sweep, Math.max(0, sweep.count - 1)));
+  const preferred = preferredAngle(from, spread);
+  const angles = Array.from({ length: CANDIDATES }, (_, i) => from + ((i + 0.5) / CANDIDATES) * spread).sort(
+    (a, b) => Math.abs(a - preferred) - Math.abs(b - preferred),
+  );
+  for (const { distance, width } of arcs) {
+    const pixels = (distance / projection.viewRange) * projection.radius;
+    if (pixels < CLOSEST_TO_ROBOT) continue;
+    const inside = distance - ((ARC_LABEL_HEIGHT / 2 + 2) / projection.radius) * projection.viewRange;
+    const toLabel = (angle: number): ArcLabel => {
+      const { x, y } = toPixel(projection, inside, angle);
+      const box = { x: x - width / 2, y: y - ARC_LABEL_HEIGHT / 2, width, height: ARC_LABEL_HEIGHT };
+      return { distance, angle, box };
+    };
+    const before = previous.find((label) => label.distance === distance);
+    // Half the label's width must lie inside the swept angle and clear of the radial lines.
+    const needed = (width / 2 + 3) / pixels;
+    const clear = (angle: number) =>
+      (isFullCircle(sweep) || spread < 2 * needed || (angle - from > needed && from + spread - angle > needed)) &&
+      lines.every((line) => Math.abs(Math.sin((angle - line) / 2)) * 2 * pixels > width / 3);
+    const free = (label: ArcLabel) =>
+      occupied.count(label.box) === 0 && !placed.some((other) => overlaps(label.box, other.box));
+    const candidates = [...(before ? [before.angle] : []), ...angles.filter(clear)].map(toLabel);
+    const found = candidates.find(free);
+    if (found) placed.push(found);
+  }
+  return placed;
+}
+
+function preferredAngle(from: number, spread: number): number {
+  const forward = Math.round((from + spread / 2) / (2 * Math.PI)) * 2 * Math.PI;
+  const leftOfForward = forward + 0.24;
+  return leftOfForward > from && leftOfForward < from + spread ? leftOfForward : from + spread / 2;
+}

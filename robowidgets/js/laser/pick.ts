@@ -1,0 +1,29 @@
+import { fromPixel, type Point, type Projection, toDirection } from "./projection.ts";
+import { angleOf, classify, indexAt, READING, type Scan } from "./scan.ts";
+
+const NEAR = 9;
+const ROBOT = 8;
+const BEYOND_RIM = 16;
+
+/** The ray under a point of the picture: of a reading close to it, else of the direction; -1 for none. */
+export function pick(projection: Projection, scan: Scan, point: Point): number {
+  const { range, angle } = fromPixel(projection, point);
+  const scale = projection.radius / projection.viewRange;
+  if (range * scale < ROBOT || range * scale > projection.radius + BEYOND_RIM) return -1;
+  let found = -1;
+  let least = NEAR;
+  for (let i = 0; i < scan.count; i++) {
+    const distance = scan.ranges[i] as number;
+    if (Math.abs(distance - range) * scale > least) continue;
+    if (classify(distance, scan.rangeMin, scan.rangeMax) !== READING) continue;
+    const { x, y } = toDirection(angleOf(scan, i), projection.forward);
+    const dx = projection.centerX + x * distance * scale - point.x;
+    const dy = projection.centerY + y * distance * scale - point.y;
+    const away = Math.hypot(dx, dy);
+    if (away < least) {
+      least = away;
+      found = i;
+    }
+  }
+  return found >= 0 ? found : indexAt(scan, angle);
+}

@@ -1,0 +1,91 @@
+import { Reader } from "../shared/bytes.ts";
+import { type Frame, readHead } from "../shared/stream.ts";
+
+/** The classes of REP-117, numbered as in Python. */
+export const READING = 0;
+export const TOO_CLOSE = 1;
+export const NOTHING_IN_RANGE = 2;
+export const NO_MEASUREMENT = 3;
+export const OUTSIDE_LIMITS = 4;
+export type Validity = 0 | 1 | 2 | 3 | 4;
+
+/** The rays' directions: ray i points at angleMin + i * angleIncrement, radians counter-clockwise from forward. */
+export interface Sweep {
+  angleMin: number;
+  angleIncrement: number;
+  count: number;
+}
+
+/** One scan as it comes from Python; metres and radians. */
+export interface Scan extends Frame, Sweep {
+  rangeMin: number;
+  rangeMax: number;
+  ranges: Float32Array;
+  /** As long as ranges, or empty. */
+  intensities: Float32Array;
+}
+
+export function decodeScan(bytes: DataView): Scan {
+  const reader = new Reader(bytes);
+  const head = readHead(reader);
+  const [angleMin = 0, angleIncrement = 0, rangeMin = 0, rangeMax = 0, count = 0] = reader.float64s(5);
+  const ranges = reader.float32s(count);
+  const intensities = reader.float32s(reader.left / 4);
+  return { ...head, angleMin, angleIncrement, rangeMin, rangeMax, count, ranges, intensities };
+}
+
+export function angleOf(sweep: Sweep, index: number): number {
+  return sweep.angleMin + index * sweep.angleIncrement;
+}
+
+/** The order of the questions matters: NaN must not slip through a comparison. */
+export function classify(range: number, rangeMin: number, rangeMax: number): Validity {
+  if (rangeMin <= range && range <= rangeMax) return READING;
+  if (range === -Infinity) return TOO_CLOSE;
+  if (range === Infinity) return NOTHING_IN_RANGE;
+  if (Number.isNaN(range)) return NO_MEASUREMENT;
+  return OUTSIDE_LIMITS;
+}
+
+export interface Census {
+  /** How many rays there are of each class. */
+  counts: [number, number, number, number, number];
+  /** Index of the nearest reading, or -1. */
+  nearest: number;
+}
+
+export function takeCensus(scan: Scan): Census {
+  const counts: Census["counts"] = [0, 0, 0, 0, 0];
+  let nearest = -1;
+  let least = Infinity;
+  for (let i = 0; i < scan.count; i++) {
+    const range = scan.ranges[i] as number;
+    const kind = classify(range, scan.rangeMin, scan.rangeMax);
+    counts[kind]++;
+    if (kind === READING && range < least) {
+      least = range;
+      nearest = i;
+    }
+  }
+  return { counts, nearest };
+}
+
+const TURN = 2 * Math.PI;
+
+/** Whether the rays close a full circle. */
+export function isFullCircle({ angleIncrement, count }: Sweep): boolean {
+  const step = Math.abs(angleIncrement);
+  return count > 1 && step * count > TURN - step / 2;
+}
+
+/** The index of the ray closest to an angle; -1 when the angle is not swept. */
+export function indexAt(sweep: Sweep, angle: number): number {
+  const { angleMin, angleIncrement, count } = sweep;
+  if (count === 0) return -1;
+  const step = Math.abs(angleIncrement) || TURN;
+  const ahead = angleIncrement < 0 ? angleMin - angle : angle - angleMin;
+  const turned = ((ahead % TURN) + TURN) % TURN;
+  const index = Math.round(turned / step);
+  if (index < count) return index;
+  return TURN - turned <= step / 2 ? 0 : -1;
+}

@@ -1,0 +1,173 @@
+import { Layer, type Size } from "../shared/canvas.ts";
+import { toShortMetres } from "../shared/format.ts";
+import { getNumber, getString, type Model } from "../shared/model.ts";
+import type { Theme } from "../shared/theme.ts";
+import { colorScale, type Domain, drawColorScale, intensityDomain, SCALE_HEIGHT } from "./color.ts";
+import {
+  angleFont,
+  arcFont,
+  drawArea,
+  drawGuides,
+  drawLine,
+  drawRayLabels,
+  drawRobot,
+  indexFont,
+} from "./draw_area.ts";
+import { drawArcLabels, drawReadings } from "./draw_readings.ts";
+import {
+  type ArcLabel,
+  arcDistances,
+  arcLabels,
+  Occupancy,
+  type RayLabel,
+  rayIndices,
+  rayLabels,
+  thinLabels,
+} from "./guides.ts";
+import { type Box, FORWARD, fit, type Point, type Projection, sweepRim, toPixel } from "./projection.ts";
+import { angleOf, classify, OUTSIDE_LIMITS, READING, type Scan, type Sweep } from "./scan.ts";
+import { CLASSES } from "./words.ts";
+import { resolveRange, type ViewRange } from "./zoom.ts";
+
+/** What an empty widget shows: the area of a common scanner. */
+const PLACEHOLDER = {
+  angleMin: (-3 * Math.PI) / 4,
+  angleIncrement: Math.PI / 180,
+  count: 271,
+  rangeMin: 0.1,
+  rangeMax: 10,
+};
+
+/** The two canvases of one view: beneath, what changes seldom; above, the readings. */
+export class Scene {
+  projection: Projection = { centerX: 0, centerY: 0, radius: 1, viewRange: 1, forward: 0 };
+  occupied = new Occupancy(1, 1);
+  box: Box = { x: 0, y: 0, width: 0, height: 0 };
+  /** How many readings lie beyond the view. */
+  beyond = 0;
+  readonly #model: Model;
+  readonly #base: Layer;
+  readonly #top: Layer;
+  #baseKey = "";
+  #fitted = 0;
+  #domain: Domain | null = null;
+  #arcs: number[] = [];
+  #rays: number[] = [];
+  #arcLabels: ArcLabel[] = [];
+  #arcWidths: number[] = [];
+
+  constructor(model: Model, parent: HTMLElement) {
+    this.#model = model;
+    this.#base = new Layer(parent);
+    this.#top = new Layer(parent);
+  }
+
+  /** The metres the view reaches now. */
+  get viewRange(): number {
+    return this.projection.viewRange;
+  }
+
+  /** @param insetTop room at the top that a notice takes, in pixels */
+  draw(scan: Scan | null, size: Size, insetTop: number, theme: Theme, dark: boolean): void {
+    const colored = scan?.intensities.length && this.#model.get("color_by_intensity");
+    this.#domain = scan && colored ? intensityDomain(scan, this.#domain) : null;
+    const insetBottom = this.#domain ? SCALE_HEIGHT : 0;
+    this.box = { x: 0, y: insetTop, width: size.width, height: Math.max(40, size.height - insetTop - insetBottom) };
+    this.#drawBase(scan, size, theme, dark);
+    const context = this.#top.begin(size);
+    this.occupied = new Occupancy(size.width, size.height);
+    this.beyond = 0;
+    if (scan) {
+      const colorOf = this.#domain ? colorScale(this.#domain, dark) : null;
+      const shown = new Set((this.#model.get("marks") as string[]) ?? []);
+      const marks = new Set(CLASSES.filter(({ name }) => shown.has(name)).map(({ kind }) => kind));
+      this.beyond = drawReadings(context, this.projection, scan, { theme, marks, colorOf }, this.occupied);
+      if (this.#domain && colorOf) drawColorScale(context, size, this.#domain, colorOf, theme);
+    }
+    const sweep = scan ?? PLACEHOLDER;
+    const lines = this.#rays.map((index) => angleOf(sweep, index));
+    const arcs = this.#arcs.map((distance, i) => ({ distance, width: this.#arcWidths[i] ?? 0 }));
+    this.#arcLabels = arcLabels(this.projection, sweep, arcs, lines, this.occupied, this.#arcLabels);
+    drawArcLabels(context, this.#arcLabels, theme);
+  }
+
+  /** Draws the ray that a pop-up names. */
+  drawPointer(scan: Scan, index: number, theme: Theme): void {
+    const { context } = this.#top;
+    const end = this.endOf(scan, index);
+    const angle = angleOf(scan, index);
+    const isReading = classify(scan.ranges[index] as number, scan.rangeMin, scan.rangeMax) === READING;
+    context.setLineDash(isReading ? [] : [4, 4]);
+    drawLine(context, this.projection, angle, 0, this.#visible(scan, index), theme.pointer, 1.5);
+    context.setLineDash([]);
+    context.beginPath();
+    context.arc(end.x, end.y, 6, 0, 2 * Math.PI);
+    context.lineWidth = 2;
+    context.stroke();
+    drawRobot(context, this.projection, theme);
+  }
+
+  /** Where a ray ends in the picture: at its reading, or at the edge of what can be seen. */
+  endOf(scan: Scan, index: number): Point {
+    return toPixel(this.projection, this.#visible(scan, index), angleOf(scan, index));
+  }
+
+  #visible(scan: Scan, index: number): number {
+    const range = scan.ranges[index] as number;
+    const edge = Math.min(scan.rangeMax, this.viewRange);
+    const kind = classify(range, scan.rangeMin, scan.rangeMax);
+    if (kind === READING) return Math.min(range, this.viewRange);
+    if (kind === OUTSIDE_LIMITS) return Math.min(Math.max(0, range), this.viewRange);
+    return edge;
+  }
+
+  #drawBase(scan: Scan | null, size: Size, theme: Theme, dark: boolean): void {
+    const model = this.#model;
+    const { angleMin, angleIncrement, count, rangeMin, rangeMax } = scan ?? PLACEHOLDER;
+    const sweep: Sweep = { angleMin, angleIncrement, count };
+    const viewRange = resolveRange(model.get("view_range") as ViewRange, scan, this.#fitted);
+    this.#fitted = model.get("view_range") === "data" ? viewRange : 0;
+    const [arcCount, rayCount] = [getNumber(model, "arc_count"), getNumber(model, "ray_count")];
+    const asked = (model.get("arc_distances") as number[]) ?? [];
+    const forward = getString(model, "forward");
+    const limits = { rangeMin, rangeMax };
+    const ratio = window.devicePixelRatio;
+    const key = JSON.stringify([
+      sweep,
+      limits,
+      viewRange,
+      arcCount,
+      rayCount,
+      asked,
+      forward,
+      this.box,
+      size,
+      dark,
+      ratio,
+    ]);
+    if (key === this.#baseKey) return;
+    this.#baseKey = key;
+
+    const context = this.#base.begin(size);
+    const turn = FORWARD[forward] ?? 0;
+    this.#rays = rayIndices(sweep, rayCount);
+    const labels = rayLabels(sweep, this.#rays, turn, (lines) => measure(context, theme, lines));
+    const rim = [...sweepRim(sweep, turn), ...labels];
+    this.projection = { ...fit(rim, this.box), viewRange, forward: turn };
+    this.#arcs = arcDistances(asked, arcCount, viewRange).filter((d) => d > rangeMin && d <= rangeMax * (1 + 1e-6));
+    context.font = arcFont(theme);
+    this.#arcWidths = this.#arcs.map((distance) => context.measureText(toShortMetres(distance)).width + 6);
+    const kept: RayLabel[] = thinLabels(this.projection, labels);
+    drawArea(context, this.projection, sweep, limits, theme);
+    drawGuides(context, this.projection, sweep, limits, this.#arcs, this.#rays, theme);
+    drawRayLabels(context, this.projection, kept, theme);
+    drawRobot(context, this.projection, theme);
+  }
+}
+
+function measure(context: CanvasRenderingContext2D, theme: Theme, [angle, index]: [string, string]): number {
+  context.font = angleFont(theme);
+  const above = context.measureText(angle).width;
+  context.font = indexFont(theme);
+  return Math.max(above, context.measureText(index).width);
+}

@@ -1,0 +1,148 @@
+import { type Size, watchSize } from "../shared/canvas.ts";
+import { Card } from "../shared/card.ts";
+import { make, makeButton, setText } from "../shared/dom.ts";
+import { toFixed, toShortMetres } from "../shared/format.ts";
+import { getAbout, type Model, onChange, put } from "../shared/model.ts";
+import { onceAFrame } from "../shared/schedule.ts";
+import type { Stream } from "../shared/stream.ts";
+import { watchGestures } from "./gestures.ts";
+import { Legend } from "./legend.ts";
+import { pick } from "./pick.ts";
+import { Popup } from "./popup.ts";
+import { placePopup } from "./popup_place.ts";
+import type { Box, Point } from "./projection.ts";
+import { type Scan, takeCensus } from "./scan.ts";
+import { Scene } from "./scene.ts";
+import { describeRay, whyEmpty } from "./words.ts";
+import { stepRange } from "./zoom.ts";
+
+const SETTINGS = ["arc_count", "arc_distances", "ray_count", "view_range", "forward", "marks", "color_by_intensity"];
+const EMPTY = { counts: [0, 0, 0, 0, 0] as [number, number, number, number, number], nearest: -1 };
+
+/** One view of a laser widget: it wires the card, the scene, the legend, the pop-ups and the gestures together. */
+export class LaserView {
+  readonly #model: Model;
+  readonly #stream: Stream<Scan>;
+  readonly #card: Card;
+  readonly #scene: Scene;
+  readonly #legend: Legend;
+  readonly #pinned: Popup;
+  readonly #hovered: Popup;
+  readonly #empty = make("div", "rw-empty");
+  readonly #range = make("span", "rw-range");
+  readonly #fit: HTMLButtonElement;
+  readonly #redraw: () => void;
+  #size: Size = { width: 0, height: 0 };
+
+  constructor(model: Model, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
+    this.#model = model;
+    this.#stream = stream;
+    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#card = new Card(element, "laser", model, stream, this.#redraw, signal);
+    const { picture, footer } = this.#card;
+    this.#scene = new Scene(model, picture);
+    this.#legend = new Legend(footer, model, signal);
+    this.#pinned = new Popup(picture);
+    this.#hovered = new Popup(picture);
+    picture.append(this.#empty);
+
+    const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal);
+    closer.textContent = "+";
+    const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(1), signal);
+    farther.textContent = "\u2212";
+    this.#fit = makeButton("rw-fit", "Fit the view to the readings", () => this.#onFit(), signal);
+    this.#fit.textContent = "Fit";
+    this.#card.addControls(farther, this.#range, closer, this.#fit);
+
+    stream.listen(this.#redraw, signal);
+    onChange(model, [...SETTINGS, "hovered", "pinned"], this.#redraw, signal);
+    watchGestures(picture, this, signal);
+    const onSize = (size: Size) => {
+      this.#size = size;
+      this.#draw();
+    };
+    watchSize(picture, onSize, signal);
+  }
+
+  onHover(point: Point | null): void {
+    this.#setIndex("hovered", point ? this.#indexAt(point) : -1);
+  }
+
+  onPick(point: Point): void {
+    const index = this.#indexAt(point);
+    this.#setIndex("pinned", index === this.#index("pinned") ? -1 : index);
+  }
+
+  onWalk(to: string): void {
+    const scan = this.#stream.shown;
+    if (!scan?.count) return;
+    const last = scan.count - 1;
+    const from = this.#index("pinned") ?? this.#index("hovered");
+    const middle = Math.floor(last / 2);
+    const next = {
+      next: from === null ? middle : from + 1,
+      previous: from === null ? middle : from - 1,
+      first: 0,
+      last,
+    };
+    const index = next[to as keyof typeof next] ?? -1;
+    this.#setIndex("pinned", to === "none" ? -1 : Math.min(last, Math.max(0, index)));
+  }
+
+  onZoom(direction: -1 | 1): void {
+    const rangeMax = this.#stream.shown?.rangeMax ?? this.#scene.viewRange;
+    put(this.#model, { view_range: stepRange(this.#scene.viewRange, direction, rangeMax) });
+  }
+
+  #onFit(): void {
+    put(this.#model, { view_range: this.#model.get("view_range") === "data" ? "sensor" : "data" });
+  }
+
+  #indexAt(point: Point): number {
+    const scan = this.#stream.shown;
+    return scan ? pick(this.#scene.projection, scan, point) : -1;
+  }
+
+  #index(name: "hovered" | "pinned"): number | null {
+    const value = this.#model.get(name);
+    return typeof value === "number" ? value : null;
+  }
+
+  #setIndex(name: "hovered" | "pinned", index: number): void {
+    const value = index < 0 ? null : index;
+    if (this.#index(name) !== value) put(this.#model, { [name]: value });
+  }
+
+  #draw(): void {
+    if (this.#size.width === 0) return;
+    const scan = this.#stream.shown;
+    const census = scan ? takeCensus(scan) : EMPTY;
+    const { theme, root } = this.#card;
+    const rays = scan ? `${scan.count} ${scan.count === 1 ? "ray" : "rays"}` : "";
+    const rate = scan && this.#stream.live && Number.isFinite(scan.rate) ? `${toFixed(scan.rate, 1)} Hz` : "";
+    this.#card.update([getAbout(this.#model).frame_id ?? "", rays, rate], "scan");
+    this.#scene.draw(scan, this.#size, this.#card.noticeHeight, theme, root.dataset.rwTheme === "dark");
+    const { viewRange, beyond } = this.#scene;
+    setText(this.#range, toShortMetres(viewRange));
+    this.#fit.setAttribute("aria-pressed", String(this.#model.get("view_range") === "data"));
+    this.#legend.update(scan, census, (this.#model.get("marks") as string[]) ?? [], beyond, viewRange);
+    setText(this.#empty, whyEmpty(scan, census));
+    this.#empty.hidden = !this.#empty.textContent;
+    this.#drawPopups(scan);
+  }
+
+  #drawPopups(scan: Scan | null): void {
+    const [pinned, hovered] = [this.#index("pinned"), this.#index("hovered")];
+    const others: Box[] = [];
+    const show = (popup: Popup, index: number | null) => {
+      if (!scan || index === null) return popup.hide();
+      const { box, projection, occupied } = this.#scene;
+      const center = { x: projection.centerX, y: projection.centerY };
+      const end = index < scan.count ? this.#scene.endOf(scan, index) : center;
+      if (index < scan.count) this.#scene.drawPointer(scan, index, this.#card.theme);
+      others.push(popup.show(describeRay(scan, index), (size) => placePopup(size, box, center, end, occupied, others)));
+    };
+    show(this.#pinned, pinned);
+    show(this.#hovered, hovered === pinned ? null : hovered);
+  }
+}

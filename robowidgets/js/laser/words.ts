@@ -1,0 +1,101 @@
+import { toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../shared/format.ts";
+import {
+  angleOf,
+  type Census,
+  classify,
+  NO_MEASUREMENT,
+  NOTHING_IN_RANGE,
+  OUTSIDE_LIMITS,
+  READING,
+  type Scan,
+  TOO_CLOSE,
+  type Validity,
+} from "./scan.ts";
+
+/** What each class is called: in the legend, and by Python's trait `marks`. */
+export const CLASSES: { kind: Validity; name: string; word: string; explained: string }[] = [
+  { kind: READING, name: "reading", word: "readings", explained: "a distance within the limits" },
+  { kind: OUTSIDE_LIMITS, name: "outside_limits", word: "outside", explained: "a distance outside the limits" },
+  { kind: NOTHING_IN_RANGE, name: "nothing_in_range", word: "nothing", explained: "+inf: nothing in range" },
+  { kind: NO_MEASUREMENT, name: "no_measurement", word: "none", explained: "NaN: no measurement" },
+  { kind: TOO_CLOSE, name: "too_close", word: "too close", explained: "\u2212inf: too close to measure" },
+];
+
+/** What a range without a reading means; nothing for a reading. */
+export function meaningOf(range: number, { rangeMin, rangeMax }: Scan): string {
+  switch (classify(range, rangeMin, rangeMax)) {
+    case READING:
+      return "";
+    case TOO_CLOSE:
+      return `\u2212inf: closer than ${toShortMetres(rangeMin)}`;
+    case NOTHING_IN_RANGE:
+      return `+inf: nothing within ${toShortMetres(rangeMax)}`;
+    case NO_MEASUREMENT:
+      return "NaN: no measurement";
+    default:
+      return `outside the limits ${toShortMetres(rangeMin)} to ${toShortMetres(rangeMax)}`;
+  }
+}
+
+/** Why a scan shows no reading, in one sentence; nothing when it shows some. */
+export function whyEmpty(scan: Scan | null, { counts }: Census): string {
+  if (!scan) return "waiting for a scan";
+  if (scan.count === 0) return "this scan is empty: it has no rays";
+  if (counts[READING] > 0) return "";
+  const present = CLASSES.filter(({ kind }) => counts[kind] > 0);
+  const [only] = present;
+  if (present.length === 1 && only) {
+    const sample = scan.ranges[0] as number;
+    const value = only.kind === OUTSIDE_LIMITS ? `${toFixed(sample, 3)} m, ` : "";
+    const who = scan.count === 1 ? "the one ray says" : `all ${toCount(scan.count)} rays say`;
+    const same = only.kind !== OUTSIDE_LIMITS || scan.ranges.every((range) => range === sample);
+    return same
+      ? `no readings: ${who} ${value}${meaningOf(sample, scan)}`
+      : `no readings: all ${toCount(scan.count)} rays are ${meaningOf(sample, scan)}`;
+  }
+  return `no readings: ${present.map(({ kind, word }) => `${toCount(counts[kind])} ${word}`).join(", ")}`;
+}
+
+/** What the pop-up says of one ray. */
+export interface RayWords {
+  expression: string;
+  distance: string;
+  angle: string;
+  details: string;
+  side: string;
+}
+
+export function describeRay(scan: Scan, index: number): RayWords {
+  const expression = `ranges[${index}]`;
+  if (index >= scan.count) {
+    return {
+      expression,
+      distance: "\u2014",
+      angle: "",
+      details: `this scan has ${toCount(scan.count)} rays`,
+      side: "",
+    };
+  }
+  const range = scan.ranges[index] as number;
+  const angle = angleOf(scan, index);
+  const intensity = scan.intensities[index];
+  const parts = [meaningOf(range, scan)];
+  const isReading = parts[0] === "";
+  if (isReading) parts[0] = `x ${toFixed(range * Math.cos(angle), 2)}  y ${toFixed(range * Math.sin(angle), 2)}`;
+  if (intensity !== undefined) parts.push(`intensity ${toFixed(intensity, Number.isInteger(intensity) ? 0 : 2)}`);
+  return {
+    expression,
+    distance: isReading ? toMetres(range) : Number.isFinite(range) ? `${toFixed(range, 3)} m` : toFixed(range, 0),
+    angle: toDegrees(angle),
+    details: parts.join(" · "),
+    side: sideOf(angle),
+  };
+}
+
+/** The side of the robot on which an angle lies. */
+export function sideOf(angle: number): string {
+  const turned = Math.atan2(Math.sin(angle), Math.cos(angle));
+  if (Math.abs(turned) < 0.0009) return "ahead";
+  if (Math.abs(turned) > Math.PI - 0.0009) return "behind";
+  return turned > 0 ? "left" : "right";
+}

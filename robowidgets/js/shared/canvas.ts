@@ -1,0 +1,50 @@
+export interface Size {
+  width: number;
+  height: number;
+}
+
+/** A canvas that stays sharp at any pixel ratio; drawn on in CSS pixels. */
+export class Layer {
+  readonly canvas: HTMLCanvasElement;
+  readonly context: CanvasRenderingContext2D;
+
+  constructor(parent: HTMLElement) {
+    this.canvas = document.createElement("canvas");
+    this.canvas.className = "rw-layer";
+    this.canvas.setAttribute("aria-hidden", "true");
+    const context = this.canvas.getContext("2d");
+    if (!context) throw new Error("robowidgets: this browser gives no 2D canvas");
+    this.context = context;
+    parent.append(this.canvas);
+  }
+
+  /** Clears the layer for a picture of this size. */
+  begin({ width, height }: Size): CanvasRenderingContext2D {
+    const ratio = window.devicePixelRatio || 1;
+    const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+    if (this.canvas.width !== w || this.canvas.height !== h) {
+      this.canvas.width = w;
+      this.canvas.height = h;
+    }
+    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.context.clearRect(0, 0, width, height);
+    return this.context;
+  }
+}
+
+/** Calls back with the size of an element now and whenever it or the pixel ratio changes. */
+export function watchSize(element: HTMLElement, callback: (size: Size) => void, signal: AbortSignal): void {
+  const tell = () => callback({ width: element.clientWidth, height: element.clientHeight });
+  const observer = new ResizeObserver(tell);
+  observer.observe(element);
+  signal.addEventListener("abort", () => observer.disconnect());
+  const watchRatio = () => {
+    const query = matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`);
+    const onRatio = () => {
+      tell();
+      watchRatio();
+    };
+    query.addEventListener("change", onRatio, { once: true, signal });
+  };
+  watchRatio();
+}

@@ -1,0 +1,29 @@
+const MINUS = "\u2212";
+
+/** A number with a fixed count of decimals, a real minus sign, and no minus on a zero. */
+export function toFixed(value: number, decimals: number): string {
+  if (Number.isNaN(value)) return "NaN";
+  if (!Number.isFinite(value)) return value > 0 ? "+inf" : `${MINUS}inf`;
+  const text = Math.abs(value).toFixed(decimals);
+  return value < 0 && Number(text) !== 0 ? MINUS + text : text;
+}
+
+/** Metres with two decimals: "2.54 m". */
+export function toMetres(value: number): string {
+  return `${toFixed(value, 2)} m`;
+}
+
+/** Metres with as many decimals as the number needs, at most three: "6 m", "4.5 m". */
+export function toShortMetres(value: number): string {
+  return `${toFixed(value, 3).replace(/\.?0+$/, "")} m`;
+}
+
+/** Radians as degrees with one decimal: "28.8°". */
+export function toDegrees(radians: number): string {
+  return `${toFixed((radians * 180) / Math.PI, 1)}°`;
+}
+
+/** A whole number in groups of three: "12 480". */
+export function toCount(value: number): string {
+  return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+}

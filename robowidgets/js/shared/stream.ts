@@ -1,0 +1,104 @@
+import { type Reader, toBytes } from "./bytes.ts";
+import { type Model, onChange, put } from "./model.ts";
+
+/** What the head of every frame says. */
+export interface Frame {
+  /** How many samples Python had received when it sent this one. */
+  sequence: number;
+  /** Samples per second that reach Python; NaN when unknown. */
+  rate: number;
+}
+
+/** Reads the head of a frame: its sequence number, the rate, and the stamp, which the page has no use for. */
+export function readHead(reader: Reader): Frame {
+  const [sequence = 0, rate = NaN] = reader.float64s(3);
+  return { sequence, rate };
+}
+
+const STALE_MS = 2000;
+const NOTHING = new DataView(new ArrayBuffer(0));
+
+/**
+ * The newest sample and the frozen one, of one model and for all its views.
+ *
+ * Freezing happens here and not in Python, so that it works while a cell runs: the frozen bytes are a trait, which a
+ * reload, a second view and a saved notebook find again.
+ */
+export class Stream<F extends Frame> {
+  readonly #model: Model;
+  readonly #decode: (bytes: DataView) => F;
+  readonly #listeners = new Set<() => void>();
+  #heldHere: DataView | null = null;
+  #decoded: { bytes: DataView; frame: F } | null = null;
+  #stale: ReturnType<typeof setTimeout> | undefined;
+  /** Whether samples have come within the last seconds. */
+  live = false;
+  /** When the newest sample came, in the page's milliseconds. */
+  arrived = 0;
+
+  constructor(model: Model, decode: (bytes: DataView) => F, signal: AbortSignal) {
+    this.#model = model;
+    this.#decode = decode;
+    onChange(model, ["_frame"], () => this.#onFrame(), signal);
+    onChange(model, ["paused"], () => this.#onPaused(), signal);
+    onChange(model, ["_held", "_about"], () => this.#tell(), signal);
+    signal.addEventListener("abort", () => clearTimeout(this.#stale));
+  }
+
+  get paused(): boolean {
+    return this.#model.get("paused") === true;
+  }
+
+  /** The frame to draw: the frozen one while paused, else the newest; null before the first. */
+  get shown(): F | null {
+    const bytes = this.#shownBytes();
+    if (!bytes) return null;
+    if (this.#decoded?.bytes !== bytes) this.#decoded = { bytes, frame: this.#decode(bytes) };
+    return this.#decoded.frame;
+  }
+
+  /** How many samples have come since the frozen one. */
+  get since(): number {
+    const newest = toBytes(this.#model.get("_frame"));
+    const shown = this.#shownBytes();
+    if (!newest || !shown) return 0;
+    return Math.max(0, newest.getFloat64(0, true) - shown.getFloat64(0, true));
+  }
+
+  toggle(): void {
+    const paused = !this.paused;
+    put(this.#model, { _held: (paused && toBytes(this.#model.get("_frame"))) || NOTHING, paused });
+  }
+
+  /** Calls back on every change, until the signal ends it. */
+  listen(callback: () => void, signal: AbortSignal): void {
+    this.#listeners.add(callback);
+    signal.addEventListener("abort", () => this.#listeners.delete(callback));
+  }
+
+  #shownBytes(): DataView | null {
+    const newest = toBytes(this.#model.get("_frame"));
+    return this.paused ? (toBytes(this.#model.get("_held")) ?? this.#heldHere ?? newest) : newest;
+  }
+
+  #onFrame(): void {
+    this.live = true;
+    this.arrived = performance.now();
+    clearTimeout(this.#stale);
+    this.#stale = setTimeout(() => {
+      this.live = false;
+      this.#tell();
+    }, STALE_MS);
+    this.#tell();
+  }
+
+  #onPaused(): void {
+    // Python says "paused" a moment before it says what it holds.
+    this.#heldHere = this.paused ? toBytes(this.#model.get("_frame")) : null;
+    this.#tell();
+  }
+
+  #tell(): void {
+    for (const listener of this.#listeners) listener();
+  }
+}

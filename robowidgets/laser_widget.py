@@ -1,0 +1,181 @@
+"""The laser view: a scan as hard data, after the paper's laser visualization."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any
+
+import numpy as np
+import traitlets
+
+from ._widget import HEAD, RobotWidget, bundle
+from .messages import to_scan
+from .samples import Scan, Validity
+
+_GEOMETRY = struct.Struct("<5d")
+_FIELDS = (
+    "ranges", "angle_min", "angle_max", "angle_increment", "range_min", "range_max", "intensities", "header",
+    "time_increment", "scan_time",
+)  # fmt: skip
+_MARKS = tuple(kind.name.lower() for kind in Validity if kind is not Validity.READING)
+
+
+class ViewRange(traitlets.TraitType[Any, Any]):
+    """How far the picture reaches: "sensor", "data", or metres above 0."""
+
+    info_text = '"sensor" (range_max), "data" (fit to the readings), or metres above 0'
+
+    def validate(self, obj: Any, value: Any) -> str | float:
+        """The setting, metres as a float."""
+        if isinstance(value, str) and value in ("sensor", "data"):
+            return value
+        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
+            metres = float(value)
+            if isfinite(metres) and 0 < metres <= 100_000:
+                return metres
+        self.error(obj, value)
+        raise AssertionError("unreachable")
+
+
+class Distances(traitlets.TraitType[Any, Any]):
+    """Up to 50 distances in metres, each finite and above 0."""
+
+    info_text = "up to 50 distances in metres, each finite and above 0"
+
+    def validate(self, obj: Any, value: Any) -> tuple[float, ...]:
+        """The distances as floats."""
+        try:
+            metres = tuple(float(v) for v in value)
+        except (TypeError, ValueError):
+            metres = (float("nan"),)
+        if len(metres) > 50 or not all(isfinite(v) and v > 0 for v in metres):
+            self.error(obj, value)
+        return metres
+
+
+class LaserWidget(RobotWidget[Scan]):
+    """A laser scan, live: its detection area to scale, range arcs, labelled rays, and every ray with its number.
+
+    The reader sees a gray sector from range_min to range_max over the swept angle, the robot at its centre, forward up
+    and left on the left (REP-103); a red dot per reading; gray marks for rays that are too close, see nothing, hold no
+    measurement or lie outside the limits (REP-117), each counted in the legend. Hovering names a ray, clicking pins it,
+    space freezes, the wheel zooms; none of it needs the kernel. A message that cannot be shown leaves the last picture
+    and says why above it.
+
+    Args:
+        title: what is shown, for the header; usually the topic.
+        arc_count: range arcs that divide the view in equal parts, 0 to 50.
+        arc_distances: distances of the arcs in metres, instead.
+        ray_count: radial lines that divide the swept angle in equal parts, 0 to 360; each says angle and index.
+        view_range: "sensor", "data" or metres. The view writes it too, when a person zooms.
+        forward: where the robot's forward is in the picture: "up", "left", "down" or "right".
+        angle_offset: radians added to every angle, for a scanner whose header lies about where it points.
+        marks: which rays without a reading are drawn: of "too_close", "nothing_in_range", "no_measurement",
+            "outside_limits".
+        color_by_intensity: whether the intensities colour the dots.
+        paused: whether the picture is frozen.
+        header, footer: whether they are there; without them the picture alone is fit for a paper.
+
+    Raises:
+        TypeError: an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Source: sensor_msgs/LaserScan; Campusano and Fabry, "From Robots to Humans: Visualizations for Robot Sensor Data".
+
+    Example:
+        >>> laser = LaserWidget(title="/scan", ray_count=5)
+        >>> laser.update(ranges=[1.0, 1.5, 2.0], angle_min=-0.5, angle_increment=0.5, range_min=0.1, range_max=4.0)
+        >>> laser.scan.nearest().range
+        1.0
+    """
+
+    _esm = bundle("laser_widget.js")
+    _noun = "scan"
+
+    arc_count = traitlets.Int(4, min=0, max=50, help="Range arcs that divide the view in equal parts.").tag(sync=True)
+    arc_distances = Distances((), help="Distances of the range arcs in metres, instead of arc_count.").tag(sync=True)
+    ray_count = traitlets.Int(9, min=0, max=360, help="Radial lines that divide the swept angle.").tag(sync=True)
+    view_range = ViewRange("sensor", help="How far the picture reaches. Python and the view write it.").tag(sync=True)
+    forward = traitlets.Enum(("up", "left", "down", "right"), "up", help="Where forward is.").tag(sync=True)
+    angle_offset = traitlets.Float(0.0, help="Radians added to every angle; finite.")
+    marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
+    color_by_intensity = traitlets.Bool(False, help="Whether intensities colour the dots.").tag(sync=True)
+    hovered = traitlets.Int(
+        None, allow_none=True, min=0, help="Index of the ray under the pointer, or None. The view writes it."
+    ).tag(sync=True, echo_update=False)
+    pinned = traitlets.Int(
+        None, allow_none=True, min=0, help="Index of the pinned ray, or None. Python and the view write it."
+    ).tag(sync=True)
+
+    def update(self, message: Any = None, **fields: Any) -> None:
+        """Show a scan in the next animation frame.
+
+        It only stores, and may be called from any thread at any rate; the newest wins.
+
+        Args:
+            message: a sensor_msgs/LaserScan of rclpy, rospy or rosbags, a rosbridge dictionary, or a `Scan`.
+            **fields: instead of a message, its fields: ranges (R metres), angle_min and angle_increment (radians),
+                range_min and range_max (metres), and if there are any intensities (R).
+
+        Raises:
+            TypeError: no such message, or an unknown field. ValueError: its numbers cannot be shown. In a thread other
+                than the main one, where a callback runs, nothing is raised: the widget says it, and the log does.
+        """
+        try:
+            scan = to_scan(_of_fields(message, fields)).turned(self.angle_offset)
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+        else:
+            self._show(scan, {"frame_id": scan.frame_id, "notes": list(scan.notes)})
+
+    @property
+    def scan(self) -> Scan | None:
+        """The scan on show: the frozen one while paused, else the newest; None before the first."""
+        if self.paused and self._held:
+            return self._unpack(self._held)
+        return self._newest
+
+    def _pack(self, sample: Scan) -> bytes:
+        head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, len(sample))
+        return head + sample.ranges.astype("<f4").tobytes() + sample.intensities.astype("<f4").tobytes()
+
+    def _unpack(self, frame: bytes) -> Scan:
+        _, _, stamp_ns = HEAD.unpack_from(frame)
+        angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, HEAD.size)
+        values = np.frombuffer(frame, "<f4", offset=HEAD.size + _GEOMETRY.size)
+        return Scan(
+            ranges=values[: int(count)],
+            angle_min=angle_min,
+            angle_increment=angle_increment,
+            range_min=range_min,
+            range_max=range_max,
+            intensities=values[int(count) :],
+            stamp_ns=stamp_ns or None,
+            frame_id=self._about.get("frame_id", ""),
+        )
+
+    @traitlets.validate("angle_offset")
+    def _finite_offset(self, proposal: Any) -> float:
+        offset = float(proposal["value"])
+        if not isfinite(offset):
+            raise traitlets.TraitError(f"angle_offset: expected a finite number of radians, got {offset!r}")
+        return offset
+
+
+def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
+    """The message, or the fields given instead of one."""
+    if message is None:
+        unknown = _listed(name for name in fields if name not in _FIELDS)
+        if unknown:
+            raise TypeError(f"update() has no field {unknown}; it takes a message, or: {', '.join(_FIELDS)}")
+        return fields
+    if fields:
+        raise TypeError(f"update() takes a message or fields, not both; got a message and {_listed(fields)}")
+    return message
+
+
+def _listed(names: Any) -> str:
+    sequence: Sequence[str] = list(names)
+    return ", ".join(repr(name) for name in sequence)
