@@ -40,7 +40,7 @@ def stamp_ns(message: Any, path: str = "header.stamp") -> int | None:
     nanoseconds = get(stamp, "nanosec", get(stamp, "nsecs", 0))
     try:
         return (int(seconds) * 1_000_000_000 + int(nanoseconds)) or None
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
 
 

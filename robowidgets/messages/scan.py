@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sized
 from math import degrees, isfinite, pi
 from typing import Any
+
+import numpy as np
 
 from ..samples import Scan
 from ..samples.scan import number
@@ -36,20 +39,24 @@ def to_scan(message: Any) -> Scan:
     if increment is None:
         increment = float("nan")
     ranges = get(message, "ranges")
-    if isinstance(ranges, (bytes, bytearray, str)):
-        raise TypeError(f"ranges: expected an array of numbers, got {type(ranges).__name__}")
-    angle_min = get(message, "angle_min")
+    angle_min, intensities = get(message, "angle_min"), get(message, "intensities", None)
     return Scan(
         ranges=ranges,
         angle_min=angle_min,
         angle_increment=increment,
         range_min=get(message, "range_min"),
         range_max=get(message, "range_max"),
-        intensities=get(message, "intensities", ()),
+        intensities=np.empty(0, np.float32) if intensities is None else intensities,
         stamp_ns=stamp_ns(message),
         frame_id=frame_id(message),
-        notes=(*_about_angles(message, len(ranges), angle_min, increment), *_about_times(message)),
+        notes=(*_about_angles(message, _count(ranges), angle_min, increment), *_about_times(message)),
     )
+
+
+def _count(ranges: Any) -> int:
+    if not isinstance(ranges, Sized) or isinstance(ranges, (bytes, bytearray, str)):
+        raise TypeError(f"ranges: expected an array of numbers, got {describe(ranges)}")
+    return len(ranges)
 
 
 def _about_angles(message: Any, count: int, angle_min: Any, increment: Any) -> tuple[str, ...]:
@@ -57,7 +64,8 @@ def _about_angles(message: Any, count: int, angle_min: Any, increment: Any) -> t
     stated = get(message, "angle_max", None)
     if stated is None or count < 2:
         return ()
-    first, step, last = number("angle_min", angle_min), number("angle_increment", increment), number("angle_max", stated)
+    first, step = number("angle_min", angle_min), number("angle_increment", increment)
+    last = number("angle_max", stated)
     if not all(map(isfinite, (first, step, last))) or step == 0:
         return ()
     implied = (last - first) / step + 1
@@ -66,8 +74,10 @@ def _about_angles(message: Any, count: int, angle_min: Any, increment: Any) -> t
         return ()
     if abs(off - 1) < 0.1:
         return ("angle_max is one step too far: angles are counted from angle_min",)
-    if step > 0 and last < first and abs(implied + 2 * pi / step - count) < 1.5:
+    if implied < 0 and abs(implied + 2 * pi / abs(step) - count) < 1.5:
         return ()
+    if implied < 0:
+        return (f"angle_max ({degrees(last):.1f}°) lies against angle_increment: angles are counted from angle_min",)
     return (
         f"{count} rays, but the header implies {round(implied)} "
         f"(angle_max {degrees(last):.1f}°): angles are counted from angle_min",

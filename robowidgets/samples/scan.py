@@ -7,12 +7,14 @@ from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cached_property
 from math import isfinite, pi
+from operator import index as as_index
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 MAX_RAYS = 1_000_000
+_ANGLE_ROUNDING = 1e-6
 
 
 class Validity(IntEnum):
@@ -28,12 +30,12 @@ class Validity(IntEnum):
 class Ray(NamedTuple):
     """One ray of a scan, as a program meets it.
 
-    ``index`` is the index in ``ranges``; ``range`` is in metres, as measured (it may be NaN or infinite); ``angle`` is in
-    radians, counter-clockwise from forward; ``x`` and ``y`` are in metres and None when there is no reading;
+    ``index`` is the index in ``ranges``; ``range`` is in metres, as measured (it may be NaN or infinite); ``angle`` is
+    in radians, counter-clockwise from forward; ``x`` and ``y`` are in metres and None when there is no reading;
     ``intensity`` is in device units and None when the scanner sent none.
     """
 
-    index: int
+    index: int  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
     range: float
     angle: float
     x: float | None
@@ -46,12 +48,12 @@ class Ray(NamedTuple):
 class Scan:
     """One sweep of a laser scanner.
 
-    Ray ``i`` points at ``angle_min + i * angle_increment``; ``angle_max`` of a message is never used for geometry, because
-    drivers disagree on what it means. A negative increment is a clockwise scanner. Arrays are read-only.
+    Ray ``i`` points at ``angle_min + i * angle_increment``; ``angle_max`` of a message is never used for geometry,
+    because drivers disagree on what it means. A negative increment is a clockwise scanner. Arrays are read-only.
 
     Args:
-        ranges: R distances in metres, any real dtype, kept as float32. NaN: no measurement; -inf: too close; +inf: nothing
-            in range (REP-117). None in a list counts as NaN (JSON has no NaN).
+        ranges: R distances in metres, any real dtype, kept as float32. NaN: no measurement; -inf: too close; +inf:
+            nothing in range (REP-117). None in a list counts as NaN (JSON has no NaN).
         angle_min: angle of ray 0 in radians, counter-clockwise from forward.
         angle_increment: radians from one ray to the next; NaN or 0 only where there is at most one ray.
         range_min, range_max: metres; a range within them, both included, is a reading. Kept at float32's precision, so
@@ -104,7 +106,8 @@ class Scan:
             increment = increment if isfinite(increment) else 0.0
         elif not isfinite(increment) or increment == 0:
             raise ValueError(
-                f"angle_increment: expected a finite step in radians other than 0 for {ranges.size} rays, got {increment!r}"
+                f"angle_increment: expected a finite step in radians other than 0 for {ranges.size} rays, "
+                f"got {increment!r}"
             )
         if abs(increment) * (ranges.size - 1) > 2 * pi + 2 * abs(increment):
             notes.append("the rays sweep more than a full circle")
@@ -119,12 +122,16 @@ class Scan:
             )
         put(self, "range_min", low)
         put(self, "range_max", high)
-        put(self, "notes", tuple(notes))
+        put(self, "notes", tuple(dict.fromkeys(notes)))
 
     def __len__(self) -> int:
         return int(self.ranges.size)
 
     def __getitem__(self, index: int) -> Ray:
+        try:
+            index = as_index(index)
+        except TypeError:
+            raise TypeError(f"expected the index of one ray, got {index!r}; for several, index scan.ranges") from None
         if not -len(self) <= index < len(self):
             raise IndexError(f"index {index}: this scan has {len(self)} rays")
         i = index % len(self)
@@ -189,13 +196,11 @@ class Scan:
         return self[int(np.nanargmin(self._distances))]
 
     def at(self, angle: float) -> Ray | None:
-        """The ray that points closest to an angle in radians; None when it lies outside the sweep."""
-        if not len(self):
+        """The ray that points closest to an angle in radians; None more than half a step outside the sweep."""
+        off = np.abs((self.angles - finite("angle", angle, "radians") + pi) % (2 * pi) - pi)
+        if not off.size or off.min() > abs(self.angle_increment) / 2 + _ANGLE_ROUNDING:
             return None
-        step = self.angle_increment or 2 * pi
-        off = (angle - self.angle_min + pi) % (2 * pi) - pi
-        best = [round((off + turn) / step) for turn in (0.0, 2 * pi, -2 * pi)]
-        return next((self[i] for i in best if 0 <= i < len(self)), None)
+        return self[int(off.argmin())]
 
     def turned(self, angle: float) -> Scan:
         """The same scan with every ray turned by an angle in radians, counter-clockwise."""
@@ -227,10 +232,13 @@ def finite(name: str, value: Any, unit: str) -> float:
 def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
     """A read-only float32 copy of a one-dimensional array."""
     try:
+        given = np.asarray(values)
         with np.errstate(over="ignore"):
-            array = np.array(values, dtype=np.float32)
+            array = given.astype(np.float32) if given.dtype.kind in "fiuO" else None
     except (TypeError, ValueError):
-        raise TypeError(f"{name}: expected a one-dimensional array of numbers, got {_short(values)}") from None
+        array = None
+    if array is None:
+        raise TypeError(f"{name}: expected a one-dimensional array of numbers, got {_short(values)}")
     if array.ndim != 1:
         raise ValueError(f"{name}: expected a one-dimensional array, got shape {array.shape}")
     return _frozen(array)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum, IntEnum
 from types import MappingProxyType
+
+import numpy as np
 
 
 class TouchState(IntEnum):
@@ -43,21 +45,27 @@ class Touch:
 
     Raises:
         TypeError: a name that is not a string, or a state that is not True, False or None.
+        ValueError: an unknown mode.
     """
 
     touched: Mapping[str, bool | None]
     mode: TouchMode = TouchMode.LEVEL
     sensors: tuple[str, ...] = ()
     stamp_ns: int | None = None
-    dialect: str = field(default="")
+    dialect: str = ""
 
     def __post_init__(self) -> None:
+        if not isinstance(self.touched, Mapping):
+            raise TypeError(f"touched: expected a mapping of sensor names to True, False or None, got {self.touched!r}")
         for name, state in self.touched.items():
             if not isinstance(name, str):
                 raise TypeError(f"touched: expected sensor names as strings, got {name!r}")
-            if state not in (True, False, None):
+            if state is not None and not isinstance(state, (bool, np.bool_)):
                 raise TypeError(f"touched[{name!r}]: expected True, False or None, got {state!r}")
+        if isinstance(self.sensors, str) or not all(isinstance(name, str) for name in self.sensors):
+            raise TypeError(f"sensors: expected sensor names as strings in a tuple, got {self.sensors!r}")
         touched = {name: None if state is None else bool(state) for name, state in self.touched.items()}
+        object.__setattr__(self, "mode", TouchMode(self.mode))
         object.__setattr__(self, "touched", MappingProxyType(touched))
         known = dict.fromkeys(self.sensors) | dict.fromkeys(touched)
         object.__setattr__(self, "sensors", tuple(known))

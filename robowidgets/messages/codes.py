@@ -1,0 +1,46 @@
+"""Numbers in messages that stand for something: codes, bits and flags."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from operator import index
+from typing import Any
+
+import numpy as np
+
+from .fields import get
+
+
+def is_flag(value: Any) -> bool:
+    """Whether a value is True or False; the numbers 1 and 0 are not."""
+    return isinstance(value, (bool, np.bool_))
+
+
+def integer(message: Any, name: str) -> int:
+    """A field as a whole number; TypeError when it is none."""
+    value = get(message, name)
+    try:
+        return index(value)
+    except TypeError:
+        raise TypeError(f"{name}: expected a whole number, got {value!r}") from None
+
+
+def code(message: Any, name: str, words: tuple[str, ...]) -> int:
+    """A field that counts through some words; ValueError outside them, for a guess would be shown as a fact."""
+    value = integer(message, name)
+    if not 0 <= value < len(words):
+        raise ValueError(f"{name}: expected {_listed(dict(enumerate(words)), ' or ')}, got {value}")
+    return value
+
+
+def bits(message: Any, name: str, words: Mapping[int, str]) -> dict[str, bool]:
+    """Each named bit of a field; ValueError when a bit is set that has no name."""
+    value = integer(message, name)
+    if value & ~sum(words):
+        raise ValueError(f"{name}: expected a sum of {_listed(words, ' and ')}, got {value}")
+    return {word: bool(value & bit) for bit, word in words.items()}
+
+
+def _listed(words: Mapping[int, str], last: str) -> str:
+    *others, end = [f"{number} ({word})" for number, word in words.items()]
+    return f"{', '.join(others)}{last}{end}" if others else end

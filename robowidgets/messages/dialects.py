@@ -1,0 +1,194 @@
+"""How each kind of message speaks of touch: one row per dialect, tried from top to bottom.
+
+Sources: the message definitions of kobuki_msgs, create_msgs, irobot_create_msgs, turtlebot3_msgs, neato2_interfaces,
+gazebo_msgs, ros_gz_interfaces, std_msgs and sensor_msgs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+from ..samples import TouchMode
+from ..samples.scan import number
+from .codes import bits, code, integer, is_flag
+from .fields import MISSING, describe, get, has
+
+Sensor = str | tuple[str, str]
+"""A sensor's name, or the two sides of a contact: which of them is the robot's, the message does not say."""
+
+Said = Mapping[Any, bool | None]
+"""`Sensor` to True (touched), False (free) or None (the source does not know)."""
+
+
+class Dialect(NamedTuple):
+    """One way to speak of touch.
+
+    ``types``: the message types that speak it, as a person writes them; empty for what is no ROS message.
+    ``fits``: whether a message speaks it, judged by its fields, for a dictionary from a wire has no type.
+    ``mode``: see `TouchMode`.
+    ``sensors``: what such a robot has, from its left to its right, as far as the dialect fixes it.
+    ``read``: what a message says; ValueError when a number in it has no meaning, TypeError when a field is of no use.
+    ``of_contacts``: whether it names the two sides of contacts in place of sensors.
+    """
+
+    types: tuple[str, ...]
+    fits: Callable[[Any], bool]
+    mode: TouchMode
+    sensors: tuple[str, ...]
+    read: Callable[[Any], Said]
+    of_contacts: bool = False
+
+
+def _with(*names: str) -> Callable[[Any], bool]:
+    return lambda message: has(message, *names)
+
+
+def _is_plain(message: Any) -> bool:
+    return isinstance(message, Mapping) and bool(message) and all(v is None or is_flag(v) for v in message.values())
+
+
+_BUMPERS = ("left", "center", "right")
+_CLIFFS = ("cliff left", "cliff center", "cliff right")
+_WHEELS = ("wheel left", "wheel right")
+_BUTTONS = ("button 0", "button 1", "button 2")
+_PRESS = ("released", "pressed")
+_LIGHTS = ("left", "front left", "center left", "center right", "front right", "right")
+_CREATE = {"left": "is_left_pressed", "right": "is_right_pressed"} | {
+    f"light {place}": f"is_light_{place.replace(' ', '_')}" for place in _LIGHTS
+}
+_NEATO = {place: place.replace(" ", "_") for place in ("left side", "left front", "right front", "right side")}
+
+
+def _create(message: Any) -> Said:
+    return {sensor: bool(get(message, name)) for sensor, name in _CREATE.items() if has(message, name)}
+
+
+def _neato(message: Any) -> Said:
+    return {sensor: code(message, name, _PRESS) == 1 for sensor, name in _NEATO.items()}
+
+
+def _event(message: Any, which: str, sensors: tuple[str, ...], states: tuple[str, str]) -> Said:
+    return {sensors[code(message, which, sensors)]: code(message, "state", states) == 1}
+
+
+def _kobuki(message: Any) -> Said:
+    # Bits count from the right here, and from the left in the events of the same robot.
+    return (
+        bits(message, "bumper", {4: "left", 2: "center", 1: "right"})
+        | bits(message, "cliff", {4: "cliff left", 2: "cliff center", 1: "cliff right"})
+        | bits(message, "wheel_drop", {2: "wheel left", 1: "wheel right"})
+    )
+
+
+def _turtlebot3(message: Any) -> Said:
+    # `cliff` is a float here, the raw reading of an infrared sensor: without a threshold it says nothing of touch.
+    return bits(message, "bumper", {1: "front", 2: "back"})
+
+
+_HAZARDS = ("backup limit", "bump", "cliff", "stall", "wheel", "proximity")
+_FRAME_STARTS = {"bump": "bump_", "cliff": "cliff_", "wheel": "wheel_drop_", "proximity": "ir_intensity_"}
+_CREATE3 = (
+    *("left", "front left", "front center", "front right", "right"),
+    *("cliff side left", "cliff front left", "cliff front right", "cliff side right"),
+    *_WHEELS,
+)
+
+
+def _hazards(message: Any) -> Said:
+    return {_hazard(f"detections[{i}]", d): True for i, d in enumerate(_items(message, "detections"))}
+
+
+def _hazard(where: str, detection: Any) -> str:
+    frame = get(detection, "header.frame_id")
+    if frame is MISSING or not has(detection, "type"):
+        raise TypeError(f"{where}: expected a hazard with header.frame_id and type, got {describe(detection)}")
+    kind_code = integer(detection, "type")
+    # A newer robot may know more kinds: such a hazard goes by its number, so that the others are not lost with it.
+    kind = _HAZARDS[kind_code] if 0 <= kind_code < len(_HAZARDS) else f"hazard {kind_code}"
+    start = _FRAME_STARTS.get(kind, "")
+    place = "" if frame == "base_link" else str(frame).removeprefix(start).replace("_", " ")
+    return place if kind == "bump" and str(frame).startswith(start) else f"{kind} {place}".strip()
+
+
+def _contacts(message: Any, items: str, first: str, second: str) -> Said:
+    said = {}
+    for i, contact in enumerate(_items(message, items)):
+        sides = get(contact, first), get(contact, second)
+        if not all(isinstance(side, str) and side for side in sides):
+            raise TypeError(f"{items}[{i}]: expected a contact with {first} and {second}, got {describe(contact)}")
+        said[sides] = True
+    return said
+
+
+def _items(message: Any, name: str) -> list[Any]:
+    value = get(message, name)
+    try:
+        return list(value)
+    except TypeError:
+        raise TypeError(f"{name}: expected a list, got {value!r}") from None
+
+
+def _range(message: Any) -> Said:
+    low, high = (number(name, get(message, name)) for name in ("min_range", "max_range"))
+    if low != high:
+        raise ValueError(
+            "min_range: expected the same as max_range, for only then a Range says whether something is there; "
+            f"got {low:g} and {high:g} m (a sensor that measures distance)"
+        )
+    value = get(message, "range")
+    sensor = str(get(message, "header.frame_id", "")) or "touch"
+    # JSON turns both infinities into null: what was sent cannot be told any more.
+    return {sensor: None if value is None else {float("-inf"): True, float("inf"): False}.get(number("range", value))}
+
+
+_KOBUKI = ("kobuki_msgs", "kobuki_ros_interfaces")
+
+
+def _kobuki_event(name: str, which: str, sensors: tuple[str, ...], states: tuple[str, str]) -> Dialect:
+    return Dialect(
+        types=tuple(f"{package}/{name}" for package in _KOBUKI),
+        fits=_with(which, "state"),
+        mode=TouchMode.EVENT,
+        sensors=sensors,
+        read=partial(_event, which=which, sensors=sensors, states=states),
+    )
+
+
+def _contact_list(types: tuple[str, ...], items: str, first: str, second: str) -> Dialect:
+    read = partial(_contacts, items=items, first=first, second=second)
+    return Dialect(types, _with(items), TouchMode.PRESENCE, (), read, of_contacts=True)
+
+
+_LEVEL, _PRESENCE = TouchMode.LEVEL, TouchMode.PRESENCE
+
+DIALECTS = (
+    # These say True and False, as a plain mapping of names does, so they come before it. The others speak in numbers.
+    Dialect(
+        ("create_msgs/Bumper", "ca_msgs/Bumper"), _with("is_left_pressed", "is_right_pressed"), _LEVEL, (), _create
+    ),
+    Dialect(
+        ("std_msgs/Bool",), lambda m: is_flag(get(m, "data")), _LEVEL, (), lambda m: {"touch": bool(get(m, "data"))}
+    ),
+    Dialect(("neato2_interfaces/Bump",), _with(*_NEATO.values()), _LEVEL, tuple(_NEATO), _neato),
+    Dialect((), _is_plain, _LEVEL, (), lambda message: message),
+    _kobuki_event("BumperEvent", "bumper", _BUMPERS, _PRESS),
+    _kobuki_event("CliffEvent", "sensor", _CLIFFS, ("floor", "cliff")),
+    _kobuki_event("WheelDropEvent", "wheel", _WHEELS, ("raised", "dropped")),
+    _kobuki_event("ButtonEvent", "button", _BUTTONS, _PRESS),
+    Dialect(
+        tuple(f"{package}/SensorState" for package in _KOBUKI),
+        _with("bumper", "cliff", "wheel_drop"),
+        _LEVEL,
+        (*_BUMPERS, *_CLIFFS, *_WHEELS),
+        _kobuki,
+    ),
+    Dialect(("turtlebot3_msgs/SensorState",), _with("bumper", "cliff"), _LEVEL, ("front", "back"), _turtlebot3),
+    Dialect(("irobot_create_msgs/HazardDetectionVector",), _with("detections"), _PRESENCE, _CREATE3, _hazards),
+    _contact_list(("gazebo_msgs/ContactsState",), "states", "collision1_name", "collision2_name"),
+    _contact_list(
+        ("ros_gz_interfaces/Contacts", "ros_ign_interfaces/Contacts"), "contacts", "collision1.name", "collision2.name"
+    ),
+    Dialect(("sensor_msgs/Range",), _with("range", "min_range", "max_range"), _LEVEL, (), _range),
+)

@@ -1,0 +1,54 @@
+"""Messages of touch sensors to touches."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+from ..samples import Touch
+from .dialects import DIALECTS, Sensor
+from .fields import describe, stamp_ns, type_name, unwrap
+
+TOUCH_TYPES: frozenset[str] = frozenset(name.replace("/", "/msg/") for dialect in DIALECTS for name in dialect.types)
+"""The message types that `to_touch` reads, as recordings name them. Of ``sensor_msgs/msg/Range`` it reads those only
+whose ``min_range`` equals their ``max_range``: which ones these are, their messages tell."""
+
+
+def to_touch(message: Any, own: Collection[str] = ()) -> Touch:
+    """What a message says of touch sensors.
+
+    Args:
+        message: an object or dictionary in one of the dialects of `robowidgets.messages.dialects`, or a mapping of
+            sensor names to True, False or None; a `Touch` is returned as it is.
+        own: names of the robot's collisions. A contact names two, in either order: its sensor is the one that is
+            listed here, else the first. A list of contacts says of all of them whether they are touched.
+
+    Raises:
+        TypeError: it is in none of these dialects; the text says what came and what was expected.
+        ValueError: a number in it has no meaning in its dialect.
+    """
+    if isinstance(message, Touch):
+        return message
+    message = unwrap(message)
+    dialect = next((d for d in DIALECTS if d.fits(message)), None)
+    if dialect is None:
+        known = ", ".join(d.types[0] for d in DIALECTS if d.types)
+        raise TypeError(
+            f"expected a message like one of {known}, or a mapping of sensor names to True, False or None; "
+            f"got {describe(message)}"
+        )
+    said, stated = dialect.read(message), type_name(message)
+    return Touch(
+        touched={_name(sensor, own): state for sensor, state in said.items()},
+        mode=dialect.mode,
+        sensors=tuple(own) if dialect.of_contacts else dialect.sensors,
+        stamp_ns=stamp_ns(message),
+        dialect=stated if stated in dialect.types else "".join(dialect.types[:1]),
+    )
+
+
+def _name(sensor: Sensor, own: Collection[str]) -> str:
+    if isinstance(sensor, str):
+        return sensor
+    first, second = sensor
+    return second if second in own and first not in own else first
