@@ -16,6 +16,14 @@ def is_flag(value: Any) -> bool:
     return isinstance(value, (bool, np.bool_))
 
 
+def flag(message: Any, name: str) -> bool:
+    """A field that is True or False; TypeError when it is neither."""
+    value = get(message, name)
+    if not is_flag(value):
+        raise TypeError(f"{name}: expected True or False, got {value!r}")
+    return bool(value)
+
+
 def integer(message: Any, name: str) -> int:
     """A field as a whole number; TypeError when it is none."""
     value = get(message, name)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ..samples import TouchMode
 from ..samples.scan import number
-from .codes import bits, code, integer, is_flag
+from .codes import bits, code, flag, integer, is_flag
 from .fields import MISSING, describe, get, has
 
 Sensor = str | tuple[str, str]
@@ -62,7 +62,7 @@ _NEATO = {place: place.replace(" ", "_") for place in ("left side", "left front"
 
 
 def _create(message: Any) -> Said:
-    return {sensor: bool(get(message, name)) for sensor, name in _CREATE.items() if has(message, name)}
+    return {sensor: flag(message, name) for sensor, name in _CREATE.items() if has(message, name)}
 
 
 def _neato(message: Any) -> Said:
@@ -168,9 +168,7 @@ DIALECTS = (
     Dialect(
         ("create_msgs/Bumper", "ca_msgs/Bumper"), _with("is_left_pressed", "is_right_pressed"), _LEVEL, (), _create
     ),
-    Dialect(
-        ("std_msgs/Bool",), lambda m: is_flag(get(m, "data")), _LEVEL, (), lambda m: {"touch": bool(get(m, "data"))}
-    ),
+    Dialect(("std_msgs/Bool",), lambda m: is_flag(get(m, "data")), _LEVEL, (), lambda m: {"touch": flag(m, "data")}),
     Dialect(("neato2_interfaces/Bump",), _with(*_NEATO.values()), _LEVEL, tuple(_NEATO), _neato),
     Dialect((), _is_plain, _LEVEL, (), lambda message: message),
     _kobuki_event("BumperEvent", "bumper", _BUMPERS, _PRESS),

@@ -48,7 +48,8 @@ FORMS: tuple[Callable[[str, Fields], Any], ...] = (rosbags, rospy, rclpy, rosbri
 
 def _object(value: Any, extra: Fields, to_array: Callable[[list[Any]], Any]) -> Any:
     if isinstance(value, dict):
-        return SimpleNamespace(**extra, **{name: _object(v, {}, to_array) for name, v in value.items()})
+        message_class = type("Message", (SimpleNamespace,), extra)
+        return message_class(**{name: _object(v, {}, to_array) for name, v in value.items()})
     if isinstance(value, list):
         return to_array([_object(v, {}, to_array) for v in value])
     return value

@@ -1,0 +1,309 @@
+"""The samples: immutable, in SI units, with the geometry that follows."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError
+from math import cos, degrees, inf, isnan, nan, pi, radians, sin
+
+import numpy as np
+import pytest
+
+from robowidgets.samples import AXES, Ray, Scan, Speed, Touch, TouchMode, Validity
+from robowidgets.samples.scan import MAX_RAYS
+
+
+def scan(ranges: object = (1.0, 2.0, 3.0), **changed: object) -> Scan:
+    geometry = {"angle_min": -0.5, "angle_increment": 0.5, "range_min": 0.1, "range_max": 30.0}
+    return Scan(ranges, **(geometry | changed))
+
+
+def circle(count: int = 360, step: float = 1.0, start: float = 0.0) -> Scan:
+    return scan(np.ones(count), angle_min=radians(start), angle_increment=radians(step))
+
+
+class TestGeometry:
+    def test_index_635_of_1040_rays_is_at_28_75_degrees(self) -> None:
+        wide = scan(np.ones(1040), angle_min=radians(-130), angle_increment=radians(0.25))
+        assert degrees(wide[635].angle) == pytest.approx(28.75, abs=1e-9)
+        assert wide[635].index == 635
+
+    def test_x_is_forward_and_y_is_left(self) -> None:
+        one = scan([2.0, 2.0], angle_min=0.0, angle_increment=pi / 2)
+        assert np.allclose(one.x, [2, 0])
+        assert np.allclose(one.y, [0, 2])
+
+    def test_points_are_those_of_the_readings_only(self) -> None:
+        one = scan([1.0, inf, 3.0])
+        assert one.xy.shape == (2, 2)
+        assert np.allclose(one.xy, [[cos(0.5), -sin(0.5)], [3 * cos(0.5), 3 * sin(0.5)]])
+        assert isnan(one.x[1])
+        assert isnan(one.y[1])
+
+    def test_a_negative_increment_runs_clockwise(self) -> None:
+        assert scan(angle_min=0.5, angle_increment=-0.5).angles.tolist() == [0.5, 0.0, -0.5]
+
+    def test_a_single_ray_needs_no_increment(self) -> None:
+        for increment in (nan, 0.0, 0.3):
+            assert scan([1.0], angle_min=0.2, angle_increment=increment).angles.tolist() == [0.2]
+
+    def test_turning_adds_to_every_angle_and_says_nothing_twice(self) -> None:
+        odd = scan(np.ones(12), angle_increment=1.0)
+        turned = odd.turned(0.25)
+        assert np.allclose(turned.angles, odd.angles + 0.25)
+        assert turned.notes == odd.notes == ("the rays sweep more than a full circle",)
+        assert odd.turned(0.0) is odd
+
+    def test_a_circle_that_repeats_its_end_ray_is_not_more_than_a_circle(self) -> None:
+        assert circle(361).notes == ()
+        assert circle(364).notes == ("the rays sweep more than a full circle",)
+
+
+class TestValidity:
+    def test_the_five_classes_stay_apart(self) -> None:
+        one = scan([0.1, 30.0, -inf, inf, nan, 0.0, 30.01, -1.0], angle_increment=0.1)
+        assert one.validity.tolist() == [0, 0, 1, 2, 3, 4, 4, 4]
+        assert one.counts == {
+            Validity.READING: 2,
+            Validity.TOO_CLOSE: 1,
+            Validity.NOTHING_IN_RANGE: 1,
+            Validity.NO_MEASUREMENT: 1,
+            Validity.OUTSIDE_LIMITS: 3,
+        }
+        assert one.valid.tolist() == [True, True] + [False] * 6
+
+    def test_a_reading_at_a_limit_is_a_reading_though_float32_rounds(self) -> None:
+        for limit in (0.1, 0.12, 3.5, 5.6, 59.99):
+            at_max = scan(np.array([limit], np.float32), range_max=limit, range_min=0.0)
+            at_min = scan(np.array([limit], np.float32), range_min=limit, range_max=60.0)
+            assert at_max.valid.all()
+            assert at_min.valid.all()
+
+    def test_doubles_too_large_for_float32_are_beyond_every_range(self) -> None:
+        assert scan([1e300, 1.0, 1.0])[0].validity is Validity.NOTHING_IN_RANGE
+
+
+class TestRays:
+    def test_a_reading_has_a_place(self) -> None:
+        ray = scan([1.0, 2.0, 3.0], intensities=[7, 8, 9])[2]
+        assert ray == Ray(2, 3.0, 0.5, pytest.approx(3 * cos(0.5)), pytest.approx(3 * sin(0.5)), 9.0, Validity.READING)
+
+    def test_a_ray_without_a_reading_has_none(self) -> None:
+        ray = scan([inf, 2.0, 3.0])[0]
+        assert (ray.range, ray.x, ray.y, ray.intensity) == (inf, None, None, None)
+        assert ray.validity is Validity.NOTHING_IN_RANGE
+
+    def test_indices_are_those_of_the_array_and_count_from_the_end_too(self) -> None:
+        one = scan()
+        assert one[-1].index == 2
+        assert one[np.int64(1)].index == 1
+        assert [ray.index for ray in one] == [0, 1, 2]
+        assert len(one) == 3
+
+    @pytest.mark.parametrize("index", [3, -4])
+    def test_an_index_outside_says_how_many_rays_there_are(self, index: int) -> None:
+        with pytest.raises(IndexError, match=rf"^index {index}: this scan has 3 rays$"):
+            scan()[index]
+
+    @pytest.mark.parametrize("index", [slice(0, 2), 1.0, "1"])
+    def test_an_index_is_a_whole_number(self, index: object) -> None:
+        with pytest.raises(TypeError, match=r"^expected the index of one ray, got .*; for several, index scan.ranges$"):
+            scan()[index]
+
+    def test_the_nearest_is_the_first_of_the_smallest_readings(self) -> None:
+        one = scan([-inf, 0.0, nan, 5.0, 2.0, 2.0, inf], angle_increment=0.1)
+        assert one.nearest().index == 4
+        assert one.nearest().range == 2.0
+
+    @pytest.mark.parametrize("ranges", [[], [inf], [nan, nan], [0.0, 0.0]])
+    def test_nothing_is_nearest_where_there_is_no_reading(self, ranges: list[float]) -> None:
+        assert scan(ranges).nearest() is None
+
+
+class TestRayAtAnAngle:
+    @pytest.mark.parametrize(("at", "index"), [(-0.5, 0), (-0.26, 0), (-0.24, 1), (0.0, 1), (0.74, 2), (-0.74, 0)])
+    def test_it_is_the_closest(self, at: float, index: int) -> None:
+        assert scan().at(at).index == index
+
+    @pytest.mark.parametrize("at", [0.76, -0.76, pi, 3.0])
+    def test_outside_the_sweep_is_none(self, at: float) -> None:
+        assert scan().at(at) is None
+
+    @pytest.mark.parametrize("at", [0.5, 0.5 + 2 * pi, 0.5 - 4 * pi])
+    def test_whole_turns_make_no_difference(self, at: float) -> None:
+        assert scan().at(at).index == 2
+        assert scan(angle_min=0.5, angle_increment=-0.5).at(at).index == 0
+
+    @pytest.mark.parametrize(("at", "index"), [(-1, 359), (0.4, 0), (359.6, 0), (-0.4, 0), (359.4, 359), (180, 180)])
+    def test_a_full_circle_from_forward_closes(self, at: float, index: int) -> None:
+        assert circle().at(radians(at)).index == index
+
+    @pytest.mark.parametrize(("at", "index"), [(180, 0), (-180, 0), (179, 359), (0, 180), (181, 1), (359, 179)])
+    def test_a_full_circle_from_behind_closes(self, at: float, index: int) -> None:
+        assert circle(start=-180).at(radians(at)).index == index
+
+    @pytest.mark.parametrize(("at", "index"), [(0, 0), (-1, 1), (1, 359), (-90, 90), (90, 270)])
+    def test_a_clockwise_circle_counts_to_the_right(self, at: float, index: int) -> None:
+        assert circle(step=-1.0).at(radians(at)).index == index
+
+    def test_where_a_circle_closes_between_two_steps_the_closer_ray_wins(self) -> None:
+        almost = circle(count=4, step=91.0, start=-1.0)
+        assert almost.at(radians(-2.5)).index == 0
+        assert almost.at(radians(-2.5 - 91 / 2)).index == 3
+        overlapping = circle(count=5, step=89.0)
+        assert overlapping.at(radians(-3.0)).index == 4
+        assert overlapping.at(radians(-1.0)).index == 0
+
+    def test_a_ray_without_a_step_is_at_its_own_angle_only(self) -> None:
+        one = scan([1.0], angle_min=0.2, angle_increment=nan)
+        assert one.at(0.2).index == 0
+        assert one.at(0.3) is None
+
+    def test_an_empty_scan_has_no_ray_anywhere(self) -> None:
+        assert scan([]).at(0.0) is None
+
+    def test_an_angle_is_a_finite_number(self) -> None:
+        with pytest.raises(ValueError, match=r"^angle: expected a finite number of radians, got nan$"):
+            scan().at(nan)
+
+
+class TestImmutable:
+    @pytest.mark.parametrize("name", ["ranges", "intensities", "angles", "validity", "valid", "x", "y"])
+    def test_arrays_of_a_scan_are_read_only(self, name: str) -> None:
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(scan(intensities=[1, 2, 3]), name)[0] = 1
+
+    @pytest.mark.parametrize(
+        ("sample", "name"), [(scan(), "range_max"), (Speed(), "linear"), (Touch({"left": True}), "mode")]
+    )
+    def test_fields_cannot_be_set(self, sample: object, name: str) -> None:
+        with pytest.raises(FrozenInstanceError):
+            setattr(sample, name, 1)
+
+    def test_what_came_is_not_held_on_to(self) -> None:
+        given = np.ones(3, np.float32)
+        one = scan(given)
+        given[0] = 9
+        assert one.ranges[0] == 1
+        said = {"left": True}
+        touch = Touch(said)
+        said["left"] = False
+        assert touch.touched["left"] is True
+        with pytest.raises(TypeError, match="does not support item assignment"):
+            touch.touched["left"] = False
+
+
+class TestScanErrors:
+    @pytest.mark.parametrize(
+        ("changed", "text"),
+        [
+            ({"ranges": np.ones((2, 2))}, r"^ranges: expected a one-dimensional array, got shape \(2, 2\)$"),
+            ({"ranges": 3.0}, r"^ranges: expected a one-dimensional array, got shape \(\)$"),
+            ({"ranges": np.ones(MAX_RAYS + 1)}, r"^ranges: expected at most 1,000,000 rays, got 1,000,001$"),
+            ({"intensities": np.ones((3, 1))}, r"^intensities: expected a one-dimensional array, got shape \(3, 1\)$"),
+            ({"angle_min": nan}, r"^angle_min: expected a finite number of radians, got nan$"),
+            (
+                {"angle_increment": 0.0},
+                r"^angle_increment: expected a finite step in radians other than 0 for 3 rays, got 0.0$",
+            ),
+            ({"angle_increment": inf}, r"^angle_increment: expected a finite step .* for 3 rays, got inf$"),
+            ({"range_min": nan}, r"^range_min: expected a finite number of metres, got nan$"),
+            ({"range_max": inf}, r"^range_max: expected a finite number of metres, got inf$"),
+            ({"range_min": -0.5}, r"^range_min: expected metres, 0 or more, got -0.5$"),
+            (
+                {"range_min": 30.0, "range_max": 0.1},
+                r"^range_max: .* above range_min \(30\), got 0.1; are the two swapped\?$",
+            ),
+            ({"range_min": 2.0, "range_max": 2.0}, r"^range_max: expected metres above range_min \(2\), got 2; "),
+        ],
+    )
+    def test_a_bad_value_is_named_with_what_was_expected(self, changed: dict, text: str) -> None:
+        with pytest.raises(ValueError, match=text):
+            scan(**changed)
+
+    @pytest.mark.parametrize(
+        ("changed", "text"),
+        [
+            ({"ranges": ["a", "b"]}, r"^ranges: expected a one-dimensional array of numbers, got \['a', 'b'\]$"),
+            (
+                {"ranges": ["1.0", "2.0"]},
+                r"^ranges: expected a one-dimensional array of numbers, got \['1.0', '2.0'\]$",
+            ),
+            ({"ranges": [1j]}, r"^ranges: expected a one-dimensional array of numbers, got \[1j\]$"),
+            ({"ranges": [[1.0, 2.0], [1.0]]}, r"^ranges: expected a one-dimensional array of numbers, got "),
+            ({"ranges": [object()] * 40}, r"^ranges: expected .* of numbers, got \[<object object at .{,50}…$"),
+            ({"angle_min": "0"}, r"^angle_min: expected a number, got '0'$"),
+            ({"angle_increment": None}, r"^angle_increment: expected a number, got None$"),
+            ({"range_max": True}, r"^range_max: expected a number, got True$"),
+        ],
+    )
+    def test_a_wrong_type_is_named_with_what_was_expected(self, changed: dict, text: str) -> None:
+        with pytest.raises(TypeError, match=text):
+            scan(**changed)
+
+
+class TestSpeed:
+    def test_values_come_in_the_order_of_the_axes(self) -> None:
+        speed = Speed(linear=(1, 2, 3), angular=[4, 5, 6])
+        assert dict(zip(AXES, speed.values, strict=True)) == {
+            "linear.x": 1.0,
+            "linear.y": 2.0,
+            "linear.z": 3.0,
+            "angular.x": 4.0,
+            "angular.y": 5.0,
+            "angular.z": 6.0,
+        }
+
+    def test_nan_stays_nan(self) -> None:
+        assert isnan(Speed(linear=(nan, 0, 0)).values[0])
+
+    def test_numpy_vectors_are_taken(self) -> None:
+        assert Speed(linear=np.array([1, 2, 3], np.float32)).linear == (1.0, 2.0, 3.0)
+
+    @pytest.mark.parametrize(
+        ("given", "error", "text"),
+        [
+            ({"linear": 0.5}, TypeError, r"^linear: expected three numbers \(x, y, z\), got 0.5$"),
+            ({"angular": (0, "fast", 0)}, TypeError, r"^angular.y: expected a number, got 'fast'$"),
+            ({"angular": (0, 0, None)}, TypeError, r"^angular.z: expected a number, got None$"),
+            ({"linear": (0, 0)}, ValueError, r"^linear: expected three numbers \(x, y, z\), got 2$"),
+        ],
+    )
+    def test_what_is_no_vector_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
+        with pytest.raises(error, match=text):
+            Speed(**given)
+
+
+class TestTouch:
+    def test_sensors_are_the_known_ones_and_then_those_that_were_named(self) -> None:
+        touch = Touch({"right": True, "tail": None}, TouchMode.EVENT, ("left", "right"))
+        assert touch.sensors == ("left", "right", "tail")
+
+    def test_flags_of_numpy_become_plain(self) -> None:
+        assert Touch({"left": np.True_}).touched["left"] is True
+
+    def test_a_mode_may_be_given_by_its_word(self) -> None:
+        assert Touch({}, mode="presence").mode is TouchMode.PRESENCE
+
+    @pytest.mark.parametrize(
+        ("given", "error", "text"),
+        [
+            ({"touched": {1: True}}, TypeError, r"^touched: expected sensor names as strings, got 1$"),
+            ({"touched": {"left": 1}}, TypeError, r"^touched\['left'\]: expected True, False or None, got 1$"),
+            ({"touched": {"left": "yes"}}, TypeError, r"^touched\['left'\]: expected True, False or None, got 'yes'$"),
+            ({"touched": ["left"]}, TypeError, r"^touched: expected a mapping of sensor names .*, got \['left'\]$"),
+            (
+                {"touched": {}, "sensors": "left"},
+                TypeError,
+                r"^sensors: expected sensor names .* in a tuple, got 'left'$",
+            ),
+            (
+                {"touched": {}, "sensors": (1,)},
+                TypeError,
+                r"^sensors: expected sensor names .* in a tuple, got \(1,\)$",
+            ),
+            ({"touched": {}, "mode": "loud"}, ValueError, r"'loud' is not a valid TouchMode$"),
+        ],
+    )
+    def test_what_says_nothing_of_touch_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
+        with pytest.raises(error, match=text):
+            Touch(**given)
