@@ -1,0 +1,88 @@
+# Everything from a bare checkout: `make demo` shows the widgets, `make test` checks all of it.
+# Needs Python 3.10 or later. Node comes from PyPI into .venv; nothing is installed outside the checkout,
+# but for a missing Chromium or venv module on Debian as root.
+
+SHELL := bash
+PYTHON ?= python3
+JS := robowidgets/js
+SOURCES := $(shell find $(JS) -path $(JS)/node_modules -prune -o -type f \( -name '*.ts' -o -name '*.css' -o -name '*.mjs' \) -print)
+INSTALLED := .venv/.installed
+MODULES := $(JS)/node_modules/.package-lock.json
+EXPORT_MODULES := tests/browser/node_modules/.package-lock.json
+BUNDLES := robowidgets/static/laser_widget.js
+PYTEST := .venv/bin/python -m pytest
+
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: demo setup build watch lint format test test-js test-unit test-notebooks test-docs test-wheel test-browser bench clean
+.NOTPARALLEL:
+.DELETE_ON_ERROR:
+
+demo: build
+	.venv/bin/robowidgets demo
+
+setup: $(INSTALLED) $(MODULES)
+
+build: $(BUNDLES)
+
+# Rebuilds the bundles at every change; see CONTRIBUTING.md for the second terminal.
+watch: setup
+	cd $(JS) && npm run watch
+
+lint: build
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/mypy
+	cd $(JS) && npm run --silent check
+
+format: setup
+	.venv/bin/ruff check --fix .
+	.venv/bin/ruff format .
+	cd $(JS) && npm run --silent format
+
+test: lint test-js test-unit test-notebooks test-docs test-wheel test-browser
+
+test-js: setup
+	cd $(JS) && npm run --silent test
+
+test-unit: build
+	$(PYTEST) tests/unit
+
+test-notebooks: build
+	$(PYTEST) tests/test_notebooks.py
+
+test-docs: build
+	$(PYTEST) tests/test_docs.py
+
+test-wheel: setup
+	$(PYTEST) tests/test_wheel.py
+
+test-browser: build $(EXPORT_MODULES)
+	scripts/chromium.sh
+	$(PYTEST) tests/browser
+
+bench: build
+	scripts/chromium.sh
+	.venv/bin/pip install --quiet --group bench
+	.venv/bin/python -m benchmarks
+
+clean:
+	rm -rf .venv $(JS)/node_modules tests/browser/node_modules tests/screenshots robowidgets/static benchmarks/results
+	rm -rf .pytest_cache .mypy_cache .ruff_cache dist
+
+$(INSTALLED): pyproject.toml scripts/venv.sh scripts/apt.sh
+	scripts/venv.sh $(PYTHON)
+	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --group dev --editable '.[lab]'
+	touch $@
+
+$(MODULES): $(JS)/package.json $(JS)/package-lock.json $(INSTALLED)
+	cd $(JS) && npm ci --no-audit --no-fund
+	touch $@
+
+$(EXPORT_MODULES): tests/browser/package.json tests/browser/package-lock.json $(INSTALLED)
+	cd tests/browser && npm ci --no-audit --no-fund --ignore-scripts
+	touch $@
+
+$(BUNDLES): $(SOURCES) $(MODULES)
+	cd $(JS) && npm run --silent build

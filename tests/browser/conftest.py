@@ -1,0 +1,153 @@
+"""Real JupyterLab in real headless Chromium.
+
+Fixtures:
+    notebook: `nb = notebook([source, ...])` writes a notebook with these code cells, opens it in a page of its own,
+        runs it and gives a `Notebook`; keywords: `run=False`, `scale=2` (device pixels per CSS pixel), `width` and
+        `height` of the window, `theme="dark"`, `touch=True` (a touch screen). A test may open several.
+    static_page: `page = static_page(html_file)` opens an exported page without a server, a kernel or the network.
+    lab, browser: the JupyterLab server and the Chromium of the whole run.
+
+A `Notebook` (notebook.py):
+    cells: `run(i)`, `start(i)` (back when the kernel is at work on it) and `wait(i)`, `run_all()`,
+        `append(source) -> i`, `edit(i, source)`, `text(i)`, `outputs(i)`; a cell that raised raises `CellError`.
+    on show: `widget(i, nth=0)` and `output(i)` are Playwright locators, `page` is the page, `theme("dark")`,
+        `resize(width)` sizes the window until a widget has that many CSS pixels.
+    kernel: `python(code) -> text` past the cells, `interrupt()`, `restart_kernel()`, `reload()`, `save() -> file`.
+
+`shoot(locator, name)` (chromium.py) leaves tests/screenshots/NAME@1x.png or @2x.png. Wait with Playwright's `expect` or
+`page.wait_for_function`, never for a time. A test fails when a widget threw or complained on the console of its page, or
+when the page asked the web for anything; one that expects such a line takes it out of `nb.console.errors`. A failed test
+leaves its pages in tests/screenshots/failed/ and their consoles in the report.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import nbformat
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_playwright
+
+from . import chromium, export
+from .console import Console
+from .notebook import Notebook
+from .server import LabServer
+
+DRIVER = Path(__file__).with_name("driver.js")
+FAILED = pytest.StashKey[bool]()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Any:
+    report = yield
+    item.stash[FAILED] = item.stash.get(FAILED, False) or report.failed
+    return report
+
+
+@pytest.fixture(scope="session")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LabServer]:
+    server = LabServer(tmp_path_factory.mktemp("lab"))
+    yield server
+    server.stop()
+
+
+@pytest.fixture(scope="session")
+def playwright() -> Iterator[Playwright]:
+    with sync_playwright() as started:
+        yield started
+
+
+@pytest.fixture(scope="session")
+def browser(playwright: Playwright) -> Iterator[Browser]:
+    started = chromium.launch(playwright)
+    yield started
+    started.close()
+
+
+@pytest.fixture(scope="session")
+def contexts(browser: Browser) -> Iterator[Callable[[int, bool], BrowserContext]]:
+    """One browser profile per kind of screen: the pages of a run share its cache, as a person's do."""
+    kept: dict[tuple[int, bool], BrowserContext] = {}
+
+    def context(scale: int, touch: bool) -> BrowserContext:
+        if (scale, touch) not in kept:
+            made = browser.new_context(device_scale_factor=scale, has_touch=touch)
+            made.add_init_script(path=DRIVER)
+            kept[scale, touch] = made
+        return kept[scale, touch]
+
+    yield context
+    for made in kept.values():
+        made.close()
+
+
+@pytest.fixture
+def pages(request: pytest.FixtureRequest) -> Iterator[list[tuple[Page, Console]]]:
+    """The pages that a test opened: closed at its end, judged by their consoles, and kept as pictures if it failed."""
+    opened: list[tuple[Page, Console]] = []
+    yield opened
+    name = re.sub(r"\W+", "-", request.node.name).strip("-")
+    failed = request.node.stash.get(FAILED, False)
+    complaints = []
+    for number, (page, console) in enumerate(opened):
+        if failed or console.errors:
+            page.screenshot(path=chromium.SCREENSHOTS / "failed" / f"{name}-{number}.png")
+            request.node.add_report_section("teardown", f"console of page {number}", "\n".join(console.lines))
+        complaints += console.errors
+        page.close()
+    assert not complaints, "widgets complained on the console:\n" + "\n".join(complaints)
+
+
+@pytest.fixture
+def notebook(
+    lab: LabServer,
+    contexts: Callable[[int, bool], BrowserContext],
+    pages: list[tuple[Page, Console]],
+    request: pytest.FixtureRequest,
+) -> Iterator[Callable[..., Notebook]]:
+    def open_notebook(
+        cells: Sequence[str],
+        *,
+        run: bool = True,
+        scale: int = 1,
+        width: int = 1200,
+        height: int = 900,
+        theme: Literal["light", "dark"] = "light",
+        touch: bool = False,
+    ) -> Notebook:
+        name = re.sub(r"\W+", "-", request.node.nodeid.split("::", 1)[-1]).strip("-")
+        path = f"{name}-{len(pages)}.ipynb"
+        kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+        nbformat.write(
+            nbformat.v4.new_notebook(
+                cells=[nbformat.v4.new_code_cell(source) for source in cells], metadata={"kernelspec": kernel}
+            ),
+            lab.files / path,
+        )
+        page = contexts(scale, touch).new_page()
+        console = Console(page)
+        pages.append((page, console))
+        page.set_viewport_size({"width": width, "height": height})
+        opened = Notebook(page, lab, path, console)
+        opened.open()
+        opened.theme(theme)
+        if run:
+            opened.run_all()
+        return opened
+
+    yield open_notebook
+    lab.end_sessions()
+
+
+@pytest.fixture
+def static_page(browser: Browser, pages: list[tuple[Page, Console]]) -> Callable[[Path], Page]:
+    def open_page(file: Path) -> Page:
+        page = browser.new_page()
+        pages.append((page, Console(page, export.WEB)))
+        export.serve(page, file)
+        return page
+
+    return open_page

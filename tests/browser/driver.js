@@ -1,0 +1,97 @@
+// What the tests ask of JupyterLab inside the page, by the objects that its own extensions use.
+window.driver = (() => {
+  const runs = new Map();
+  const app = () => window.jupyterapp;
+  const panelOf = (path) => [...app().shell.widgets("main")].find((widget) => widget.context?.path === path);
+  const cellOf = (path, index) => panelOf(path).content.widgets.at(index);
+  const kernelOf = (path) => panelOf(path).sessionContext.session?.kernel;
+
+  return {
+    ready(path) {
+      const panel = app() && panelOf(path);
+      const kernel = panel?.sessionContext?.session?.kernel;
+      return Boolean(
+        panel?.context.isReady &&
+          panel.isVisible &&
+          kernel?.connectionStatus === "connected" &&
+          (kernel.status === "idle" || kernel.status === "busy") &&
+          !document.querySelector("#jupyterlab-splash"),
+      );
+    },
+
+    cells: (path) => panelOf(path).content.widgets.map((cell) => cell.model.type),
+
+    // Marks a cell's element, so that it is found again wherever the cell moves.
+    mark(path, index) {
+      const cell = cellOf(path, index);
+      cell.node.dataset.cell = cell.model.id;
+      return cell.model.id;
+    },
+
+    outputs: (path, index) => cellOf(path, index).model.outputs.toJSON(),
+
+    edit: (path, index, source) => cellOf(path, index).model.sharedModel.setSource(source),
+
+    append(path, source) {
+      const notebook = panelOf(path).content;
+      notebook.model.sharedModel.addCell({ cell_type: "code", source });
+      return notebook.widgets.length - 1;
+    },
+
+    start(path, index) {
+      const notebook = panelOf(path).content;
+      const cell = cellOf(path, index);
+      const kernel = kernelOf(path);
+      const run = { started: false, ended: false };
+      const onMessage = (_, { header }) => {
+        run.started ||= header.msg_type === "execute_input";
+      };
+      runs.set(cell.model.id, run);
+      notebook.activeCellIndex = notebook.widgets.indexOf(cell);
+      kernel.iopubMessage.connect(onMessage);
+      app()
+        .commands.execute("notebook:run-cell")
+        .finally(() => {
+          run.ended = true;
+          kernel.iopubMessage.disconnect(onMessage);
+        });
+    },
+
+    started(path, index) {
+      const run = runs.get(cellOf(path, index).model.id);
+      return run.started || run.ended;
+    },
+
+    ended: (path, index) => runs.get(cellOf(path, index).model.id).ended,
+
+    async python(path, code) {
+      const answer = { text: "", traceback: null };
+      const future = kernelOf(path).requestExecute({ code, store_history: false });
+      future.onIOPub = ({ header, content }) => {
+        if (header.msg_type === "stream") answer.text += content.text;
+        if (header.msg_type === "execute_result") answer.text += content.data["text/plain"];
+        if (header.msg_type === "error") answer.traceback = content.traceback;
+      };
+      await future.done;
+      return answer;
+    },
+
+    restart: (path) => panelOf(path).sessionContext.restartKernel(),
+
+    interrupt: (path) => kernelOf(path).interrupt(),
+
+    save: (path) => panelOf(path).context.save(),
+
+    theme: (name) => app().commands.execute("apputils:change-theme", { theme: name }),
+
+    isLight: () => document.body.dataset.jpThemeLight === "true",
+
+    // The width that widgets get, once the window's latest size has been laid out.
+    async outputWidth(path) {
+      await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+      const { node } = panelOf(path).content;
+      const shown = node.querySelector(".jp-OutputArea-output.lm-Panel") ?? node.querySelector(".jp-InputArea-editor");
+      return shown.getBoundingClientRect().width;
+    },
+  };
+})();

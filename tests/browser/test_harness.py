@@ -1,0 +1,116 @@
+"""The fixtures themselves, on a widget of a few lines: what they say they wait for has come about."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from playwright.sync_api import Page, expect
+
+from .chromium import shoot
+from .notebook import CellError, Notebook
+
+COUNTER = '''
+import anywidget, traitlets
+
+class Counter(anywidget.AnyWidget):
+    n = traitlets.Int(3).tag(sync=True)
+    _esm = """
+    export default {
+      render({ model, el }) {
+        const button = el.appendChild(document.createElement("button"));
+        const show = () => { button.textContent = `n=${model.get("n")}`; };
+        button.onclick = () => { model.set("n", model.get("n") + 1); model.save_changes(); };
+        model.on("change:n", show);
+        show();
+        if (model.get("n") === 13) throw new Error("thirteen");
+      },
+    };
+    """
+
+counter = Counter()
+'''
+
+
+def test_a_click_reaches_the_kernel_and_the_second_view(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([COUNTER, "display(counter)\ndisplay(counter)"])
+    nb.widget(1).get_by_role("button").click()
+    expect(nb.widget(1, 1)).to_have_text("n=4")
+    assert nb.python("counter.n") == "4"
+
+
+def test_a_reload_shows_the_state_that_the_kernel_holds(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([COUNTER, "counter"])
+    nb.python("counter.n = 20")
+    nb.reload()
+    expect(nb.widget(1)).to_have_text("n=20")
+
+
+def test_cells_run_again_after_a_kernel_restart(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([COUNTER, "counter.n = 21", "counter"])
+    nb.restart_kernel()
+    with pytest.raises(CellError, match="NameError: name 'counter' is not defined"):
+        nb.run(2)
+    nb.edit(1, "counter.n += 1")
+    nb.run_all()
+    expect(nb.widget(2)).to_have_text("n=4")
+
+
+def test_a_busy_cell_is_seen_while_it_runs(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([COUNTER, "counter"])
+    busy = nb.append("import time\ncounter.n = 30\nwhile True:\n    time.sleep(0.01)")
+    nb.start(busy)
+    expect(nb.widget(1)).to_have_text("n=30")
+    nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(busy)
+
+
+@pytest.mark.parametrize("scale", [1, 2])
+def test_a_screenshot_has_the_width_and_the_scale_it_was_asked_for(
+    notebook: Callable[..., Notebook], scale: int
+) -> None:
+    nb = notebook([COUNTER, "counter"], scale=scale)
+    for width in (320, 1200):
+        nb.resize(width)
+        with Image.open(shoot(nb.widget(1), f"harness-{width}")) as picture:
+            assert picture.width == width * scale
+
+
+def test_the_theme_switches_while_the_page_is_open(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([COUNTER, "counter"], theme="dark")
+    colour = "() => getComputedStyle(document.body).getPropertyValue('--jp-layout-color0').trim()"
+    dark = nb.page.evaluate(colour)
+    nb.theme("light")
+    assert (dark, nb.page.evaluate(colour)) == ("#111", "white")
+
+
+def test_an_error_in_a_widget_is_noticed(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([COUNTER])
+    with nb.page.expect_event("console", lambda message: "thirteen" in message.text):
+        nb.run(nb.append("Counter(n=13)"))
+    assert nb.console.errors
+    nb.console.errors.clear()
+
+
+def test_an_exported_notebook_lives_without_a_kernel(
+    notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
+) -> None:
+    nb = notebook([COUNTER, "counter.n = 44", "counter"])
+    saved = nb.save()
+    subprocess.run([sys.executable, "-m", "nbconvert", "--to", "html", saved], check=True)
+    page = static_page(saved.with_suffix(".html"))
+    expect(page.get_by_role("button", name="n=44")).to_be_visible()
+
+
+def test_an_embedded_widget_lives_without_a_kernel(
+    notebook: Callable[..., Notebook], static_page: Callable[[Path], Page], tmp_path: Path
+) -> None:
+    file = tmp_path / "embedded.html"
+    embed = f"embed_minimal_html({str(file)!r}, views=[counter], drop_defaults=False)"
+    notebook([COUNTER, f"from ipywidgets.embed import embed_minimal_html\n{embed}"])
+    expect(static_page(file).get_by_role("button", name="n=3")).to_be_visible()
