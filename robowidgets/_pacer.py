@@ -16,7 +16,7 @@ INTERVAL = 1 / 60
 """Seconds between two messages of one widget: a display shows no more."""
 
 MESSAGES_PER_SECOND = 240
-"""Of all widgets together. JupyterLab's server drops what exceeds 1000 in 3 s on a kernel's connection, prints included."""
+"""Of all widgets together. JupyterLab's server drops what exceeds 1000 in 3 s on a connection, prints included."""
 
 BYTES_PER_SECOND = 20_000_000
 """Of all widgets together. A page takes no more."""

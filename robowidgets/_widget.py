@@ -1,4 +1,4 @@
-"""What the widgets share: their front end, the way of a sample to the page, freezing, and words when something is wrong."""
+"""What the widgets share: front end, the way of a sample to the page, freezing, words when something is wrong."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ log = logging.getLogger("robowidgets")
 
 STATIC = Path(__file__).parent / "static"
 HEAD = struct.Struct("<ddq")
-"""Each frame starts with its sequence number, samples per second (NaN: unknown), and the sample's stamp in ns (0: none)."""
+"""Each frame starts with its sequence number, samples per second (NaN: unknown), and the stamp in ns (0: none)."""
 
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
@@ -45,7 +45,7 @@ def bytes_trait(**tags: Any) -> Any:
     return traitlets.Bytes().tag(sync=True, from_json=lambda value, _: bytes(value or b""), **tags)
 
 
-class RobotWidget(anywidget.AnyWidget, Generic[S]):  # type: ignore[misc]
+class RobotWidget(anywidget.AnyWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
     Subclasses pack samples to bytes and back, and hand new ones to `_show`. A sample is only stored by the caller; it
@@ -65,7 +65,7 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):  # type: ignore[misc]
     _noun: ClassVar[str] = "sample"
 
     def __init__(self, **kwargs: Any) -> None:
-        settable = [name for name in self.trait_names(sync=True) if self._is_ours(name)]
+        settable = [name for name in self.trait_names() if self._is_ours(name)]
         for name in kwargs:
             if name not in settable:
                 raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable))
@@ -80,7 +80,7 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):  # type: ignore[misc]
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):
-            settable = [n for n in self.trait_names(sync=True) if self._is_ours(n)]
+            settable = [n for n in self.trait_names() if self._is_ours(n)]
             raise AttributeError(_unknown(type(self).__name__, "trait", name, settable))
         super().__setattr__(name, value)
 
@@ -105,7 +105,7 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):  # type: ignore[misc]
         pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
-        """Say on the widget why a message could not be shown; raise where a person called, log in a callback's thread."""
+        """Say on the widget why a message could not be shown; raise in the main thread, log in a callback's."""
         text = str(error)
         self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
         self._changed = True

@@ -1,8 +1,8 @@
 import { toShortMetres } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import { arcFont } from "./draw_area.ts";
-import type { ArcLabel, Occupancy } from "./guides.ts";
-import { type Projection, toDirection } from "./projection.ts";
+import { type ArcLabel, type Occupancy, overlaps } from "./guides.ts";
+import { type Box, type Projection, toDirection } from "./projection.ts";
 import {
   angleOf,
   classify,
@@ -121,6 +121,29 @@ function drawMark(
     return;
   }
   context.stroke();
+}
+
+/** How many readings lie beyond the view, in the first corner of the picture that is free of labels. */
+export function drawBeyond(
+  context: CanvasRenderingContext2D,
+  words: string,
+  { box, labelBoxes }: { box: Box; labelBoxes: Box[] },
+  theme: Theme,
+): void {
+  context.font = arcFont(theme);
+  const [width, height] = [context.measureText(words).width + 14, 14];
+  const [left, right] = [box.x + 10, box.x + box.width - 10 - width];
+  const [top, bottom] = [box.y + 8, box.y + box.height - 8 - height];
+  const corners = [left, right].flatMap((x) => [bottom, top].map((y) => ({ x, y, width, height })));
+  const { x, y } = corners.find((corner) => !labelBoxes.some((label) => overlaps(corner, label))) ?? {
+    x: left,
+    y: bottom,
+  };
+  drawMark(context, BEYOND, x + 3, y + height / 2, 0, -1, theme);
+  context.textAlign = "left";
+  context.textBaseline = "middle";
+  context.fillStyle = theme.muted;
+  context.fillText(words, x + 12, y + height / 2 + 0.5);
 }
 
 /** The distance at each arc, with a halo. */

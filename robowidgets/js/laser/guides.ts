@@ -1,5 +1,5 @@
 import { toDegrees } from "../shared/format.ts";
-import { type Box, type Projection, RIM_MARKS, type Rim, toDirection, toPixel } from "./projection.ts";
+import { type Box, type Projection, RIM_MARKS, type Rim, toDirection } from "./projection.ts";
 import { angleOf, isFullCircle, type Sweep } from "./scan.ts";
 
 /** Distances of the range arcs in metres: those asked for, or `count` that divide the view in equal parts. */
@@ -127,11 +127,15 @@ export interface ArcLabel {
 const ARC_LABEL_HEIGHT = 14;
 const CLOSEST_TO_ROBOT = 26;
 const CANDIDATES = 48;
+const LEFT_OF_FORWARD = 0.24;
 
 /**
  * Where the arcs are labelled: just inside each arc, left of forward, and elsewhere round it when a reading is there. A
  * label stays where it was as long as that place is free, so that a live picture keeps still; without a free place it
  * is left out.
+ *
+ * @param lines angles of the radial lines
+ * @param covered parts of the picture that something covers
  */
 export function arcLabels(
   projection: Projection,
@@ -139,6 +143,7 @@ export function arcLabels(
   arcs: { distance: number; width: number }[],
   lines: number[],
   occupied: Occupancy,
+  covered: Box[],
   previous: ArcLabel[],
 ): ArcLabel[] {
   const placed: ArcLabel[] = [];
@@ -151,29 +156,36 @@ export function arcLabels(
   for (const { distance, width } of arcs) {
     const pixels = (distance / projection.viewRange) * projection.radius;
     if (pixels < CLOSEST_TO_ROBOT) continue;
-    const inside = distance - ((ARC_LABEL_HEIGHT / 2 + 2) / projection.radius) * projection.viewRange;
     const toLabel = (angle: number): ArcLabel => {
-      const { x, y } = toPixel(projection, inside, angle);
+      const direction = toDirection(angle, projection.forward);
+      const depth = (Math.abs(direction.x) * width + Math.abs(direction.y) * ARC_LABEL_HEIGHT) / 2 + 2;
+      const x = projection.centerX + direction.x * (pixels - depth);
+      const y = projection.centerY + direction.y * (pixels - depth);
       const box = { x: x - width / 2, y: y - ARC_LABEL_HEIGHT / 2, width, height: ARC_LABEL_HEIGHT };
       return { distance, angle, box };
     };
     const before = previous.find((label) => label.distance === distance);
-    // Half the label's width must lie inside the swept angle and clear of the radial lines.
+    // Half the label's width must lie inside the swept angle; clear of the radial lines is better.
     const needed = (width / 2 + 3) / pixels;
-    const clear = (angle: number) =>
-      (isFullCircle(sweep) || spread < 2 * needed || (angle - from > needed && from + spread - angle > needed)) &&
+    const inSweep = (angle: number) =>
+      isFullCircle(sweep) || spread < 2 * needed || (angle - from > needed && from + spread - angle > needed);
+    const isClear = (angle: number) =>
       lines.every((line) => Math.abs(Math.sin((angle - line) / 2)) * 2 * pixels > width / 3);
     const free = (label: ArcLabel) =>
-      occupied.count(label.box) === 0 && !placed.some((other) => overlaps(label.box, other.box));
-    const candidates = [...(before ? [before.angle] : []), ...angles.filter(clear)].map(toLabel);
+      occupied.count(label.box) === 0 &&
+      !covered.some((box) => overlaps(label.box, box)) &&
+      !placed.some((other) => overlaps(label.box, other.box));
+    const within = angles.filter(inSweep);
+    const candidates = [...(before ? [before.angle] : []), ...within.filter(isClear), ...within].map(toLabel);
     const found = candidates.find(free);
     if (found) placed.push(found);
   }
   return placed;
 }
 
+/** Left of forward, counted as the sweep counts; the middle of a sweep that does not reach there. */
 function preferredAngle(from: number, spread: number): number {
-  const forward = Math.round((from + spread / 2) / (2 * Math.PI)) * 2 * Math.PI;
-  const leftOfForward = forward + 0.24;
-  return leftOfForward > from && leftOfForward < from + spread ? leftOfForward : from + spread / 2;
+  const turns = Math.ceil((from - LEFT_OF_FORWARD) / (2 * Math.PI));
+  const angle = LEFT_OF_FORWARD + turns * 2 * Math.PI;
+  return angle < from + spread ? angle : from + spread / 2;
 }

@@ -1,5 +1,5 @@
 import { make, setText } from "../shared/dom.ts";
-import { toCount, toDegrees, toMetres, toShortMetres } from "../shared/format.ts";
+import { toCount, toDegrees, toMetres } from "../shared/format.ts";
 import { type Model, put } from "../shared/model.ts";
 import { angleOf, type Census, READING, type Scan } from "./scan.ts";
 import { CLASSES } from "./words.ts";
@@ -34,13 +34,12 @@ export class Legend {
     footer.append(counts, this.#nearest);
   }
 
-  update(scan: Scan | null, { counts, nearest }: Census, shown: string[], beyond: number, viewRange: number): void {
+  update(scan: Scan | null, { counts, nearest }: Census, shown: string[]): void {
     for (const { name, item, count, kind } of this.#items) {
       setText(count, toCount(counts[kind as 0]));
       if (kind !== READING) item.setAttribute("aria-pressed", String(shown.includes(name)));
     }
     const parts: (string | HTMLElement)[] = [];
-    if (beyond) parts.push(`${toCount(beyond)} beyond ${toShortMetres(viewRange)} · `);
     if (scan && nearest >= 0) {
       parts.push("nearest ", make("b", "", toMetres(scan.ranges[nearest] as number)), " at ");
       parts.push(make("b", "", toDegrees(angleOf(scan, nearest))), " ", make("b", "rw-index", `[${nearest}]`));

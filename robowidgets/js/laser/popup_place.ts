@@ -6,7 +6,7 @@ const GAP = 12;
 const MARGIN = 4;
 
 /**
- * Where a pop-up goes: in the box, off the ray it names, and off other readings and pop-ups where it can.
+ * Where a pop-up goes: in the box, off the ray it names, and near it; off readings, labels and pop-ups where it can.
  *
  * @param from the scanner's place, where the ray starts
  * @param to the reading, or where the ray leaves the view
@@ -18,6 +18,7 @@ export function placePopup(
   to: Point,
   occupied: Pick<Occupancy, "count">,
   others: Box[],
+  labels: Box[],
 ): Point {
   const { width, height } = size;
   const left = box.x + MARGIN;
@@ -27,17 +28,23 @@ export function placePopup(
   const clamp = ({ x, y }: Point) => ({ x: Math.min(right, Math.max(left, x)), y: Math.min(bottom, Math.max(top, y)) });
   const xs = [to.x - width - GAP, to.x + GAP, to.x - width / 2];
   const ys = [to.y - height - GAP, to.y + GAP, to.y - height / 2];
-  const near = xs.flatMap((x) => ys.map((y) => clamp({ x, y })));
+  const near = xs.flatMap((x) => ys.map((y) => ({ x, y })));
+  const shifts = [-1, 0, 1].flatMap((x) => [-1, 0, 1].map((y) => ({ x: x * width * 0.6, y: y * height * 0.8 })));
+  const around = near.flatMap(({ x, y }) => shifts.map((shift) => clamp({ x: x + shift.x, y: y + shift.y })));
   const corners = [left, right].flatMap((x) => [top, bottom].map((y) => ({ x, y })));
   const cost = ({ x, y }: Point) => {
     const place = { x, y, width, height };
     const crossed = crosses(from, to, { x: x - 3, y: y - 3, width: width + 6, height: height + 6 });
     const away = Math.hypot(x + width / 2 - to.x, y + height / 2 - to.y);
     return (
-      (crossed ? 1e6 : 0) + 1e4 * others.filter((o) => overlaps(place, o, 4)).length + 40 * occupied.count(place) + away
+      (crossed ? 1e6 : 0) +
+      1e4 * others.filter((other) => overlaps(place, other, 4)).length +
+      100 * labels.filter((label) => overlaps(place, label)).length +
+      12 * occupied.count(place) +
+      away
     );
   };
-  return [...near, ...corners].reduce((best, place) => (cost(place) < cost(best) ? place : best));
+  return [...around, ...corners].reduce((best, place) => (cost(place) < cost(best) ? place : best));
 }
 
 /** Whether a line from a to b touches a box. */

@@ -77,6 +77,7 @@ export function sweepRim(sweep: Sweep, forward: number): Rim[] {
 /** Room for the marks beyond the rim, in pixels. */
 export const RIM_MARKS = 8;
 const ROBOT = 16;
+const MARGIN = 6;
 
 /** The largest radius, and the centre, with which the scanner and everything at the rim fit the box. */
 export function fit(rim: Rim[], box: Box): { radius: number; centerX: number; centerY: number } {
@@ -96,7 +97,7 @@ export function fit(rim: Rim[], box: Box): { radius: number; centerX: number; ce
   for (let i = 0; i < 30; i++) {
     const middle = (low + high) / 2;
     const { left, right, top, bottom } = extent(middle);
-    if (right - left <= box.width && bottom - top <= box.height) low = middle;
+    if (right - left <= box.width - 2 * MARGIN && bottom - top <= box.height - 2 * MARGIN) low = middle;
     else high = middle;
   }
   const { left, right, top, bottom } = extent(low);

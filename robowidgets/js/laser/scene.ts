@@ -1,5 +1,5 @@
 import { Layer, type Size } from "../shared/canvas.ts";
-import { toShortMetres } from "../shared/format.ts";
+import { toCount, toShortMetres } from "../shared/format.ts";
 import { getNumber, getString, type Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { colorScale, type Domain, drawColorScale, intensityDomain, SCALE_HEIGHT } from "./color.ts";
@@ -13,11 +13,12 @@ import {
   drawRobot,
   indexFont,
 } from "./draw_area.ts";
-import { drawArcLabels, drawReadings } from "./draw_readings.ts";
+import { drawArcLabels, drawBeyond, drawReadings } from "./draw_readings.ts";
 import {
   type ArcLabel,
   arcDistances,
   arcLabels,
+  labelBox,
   Occupancy,
   type RayLabel,
   rayIndices,
@@ -43,8 +44,8 @@ export class Scene {
   projection: Projection = { centerX: 0, centerY: 0, radius: 1, viewRange: 1, forward: 0 };
   occupied = new Occupancy(1, 1);
   box: Box = { x: 0, y: 0, width: 0, height: 0 };
-  /** How many readings lie beyond the view. */
-  beyond = 0;
+  /** Where the labels of the rays stand. */
+  labelBoxes: Box[] = [];
   readonly #model: Model;
   readonly #base: Layer;
   readonly #top: Layer;
@@ -67,27 +68,31 @@ export class Scene {
     return this.projection.viewRange;
   }
 
-  /** @param insetTop room at the top that a notice takes, in pixels */
-  draw(scan: Scan | null, size: Size, insetTop: number, theme: Theme, dark: boolean): void {
+  /**
+   * @param insetTop room at the top that a notice takes, in pixels
+   * @param covered parts of the picture that something covers
+   */
+  draw(scan: Scan | null, size: Size, insetTop: number, covered: Box[], theme: Theme): void {
     const colored = scan?.intensities.length && this.#model.get("color_by_intensity");
     this.#domain = scan && colored ? intensityDomain(scan, this.#domain) : null;
     const insetBottom = this.#domain ? SCALE_HEIGHT : 0;
     this.box = { x: 0, y: insetTop, width: size.width, height: Math.max(40, size.height - insetTop - insetBottom) };
-    this.#drawBase(scan, size, theme, dark);
+    this.#drawBase(scan, size, theme);
     const context = this.#top.begin(size);
     this.occupied = new Occupancy(size.width, size.height);
-    this.beyond = 0;
     if (scan) {
-      const colorOf = this.#domain ? colorScale(this.#domain, dark) : null;
+      const colorOf = this.#domain ? colorScale(this.#domain, theme.dark) : null;
       const shown = new Set((this.#model.get("marks") as string[]) ?? []);
       const marks = new Set(CLASSES.filter(({ name }) => shown.has(name)).map(({ kind }) => kind));
-      this.beyond = drawReadings(context, this.projection, scan, { theme, marks, colorOf }, this.occupied);
+      const style = { theme, marks, colorOf };
+      const beyond = drawReadings(context, this.projection, scan, style, this.occupied);
+      if (beyond) drawBeyond(context, `${toCount(beyond)} beyond ${toShortMetres(this.viewRange)}`, this, theme);
       if (this.#domain && colorOf) drawColorScale(context, size, this.#domain, colorOf, theme);
     }
     const sweep = scan ?? PLACEHOLDER;
     const lines = this.#rays.map((index) => angleOf(sweep, index));
     const arcs = this.#arcs.map((distance, i) => ({ distance, width: this.#arcWidths[i] ?? 0 }));
-    this.#arcLabels = arcLabels(this.projection, sweep, arcs, lines, this.occupied, this.#arcLabels);
+    this.#arcLabels = arcLabels(this.projection, sweep, arcs, lines, this.occupied, covered, this.#arcLabels);
     drawArcLabels(context, this.#arcLabels, theme);
   }
 
@@ -121,7 +126,7 @@ export class Scene {
     return edge;
   }
 
-  #drawBase(scan: Scan | null, size: Size, theme: Theme, dark: boolean): void {
+  #drawBase(scan: Scan | null, size: Size, theme: Theme): void {
     const model = this.#model;
     const { angleMin, angleIncrement, count, rangeMin, rangeMax } = scan ?? PLACEHOLDER;
     const sweep: Sweep = { angleMin, angleIncrement, count };
@@ -131,20 +136,8 @@ export class Scene {
     const asked = (model.get("arc_distances") as number[]) ?? [];
     const forward = getString(model, "forward");
     const limits = { rangeMin, rangeMax };
-    const ratio = window.devicePixelRatio;
-    const key = JSON.stringify([
-      sweep,
-      limits,
-      viewRange,
-      arcCount,
-      rayCount,
-      asked,
-      forward,
-      this.box,
-      size,
-      dark,
-      ratio,
-    ]);
+    const look = [window.devicePixelRatio, theme];
+    const key = JSON.stringify([sweep, limits, viewRange, arcCount, rayCount, asked, forward, this.box, size, look]);
     if (key === this.#baseKey) return;
     this.#baseKey = key;
 
@@ -158,6 +151,7 @@ export class Scene {
     context.font = arcFont(theme);
     this.#arcWidths = this.#arcs.map((distance) => context.measureText(toShortMetres(distance)).width + 6);
     const kept: RayLabel[] = thinLabels(this.projection, labels);
+    this.labelBoxes = kept.map((label) => labelBox(this.projection, label));
     drawArea(context, this.projection, sweep, limits, theme);
     drawGuides(context, this.projection, sweep, limits, this.#arcs, this.#rays, theme);
     drawRayLabels(context, this.projection, kept, theme);

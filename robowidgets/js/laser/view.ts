@@ -1,6 +1,6 @@
 import { type Size, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, setText } from "../shared/dom.ts";
+import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
 import { toFixed, toShortMetres } from "../shared/format.ts";
 import { getAbout, type Model, onChange, put } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
@@ -117,17 +117,17 @@ export class LaserView {
     if (this.#size.width === 0) return;
     const scan = this.#stream.shown;
     const census = scan ? takeCensus(scan) : EMPTY;
-    const { theme, root } = this.#card;
+    const { theme } = this.#card;
     const rays = scan ? `${scan.count} ${scan.count === 1 ? "ray" : "rays"}` : "";
     const rate = scan && this.#stream.live && Number.isFinite(scan.rate) ? `${toFixed(scan.rate, 1)} Hz` : "";
     this.#card.update([getAbout(this.#model).frame_id ?? "", rays, rate], "scan");
-    this.#scene.draw(scan, this.#size, this.#card.noticeHeight, theme, root.dataset.rwTheme === "dark");
-    const { viewRange, beyond } = this.#scene;
-    setText(this.#range, toShortMetres(viewRange));
-    this.#fit.setAttribute("aria-pressed", String(this.#model.get("view_range") === "data"));
-    this.#legend.update(scan, census, (this.#model.get("marks") as string[]) ?? [], beyond, viewRange);
     setText(this.#empty, whyEmpty(scan, census));
     this.#empty.hidden = !this.#empty.textContent;
+    const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];
+    this.#scene.draw(scan, this.#size, this.#card.noticeHeight, covered, theme);
+    setText(this.#range, toShortMetres(this.#scene.viewRange));
+    this.#fit.setAttribute("aria-pressed", String(this.#model.get("view_range") === "data"));
+    this.#legend.update(scan, census, (this.#model.get("marks") as string[]) ?? []);
     this.#drawPopups(scan);
   }
 
@@ -136,11 +136,15 @@ export class LaserView {
     const others: Box[] = [];
     const show = (popup: Popup, index: number | null) => {
       if (!scan || index === null) return popup.hide();
-      const { box, projection, occupied } = this.#scene;
+      const { box, projection, occupied, labelBoxes } = this.#scene;
       const center = { x: projection.centerX, y: projection.centerY };
       const end = index < scan.count ? this.#scene.endOf(scan, index) : center;
       if (index < scan.count) this.#scene.drawPointer(scan, index, this.#card.theme);
-      others.push(popup.show(describeRay(scan, index), (size) => placePopup(size, box, center, end, occupied, others)));
+      others.push(
+        popup.show(describeRay(scan, index), (size) =>
+          placePopup(size, box, center, end, occupied, others, labelBoxes),
+        ),
+      );
     };
     show(this.#pinned, pinned);
     show(this.#hovered, hovered === pinned ? null : hovered);

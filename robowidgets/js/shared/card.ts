@@ -13,7 +13,6 @@ export class Card {
   readonly controls: HTMLElement;
   readonly picture: HTMLElement;
   readonly footer: HTMLElement;
-  theme: Theme;
   readonly #model: Model;
   readonly #stream: Stream<Frame>;
   readonly #header = make("div", "rw-header");
@@ -22,6 +21,7 @@ export class Card {
   readonly #notice = make("div", "rw-notice");
   readonly #freeze: HTMLButtonElement;
   readonly #freezeText = make("span", "rw-freeze-text");
+  #theme: Theme | null = null;
 
   /**
    * @param kind what the widget is, for its class and for readers of screens: "laser", "speed", "touch"
@@ -53,15 +53,20 @@ export class Card {
     this.picture.append(this.#notice);
     this.root.append(this.#header, this.picture, this.footer);
     element.append(this.root);
-    this.theme = applyTheme(this.root);
     const onTheme = () => {
-      this.theme = applyTheme(this.root);
+      this.#theme = null;
       redraw();
     };
     watchTheme(onTheme, signal);
     onChange(model, ["title", "header", "footer"], redraw, signal);
     this.picture.addEventListener("keydown", (event) => this.#onKey(event), { signal });
     this.picture.setAttribute("aria-label", `${kind} widget`);
+  }
+
+  /** Colours and fonts; to be asked for when drawing, for an element outside the page has none. */
+  get theme(): Theme {
+    this.#theme ??= applyTheme(this.root);
+    return this.#theme;
   }
 
   /** Puts controls of the widget before the freeze button. */

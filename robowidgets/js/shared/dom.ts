@@ -30,6 +30,12 @@ export function makeButton(
   return button;
 }
 
+/** The box of an element in the coordinates of one that holds it. */
+export function boxWithin(parent: HTMLElement, element: HTMLElement) {
+  const [outer, inner] = [parent.getBoundingClientRect(), element.getBoundingClientRect()];
+  return { x: inner.left - outer.left, y: inner.top - outer.top, width: inner.width, height: inner.height };
+}
+
 const SVG = "http://www.w3.org/2000/svg";
 
 /** A 12 by 12 icon from path data. */

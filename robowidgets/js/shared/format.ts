@@ -18,9 +18,10 @@ export function toShortMetres(value: number): string {
   return `${toFixed(value, 3).replace(/\.?0+$/, "")} m`;
 }
 
-/** Radians as degrees with one decimal: "28.8°". */
+/** Radians as degrees within ±180 with one decimal: "28.8°". */
 export function toDegrees(radians: number): string {
-  return `${toFixed((radians * 180) / Math.PI, 1)}°`;
+  const turned = Math.abs(radians) > Math.PI + 1e-6 ? Math.atan2(Math.sin(radians), Math.cos(radians)) : radians;
+  return `${toFixed((turned * 180) / Math.PI, 1)}°`;
 }
 
 /** A whole number in groups of three: "12 480". */

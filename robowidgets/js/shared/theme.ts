@@ -9,6 +9,7 @@ export interface Theme {
   pointer: string;
   touch: string;
   font: string;
+  dark: boolean;
   mono: string;
 }
 
@@ -38,6 +39,7 @@ export function applyTheme(element: HTMLElement): Theme {
     pointer: read("pointer"),
     touch: read("touch"),
     font: style.fontFamily,
+    dark: element.dataset.rwTheme === "dark",
     mono: read("mono"),
   };
 }
