@@ -15,8 +15,8 @@ A `Notebook` (notebook.py):
     kernel: `python(code) -> text` past the cells, `interrupt()`, `restart_kernel()`, `reload()`, `save() -> file`.
 
 `shoot(locator, name)` (chromium.py) leaves tests/screenshots/NAME@1x.png or @2x.png. Wait with Playwright's `expect` or
-`page.wait_for_function`, never for a time. A test fails when a widget threw or complained on the console of its page, or
-when the page asked the web for anything; one that expects such a line takes it out of `nb.console.errors`. A failed test
+`page.wait_for_function`, never for a time. A test fails when a widget threw or complained on the console of its page,
+or when the page asked the web for anything; a test that expects it takes it out of `nb.console.errors`. A failed test
 leaves its pages in tests/screenshots/failed/ and their consoles in the report.
 """
 

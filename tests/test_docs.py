@@ -1,0 +1,112 @@
+"""What the documentation tells a reader to type works as it stands there."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from .conftest import ROOT
+
+FILES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
+PROSE = {"text", "json", "toml"}
+SHELL = {"bash", "sh"}
+# Commands that no test can type here, each with what stands for it.
+ELSEWHERE = {
+    "git clone": "the checkout that this test runs in",
+    "pip install": "tests/test_wheel.py installs what is built from this checkout",
+    "cd": "the checkout that this test runs in",
+    "robowidgets demo": "tests/browser/test_command.py",
+    "robowidgets open": "tests/browser/test_command.py",
+}
+SECONDS = 120
+
+_FENCE = re.compile(r"^```(.*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_LINK = re.compile(r"!?\[[^\]]*\]\(([^)#\s]+)|<img[^>]*\bsrc=\"([^\"]+)\"")
+
+every_file = pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+
+
+class Block(NamedTuple):
+    """A fenced block: its language, its text and the line on which the text begins, from 1."""
+
+    language: str
+    text: str
+    line: int
+
+
+def blocks(file: Path) -> list[Block]:
+    source = file.read_text(encoding="utf-8")
+    return [
+        Block(match[1].strip(), match[2], source.count("\n", 0, match.start(2)) + 1)
+        for match in _FENCE.finditer(source)
+    ]
+
+
+def commands(file: Path) -> list[str]:
+    lines = [line for block in blocks(file) if block.language in SHELL for line in block.text.splitlines()]
+    return [line for line in lines if line.strip() and not line.startswith("#")]
+
+
+def test_there_is_documentation() -> None:
+    assert {"README.md", "CONTRIBUTING.md", "CHANGELOG.md"} <= {file.name for file in FILES}
+    assert [block for block in blocks(ROOT / "README.md") if block.language == "python"]
+
+
+@every_file
+def test_every_block_says_what_language_it_is_in(file: Path) -> None:
+    strange = [
+        (block.line, block.language) for block in blocks(file) if block.language not in {"python", *PROSE, *SHELL}
+    ]
+    assert strange == []
+
+
+@every_file
+def test_the_python_of_a_page_runs_from_top_to_bottom(file: Path, tmp_path: Path) -> None:
+    parts = [block for block in blocks(file) if block.language == "python"]
+    if not parts:
+        pytest.skip(f"{file.name} has no Python in it")
+    run = ["names = {'__name__': '__main__'}"]
+    for block in parts:
+        source = "\n" * (block.line - 1) + block.text
+        run.append(f"exec(compile({source!r}, {str(file)!r}, 'exec'), names)")
+    script = tmp_path / "page.py"
+    script.write_text("\n".join(run), encoding="utf-8")
+    ended = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=SECONDS, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+
+
+@every_file
+def test_every_command_of_a_page_works(file: Path, tmp_path: Path) -> None:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    for command in commands(file):
+        words = shlex.split(command, comments=True)
+        if any(words[: len(known.split())] == known.split() for known in ELSEWHERE):
+            continue
+        if words[0] == "make":  # a run within a run would never end: the targets exist, and know how they are made
+            words.insert(1, "--dry-run")
+        ended = subprocess.run(
+            words,
+            cwd=ROOT if words[0] == "make" else tmp_path,
+            env=os.environ | {"PATH": path},
+            capture_output=True,
+            text=True,
+            timeout=SECONDS,
+            check=False,
+        )
+        assert ended.returncode == 0, f"{command}\n{ended.stdout}{ended.stderr}"
+
+
+@every_file
+def test_every_link_to_a_file_leads_to_one(file: Path) -> None:
+    links = [link[1] or link[2] for link in _LINK.finditer(file.read_text(encoding="utf-8"))]
+    lost = [link for link in links if "://" not in link and not (file.parent / link).exists()]
+    assert lost == []

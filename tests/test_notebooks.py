@@ -1,0 +1,69 @@
+"""Every notebook that the project ships: kept clean, a lesson to read, and running on a machine without ROS."""
+
+from __future__ import annotations
+
+import os
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from .conftest import ROOT
+
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+WIDGET = "application/vnd.jupyter.widget-view+json"
+LONGEST_CELL_SECONDS = 120
+
+named = pytest.mark.parametrize("file", NOTEBOOKS, ids=lambda file: file.stem)
+
+
+def read(file: Path) -> Any:
+    return nbformat.read(file, as_version=4)
+
+
+def test_there_is_a_tour_and_a_notebook_per_widget() -> None:
+    stems = {file.stem for file in NOTEBOOKS}
+    assert stems >= {"tour", "laser_widget", "speed_widget", "touch_widget", "recordings"}
+
+
+@named
+def test_a_notebook_is_kept_without_outputs(file: Path) -> None:
+    notebook = read(file)
+    nbformat.validate(notebook)
+    assert "widgets" not in notebook.metadata
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            assert (cell.outputs, cell.execution_count) == ([], None), f"clear the outputs of {file.name}"
+
+
+@named
+def test_a_notebook_reads_as_a_lesson(file: Path) -> None:
+    cells = read(file).cells
+    assert cells[0].cell_type == "markdown"
+    assert cells[0].source.startswith("# ")
+    for before, cell in pairwise(cells):
+        told = "markdown" in (before.cell_type, cell.cell_type)
+        assert told, f"no words between two cells of {file.name}:\n{cell.source}"
+
+
+@named
+def test_a_notebook_runs_from_top_to_bottom(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_DATA_DIR", "JUPYTER_CONFIG_DIR", "IPYTHONDIR"):
+        monkeypatch.setenv(name, str(tmp_path / name.lower()))
+    monkeypatch.delenv("ROS_DISTRO", raising=False)
+    notebook = read(file)
+    (tmp_path / "work").mkdir()
+    client = NotebookClient(
+        notebook,
+        timeout=LONGEST_CELL_SECONDS,
+        kernel_name="python3",
+        resources={"metadata": {"path": tmp_path / "work"}},
+    )
+    client.execute(env=dict(os.environ))
+    shown = [
+        output for cell in notebook.cells for output in cell.get("outputs", []) if WIDGET in output.get("data", {})
+    ]
+    assert shown, f"{file.name} shows no widget"

@@ -1,0 +1,128 @@
+"""What a person gets from pip: built from sources outside git, on a machine without Node."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+
+from .conftest import ROOT
+
+BUNDLES = ("laser_widget.js", "speed_widget.js", "touch_widget.js")
+LARGEST_BUNDLE = 30_000
+LARGEST_SAMPLE = 1_000_000
+RECORDINGS = (".bag", ".mcap", ".db3")
+# Names of XML namespaces, which nothing ever fetches.
+NAMESPACES = re.compile(r"https?://www\.w3\.org/")
+SOURCES = (".ts", ".mjs", "package.json", "package-lock.json", "tsconfig.json", "biome.json")
+
+
+@pytest.fixture(scope="module")
+def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An sdist, and the wheel that is built from it."""
+    folder = tmp_path_factory.mktemp("dist")
+    source = folder / "source"
+    listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
+    for name in subprocess.run(listed, cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\0"):
+        if name and (ROOT / name).is_file():
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, source / name)
+    tools = folder / "bin"
+    tools.mkdir()
+    for name in ("env", "sh"):
+        (tools / name).symlink_to(shutil.which(name) or name)
+    assert shutil.which("node", path=str(tools)) is None
+    command = [sys.executable, "-m", "build", "--outdir", folder / "dist", source]
+    built = subprocess.run(command, env=os.environ | {"PATH": str(tools)}, capture_output=True, text=True, check=False)
+    assert built.returncode == 0, built.stdout[-4000:] + built.stderr[-4000:]
+    return folder / "dist"
+
+
+@pytest.fixture(scope="module")
+def installed(dist: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that holds the wheel, unpacked by pip."""
+    folder = tmp_path_factory.mktemp("site")
+    wheel = next(dist.glob("*.whl"))
+    subprocess.run(
+        [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--target", folder, wheel],
+        check=True,
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def package(installed: Path) -> Path:
+    return installed / "robowidgets"
+
+
+def samples(package: Path) -> list[Path]:
+    return [file for file in package.rglob("*") if file.suffix in RECORDINGS]
+
+
+def test_the_wheel_holds_the_widgets_front_end(package: Path) -> None:
+    for name in BUNDLES:
+        assert "export" in (package / "static" / name).read_text()
+    assert ".rw-" in (package / "static" / "robowidgets.css").read_text()
+
+
+@pytest.mark.parametrize("name", BUNDLES)
+def test_a_bundle_is_small(package: Path, name: str) -> None:
+    assert (package / "static" / name).stat().st_size <= LARGEST_BUNDLE
+
+
+def test_the_front_end_asks_the_web_for_nothing(package: Path) -> None:
+    for file in (package / "static").iterdir():
+        text = NAMESPACES.sub("", file.read_text())
+        assert not re.findall(r"https?://[^\s\"']*", text), f"an address in {file.name}"
+        assert not re.search(r"@import|\bimport\s*\(|\bfrom\s*\"[^\"]", text), f"{file.name} loads another file"
+
+
+def test_the_wheel_holds_types_definitions_notebooks_and_one_small_recording(package: Path) -> None:
+    assert (package / "py.typed").is_file()
+    for name in ("kobuki_msgs", "create_msgs", "irobot_create_msgs", "turtlebot3_msgs", "gazebo_msgs"):
+        assert list((package / "recordings" / "definitions" / name).rglob("*.msg")), f"no definitions of {name}"
+    shipped = {file.name for file in (package / "notebooks").glob("*.ipynb")}
+    assert shipped == {file.name for file in (ROOT / "notebooks").glob("*.ipynb")}
+    assert shipped
+    (sample,) = samples(package)
+    assert sample.stat().st_size <= LARGEST_SAMPLE
+
+
+def test_the_wheel_holds_nothing_but_the_package(dist: Path) -> None:
+    names = ZipFile(next(dist.glob("*.whl"))).namelist()
+    foreign = [name for name in names if not name.startswith(("robowidgets/", "robowidgets-"))]
+    leftovers = [name for name in names if "node_modules" in name or name.endswith(SOURCES)]
+    assert (foreign, leftovers) == ([], [])
+
+
+def test_the_sdist_holds_the_sources_of_the_front_end_but_not_its_tools(dist: Path) -> None:
+    with tarfile.open(next(dist.glob("*.tar.gz"))) as archive:
+        names = archive.getnames()
+    assert [name for name in names if name.endswith("robowidgets/js/laser_widget.ts")]
+    assert not [name for name in names if "node_modules" in name]
+
+
+def test_an_installed_wheel_reads_its_own_recording(installed: Path, package: Path, tmp_path: Path) -> None:
+    (sample,) = samples(package)
+    run = subprocess.run(
+        [sys.executable, "-m", "robowidgets", "info", sample],
+        env=os.environ | {"PYTHONPATH": str(installed)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    assert "sensor_msgs/msg/LaserScan" in run.stdout
+    where = [sys.executable, "-c", "import robowidgets; print(robowidgets.__file__)"]
+    imported = subprocess.run(
+        where, env=os.environ | {"PYTHONPATH": str(installed)}, cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert Path(imported.stdout.strip()).is_relative_to(installed)
