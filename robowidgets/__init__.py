@@ -1,8 +1,50 @@
 """The hard data of a robot's sensors, live in the notebook where the robot is programmed."""
 
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 from .laser_widget import LaserWidget
 from .samples import Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity
+from .speed_widget import SpeedWidget
+from .touch_widget import TouchWidget
+
+if TYPE_CHECKING:
+    from . import simulator
+    from .recordings import Recording, RecordingError, open
 
 __version__ = "0.1.0"
 
-__all__ = ["LaserWidget", "Ray", "Scan", "Speed", "Touch", "TouchMode", "TouchState", "Validity"]
+SAMPLE = Path(__file__).parent / "data" / "sample.mcap"
+"""A small recording of a simulated robot that drives through rooms and bumps into things."""
+
+__all__ = [
+    "SAMPLE",
+    "LaserWidget",
+    "Ray",
+    "Recording",
+    "RecordingError",
+    "Scan",
+    "Speed",
+    "SpeedWidget",
+    "Touch",
+    "TouchMode",
+    "TouchState",
+    "TouchWidget",
+    "Validity",
+    "open",
+    "simulator",
+]
+
+_LATER = {"Recording": ".recordings", "RecordingError": ".recordings", "open": ".recordings"}
+
+
+def __getattr__(name: str) -> Any:
+    """Recordings and the simulator are imported when they are first used: a live robot needs neither."""
+    if name == "simulator":
+        return import_module(".simulator", __name__)
+    if name in _LATER:
+        return getattr(import_module(_LATER[name], __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -133,8 +133,8 @@ class LaserWidget(RobotWidget[Scan]):
     @property
     def scan(self) -> Scan | None:
         """The scan on show: the frozen one while paused, else the newest; None before the first."""
-        if self.paused and self._held:
-            return self._unpack(self._held)
+        if self.paused:
+            return self._unpack(self._held) if self._held else None
         return self._newest
 
     def _pack(self, sample: Scan) -> bytes:

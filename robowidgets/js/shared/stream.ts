@@ -78,7 +78,7 @@ export class Stream<F extends Frame> {
 
   #shownBytes(): DataView | null {
     const newest = toBytes(this.#model.get("_frame"));
-    return this.paused ? (toBytes(this.#model.get("_held")) ?? this.#heldHere ?? newest) : newest;
+    return this.paused ? (toBytes(this.#model.get("_held")) ?? this.#heldHere) : newest;
   }
 
   #onFrame(): void {
