@@ -20,6 +20,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.enums import CompressionFormat
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from robowidgets.recordings.definitions import definitions
 from robowidgets.samples import Scan, Speed
 from robowidgets.simulator import Pose, Robot, Scanner, World, wander
 
@@ -30,16 +31,8 @@ START_NS = 1_750_000_000 * 1_000_000_000
 """Header stamps and log times start here (a day in June 2025), so that the file is the same whenever it is written."""
 
 BUMPER_EVENT = "kobuki_ros_interfaces/msg/BumperEvent"
-BUMPER_EVENT_DEFINITION = """\
-uint8 LEFT=0
-uint8 CENTER=1
-uint8 RIGHT=2
-uint8 RELEASED=0
-uint8 PRESSED=1
-uint8 bumper
-uint8 state
-"""
 BUMPERS = ("left", "center", "right")
+"""In the order of the constants LEFT, CENTER and RIGHT."""
 TOPICS = {
     "/scan": "sensor_msgs/msg/LaserScan",
     "/odom": "nav_msgs/msg/Odometry",
@@ -48,7 +41,7 @@ TOPICS = {
 }
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
-STORE.register(get_types_from_msg(BUMPER_EVENT_DEFINITION, BUMPER_EVENT))
+STORE.register(get_types_from_msg(definitions("kobuki_ros_interfaces")[BUMPER_EVENT], BUMPER_EVENT))
 
 
 def main(target: Path = SAMPLE) -> None:

@@ -1,0 +1,22 @@
+"""A small robot in a small world, without any middleware: for lessons, demos and tests.
+
+It drives on two wheels, scans with a laser, feels with three bumpers and answers with the samples that the widgets
+show. Simulated time only passes in `Robot.step`, and the same seed gives the same bytes.
+
+Example:
+    >>> from robowidgets.simulator import Robot, World
+    >>> robot = Robot(World.rooms(), seed=1)
+    >>> robot.drive(0.5, 0.0)
+    >>> for _ in range(20):
+    ...     robot.step(0.05)
+    >>> robot.time, len(robot.scan())
+    (1.0, 541)
+"""
+
+from .motors import Motors
+from .robot import Pose, Robot
+from .scanner import Scanner
+from .wander import wander
+from .world import World
+
+__all__ = ["Motors", "Pose", "Robot", "Scanner", "World", "wander"]

@@ -1,0 +1,61 @@
+"""What happens where the round body of the robot meets a wall or an obstacle."""
+
+from __future__ import annotations
+
+from math import pi, radians
+
+import numpy as np
+
+from .world import World
+
+BUMPERS = {
+    "left": (radians(15), radians(80)),
+    "center": (radians(-30), radians(30)),
+    "right": (radians(-80), radians(-15)),
+}
+"""The part of the body's rim that each bumper covers, radians counter-clockwise from forward.
+
+Neighbours overlap: a hit between 15 and 30 degrees presses two of them. Sides and back have none.
+"""
+
+PRESSED_WITHIN = 0.002
+"""Metres between the body and a thing at which a bumper is still pressed."""
+
+_EXACT = 1e-9
+_ROUNDS = 20
+
+
+def push_out(world: World, x: float, y: float, radius: float) -> tuple[float, float] | None:
+    """Where a body of this radius ends up when the world pushes it back: (x, y) itself when nothing is in the way.
+
+    The deepest thing pushes first, and again, so that a body slides along walls and comes to rest in corners. None when
+    it finds no place (the body is stuck and should stay where it was).
+    """
+    for _ in range(_ROUNDS):
+        points = world.nearest_points(x, y)
+        if not len(points):
+            return x, y
+        off_x, off_y = x - points[:, 0], y - points[:, 1]
+        distances = np.hypot(off_x, off_y)
+        nearest = int(distances.argmin())
+        distance = float(distances[nearest])
+        if distance >= radius - _EXACT:
+            return x, y
+        if distance == 0:
+            return None
+        x = float(points[nearest, 0] + off_x[nearest] * (radius / distance))
+        y = float(points[nearest, 1] + off_y[nearest] * (radius / distance))
+    return None
+
+
+def contact_angles(world: World, x: float, y: float, yaw: float, radius: float) -> list[float]:
+    """Where things touch the rim of the body: radians counter-clockwise from forward, within +-pi."""
+    points = world.nearest_points(x, y) - (x, y)
+    touching = points[np.hypot(points[:, 0], points[:, 1]) <= radius + PRESSED_WITHIN]
+    angles = np.arctan2(touching[:, 1], touching[:, 0]) - yaw
+    return [float(angle) for angle in (angles + pi) % (2 * pi) - pi]
+
+
+def pressed(angles: list[float]) -> dict[str, bool]:
+    """For each bumper whether one of these contacts presses it."""
+    return {name: any(low <= angle <= high for angle in angles) for name, (low, high) in BUMPERS.items()}

@@ -1,0 +1,49 @@
+"""How fast the wheels may turn the robot, and how fast that may change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from ..samples.scan import finite
+
+
+@dataclass(frozen=True)
+class Motors:
+    """The limits of a differential drive.
+
+    Args:
+        max_linear: m/s, forward and backward.
+        max_angular: rad/s, both ways.
+        linear_acceleration: m/s², speeding up and slowing down.
+        angular_acceleration: rad/s², as above.
+
+    Raises:
+        TypeError: something is not a number.
+        ValueError: a limit that is not finite and above 0.
+    """
+
+    max_linear: float = 1.2
+    max_angular: float = 2.0
+    linear_acceleration: float = 1.0
+    angular_acceleration: float = 4.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = finite(field.name, getattr(self, field.name), "SI units")
+            if value <= 0:
+                raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
+
+    def toward(self, linear: float, angular: float, command: tuple[float, float], dt: float) -> tuple[float, float]:
+        """The speeds after dt seconds of heading for a command, as far as the limits let them."""
+        return (
+            _approach(linear, _clip(command[0], self.max_linear), self.linear_acceleration * dt),
+            _approach(angular, _clip(command[1], self.max_angular), self.angular_acceleration * dt),
+        )
+
+
+def _clip(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))
+
+
+def _approach(value: float, target: float, most: float) -> float:
+    return value + _clip(target - value, most)

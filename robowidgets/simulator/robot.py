@@ -1,0 +1,171 @@
+"""The robot: a round body on two wheels, a scanner and three bumpers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, pi, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from ..samples import Scan, Speed, Touch, TouchMode
+from ..samples.scan import finite
+from .contact import BUMPERS, contact_angles, pressed, push_out
+from .motors import Motors
+from .scanner import Scanner
+from .world import World
+
+_LONGEST_STEP = 60.0
+_SUBSTEP_NS = 10_000_000
+
+
+class Pose(NamedTuple):
+    """Where the robot is: metres in the world's frame, yaw in radians, counter-clockwise from x, within +-pi."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+class Robot:
+    """A round robot with a differential drive, a laser scanner and three bumpers.
+
+    It obeys `drive` within the limits of its motors. A wall or an obstacle stops it: it slides along when it came at a
+    slant, and its wheels stand still when it came head on. Time passes in `step` only, so it runs as fast as it is
+    asked to, or live. The same seed and the same calls give the same bytes.
+
+    Args:
+        world: where it drives.
+        pose: (x, y, yaw) at the start, metres and radians.
+        scanner: its laser; `Scanner()` when None.
+        motors: its drive; `Motors()` when None.
+        radius: of the body, metres.
+        seed: of everything random, a whole number of 0 or more.
+
+    Raises:
+        TypeError: something is not a number, or a world, scanner or motors of another type.
+        ValueError: a value out of its range, or a pose at which the body does not fit.
+
+    Example:
+        >>> robot = Robot(World.rooms(), seed=1)
+        >>> robot.drive(0.5, 0.0)
+        >>> robot.step(0.1)
+        >>> round(robot.speed().linear[0], 3)
+        0.1
+    """
+
+    def __init__(
+        self,
+        world: World,
+        pose: Sequence[float] = (0.0, 0.0, 0.0),
+        *,
+        scanner: Scanner | None = None,
+        motors: Motors | None = None,
+        radius: float = 0.18,
+        seed: int = 0,
+    ) -> None:
+        self.scanner = Scanner() if scanner is None else scanner
+        self.motors = Motors() if motors is None else motors
+        for name, value, kind in (
+            ("world", world, World),
+            ("scanner", self.scanner, Scanner),
+            ("motors", self.motors, Motors),
+            ("seed", seed, int),
+        ):
+            if not isinstance(value, kind):
+                raise TypeError(f"{name}: expected {kind.__name__}, got {value!r}")
+        if seed < 0:
+            raise ValueError(f"seed: expected 0 or more, got {seed}")
+        self.world = world
+        self.radius = finite("radius", radius, "metres")
+        if self.radius <= 0:
+            raise ValueError(f"radius: expected metres above 0, got {radius!r}")
+        if len(pose) != 3:
+            raise ValueError(f"pose: expected (x, y, yaw), got {len(pose)} values")
+        x, y, yaw = (finite(f"pose.{n}", v, u) for n, v, u in zip(Pose._fields, pose, ("m", "m", "rad"), strict=True))
+        room = world.clearance(x, y)
+        if room < self.radius:
+            raise ValueError(
+                f"pose: expected a place with {self.radius:g} m of room, got ({x:g}, {y:g}), "
+                f"{room:.3f} m from the nearest wall or obstacle"
+            )
+        self._pose = Pose(x, y, _wrapped(yaw))
+        self._command = (0.0, 0.0)
+        self._linear = self._angular = 0.0
+        self._time_ns = 0
+        self._seed = seed
+        self._scan_period_ns = round(1e9 / self.scanner.rate)
+        self._scan_number = 0
+        self._scan_pose = self._pose
+        self._scan: Scan | None = None
+        shortest_way_through = self.radius / 2
+        self._substep_ns = max(1, min(_SUBSTEP_NS, int(shortest_way_through / self.motors.max_linear * 1e9)))
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds since the start."""
+        return self._time_ns / 1e9
+
+    @property
+    def pose(self) -> Pose:
+        """Where the robot really is."""
+        return self._pose
+
+    def drive(self, linear: float, angular: float) -> None:
+        """Ask for a speed: m/s forward and rad/s counter-clockwise, until the next call."""
+        self._command = (finite("linear", linear, "m/s"), finite("angular", angular, "rad/s"))
+
+    def step(self, dt: float) -> None:
+        """Let dt seconds pass: above 0, at most 60."""
+        if not 0 < finite("dt", dt, "seconds") <= _LONGEST_STEP:
+            raise ValueError(f"dt: expected seconds, above 0 and at most {_LONGEST_STEP:g}, got {dt!r}")
+        end = self._time_ns + max(1, round(dt * 1e9))
+        while self._time_ns < end:
+            next_scan = (self._scan_number + 1) * self._scan_period_ns
+            nanoseconds = min(end - self._time_ns, next_scan - self._time_ns, self._substep_ns)
+            self._move(nanoseconds / 1e9)
+            self._time_ns += nanoseconds
+            if self._time_ns == next_scan:
+                self._scan_number += 1
+                self._scan_pose = self._pose
+                self._scan = None
+
+    def scan(self) -> Scan:
+        """The newest scan; the same object until the scanner, at its own rate, has taken the next."""
+        if self._scan is None:
+            rng = np.random.default_rng((self._seed, self._scan_number))
+            stamp_ns = self._scan_number * self._scan_period_ns
+            self._scan = self.scanner.measure(self.world, *self._scan_pose, rng, stamp_ns)
+        return self._scan
+
+    def speed(self) -> Speed:
+        """The speed that the wheels measure."""
+        return self._as_speed(self._linear, self._angular)
+
+    def command(self) -> Speed:
+        """The speed that `drive` asked for last, even when it is more than the motors can do."""
+        return self._as_speed(*self._command)
+
+    def touch(self) -> Touch:
+        """Which bumpers are pressed."""
+        angles = contact_angles(self.world, *self._pose, self.radius)
+        return Touch(pressed(angles), TouchMode.LEVEL, tuple(BUMPERS), self._time_ns, "robowidgets.simulator")
+
+    def _as_speed(self, linear: float, angular: float) -> Speed:
+        return Speed((linear, 0.0, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link")
+
+    def _move(self, dt: float) -> None:
+        self._linear, self._angular = self.motors.toward(self._linear, self._angular, self._command, dt)
+        x, y, yaw = self._pose
+        heading = yaw + self._angular * dt / 2
+        wanted = (x + self._linear * dt * cos(heading), y + self._linear * dt * sin(heading))
+        place = push_out(self.world, *wanted, self.radius) or (x, y)
+        if place != wanted:
+            travelled = ((place[0] - x) * cos(heading) + (place[1] - y) * sin(heading)) / dt
+            low, high = sorted((0.0, self._linear))
+            self._linear = max(low, min(high, travelled))
+        self._pose = Pose(*place, _wrapped(yaw + self._angular * dt))
+
+
+def _wrapped(angle: float) -> float:
+    return (angle + pi) % (2 * pi) - pi

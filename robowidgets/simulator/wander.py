@@ -1,0 +1,49 @@
+"""A first behaviour: bounce around a house."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .robot import Robot
+
+
+def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[None]:
+    """Drive forward; on a bump stop, back up, turn away from it and drive on, for ever.
+
+    It decides, and hands over to its caller, who lets time pass and uses the data.
+
+    Args:
+        robot: the robot to drive.
+        linear: speed forward, m/s.
+        angular: speed of a turn, rad/s.
+
+    Example:
+        >>> from robowidgets.simulator import Robot, World
+        >>> robot = Robot(World.rooms())
+        >>> for _ in wander(robot):
+        ...     robot.step(0.05)
+        ...     if robot.time > 10:
+        ...         break
+    """
+    turn_time = 1.0
+    while True:
+        robot.drive(linear, 0.0)
+        while not any(robot.touch().touched.values()):
+            yield
+
+        touched = robot.touch().touched
+        turn = angular if touched["right"] and not touched["left"] else -angular
+
+        robot.drive(0.0, 0.0)
+        yield from _wait(robot, 0.4)
+        robot.drive(-linear / 2, 0.0)
+        yield from _wait(robot, 1.0)
+        robot.drive(0.0, turn)
+        yield from _wait(robot, turn_time)
+        turn_time = 0.8 + turn_time % 1.1  # turns of different lengths, or it may run in a circle
+
+
+def _wait(robot: Robot, seconds: float) -> Iterator[None]:
+    end = robot.time + seconds
+    while robot.time < end:
+        yield

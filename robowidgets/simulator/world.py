@@ -1,0 +1,115 @@
+"""Where the robot drives: straight walls and round obstacles."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+
+class World:
+    """Straight walls and round obstacles on a flat floor.
+
+    The frame is fixed to the floor: x and y in metres, yaw counter-clockwise from x (REP-103). A wall has no thickness
+    and stops a robot from both sides.
+
+    Args:
+        walls: W segments as (x1, y1, x2, y2) in metres.
+        obstacles: O discs as (x, y, radius) in metres.
+
+    Raises:
+        TypeError: something is not a number.
+        ValueError: wrong shape, a value that is not finite, a wall without length or a radius that is not above 0.
+
+    Example:
+        >>> world = World(walls=[(3.0, -2.0, 3.0, 2.0)], obstacles=[(1.0, 1.0, 0.2)])
+        >>> world.clearance(1.0, -1.0)
+        1.8
+    """
+
+    def __init__(self, walls: ArrayLike = (), obstacles: ArrayLike = ()) -> None:
+        self.walls: Floats = _table("walls", walls, ("x1", "y1", "x2", "y2"))
+        self.obstacles: Floats = _table("obstacles", obstacles, ("x", "y", "radius"))
+        for i, (x1, y1, x2, y2) in enumerate(self.walls):
+            if (x1, y1) == (x2, y2):
+                raise ValueError(f"walls[{i}]: expected two different ends, got ({x1:g}, {y1:g}) twice")
+        for i, radius in enumerate(self.obstacles[:, 2]):
+            if radius <= 0:
+                raise ValueError(f"obstacles[{i}]: expected a radius above 0 m, got {radius:g}")
+
+    @classmethod
+    def rooms(cls) -> World:
+        """A house of 14 m by 9 m: a large hall round (0, 0), a kitchen, a bedroom, a study and a bath.
+
+        Doors are 1.1 m wide and open. Tables, chairs, plants and a pillar are the round obstacles.
+        """
+        outside = [(-7.0, -4.5, 7.0, -4.5), (7.0, -4.5, 7.0, 4.5), (7.0, 4.5, -7.0, 4.5), (-7.0, 4.5, -7.0, -4.5)]
+        hall_to_study_and_bath = [(-7.0, 1.2, -5.0, 1.2), (-3.9, 1.2, -0.4, 1.2), (0.7, 1.2, 2.4, 1.2)]
+        hall_to_kitchen_and_bedroom = [(2.4, -4.5, 2.4, -2.8), (2.4, -1.7, 2.4, -0.1), (2.4, 1.0, 2.4, 4.5)]
+        kitchen_to_bedroom = [(2.4, -0.6, 4.9, -0.6), (6.0, -0.6, 7.0, -0.6)]
+        study_to_bath = [(-2.2, 1.2, -2.2, 4.5)]
+        return cls(
+            walls=outside + hall_to_study_and_bath + hall_to_kitchen_and_bedroom + kitchen_to_bedroom + study_to_bath,
+            obstacles=[
+                (-3.4, -2.9, 0.60),
+                (-2.5, -3.2, 0.22),
+                (-4.3, -3.1, 0.22),
+                (0.9, -1.6, 0.18),
+                (-6.5, 0.7, 0.25),
+                (1.9, -4.0, 0.25),
+                (4.6, -3.3, 0.50),
+                (6.5, -4.0, 0.35),
+                (4.4, 2.6, 0.70),
+                (6.6, 4.1, 0.25),
+                (-4.6, 3.6, 0.45),
+                (-6.5, 4.0, 0.30),
+                (1.8, 3.9, 0.35),
+                (-1.4, 3.7, 0.40),
+            ],
+        )
+
+    def nearest_points(self, x: float, y: float) -> Floats:
+        """The point of each wall, then of each obstacle, nearest to (x, y): shape (W + O, 2), metres."""
+        start, edge, length_squared = self._edges
+        here = np.array((x, y))
+        along = np.clip(((here - start) * edge).sum(axis=1) / length_squared, 0.0, 1.0)
+        on_walls = start + along[:, None] * edge
+        centre, radius = self.obstacles[:, :2], self.obstacles[:, 2:]
+        outward = here - centre
+        distance = np.hypot(outward[:, :1], outward[:, 1:])
+        on_obstacles = centre + outward * (radius / np.maximum(distance, 1e-12))
+        return np.concatenate((on_walls, on_obstacles))
+
+    def clearance(self, x: float, y: float) -> float:
+        """Metres from (x, y) to the nearest wall or obstacle: negative inside an obstacle, inf in an empty world."""
+        to_points = np.hypot(*(self.nearest_points(x, y)[: len(self.walls)] - (x, y)).T)
+        to_obstacles = np.hypot(self.obstacles[:, 0] - x, self.obstacles[:, 1] - y) - self.obstacles[:, 2]
+        return float(np.min(np.concatenate((to_points, to_obstacles)), initial=np.inf))
+
+    @cached_property
+    def _edges(self) -> tuple[Floats, Floats, Floats]:
+        start, edge = self.walls[:, :2], self.walls[:, 2:] - self.walls[:, :2]
+        return start, edge, (edge**2).sum(axis=1)
+
+
+def _table(name: str, rows: Any, columns: tuple[str, ...]) -> Floats:
+    """A read-only array of shape (N, number of columns)."""
+    expected = f"{name}: expected rows of ({', '.join(columns)}) in metres"
+    try:
+        table = np.array(rows, dtype=np.float64)
+    except TypeError:
+        raise TypeError(f"{expected}, got {rows!r}") from None
+    except ValueError as error:
+        raise ValueError(f"{expected}: {error}") from None
+    if table.size == 0:
+        table = np.empty((0, len(columns)))
+    if table.ndim != 2 or table.shape[1] != len(columns):
+        raise ValueError(f"{expected}, got an array of shape {table.shape}")
+    if not np.isfinite(table).all():
+        raise ValueError(f"{expected}, all finite, got {table[~np.isfinite(table).all(axis=1)][0].tolist()}")
+    table.flags.writeable = False
+    return table
