@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import IntEnum
 from functools import cached_property
-from math import isfinite, pi
+from math import atan2, cos, isfinite, pi, sin
 from operator import index as as_index
 from typing import Any, NamedTuple
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 MAX_RAYS = 1_000_000
+_FLOAT32 = np.dtype(np.float32)
 _ANGLE_ROUNDING = 1e-6
 
 
@@ -31,8 +32,8 @@ class Ray(NamedTuple):
     """One ray of a scan, as a program meets it.
 
     ``index`` is the index in ``ranges``; ``range`` is in metres, as measured (it may be NaN or infinite); ``angle`` is
-    in radians, counter-clockwise from forward; ``x`` and ``y`` are in metres and None when there is no reading;
-    ``intensity`` is in device units and None when the scanner sent none.
+    in radians within ±pi, counter-clockwise from forward; ``x`` and ``y`` are in metres and None when there is no
+    reading; ``intensity`` is in device units and None when the scanner sent none.
     """
 
     index: int  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
@@ -140,7 +141,7 @@ class Scan:
         return Ray(
             index=i,
             range=float(self.ranges[i]),
-            angle=float(self.angles[i]),
+            angle=_within_half_turn(float(self.angles[i])),
             x=float(self.x[i]) if reading else None,
             y=float(self.y[i]) if reading else None,
             intensity=float(self.intensities[i]) if self.intensities.size else None,
@@ -150,9 +151,31 @@ class Scan:
     def __iter__(self) -> Iterator[Ray]:
         return (self[i] for i in range(len(self)))
 
+    def again(
+        self, ranges: NDArray[np.float32], intensities: NDArray[np.float32] | None, stamp_ns: int | None
+    ) -> Scan:
+        """The next sweep of the same scanner: what is not given stays as it is, and is not checked again.
+
+        Args:
+            ranges: as many as this scan has. An array of float32 that is read-only is kept, not copied.
+            intensities: the same, or None to keep those of this scan.
+            stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
+
+        Raises:
+            ValueError: another number of rays, or of intensities.
+        """
+        scan = object.__new__(Scan)
+        values = scan.__dict__
+        values.update(self._settings)
+        values["ranges"] = _as_many("ranges", ranges, self.ranges.size)
+        if intensities is not None:
+            values["intensities"] = _as_many("intensities", intensities, self.intensities.size)
+        values["stamp_ns"] = stamp_ns
+        return scan
+
     @cached_property
     def angles(self) -> NDArray[np.float64]:
-        """Angle of every ray in radians, shape (R,), counter-clockwise from forward."""
+        """Angle of every ray as the scanner counts it, in radians, shape (R,): a full circle may run from 0 to 2 pi."""
         return _frozen(self.angle_min + np.arange(len(self)) * self.angle_increment)
 
     @cached_property
@@ -207,8 +230,16 @@ class Scan:
         return replace(self, angle_min=self.angle_min + angle) if angle else self
 
     @cached_property
+    def _settings(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in fields(self)} | {"angles": self.angles}
+
+    @cached_property
     def _distances(self) -> NDArray[np.float64]:
         return np.where(self.valid, self.ranges, np.nan).astype(np.float64)
+
+
+def _within_half_turn(angle: float) -> float:
+    return angle if abs(angle) <= pi + _ANGLE_ROUNDING else atan2(sin(angle), cos(angle))
 
 
 def number(name: str, value: Any) -> float:
@@ -242,6 +273,15 @@ def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
     if array.ndim != 1:
         raise ValueError(f"{name}: expected a one-dimensional array, got shape {array.shape}")
     return _frozen(array)
+
+
+def _as_many(name: str, values: NDArray[np.float32], count: int) -> NDArray[np.float32]:
+    """Values as a read-only float32 array of a known length; ValueError when there are more or fewer."""
+    keep = type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1 and not values.flags.writeable
+    array = values if keep else _floats(name, values)
+    if array.size != count:
+        raise ValueError(f"{name}: expected {count:,} values as in the scan before, got {array.size:,}")
+    return array
 
 
 def _frozen(array: NDArray[Any]) -> NDArray[Any]:
