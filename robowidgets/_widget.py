@@ -96,11 +96,15 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
         """The bytes of a frame after its head."""
         raise NotImplementedError
 
-    def _show(self, sample: S, about: dict[str, Any]) -> None:
-        """Store the newest sample, with what is to be said of it in words, for the page to show."""
+    def _show(self, sample: S, about: dict[str, Any], *, counts: bool = True) -> None:
+        """Store the newest sample, with what is to be said of it in words, for the page to show.
+
+        Unless it counts, it stays the sample that came before, only known better.
+        """
         self._newest, self._newest_about = sample, about
-        self._sequence += 1
-        self._arrivals.append(time.monotonic())
+        if counts:
+            self._sequence += 1
+            self._arrivals.append(time.monotonic())
         self._changed = True
         pacer.mark(self)
 
@@ -171,5 +175,5 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
 
 def _unknown(of: str, what: str, name: str, known: list[str]) -> str:
     near = difflib.get_close_matches(name, known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
+    hint = f"; did you mean {near[0]!r}?" if near else "."
     return f"{of} has no {what} {name!r}{hint} It takes: {', '.join(sorted(known))}"

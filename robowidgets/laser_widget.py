@@ -173,6 +173,11 @@ def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
         return fields
     if fields:
         raise TypeError(f"update() takes a message or fields, not both; got a message and {_listed(fields)}")
+    if isinstance(message, (list, tuple, np.ndarray)):
+        raise TypeError(
+            f"update() got a {type(message).__name__} without the scanner's geometry; plain numbers go by name: "
+            "update(ranges=..., angle_min=..., angle_increment=..., range_min=..., range_max=...)"
+        )
     return message
 
 
