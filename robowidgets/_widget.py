@@ -139,11 +139,14 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
             self.send_state(keys)
             return len(self._frame)
 
-    def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
-        """The synced state, with the newest sample in it: what a new view, a reload and a saved notebook get."""
+    def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:  # noqa: ARG002
+        """The synced state, with the newest sample in it: what a new view, a reload and a saved notebook get.
+
+        Defaults are never dropped: the front end, which knows none, is itself the default of a trait.
+        """
         if key is None:
             self._bring_up_to_date()
-        state: dict[str, Any] = super().get_state(key, drop_defaults)
+        state: dict[str, Any] = super().get_state(key)
         return state
 
     def close(self) -> None:
