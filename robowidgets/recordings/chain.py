@@ -1,0 +1,93 @@
+"""Several sources as one: the files that a recorder split a recording into."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from heapq import merge
+from pathlib import Path
+
+from .source import Channel, RecordingError, Source
+
+
+class Chain:
+    """A `Source` over other sources.
+
+    Channels of the same topic, type, encoding and definition become one. Problems carry the name of their source.
+
+    Args:
+        sources: a name, which may be empty, and a source, any number of times; closed with the chain.
+        problems: lines that come before those of the sources.
+        on_close: called when the chain is closed for the first time.
+    """
+
+    def __init__(
+        self,
+        sources: Sequence[tuple[str, Source]],
+        problems: Sequence[str] = (),
+        on_close: Callable[[], object] | None = None,
+    ) -> None:
+        self._sources = [source for _, source in sources]
+        self._on_close = on_close
+        counts: dict[Channel, int] = {}
+        for channel in (channel for source in self._sources for channel in source.channels):
+            counts[_same(channel)] = counts.get(_same(channel), 0) + channel.count
+        self._ids = {same: number for number, same in enumerate(counts)}
+        self.channels = tuple(same._replace(id=number, count=counts[same]) for same, number in self._ids.items())
+        told = [f"{name}: {line}" if name else line for name, source in sources for line in source.problems]
+        self.problems = (*problems, *told)
+        self.start_ns = min((s.start_ns for s in self._sources if s.start_ns is not None), default=None)
+        self.end_ns = max((s.end_ns for s in self._sources if s.end_ns is not None), default=None)
+
+    def messages(
+        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[tuple[Channel, int, bytes]]:
+        """Channel, log time and bytes of the messages of these channels, by log time."""
+        wanted = {channel.id: channel for channel in channels}
+        each = (self._of(source, wanted, start_ns, stop_ns) for source in self._sources)
+        return merge(*each, key=lambda message: message[1])
+
+    def close(self) -> None:
+        """Close every source; doing it again does nothing."""
+        for source in self._sources:
+            source.close()
+        if self._on_close:
+            self._on_close()
+            self._on_close = None
+
+    def _of(
+        self, source: Source, wanted: dict[int, Channel], start_ns: int | None, stop_ns: int | None
+    ) -> Iterator[tuple[Channel, int, bytes]]:
+        mine = {channel.id: wanted.get(self._ids[_same(channel)]) for channel in source.channels}
+        asked = [channel for channel in source.channels if mine[channel.id]]
+        for channel, time_ns, data in source.messages(asked, start_ns, stop_ns):
+            if known := mine[channel.id]:
+                yield known, time_ns, data
+
+
+def open_chain(paths: Sequence[Path], open_one: Callable[[Path], Source]) -> Source:
+    """The files at some paths as one source; those that cannot be opened are told in its problems.
+
+    Args:
+        paths: the files, at least one, in their order.
+        open_one: what opens a single file; raises RecordingError when it cannot.
+
+    Raises:
+        RecordingError: none of the files can be opened; the text is that of the first.
+    """
+    opened = [(path.name, _attempt(path, open_one)) for path in paths]
+    errors = [result for _, result in opened if isinstance(result, str)]
+    sources = [(name, result) for name, result in opened if not isinstance(result, str)]
+    if not sources:
+        raise RecordingError(errors[0])
+    return Chain(sources, errors)
+
+
+def _attempt(path: Path, open_one: Callable[[Path], Source]) -> Source | str:
+    try:
+        return open_one(path)
+    except RecordingError as error:
+        return str(error)
+
+
+def _same(channel: Channel) -> Channel:
+    return channel._replace(id=0, count=0)

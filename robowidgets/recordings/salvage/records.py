@@ -1,0 +1,97 @@
+"""The walk from record to record through a file that may be damaged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from .stretch import Stretch
+
+MAX_PLACES = 10_000
+MAX_TEXT = 1 << 24
+
+
+class Frame(NamedTuple):
+    """Where a record lies: ``start``, first byte of its data (``body``) and the byte after its data (``end``).
+
+    A chunk that is not compressed ends where its data starts: its records are walked as if they stood outside, so a
+    wrong length or a missing end costs nothing. ``whole`` is False when the data ends early.
+    """
+
+    op: int
+    start: int
+    body: int
+    end: int
+    fields: Mapping[str, bytes] = {}
+    whole: bool = True
+
+
+class Format(NamedTuple):
+    """How records are told in one file format.
+
+    ``frame_at`` gives the record at an offset, which may reach past the end of the data, or None when no record stands
+    there. ``next_frame`` searches from an offset for a place where ``frame_at`` gives a record and that is no accident.
+    After ``last_op`` nothing follows. Records in ``index_ops`` hold no messages.
+    """
+
+    frame_at: Callable[[Stretch, int], Frame | None]
+    next_frame: Callable[[Stretch, int], int | None]
+    last_op: int | None
+    index_ops: frozenset[int]
+
+
+@dataclass
+class Damage:
+    """What was wrong with a file.
+
+    ``places`` counts where the walk had to search for the next record or could not use one; ``index``: lengths in the
+    index were wrong; ``cut``: data is missing at the end; ``unfinished``: only the index is missing at the end;
+    ``checksums`` counts chunks that differ from their checksum; ``compressions`` names those that cannot be read;
+    ``unnamed`` counts messages of topics that the file does not name; ``disk`` is what the disk said.
+    """
+
+    places: int = 0
+    index: bool = False
+    cut: bool = False
+    unfinished: bool = False
+    checksums: int = 0
+    compressions: set[str] = field(default_factory=set)
+    unnamed: int = 0
+    disk: str = ""
+
+
+def walk(data: Stretch, layout: Format, damage: Damage, start: int = 0) -> Iterator[Frame]:
+    """Every record that can be told from damage, in the order of the file; what was wrong is noted in ``damage``.
+
+    A record is given out when the next one is found to stand where it ends. If none does, the next is searched for
+    within the record at hand, because it may be its length that is wrong. So the walk only ever goes forward.
+    """
+    held: Frame | None = None
+    pos = start
+    while pos < data.size:
+        frame = layout.frame_at(data, pos)
+        if frame:
+            if held:
+                yield held
+            held = frame
+            if frame.op == layout.last_op:
+                break
+            pos = frame.end
+            if pos <= data.size:
+                continue
+        found = layout.next_frame(data, held.body if held else pos + 1) if damage.places < MAX_PLACES else None
+        if found is None:
+            damage.cut = True
+            break
+        if held and held.op in layout.index_ops:
+            damage.index = True
+        else:
+            damage.places += 1
+        if held and found < held.end:
+            held = held._replace(end=found)
+        pos = found
+    if held and held.end > data.size:
+        held = held._replace(end=data.size, whole=False)
+    if held:
+        yield held
