@@ -16,7 +16,8 @@ class Channel(NamedTuple):
     ``id`` is unique within a source, and only there. ``type`` is written as ``sensor_msgs/msg/LaserScan``, for ROS 1
     too. ``encoding`` is ``"ros1"`` or ``"cdr"``; messages in any other encoding are listed but cannot be read.
     ``definition`` is the text of the message definition in ROS's ``.msg`` syntax with its dependencies after lines of
-    ``===``; empty when the file holds none. ``count`` is the number of messages.
+    80 ``=``; or in IDL, after such a line and ``IDL: `` with the type; empty when the file holds none. ``count`` is the
+    number of messages.
     """
 
     id: int

@@ -38,6 +38,8 @@ class Speed:
     def __post_init__(self) -> None:
         for name in ("linear", "angular"):
             given = getattr(self, name)
+            if type(given) is tuple and len(given) == 3 and all(type(v) is float for v in given):
+                continue
             try:
                 values = tuple(given)
             except TypeError:

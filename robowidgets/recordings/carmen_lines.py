@@ -1,0 +1,133 @@
+"""What the lines of a CARMEN log say.
+
+Source: the Carnegie Mellon Robot Navigation Toolkit, http://carmen.sourceforge.net/logger_playback.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite, nan, radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..samples import Scan, Speed
+
+SPEEDS = ("ODOM",)
+OLD_SCANS = ("FLASER", "RLASER")
+NEW_SCANS = tuple(f"{word}{number}" for word in ("RAWLASER", "ROBOTLASER") for number in range(1, 6))
+ESTIMATE = "NEFF"
+WORDS = frozenset((*SPEEDS, *OLD_SCANS, *NEW_SCANS, ESTIMATE, "PARAM", "SYNC", "TRUEPOS"))
+
+LONGEST = 80.0
+_SHORTEST = 0.01
+_STEPS = {180: 1.0, 181: 1.0, 360: 0.5, 361: 0.5, 400: 0.25, 401: 0.25}
+_CODES_FROM = 0.998
+_CODES_SHARE = 0.005
+_LINES_LOOKED_AT = 100
+
+
+def word_of(line: bytes) -> str:
+    """The name of a line's message; empty when it is none of CARMEN's."""
+    word = line.partition(b" ")[0].decode("ascii", "replace")
+    return word if word in WORDS else ""
+
+
+def time_of(line: bytes) -> float:
+    """When a line was logged, in seconds: its last word. NaN when that is no number."""
+    try:
+        return float(line.rsplit(None, 1)[-1])
+    except ValueError:
+        return nan
+
+
+def speed(line: bytes) -> Speed:
+    """The speed in ``ODOM x y theta tv rv accel time host logged``; ValueError when it is no such line."""
+    words = _words(line, 10)
+    forward, turn = float(words[4]), float(words[5])
+    return Speed((forward, 0.0, 0.0), (0.0, 0.0, turn), _stamp_ns(words), "base_link")
+
+
+def old_scan(line: bytes, range_max: float) -> Scan:
+    """The scan in ``FLASER count ranges… x y theta odom_x odom_y odom_theta time host logged``, or in an RLASER line.
+
+    Such lines tell no angles. As in CARMEN, 180 or 181 readings are 1 degree apart, 360 or 361 half a degree, 400 or
+    401 a quarter, others fill 180 degrees; ray 0 is at the right.
+
+    Raises:
+        ValueError: it is no such line.
+    """
+    words = _words(line, 11)
+    count = int(words[1])
+    ranges = _floats(words, 2, count)
+    step = _STEPS.get(count) or 180.0 / max(count - 1, 1)
+    return Scan(
+        ranges=ranges,
+        angle_min=radians(-50.0 if step == 0.25 else -90.0),
+        angle_increment=radians(step),
+        range_min=_SHORTEST,
+        range_max=range_max,
+        stamp_ns=_stamp_ns(words),
+        frame_id="rear_laser" if words[0] == b"RLASER" else "front_laser",
+    )
+
+
+def new_scan(line: bytes) -> Scan:
+    """The scan in a RAWLASER or ROBOTLASER line; ValueError when it is no such line.
+
+    ``name type start_angle field_of_view step range_max accuracy mode count ranges… count remissions… … time host log``
+    """
+    words = _words(line, 13)
+    start, sweep, step, range_max = (float(word) for word in words[2:6])
+    count = int(words[8])
+    ranges = _floats(words, 9, count)
+    return Scan(
+        ranges=ranges,
+        angle_min=start,
+        angle_increment=step or sweep / max(count - 1, 1),
+        range_min=_SHORTEST,
+        range_max=range_max,
+        intensities=_floats(words, 10 + count, int(words[9 + count])),
+        stamp_ns=_stamp_ns(words),
+        frame_id=word_of(line).lower(),
+    )
+
+
+def range_max_of(lines: Sequence[bytes]) -> float:
+    """The longest range in metres of the scanner behind some FLASER or RLASER lines, which do not tell it.
+
+    80 m as in CARMEN; but where the log's greatest numbers come again and again (1 reading in 200), they are the
+    scanner's words for "nothing" (81.83, 51.15 or 32.77 m, by its scale), and it ends just below them.
+    """
+    looked_at = []
+    for line in lines[:: max(len(lines) // _LINES_LOOKED_AT, 1)]:
+        words = line.split()
+        try:
+            looked_at.append(_floats(words, 2, int(words[1])))
+        except (ValueError, IndexError):
+            continue
+    seen = np.concatenate(looked_at) if looked_at else np.empty(0, np.float32)
+    seen = seen[np.isfinite(seen)]
+    if not seen.size:
+        return LONGEST
+    codes_from = float(seen.max()) * _CODES_FROM
+    has_codes = np.count_nonzero(seen > codes_from) >= _CODES_SHARE * seen.size
+    return min(LONGEST, round(codes_from, 1)) if has_codes and codes_from > 1.0 else LONGEST
+
+
+def _words(line: bytes, least: int) -> list[bytes]:
+    words = line.split()
+    if len(words) < least:
+        raise ValueError(f"expected {least} words or more in a line {word_of(line)}, got {len(words)}: it is cut")
+    return words
+
+
+def _floats(words: list[bytes], first: int, count: int) -> NDArray[np.float32]:
+    if not 0 <= count <= len(words) - 3 - first:
+        raise ValueError(f"expected {count} numbers, got {max(len(words) - 3 - first, 0)}: the line is cut")
+    return np.array([float(word) for word in words[first : first + count]], np.float32)
+
+
+def _stamp_ns(words: list[bytes]) -> int | None:
+    seconds = float(words[-3])
+    return round(seconds * 1e9) if isfinite(seconds) and seconds > 0 else None

@@ -1,0 +1,130 @@
+"""From a path to what is recorded there: what kind of file it is, and who reads it."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from functools import partial
+from pathlib import Path, PurePath
+
+from . import ros_files
+from .carmen import CarmenLog
+from .carmen_lines import word_of
+from .chain import Chain, open_chain
+from .message_timeline import MessageTimeline
+from .relay import Relay
+from .salvage import find_files, open_file
+from .salvage.report import kind
+from .source import RecordingError, Source
+from .timeline import Timeline
+
+_EXPECTED = "a ROS bag (.bag), a rosbag2 folder, a .db3, an .mcap or a CARMEN log (.log, .clf, gzipped or not)"
+_QUICK = {
+    b"#ROSBAG V2.0\n": ros_files.open_bag,
+    b"\x89MCAP0\r\n": ros_files.open_mcap,
+    b"SQLite format 3\0": ros_files.open_sqlite,
+}
+_SALVAGED = (".bag", ".db3", ".mcap", ".zst", ".zstd", ".active")
+_GZIP = b"\x1f\x8b"
+_METADATA = "metadata.yaml"
+_NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
+_BLOCK = 1 << 16
+
+
+def open_timeline(path: Path) -> Timeline:
+    """What is recorded in a file or folder.
+
+    Raises:
+        RecordingError: there is nothing, or nothing of it can be read; the text says why.
+    """
+    if path.name == _METADATA:
+        path = path.parent
+    if not path.exists():
+        raise RecordingError(f"{path}: no such file or folder")
+    if path.is_dir():
+        return MessageTimeline(_open_folder(path))
+    try:
+        with path.open("rb") as file:
+            head = file.read(64)
+    except OSError as error:
+        raise RecordingError(f"{path.name}: cannot be opened: {error.strerror or error}") from None
+    if path.suffix in _SALVAGED or any(head.startswith(magic) for magic in _QUICK):
+        return MessageTimeline(_open_file(path))
+    return _open_log(path, head)
+
+
+def _open_file(path: Path) -> Source:
+    """A file of messages: by rosbags where it can, else by the reader made for damage."""
+    patient = partial(open_file, path)
+    try:
+        return Relay(_open_quick(path), patient)
+    except Exception:  # rosbags raises what it stumbles over; what is wrong, the patient reader finds out and tells
+        return patient()
+
+
+def _open_quick(path: Path) -> Source:
+    unsaved = path.with_name(f"{path.name}-wal")
+    if unsaved.exists() and unsaved.stat().st_size:
+        raise RecordingError(f"{path}: rosbags leaves out what its recorder had not yet put into it")
+    with path.open("rb") as file:
+        head = file.read(64)
+    opener = next((opener for magic, opener in _QUICK.items() if head.startswith(magic)), None)
+    if opener is None:
+        raise RecordingError(f"{path}: not a file that rosbags reads by itself")
+    return opener(path)
+
+
+def _open_folder(path: Path) -> Source:
+    """A rosbag2 folder, by its metadata or, where they are missing or of no use, file by file."""
+    files = find_files(path)
+    if (path / _METADATA).exists():
+        try:
+            return Relay(ros_files.open_folder(path), partial(open_chain, files, open_file))
+        except Exception:  # as above; whether anything is lost, the files themselves tell
+            pass
+    if not files:
+        held = ", ".join(sorted(entry.name for entry in path.iterdir())[:5]) or "nothing"
+        raise RecordingError(
+            f"{path.name}: no recording in this folder: expected .db3, .mcap or .bag files, got {held}"
+        )
+    source = open_chain(files, _open_file)
+    missing = _missing(path)
+    return Chain([("", source)], problems=[missing]) if missing else source
+
+
+def _missing(path: Path) -> str:
+    """A line about the files that the metadata name and that are not there; empty when there are none."""
+    try:
+        text = (path / _METADATA).read_text(errors="replace")
+    except OSError:
+        return ""
+    names = {PurePath(name).name for name in _NAMED.findall(text)}
+    missing = sorted(name for name in names if not (path / name).exists())
+    return f"{_METADATA} names {', '.join(missing)}, not in the folder: read the files that are" if missing else ""
+
+
+def _open_log(path: Path, head: bytes) -> CarmenLog:
+    try:
+        text, problems = path.read_bytes(), list[str]()
+    except OSError as error:
+        raise RecordingError(f"{path.name}: cannot be read: {error.strerror or error}") from None
+    if head.startswith(_GZIP):
+        text, whole = _gunzip(text)
+        problems = [] if whole else ["the file was cut off or is damaged: read what could be decompressed"]
+    if any(word_of(line) for line in text.splitlines()):
+        return CarmenLog(text, problems)
+    if not text:
+        raise RecordingError(f"{path.name}: the file is empty: expected {_EXPECTED}")
+    raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {kind(text[:64])}")
+
+
+def _gunzip(data: bytes) -> tuple[bytes, bool]:
+    """What can be decompressed, and whether that is all of it."""
+    text = bytearray()
+    stream = zlib.decompressobj(wbits=31)
+    try:
+        for start in range(0, len(data), _BLOCK):
+            text += stream.decompress(data[start : start + _BLOCK])
+    except zlib.error:
+        return bytes(text), False
+    return bytes(text), stream.eof

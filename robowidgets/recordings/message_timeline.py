@@ -1,0 +1,151 @@
+"""The samples in a file of messages."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterator
+
+from ..messages.touch import to_touch
+from .kinds import is_command, is_standard, widget_by_shape, widget_by_type
+from .quick import ScanReader, SpeedReader
+from .ros_types import ENCODINGS, RosTypes, one_line
+from .source import Channel, RecordingError, Source
+from .timeline import Moment, Sample, Topic, Widget
+
+Read = Callable[[bytes], Sample]
+
+_RANGE = "sensor_msgs/msg/Range"
+_SHORTEST = 1e-3
+_SHORTEST_LOOK_NS = 1_000_000
+
+
+class MessageTimeline:
+    """See `Timeline`. Every message is read when it is asked for."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self.start_ns, self.end_ns = source.start_ns, source.end_ns
+        self._types = RosTypes()
+        self._reads: dict[int, Read] = {}
+        self._shown: defaultdict[str, list[Channel]] = defaultdict(list)
+        self._left_out: dict[str, str] = {}
+        self._stopped: list[str] = []
+        found = [(channel, *self._understand(channel)) for channel in source.channels]
+        self.topics = self._list(found)
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """See `Timeline`."""
+        alike: defaultdict[str, list[str]] = defaultdict(list)
+        for topic in self.topics:
+            if topic.problem and topic.count:
+                alike[topic.problem].append(topic.name)
+        unread = [f"{_names(names)}: {problem}" for problem, names in alike.items()]
+        return (*self._source.problems, *unread, *self._stopped, *self._left_out.values())
+
+    def moments(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[Moment]:
+        """See `Timeline`."""
+        channels = [channel for topic in topics for channel in self._shown[topic]]
+        try:
+            for message in self._source.messages(channels, start_ns, stop_ns):
+                if moment := self._moment(*message):
+                    yield moment
+        except RecordingError as error:
+            self._stop(error)
+
+    def last(self, topic: str, time_ns: int) -> Moment | None:
+        """See `Timeline`."""
+        channels = self._shown[topic]
+        count = sum(channel.count for channel in channels)
+        if not count or self.start_ns is None or self.end_ns is None:
+            return None
+        stop = min(time_ns, self.end_ns) + 1
+        look = max(2 * (self.end_ns - self.start_ns) // count, _SHORTEST_LOOK_NS)
+        while stop > self.start_ns:
+            begin = max(stop - look, self.start_ns)
+            try:
+                found = sorted(self._source.messages(channels, begin, stop), key=lambda message: message[1])
+            except RecordingError as error:
+                self._stop(error)
+                return None
+            for message in reversed(found):
+                if moment := self._moment(*message):
+                    return moment
+            stop, look = begin, 4 * look
+        return None
+
+    def close(self) -> None:
+        """See `Timeline`."""
+        self._source.close()
+
+    def _understand(self, channel: Channel) -> tuple[Widget | None, str]:
+        """The widget for a channel, whose reader is made, and why it cannot be read."""
+        if channel.encoding not in ENCODINGS:
+            return None, f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
+        widget = widget_by_type(channel.type)
+        if widget is None and is_standard(channel.type):
+            return None, ""
+        try:
+            shape = self._types.shape(channel)
+            widget = widget or widget_by_shape(shape)
+            decode = self._types.decoder(channel)
+        except RecordingError as error:
+            return None, str(error)
+        if widget == "laser":
+            self._reads[channel.id] = ScanReader(decode, shape, channel.encoding)
+        elif widget == "speed":
+            self._reads[channel.id] = SpeedReader(decode, shape, channel.encoding)
+        elif widget == "touch":
+            self._reads[channel.id] = lambda raw: to_touch(decode(raw))
+            if channel.type == _RANGE and not self._speaks(channel):
+                return None, ""
+        if widget:
+            self._shown[channel.topic].append(channel)
+        return widget, ""
+
+    def _speaks(self, channel: Channel) -> bool:
+        """Whether a Range says if something is there: some measure distance, and only a message tells which."""
+        for _, _, raw in self._source.messages([channel]):
+            try:
+                self._reads[channel.id](raw)
+            except (RecordingError, ValueError):
+                return False
+            return True
+        return False
+
+    def _list(self, found: list[tuple[Channel, Widget | None, str]]) -> tuple[Topic, ...]:
+        topics: dict[tuple[str, str], Topic] = {}
+        for channel, widget, problem in found:
+            key = (channel.topic, channel.type)
+            told = topics.get(key) or Topic(*key, 0, None, widget, widget == "speed" and is_command(channel.topic), "")
+            topics[key] = told._replace(
+                count=told.count + channel.count, widget=told.widget or widget, problem=told.problem or problem
+            )
+        seconds = ((self.end_ns or 0) - (self.start_ns or 0)) / 1e9
+        if seconds < _SHORTEST:
+            return tuple(topics.values())
+        return tuple(t._replace(rate=(t.count - 1) / seconds) if t.count > 1 else t for t in topics.values())
+
+    def _moment(self, channel: Channel, time_ns: int, raw: bytes) -> Moment | None:
+        try:
+            return Moment(channel.topic, time_ns, self._reads[channel.id](raw))
+        except (RecordingError, TypeError, ValueError) as error:
+            self._note(channel, time_ns, error)
+            return None
+
+    def _note(self, channel: Channel, time_ns: int, error: Exception) -> None:
+        if channel.topic not in self._left_out:
+            seconds = (time_ns - (self.start_ns or 0)) / 1e9
+            self._left_out[channel.topic] = (
+                f"{channel.topic}: messages that cannot be shown are left out, the first at {seconds:.2f} s: "
+                f"{one_line(error)}"
+            )
+
+    def _stop(self, error: RecordingError) -> None:
+        line = f"the file can be read no further: {one_line(error)}"
+        if line not in self._stopped:
+            self._stopped.append(line)
+
+
+def _names(names: list[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

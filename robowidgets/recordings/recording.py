@@ -1,0 +1,181 @@
+"""A recording of a robot, opened for reading."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from math import isfinite
+from pathlib import Path
+from types import TracebackType
+
+from .source import RecordingError
+from .table import as_html, as_text, heading
+from .timeline import Moment, Timeline, Topic
+
+
+class UnknownTopicError(RecordingError, KeyError):
+    """A topic that a recording does not have, or that no widget shows."""
+
+    __str__ = Exception.__str__
+
+
+def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the one word for it: robowidgets.open()
+    """Open a recording.
+
+    Args:
+        path: a ROS bag (``.bag``), a rosbag2 folder, a lone ``.db3`` or ``.mcap``, or a CARMEN log (``.log``, ``.clf``,
+            gzipped or not). Of a damaged file what can be saved is read, and `Recording.problems` says what was wrong.
+
+    Raises:
+        RecordingError: nothing of it can be read; the text says why.
+
+    Example:
+        >>> recording = robowidgets.open("drive.bag")  # doctest: +SKIP
+        >>> recording.at("/scan", 12.5).sample.nearest()  # doctest: +SKIP
+    """
+    # Here, because it takes longer than all the rest of robowidgets, and who opens no recording need not wait for it.
+    from .files import open_timeline
+
+    where = Path(os.fspath(path)).expanduser()
+    return Recording(where, open_timeline(where))
+
+
+class Recording:
+    """What `open` gives: the topics of a recording and their samples.
+
+    Printed, it is a table of its topics. As a context manager it closes the file. One thread at a time may read it.
+
+    Args:
+        path: the file or folder it came from.
+        timeline: what it reads.
+    """
+
+    def __init__(self, path: Path, timeline: Timeline) -> None:
+        self._path = path
+        self._timeline = timeline
+        self._closed = False
+
+    @property
+    def path(self) -> Path:
+        """The file or folder it was opened from."""
+        return self._path
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """Every topic in it, in the order of the file, with type, count, rate and the widget that shows it."""
+        return self._timeline.topics
+
+    @property
+    def start_ns(self) -> int | None:
+        """Time of the first message in nanoseconds since the epoch; None when there is no message."""
+        return self._timeline.start_ns
+
+    @property
+    def end_ns(self) -> int | None:
+        """Time of the last message in nanoseconds since the epoch; None when there is no message."""
+        return self._timeline.end_ns
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first message to the last; 0 when there is no message."""
+        return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What was wrong so far, one line each: with the file, with a topic, with messages that could not be shown."""
+        empty = () if self.start_ns is not None else ("there is no message in it: nothing was recorded",)
+        return (*self._timeline.problems, *empty)
+
+    def samples(
+        self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
+    ) -> Iterator[Moment]:
+        """The samples in the order of their times, each read when its turn comes.
+
+        A message that cannot be shown is left out, and told in `problems`.
+
+        Args:
+            topics: one topic or several; None for all that a widget shows.
+            start: seconds from the start of the recording; None for the start.
+            end: the same, not included; None for the end, included.
+
+        Raises:
+            UnknownTopicError: it has no such topic, or one that no widget shows.
+            RecordingError: it is closed.
+        """
+        names = [topics] if isinstance(topics, str) else list(topics) if topics is not None else list(self._shown())
+        for name in names:
+            self._check(name)
+        times = (
+            None if seconds is None else self._time_ns(name, seconds)
+            for name, seconds in (("start", start), ("end", end))
+        )
+        self._check_open()
+        return self._timeline.moments(list(dict.fromkeys(names)), *times)
+
+    def at(self, topic: str, seconds: float) -> Moment | None:
+        """The last sample of a topic at a time, or before it; None when there is none yet.
+
+        Args:
+            topic: the name of the topic.
+            seconds: seconds from the start of the recording.
+
+        Raises:
+            UnknownTopicError: it has no such topic, or one that no widget shows.
+            RecordingError: it is closed.
+        """
+        self._check(topic)
+        self._check_open()
+        return self._timeline.last(topic, self._time_ns("seconds", seconds))
+
+    def info(self) -> str:
+        """The table of its topics, as text."""
+        return as_text(self._heading(), self.topics, self._lines())
+
+    def close(self) -> None:
+        """Close the file; doing it again does nothing."""
+        self._closed = True
+        self._timeline.close()
+
+    def __enter__(self) -> Recording:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return self.info()
+
+    def _repr_html_(self) -> str:
+        return as_html(self._heading(), self.topics, self._lines())
+
+    def _heading(self) -> str:
+        return heading(str(self.path), self.topics, self.duration, self.start_ns)
+
+    def _lines(self) -> tuple[str, ...]:
+        nothing = () if self._shown() or self.start_ns is None else ("no topic in it has a widget that shows it",)
+        return (*self.problems, *nothing)
+
+    def _shown(self) -> dict[str, Topic]:
+        return {topic.name: topic for topic in self.topics if topic.widget}
+
+    def _check(self, name: str) -> None:
+        shown = self._shown()
+        if name in shown:
+            return
+        there = ", ".join(shown) or "none"
+        known = next((topic for topic in self.topics if topic.name == name), None)
+        if known is None:
+            raise UnknownTopicError(f"{self.path.name} has no topic {name!r}: those that a widget shows are {there}")
+        why = known.problem or f"no widget shows {known.type}"
+        raise UnknownTopicError(f"{self.path.name}: topic {name!r} cannot be shown ({why}): those that can are {there}")
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise RecordingError(f"{self.path.name} is closed: open it again")
+
+    def _time_ns(self, name: str, seconds: float) -> int:
+        if not isfinite(seconds):
+            raise ValueError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
+        return (self.start_ns or 0) + round(seconds * 1e9)

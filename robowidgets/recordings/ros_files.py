@@ -1,0 +1,101 @@
+"""Files and folders of messages as rosbags reads them.
+
+This module and `ros_types` are the only ones that know rosbags.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag2.reader import DirectoryReader
+from rosbags.rosbag2.storage_mcap import McapReader
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
+
+from .source import Channel, RecordingError
+
+_NEVER = 2**63 - 1
+
+
+def open_bag(path: Path) -> RosSource:
+    """A ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
+    return RosSource(BagReader(path), lambda reader: (reader.start_time, reader.end_time))
+
+
+def open_mcap(path: Path) -> RosSource:
+    """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError when there is no index."""
+    source = RosSource(McapReader(path), _times)
+    if not source.indexed:
+        source.close()
+        raise RecordingError("without an index rosbags reads messages in one way only, from the start to the end")
+    return source
+
+
+def open_sqlite(path: Path) -> RosSource:
+    """A ``.db3``. Raises as `open_bag`."""
+    return RosSource(Sqlite3Reader(path), _times)
+
+
+def open_folder(path: Path) -> RosSource:
+    """A folder with a ``metadata.yaml``. Raises as `open_bag`."""
+    return RosSource(DirectoryReader(path), _times)
+
+
+class RosSource:
+    """A `Source` that rosbags reads."""
+
+    def __init__(self, reader: Any, times: Callable[[Any], tuple[int, int]]) -> None:
+        reader.open()
+        self._reader = reader
+        self._open = True
+        self.problems: tuple[str, ...] = ()
+        self._connections = {c.id: c for c in reader.connections}
+        self.channels = tuple(_channel(c) for c in reader.connections)
+        start, end = times(reader)
+        empty = start == _NEVER or not any(c.count for c in self.channels)
+        self.start_ns: int | None = None if empty else start
+        self.end_ns: int | None = None if empty else end - 1
+
+    @property
+    def indexed(self) -> bool:
+        """Whether an MCAP file has an index, or needs none."""
+        return bool(self._reader.chunks) or self.start_ns is None
+
+    def messages(
+        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[tuple[Channel, int, bytes]]:
+        """See `Source`."""
+        asked = {channel.id: channel for channel in channels}
+        if asked:
+            connections = [self._connections[i] for i in asked]
+            for connection, time_ns, raw in self._reader.messages(connections, start_ns, stop_ns):
+                yield asked[connection.id], time_ns, raw
+
+    def close(self) -> None:
+        """See `Source`."""
+        if self._open:
+            self._open = False
+            self._reader.close()
+
+
+def _times(reader: Any) -> tuple[int, int]:
+    return reader.metadata.start_time, reader.metadata.end_time
+
+
+def _channel(connection: Connection) -> Channel:
+    return Channel(
+        id=connection.id,
+        topic=connection.topic,
+        type=connection.msgtype,
+        encoding=getattr(connection.ext, "serialization_format", "ros1"),
+        definition=_text(connection.msgdef, connection.msgtype),
+        count=connection.msgcount,
+    )
+
+
+def _text(definition: MessageDefinition, type_name: str) -> str:
+    is_bare_idl = definition.format is MessageDefinitionFormat.IDL and not definition.data.startswith("=" * 80)
+    return f"{'=' * 80}\nIDL: {type_name}\n{definition.data}" if is_bare_idl else definition.data

@@ -1,0 +1,152 @@
+"""Messages from bytes: the definitions of their types, and the readers made of them.
+
+This module and `ros_files` are the only ones that know rosbags.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from .definitions import definitions
+from .kinds import Shape
+from .salvage.inflate import plain
+from .source import Channel, RecordingError
+
+Decode = Callable[[bytes], Any]
+Types = dict[str, Any]
+"""Type names to their constants and fields, as rosbags holds them."""
+
+_DEFAULTS = {"cdr": Stores.ROS2_HUMBLE, "ros1": Stores.ROS1_NOETIC}
+ENCODINGS = tuple(_DEFAULTS)
+_IDL_HEAD = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
+
+# Comments and constants say nothing about bytes and cost time; and a constant whose name is not in capitals (Button0 of
+# kobuki_msgs/ButtonEvent) rosbags takes for a field.
+_NEEDLESS = re.compile(r"^[ \t]*(#.*|[a-z0-9]+(<=\d+)?[ \t]+\w+[ \t]*=.*)?\n", re.MULTILINE)
+
+
+class RosTypes:
+    """The message types of one file, each read from its definition when it is first asked for."""
+
+    def __init__(self) -> None:
+        self._stores: dict[tuple[str, str], Typestore] = {}
+        self._filed: list[Typestore] = []
+        self._defaults: dict[str, Typestore] = {}
+
+    def shape(self, channel: Channel) -> Shape:
+        """The fields of a channel's messages; RecordingError when they are not known."""
+        return _shape(self._store(channel).fielddefs, channel.type)
+
+    def decoder(self, channel: Channel) -> Decode:
+        """What makes messages of a channel's bytes.
+
+        Raises:
+            RecordingError: the type or the encoding is not known; what is returned raises it for bytes that are no such
+                message.
+        """
+        store, type_name = self._store(channel), channel.type
+        read = store.deserialize_ros1 if channel.encoding == "ros1" else store.deserialize_cdr
+
+        def decode(raw: bytes) -> Any:
+            try:
+                return read(memoryview(plain(raw)), type_name)
+            except Exception as error:  # whatever rosbags stumbles over: its own errors, KeyError, IndexError
+                raise RecordingError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
+
+        return decode
+
+    def _store(self, channel: Channel) -> Typestore:
+        key = (channel.type, channel.definition)
+        if key not in self._stores:
+            self._stores[key] = self._find(channel)
+        return self._stores[key]
+
+    def _find(self, channel: Channel) -> Typestore:
+        why = "no definition of its messages in the file"
+        if channel.definition.strip():
+            try:
+                return self._register(self._complete(_parse(channel), channel.encoding), channel.type)
+            except Exception:  # whatever rosbags stumbles over; what follows tells it
+                why = "the definition of its messages in the file is not one that can be understood"
+        known = self._default(channel.encoding)
+        if channel.type not in known.fielddefs:
+            self._add_ours(known, channel.type)
+        if channel.type not in known.fielddefs:
+            raise RecordingError(f"{why}, nor among those that are known")
+        return known
+
+    def _register(self, types: Types, type_name: str) -> Typestore:
+        """A store that holds these types. One for all, except where a file defines a type twice in different ways."""
+        _shape(types, type_name)
+        for store in self._filed:
+            try:
+                store.register(types)
+            except TypesysError:
+                continue
+            return store
+        store = get_typestore(Stores.EMPTY)
+        store.register(types)
+        self._filed.append(store)
+        return store
+
+    def _complete(self, types: Types, encoding: str) -> Types:
+        """With what the definition uses and leaves out."""
+        missing = {used for name in types for used in _used(types[name]) if used not in types}
+        missing -= {"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"}
+        if not missing:
+            return types
+        known = self._default(encoding).fielddefs
+        return self._complete(types | {name: known[name] for name in missing}, encoding)
+
+    def _default(self, encoding: str) -> Typestore:
+        if encoding not in self._defaults:
+            self._defaults[encoding] = get_typestore(_DEFAULTS[encoding])
+        return self._defaults[encoding]
+
+    def _add_ours(self, store: Typestore, type_name: str) -> None:
+        types: Types = {}
+        for name, text in definitions(type_name.split("/")[0]).items():
+            types.update(get_types_from_msg(text, name))
+        store.register(types)
+
+
+def one_line(error: Exception) -> str:
+    """What an error says, in one line for a person."""
+    text = next((line.strip() for line in str(error).splitlines() if line.strip()), "")
+    return (text if len(text) <= 120 else f"{text[:119]}…") or type(error).__name__
+
+
+def _parse(channel: Channel) -> Types:
+    if not _IDL_HEAD.match(channel.definition):
+        return dict(get_types_from_msg(_NEEDLESS.sub("", channel.definition.replace("\r", "") + "\n"), channel.type))
+    types: Types = {}
+    for part in _IDL_HEAD.split(channel.definition)[1:]:
+        types.update(get_types_from_idl(part))
+    return types
+
+
+def _used(definition: Any) -> Iterator[str]:
+    """The types that the fields of a definition name."""
+    for _, (kind, what) in definition[1]:
+        inner, name = (kind, what) if kind in (Nodetype.BASE, Nodetype.NAME) else what[0]
+        if inner == Nodetype.NAME:
+            yield name
+
+
+def _shape(types: Types, type_name: str) -> dict[str, Any]:
+    return {name: _kind(types, kind, what) for name, (kind, what) in types[type_name][1]}
+
+
+def _kind(types: Types, kind: int, what: Any) -> Any:
+    if kind == Nodetype.BASE:
+        return what[0]
+    if kind == Nodetype.NAME:
+        return what.rpartition("/")[2] if what.startswith("builtin_interfaces/") else _shape(types, what)
+    (inner, name), count = what
+    return f"{name[0] if inner == Nodetype.BASE else name}[{count if kind == Nodetype.ARRAY else ''}]"
