@@ -15,7 +15,7 @@ PYTEST := .venv/bin/python -m pytest
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo setup build watch lint format test test-js test-unit test-notebooks test-docs test-wheel test-browser bench clean
+.PHONY: demo setup build watch lab lint format test test-js test-unit test-notebooks test-docs test-wheel test-browser bench clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -26,9 +26,12 @@ setup: $(INSTALLED) $(MODULES)
 
 build: $(BUNDLES)
 
-# Rebuilds the bundles at every change; see CONTRIBUTING.md for the second terminal.
+# Two terminals: one rebuilds the bundles at every change, in the other JupyterLab puts each new one on show.
 watch: setup
 	cd $(JS) && npm run watch
+
+lab: build
+	ROBOWIDGETS_DEV=1 ANYWIDGET_HMR=1 .venv/bin/jupyter lab notebooks
 
 lint: build
 	.venv/bin/ruff check .
