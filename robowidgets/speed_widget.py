@@ -1,0 +1,240 @@
+"""The speed view: a velocity as bars up and down from zero, after the paper's speed visualization."""
+
+from __future__ import annotations
+
+import struct
+import threading
+from dataclasses import dataclass, replace
+from math import isnan, nan
+from typing import Any
+
+import traitlets
+
+from ._limits import AxisLimits, Limits, Pair, is_past
+from ._widget import HEAD, RobotWidget, bundle
+from .messages import to_speed
+from .samples import AXES, Speed
+
+_FRAME = struct.Struct("<ddq24d")
+"""After the head: what there is (1: measured, 2: commanded), resets of the peaks, stamp of the commanded speed in ns
+(0: none), then by axis the measured, the commanded, the least and the greatest speeds."""
+
+_MEASURED, _COMMANDED = 1, 2
+_NO_VALUES = (nan,) * 6
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a speed widget shows: the speeds measured and commanded, and the peaks of the measured one."""
+
+    measured: Speed | None = None
+    commanded: Speed | None = None
+    least: tuple[float, ...] = _NO_VALUES
+    greatest: tuple[float, ...] = _NO_VALUES
+    resets: int = 0
+
+    @property
+    def stamp_ns(self) -> int | None:
+        """The stamp of the measured speed."""
+        return self.measured.stamp_ns if self.measured else None
+
+    def moved(self, speed: Speed) -> Reading:
+        """With this speed measured next; a value that is NaN leaves the peaks as they are."""
+        return replace(
+            self,
+            measured=speed,
+            least=tuple(v if v < old or isnan(old) else old for v, old in zip(speed.values, self.least, strict=True)),
+            greatest=tuple(
+                v if v > old or isnan(old) else old for v, old in zip(speed.values, self.greatest, strict=True)
+            ),
+        )
+
+    def reset(self, resets: int) -> Reading:
+        """With peaks that start anew from the speed measured last."""
+        values = self.measured.values if self.measured else _NO_VALUES
+        return replace(self, least=values, greatest=values, resets=resets)
+
+
+class SpeedWidget(RobotWidget[Reading]):
+    """A robot's speed, live: linear x, y, z in m/s and angular x, y, z in rad/s as bars, each with its exact number.
+
+    The reader sees a bar per axis, up from zero for a positive speed and down for a negative one, in the body frame of
+    REP-103: linear x forward, y left, z up; angular about x (roll), y (pitch) and z (yaw, counter-clockwise). Limits
+    are dashed; a bar past its limit turns red and says so with a mark and in words, a bar longer than the scale is
+    drawn cut. A commanded speed is a tick on the measured bar. NaN is shown as "no value", never as 0. Hovering an axis
+    or walking with the arrow keys tells its exact value, limits, command and peaks; space freezes; none of it needs the
+    kernel. A message that cannot be shown leaves the last picture and says why above it.
+
+    Args:
+        title: what is shown, for the header; usually the topic.
+        command_title: where commanded speeds come from, for the header; usually the topic.
+        linear_limits: (min, max) in m/s with min <= 0 <= max; one number stands for both sides.
+        angular_limits: the same in rad/s.
+        limits: by axis, instead of those two: ``{"linear.x": (-0.2, 0.5), "angular.z": 1.8}``. To change it, set
+            another dictionary.
+        planar: whether only linear x, linear y and angular z are shown. The view writes it too.
+        hold_peaks: whether the least and the greatest speed since the last reset are marked.
+        paused: whether the picture is frozen.
+        header, footer: whether they are there; without them the picture alone is fit for a paper.
+
+    Raises:
+        TypeError: an unknown keyword.
+        traitlets.TraitError: limits that are no numbers, not finite, the wrong way round, or without zero between them;
+            an unknown axis.
+
+    Source: geometry_msgs/Twist, nav_msgs/Odometry, REP-103; Campusano and Fabry, "From Robots to Humans: Visualizations
+    for Robot Sensor Data".
+
+    Example:
+        >>> speed = SpeedWidget(title="/odom", linear_limits=(-0.2, 0.5), planar=True)
+        >>> speed.update(linear=(0.62, 0.0, 0.0), angular=(0.0, 0.0, -0.3))
+        >>> speed.over_limits
+        {'linear.x': 0.62}
+    """
+
+    _esm = bundle("speed_widget.js")
+    _noun = "speed"
+
+    command_title = traitlets.Unicode(help="Where commands come from, for the header. Plain text.").tag(sync=True)
+    linear_limits = Limits((-1.0, 1.0), "m/s", help="(min, max) of the linear speeds, m/s.").tag(sync=True)
+    angular_limits = Limits((-1.0, 1.0), "rad/s", help="(min, max) of the angular speeds, rad/s.").tag(sync=True)
+    limits = AxisLimits(help="(min, max) by axis, m/s and rad/s, instead of those two.").tag(
+        sync=True, to_json=lambda value, _: dict(value)
+    )
+    planar = traitlets.Bool(False, help="Only linear x, y and angular z. Python and the view write it.").tag(sync=True)
+    hold_peaks = traitlets.Bool(False, help="Whether least and greatest speeds are marked.").tag(sync=True)
+    _resets = traitlets.Int(0, help="How often the peaks were reset. Python and the view write it.").tag(sync=True)
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._storing = threading.RLock()
+        self._reading = Reading()
+        self._errors: dict[str, str] = {}
+        super().__init__(**kwargs)
+
+    def update(self, message: Any = None, **fields: Any) -> None:
+        """Show a measured speed in the next animation frame.
+
+        It only stores, and may be called from any thread at any rate; the newest wins, but none is missed by the peaks.
+
+        Args:
+            message: a geometry_msgs/Twist, TwistStamped, TwistWithCovariance(Stamped) or nav_msgs/Odometry of rclpy,
+                rospy or rosbags, a rosbridge dictionary, or a `Speed`.
+            **fields: instead of a message, linear (x, y, z in m/s) and angular (x, y, z in rad/s); what is left out has
+                no value.
+
+        Raises:
+            TypeError: no such message, or an unknown field. ValueError: not three numbers. In a thread other than the
+                main one, where a callback runs, nothing is raised: the widget says it, and the log does.
+        """
+        self._take("update", message, fields)
+
+    def command(self, message: Any = None, **fields: Any) -> None:
+        """Show a commanded speed, as a tick on each measured bar. Arguments and errors are those of `update`."""
+        self._take("command", message, fields)
+
+    def reset_peaks(self) -> None:
+        """Let the peaks start anew, from the speed measured last."""
+        self._resets += 1
+
+    @property
+    def speed(self) -> Speed | None:
+        """The measured speed on show: the frozen one while paused, else the newest; None before the first."""
+        return self._on_show().measured
+
+    @property
+    def commanded(self) -> Speed | None:
+        """The commanded speed on show; None before the first."""
+        return self._on_show().commanded
+
+    @property
+    def over_limits(self) -> dict[str, float]:
+        """The measured speeds on show that are past their limits, by axis; planar or not, all six count."""
+        speed = self.speed
+        values = speed.values if speed else _NO_VALUES
+        return {axis: v for axis, v in zip(AXES, values, strict=True) if is_past(v, self.limits_of(axis))}
+
+    @property
+    def peaks(self) -> dict[str, Pair]:
+        """By axis the least and the greatest speed measured since the last reset, up to what is on show.
+
+        NaN where there was no value yet. They are kept whether `hold_peaks` marks them or not.
+        """
+        reading = self._on_show()
+        return dict(zip(AXES, zip(reading.least, reading.greatest, strict=True), strict=True))
+
+    def limits_of(self, axis: str) -> Pair:
+        """The limits (min, max) of one axis, like "linear.x"."""
+        pair: Pair = self.limits.get(axis, self.linear_limits if axis.startswith("linear") else self.angular_limits)
+        return pair
+
+    def _take(self, method: str, message: Any, fields: dict[str, Any]) -> None:
+        try:
+            speed = to_speed(_of_fields(method, message, fields))
+        except (TypeError, ValueError) as error:
+            if method == "command" and "command()" not in str(error):
+                error = type(error)(f"command(): {error}")
+            self._errors[method] = f"{error}."
+            self._refuse(error)
+            return
+        with self._storing:
+            self._errors.pop(method, None)
+            if method == "update":
+                self._reading = self._reading.moved(speed)
+            else:
+                self._reading = replace(self._reading, commanded=speed)
+            # Rate and count are those of the measured speed, once there is one.
+            self._put_up(counts=method == "update" or self._reading.measured is None)
+
+    def _put_up(self, *, counts: bool) -> None:
+        shown = self._reading.measured or self._reading.commanded
+        about: dict[str, Any] = {"frame_id": shown.frame_id if shown else ""}
+        if self._errors:
+            about["error"] = " ".join(self._errors.values())
+        self._show(self._reading, about, counts=counts)
+
+    @traitlets.observe("_resets")
+    def _reset(self, _change: Any) -> None:
+        with self._storing:
+            self._reading = self._reading.reset(self._resets)
+            if self._reading.measured or self._reading.commanded:
+                self._put_up(counts=False)
+
+    def _on_show(self) -> Reading:
+        return self._unpack(self._held) if self.paused and self._held else self._reading
+
+    def _pack(self, sample: Reading) -> bytes:
+        measured, commanded = sample.measured, sample.commanded
+        return _FRAME.pack(
+            (_MEASURED if measured else 0) + (_COMMANDED if commanded else 0),
+            sample.resets,
+            (commanded.stamp_ns or 0) if commanded else 0,
+            *(measured.values if measured else _NO_VALUES),
+            *(commanded.values if commanded else _NO_VALUES),
+            *sample.least,
+            *sample.greatest,
+        )
+
+    def _unpack(self, frame: bytes) -> Reading:
+        _, _, stamp_ns = HEAD.unpack_from(frame)
+        there, resets, commanded_ns, *values = _FRAME.unpack_from(frame, HEAD.size)
+        frame_id = self._about.get("frame_id", "")
+        measured, commanded = (tuple(values[i : i + 6]) for i in (0, 6))
+        return Reading(
+            Speed(measured[:3], measured[3:], stamp_ns or None, frame_id) if int(there) & _MEASURED else None,
+            Speed(commanded[:3], commanded[3:], commanded_ns or None) if int(there) & _COMMANDED else None,
+            tuple(values[12:18]),
+            tuple(values[18:]),
+            int(resets),
+        )
+
+
+def _of_fields(method: str, message: Any, fields: dict[str, Any]) -> Any:
+    """The message, or a speed of the fields given instead of one."""
+    unknown = ", ".join(repr(name) for name in fields if name not in ("linear", "angular"))
+    if unknown:
+        raise TypeError(f"{method}() has no field {unknown}; it takes a message, or linear and angular")
+    if message is None and not fields:
+        raise TypeError(f"{method}() needs a message, or linear and angular (three numbers each)")
+    if message is not None and fields:
+        raise TypeError(f"{method}() takes a message or fields, not both; got a message and {', '.join(fields)}")
+    return message if message is not None else Speed(**{"linear": _NO_VALUES[:3], "angular": _NO_VALUES[:3], **fields})
