@@ -1,0 +1,7 @@
+"""``python -m robowidgets`` is the command ``robowidgets``."""
+
+import sys
+
+from .command import main
+
+sys.exit(main())

@@ -1,0 +1,239 @@
+import ast
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
+
+import nbformat
+import pytest
+
+import robowidgets
+from robowidgets import _lab, _notebooks
+from robowidgets.command import main
+
+from ..conftest import ROOT
+
+
+def one_line(capsys):
+    """What was said on stderr: one line, and nothing on stdout."""
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.endswith("\n")
+    assert said.err.count("\n") == 1
+    return said.err.strip()
+
+
+@pytest.fixture
+def lab(monkeypatch):
+    """What JupyterLab would be started with, instead of starting it."""
+    started = []
+    monkeypatch.setattr(_lab, "run", lambda *arguments: started.append(arguments))
+    return started
+
+
+@pytest.fixture(autouse=True)
+def temporary_folders_end_with_the_test(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+
+
+def test_info_prints_the_table_of_a_recording(capsys):
+    assert main(["info", str(robowidgets.SAMPLE)]) == 0
+    said = capsys.readouterr()
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        assert said.out == recording.info() + "\n"
+    assert "/bumper" in said.out
+    assert said.err == ""
+
+
+@pytest.mark.parametrize("command", ["info", "open"])
+@pytest.mark.parametrize("what", ["missing", "empty", "foreign", "folder"])
+def test_what_is_no_recording_is_one_line_and_1(command, what, tmp_path, capsys, lab):
+    path = tmp_path / f"{what}.bag"
+    if what == "folder":
+        path.mkdir()
+    elif what != "missing":
+        path.write_bytes(b"" if what == "empty" else b"%PDF-1.7 something else" * 100)
+    assert main([command, str(path)]) == 1
+    line = one_line(capsys)
+    assert line.startswith("robowidgets: ")
+    assert path.name in line
+    assert lab == []
+    assert list(tmp_path.glob("robowidgets-*")) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ([], "the following arguments are required: COMMAND"),
+        (["fly"], "invalid choice: 'fly'"),
+        (["info"], "the following arguments are required: FILE"),
+        (["demo", "--port", "http"], "argument --port: expected a number from 0 to 65535, got 'http'"),
+        (["demo", "--port", "65536"], "argument --port: expected a number from 0 to 65535, got '65536'"),
+        (["demo", "--port=-1"], "argument --port: expected a number from 0 to 65535, got '-1'"),
+        (["info", "a.bag", "b.bag"], "unrecognized arguments: b.bag"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_2(arguments, text, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(arguments)
+    assert stopped.value.code == 2
+    assert text in capsys.readouterr().err
+
+
+def test_help_names_the_commands_and_what_they_take(capsys):
+    for arguments, words in (
+        (["--help"], ["demo", "open a tour", "info", "print what a recording holds"]),
+        (["demo", "--help"], ["--port", "127.0.0.1", "--no-browser"]),
+        (["open", "--help"], ["FILE", ".mcap", "CARMEN", "--port", "--no-browser"]),
+        (["info", "--help"], ["FILE", "rosbag2 folder"]),
+    ):
+        with pytest.raises(SystemExit) as stopped:
+            main(arguments)
+        assert stopped.value.code == 0
+        said = " ".join(capsys.readouterr().out.split())
+        assert [word for word in words if word not in said] == []
+
+
+def test_python_m_robowidgets_is_the_same_command():
+    run = [sys.executable, "-m", "robowidgets"]
+    version = subprocess.run([*run, "--version"], capture_output=True, text=True, check=True)
+    assert version.stdout == f"robowidgets {robowidgets.__version__}\n"
+    failed = subprocess.run([*run, "info", "no such file"], capture_output=True, text=True, check=False)
+    assert failed.returncode == 1
+    assert failed.stderr.startswith("robowidgets: no such file")
+    assert "Traceback" not in failed.stderr
+
+
+def test_without_jupyterlab_it_says_what_to_install(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "jupyterlab", None)
+    assert main(["demo"]) == 1
+    assert one_line(capsys).endswith('type: pip install "robowidgets[lab]"')
+    assert main(["open", str(robowidgets.SAMPLE)]) == 1
+    assert one_line(capsys).endswith('type: pip install "robowidgets[lab]"')
+
+
+def test_a_folder_that_cannot_be_written_to_is_one_line(monkeypatch, tmp_path, capsys, lab):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "gone"))
+    assert main(["demo"]) == 1
+    assert str(tmp_path / "gone") in one_line(capsys)
+    assert lab == []
+
+
+def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, tmp_path):
+    assert main(["demo", "--port", "0", "--no-browser"]) == 0
+    ((tour, port, browser),) = lab
+    assert (port, browser) == (0, False)
+    assert tour.name == "tour.ipynb"
+    assert tour.is_relative_to(tmp_path)
+    assert tour.read_bytes() == (ROOT / "notebooks" / "tour.ipynb").read_bytes()
+    assert {file.name for file in tour.parent.iterdir()} == {file.name for file in (ROOT / "notebooks").iterdir()}
+
+
+def test_a_demo_opens_the_browser_at_a_port_of_jupyterlabs_choice(lab):
+    main(["demo"])
+    assert lab[0][1:] == (None, True)
+    told = _lab.arguments(Path("/tmp/a folder/tour.ipynb"), None, True)
+    assert not [argument for argument in told if "port" in argument or "browser" in argument]
+
+
+def test_open_writes_a_notebook_for_the_file(lab):
+    assert main(["open", os.path.relpath(robowidgets.SAMPLE)]) == 0
+    written = lab[0][0]
+    assert written.name == "sample.ipynb"
+    notebook = nbformat.read(written, as_version=nbformat.NO_CONVERT)
+    nbformat.validate(notebook)
+    assert [cell.source for cell in notebook.cells if cell.cell_type == "code"] == [
+        f"import robowidgets\n\nrecording = robowidgets.open({str(robowidgets.SAMPLE)!r})\nrecording",
+        "recording.show()",
+    ]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "it's.bag",
+        '"); import os; ("',
+        "back\\slash\\n",
+        "two\nlines",
+        "{braces} %s",
+        "robot 🤖",
+        "\udcff no text",
+        "日本",
+    ],
+)
+def test_a_path_of_any_characters_reaches_the_program_unchanged(name, tmp_path):
+    written = _notebooks.write_for(Path("/a b") / name, tmp_path)
+    assert written.parent == tmp_path
+    source = json.loads(written.read_text("utf-8"))["cells"][1]["source"]
+    (call,) = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
+    assert ast.literal_eval(call.args[0]) == f"/a b/{name}"
+    assert len(ast.parse(source).body) == 3
+
+
+def test_notebooks_are_found_in_a_checkout_and_in_an_installed_package(monkeypatch, tmp_path):
+    assert _notebooks.shipped() == ROOT / "notebooks"
+    package = tmp_path / "site-packages" / "robowidgets"
+    (package / "notebooks").mkdir(parents=True)
+    (package / "notebooks" / "tour.ipynb").touch()
+    monkeypatch.setattr(_notebooks, "_PACKAGE", package)
+    assert _notebooks.shipped() == package / "notebooks"
+    (package / "notebooks" / "tour.ipynb").unlink()
+    with pytest.raises(FileNotFoundError, match="without its notebooks; install it again"):
+        _notebooks.shipped()
+
+
+@pytest.mark.parametrize(
+    ("command", "notebook"), [(["demo"], "tour.ipynb"), (["open", robowidgets.SAMPLE], "sample.ipynb")]
+)
+def test_jupyterlab_serves_the_notebook_on_this_machine_to_who_has_the_token(command, notebook, tmp_path):
+    own = {name: str(tmp_path / name) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR")}
+    environment = os.environ | own | {"JUPYTER_TOKEN": "guessed", "TMPDIR": str(tmp_path)}
+    log = tmp_path / "log"
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "robowidgets", *command, "--no-browser", "--port", "0"],
+            env=environment,
+            cwd=tmp_path,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+        )
+    try:
+        server = json.loads(wait_for(tmp_path / "JUPYTER_RUNTIME_DIR" / f"jpserver-{process.pid}.json", process, log))
+        assert server["url"].startswith("http://127.0.0.1:")
+        assert len(server["token"]) >= 32
+        assert Path(server["root_dir"]).parent == tmp_path
+        assert fetch(server, f"api/contents/{notebook}", server["token"])["type"] == "notebook"
+        for token in ("", "guessed"):
+            with pytest.raises(HTTPError, match="403"):
+                fetch(server, f"api/contents/{notebook}", token)
+        assert f"lab/tree/{notebook}?token={server['token']}" in wait_for_text(log, server["token"], process)
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+def fetch(server, path, token):
+    with urlopen(Request(f"{server['url']}{path}", headers={"Authorization": f"token {token}"}), timeout=20) as answer:
+        return json.load(answer)
+
+
+def wait_for(file, process, log):
+    return wait_until(lambda: file.read_text() if file.exists() else "", "}", process, log)
+
+
+def wait_for_text(log, text, process):
+    return wait_until(log.read_text, text, process, log)
+
+
+def wait_until(read, text, process, log):
+    deadline = time.monotonic() + 60
+    while text not in (got := read()):
+        assert process.poll() is None, log.read_text()
+        assert time.monotonic() < deadline, log.read_text()
+        time.sleep(0.05)
+    return got
