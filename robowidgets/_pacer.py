@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import atexit
 import logging
+import os
 import sys
 import threading
 import time
 from collections.abc import Callable
 from typing import Protocol
+from weakref import WeakKeyDictionary
 
 log = logging.getLogger("robowidgets")
 
@@ -23,6 +25,9 @@ BYTES_PER_SECOND = 20_000_000
 
 BURST = 0.05
 """Seconds of budget that may be spent at once after a rest."""
+
+PATIENCE = 1.0
+"""Seconds that the end of a cell waits for a send that hangs."""
 
 
 class Sender(Protocol):
@@ -41,13 +46,18 @@ class Pacer:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
+        self._hooked = False
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin anew with nothing marked: a forked process has the locks, but not the threads that hold them."""
         self._condition = threading.Condition()
+        self._turn = threading.Lock()
         self._due: dict[Sender, float] = {}
-        self._earliest: dict[Sender, float] = {}
+        self._earliest: WeakKeyDictionary[Sender, float] = WeakKeyDictionary()
         self._timers: dict[Sender, float] = {}
         self._free_at = 0.0
         self._thread: threading.Thread | None = None
-        self._hooked = False
 
     def mark(self, sender: Sender) -> None:
         """Note that a sender has something newer to send."""
@@ -71,16 +81,23 @@ class Pacer:
     def forget(self, sender: Sender) -> None:
         """Send nothing more for a sender."""
         with self._condition:
-            for table in (self._due, self._earliest, self._timers):
+            for table in (self._due, self._timers):
                 table.pop(sender, None)
 
     def flush(self) -> None:
-        """Send at once, in the caller's thread, whatever is marked."""
-        with self._condition:
-            waiting = list(self._due)
-            self._due.clear()
-        for sender in waiting:
-            self._send(sender)
+        """Send at once, in the caller's thread, whatever is marked, and see what is being sent to its end."""
+        if not self._turn.acquire(timeout=PATIENCE):
+            return
+        try:
+            with self._condition:
+                waiting = list(self._due)
+            for sender in waiting:
+                with self._condition:
+                    marked = self._due.pop(sender, None) is not None
+                if marked:
+                    self._send(sender)
+        finally:
+            self._turn.release()
 
     def _start(self) -> None:
         if self._thread is None or not self._thread.is_alive():
@@ -98,11 +115,17 @@ class Pacer:
     def _run(self) -> None:
         while True:
             with self._condition:
+                while (wait := self._wait()) != 0:
+                    self._condition.wait(wait)
+            self._send_one()
+
+    def _send_one(self) -> None:
+        # Taken and sent in one turn: who waits for the turn knows that nothing is under way.
+        with self._turn:
+            with self._condition:
                 sender = self._next()
-                while sender is None:
-                    self._condition.wait(self._wait())
-                    sender = self._next()
-            self._send(sender)
+            if sender is not None:
+                self._send(sender)
 
     def _next(self) -> Sender | None:
         """Take the sender that has been due for longest, if the budget allows."""
@@ -120,7 +143,7 @@ class Pacer:
         return sender
 
     def _wait(self) -> float | None:
-        """Seconds until there may be something to do; None when nothing is marked."""
+        """Seconds until there may be something to send; None when nothing is marked."""
         times = [max(min(self._due.values()), self._free_at)] if self._due else []
         times += self._timers.values()
         return max(0.0, min(times) - self._clock()) if times else None
@@ -141,3 +164,6 @@ class Pacer:
 
 pacer = Pacer()
 """The one pacer of this process."""
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=pacer.reset)
