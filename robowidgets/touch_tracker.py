@@ -32,13 +32,13 @@ class TouchSensor:
     def became(self, state: TouchState, at_ns: int) -> TouchSensor:
         """The sensor in a state: timed, and counted, only when it is another one than before."""
         if state is self.state:
-            return replace(self, seen_ns=None, missed=False)
+            return self if self.seen_ns is None else replace(self, seen_ns=None, missed=False)
         return TouchSensor(state, self.touches + (state is TouchState.TOUCHED), at_ns)
 
     def no_later_than(self, now_ns: int) -> TouchSensor:
         """The sensor without times that lie ahead of now."""
         since, seen = (None if t is None else min(t, now_ns) for t in (self.since_ns, self.seen_ns))
-        return replace(self, since_ns=since, seen_ns=seen)
+        return self if (since, seen) == (self.since_ns, self.seen_ns) else replace(self, since_ns=since, seen_ns=seen)
 
 
 class TouchTracker:
@@ -57,6 +57,8 @@ class TouchTracker:
         hold: seconds, 0 or more; longer than the pause between two messages of the slowest source.
         timeout: seconds, 0 or more, infinite to wait for ever; None: the same as ``hold``.
 
+    ``newest`` is what was taken in last; None before the first message.
+
     Raises:
         TypeError: a time is not a number.
         ValueError: a time is negative or NaN, or the hold infinite.
@@ -71,6 +73,7 @@ class TouchTracker:
     def __init__(self, hold: float = 0.15, timeout: float | None = None) -> None:
         self.hold = hold
         self.timeout = timeout
+        self.newest: Touch | None = None
         self._sensors: dict[str, TouchSensor] = {}
 
     @property
@@ -112,7 +115,7 @@ class TouchTracker:
                     known[name] = replace(sensor, missed=True)
                 elif name in touch.sensors and name not in touch.touched:
                     known[name] = sensor.became(TouchState.FREE, now_ns)
-        self._sensors = known
+        self._sensors, self.newest = known, touch
 
     def states(self, now_ns: int) -> dict[str, TouchSensor]:
         """Every sensor as it is known at a time, in the order of their first mention."""

@@ -1,1 +1,20 @@
-export default {};
+import type { Model } from "./shared/model.ts";
+import { Stream } from "./shared/stream.ts";
+import { Clock } from "./touch/clock.ts";
+import { decodeTouch, type Touch } from "./touch/touch.ts";
+import { TouchView } from "./touch/view.ts";
+
+/** Called once per model, so that its views share one stream and one clock. */
+export default () => {
+  let stream: Stream<Touch>;
+  let clock: Clock;
+  return {
+    initialize({ model, signal }: { model: Model; signal: AbortSignal }) {
+      stream = new Stream(model, decodeTouch, signal);
+      clock = new Clock(stream, signal);
+    },
+    render({ model, el, signal }: { model: Model; el: HTMLElement; signal: AbortSignal }) {
+      new TouchView(model, el, stream, clock, signal);
+    },
+  };
+};

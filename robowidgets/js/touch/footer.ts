@@ -1,0 +1,32 @@
+import { make, setText } from "../shared/dom.ts";
+import { toCount } from "../shared/format.ts";
+import type { Sensor, TouchState } from "./touch.ts";
+import { summarize, toTouches } from "./words.ts";
+
+const STATES: TouchState[] = ["touched", "free", "unknown"];
+
+/** How many sensors are in each state, and how many touches there were. */
+export class Footer {
+  readonly #counts = new Map<TouchState, HTMLElement>();
+  readonly #touches = make("span", "rw-touches");
+
+  constructor(element: HTMLElement) {
+    const list = make("span", "rw-counts");
+    for (const state of STATES) {
+      const item = make("span", "rw-state");
+      const count = make("b", "");
+      const swatch = make("span", "rw-swatch");
+      swatch.dataset.state = state;
+      item.append(swatch, count, state);
+      list.append(item);
+      this.#counts.set(state, count);
+    }
+    element.append(list, this.#touches);
+  }
+
+  update(sensors: Sensor[]): void {
+    const { counts, touches } = summarize(sensors);
+    for (const [state, element] of this.#counts) setText(element, toCount(counts[state]));
+    setText(this.#touches, toTouches(touches));
+  }
+}

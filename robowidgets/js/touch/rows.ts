@@ -1,0 +1,54 @@
+/** A rectangle in CSS pixels. */
+export interface Box {
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}
+
+export const GAP = 8;
+const KINDS = /^(cliff|wheel|light|button|proximity|stall) /;
+const NARROWEST = 92;
+/** Height of a rectangle that is one of many. */
+export const LOW = 58;
+const HIGH = 92;
+/** Below this width the words in a rectangle stand on lines of their own. */
+export const NARROW = 118;
+
+/** Height of a rectangle among others, by its width. */
+export function heightOf(width: number): number {
+  return width < NARROW ? LOW + 20 : LOW;
+}
+
+/** Sensors in rows, from left to right: one row when there is room, else a new one for each kind, evenly filled. */
+export function toRows(names: string[], columns: number): string[][] {
+  if (names.length <= columns) return names.length ? [names] : [];
+  const groups: string[][] = [];
+  let last: string | undefined;
+  for (const name of names) {
+    const kind = KINDS.exec(name)?.[1] ?? "";
+    if (kind === last) groups.at(-1)?.push(name);
+    else groups.push([name]);
+    last = kind;
+  }
+  return groups.flatMap((group) => {
+    const count = Math.ceil(group.length / columns);
+    const length = Math.ceil(group.length / count);
+    return Array.from({ length: count }, (_, row) => group.slice(row * length, (row + 1) * length));
+  });
+}
+
+/** A rectangle for each name, in rows that fill a width, from y downwards; and where they end. A single row is high. */
+export function layRows(names: string[], width: number, y: number): { boxes: Map<string, Box>; bottom: number } {
+  const rows = toRows(names, Math.max(1, Math.floor((width + GAP) / (NARROWEST + GAP))));
+  const longest = Math.max(...rows.map((row) => row.length));
+  const height = rows.length > 1 || y > 0 ? heightOf((width + GAP) / longest - GAP) : HIGH;
+  const boxes = new Map<string, Box>();
+  rows.forEach((row, i) => {
+    const each = (width - GAP * (row.length - 1)) / row.length;
+    row.forEach((name, column) => {
+      boxes.set(name, { x: column * (each + GAP), y: y + i * (height + GAP), width: each, height });
+    });
+  });
+  return { boxes, bottom: y + rows.length * (height + GAP) - (rows.length ? GAP : 0) };
+}

@@ -1,0 +1,45 @@
+import { make, setText } from "../shared/dom.ts";
+import { type Box, NARROW } from "./rows.ts";
+import type { Sensor } from "./touch.ts";
+import { detailOf, tellAll } from "./words.ts";
+
+/** The rectangle of one sensor: its label, and its state in colour and in words. */
+export class Tile {
+  readonly element = make("div", "rw-tile");
+  readonly #label = make("span", "rw-tile-label");
+  readonly #state = make("span", "rw-tile-state");
+  readonly #detail = make("span", "rw-tile-detail");
+
+  constructor() {
+    const words = make("span", "rw-tile-words");
+    words.append(this.#state, this.#detail);
+    this.element.setAttribute("role", "listitem");
+    this.element.append(this.#label, words);
+  }
+
+  place({ x, y, width, height }: Box): void {
+    Object.assign(this.element.style, {
+      left: `${x}px`,
+      top: `${y}px`,
+      width: `${width}px`,
+      height: `${height}px`,
+    });
+    this.element.classList.toggle("rw-narrow", width < NARROW);
+  }
+
+  update(sensor: Sensor, label: string, elapsed: number): void {
+    this.element.dataset.state = sensor.state;
+    this.#setLabel(label);
+    setText(this.#state, sensor.state);
+    setText(this.#detail, detailOf(sensor, elapsed));
+    const all = tellAll(sensor, elapsed);
+    if (this.element.title !== all) this.element.title = all;
+  }
+
+  /** The label may break after the marks with which programs join words. */
+  #setLabel(label: string): void {
+    if (this.#label.textContent === label) return;
+    const parts = label.split(/(?<=[_:/])/);
+    this.#label.replaceChildren(...parts.flatMap((part) => [part, document.createElement("wbr")]));
+  }
+}

@@ -1,0 +1,128 @@
+import { type Size, watchSize } from "../shared/canvas.ts";
+import { Card } from "../shared/card.ts";
+import { make } from "../shared/dom.ts";
+import { toFixed } from "../shared/format.ts";
+import { type About, getAbout, type Model, onChange } from "../shared/model.ts";
+import { onceAFrame } from "../shared/schedule.ts";
+import type { Stream } from "../shared/stream.ts";
+import { layAround } from "./around.ts";
+import { Body } from "./body.ts";
+import type { Clock } from "./clock.ts";
+import { Footer } from "./footer.ts";
+import { type Box, GAP, layRows } from "./rows.ts";
+import { Tile } from "./tile.ts";
+import { type Sensor, select, type Touch } from "./touch.ts";
+import { modeWord, toLabels } from "./words.ts";
+
+interface TouchAbout extends About {
+  dialect?: string;
+  mode?: string;
+  /** Whether time stands still, as in a recording that is not live. */
+  still?: boolean;
+}
+
+const TICK_MS = 100;
+const PADDING = 12;
+
+/** One view of a touch widget: a rectangle for each sensor, in rows or round the robot's body. */
+export class TouchView {
+  readonly #model: Model;
+  readonly #stream: Stream<Touch>;
+  readonly #clock: Clock;
+  readonly #card: Card;
+  readonly #footer: Footer;
+  readonly #field = make("div", "rw-field");
+  readonly #empty = make("div", "rw-empty", "waiting for a touch message");
+  readonly #body = new Body();
+  readonly #tiles = new Map<string, Tile>();
+  readonly #redraw: () => void;
+  #width = 0;
+  #tick: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(model: Model, element: HTMLElement, stream: Stream<Touch>, clock: Clock, signal: AbortSignal) {
+    this.#model = model;
+    this.#stream = stream;
+    this.#clock = clock;
+    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#card = new Card(element, "touch", model, stream, this.#redraw, signal);
+    this.#footer = new Footer(this.#card.footer);
+    this.#field.setAttribute("role", "list");
+    this.#card.picture.append(this.#field, this.#empty);
+    stream.listen(this.#redraw, signal);
+    onChange(model, ["sensors", "labels", "angles"], this.#redraw, signal);
+    const onSize = ({ width }: Size) => {
+      if (width === this.#width) return;
+      this.#width = width;
+      this.#draw();
+    };
+    watchSize(this.#card.picture, onSize, signal);
+    signal.addEventListener("abort", () => clearTimeout(this.#tick));
+  }
+
+  #draw(): void {
+    if (this.#width === 0) return;
+    const touch = this.#stream.shown;
+    const sensors = select(touch?.sensors ?? [], (this.#model.get("sensors") as string[]) ?? []);
+    const { dialect = "", mode, still = false } = getAbout(this.#model) as TouchAbout;
+    const paced = this.#stream.live && mode !== "event" && touch && Number.isFinite(touch.rate);
+    // Sets the theme, too, which the style sheet needs.
+    void this.#card.theme;
+    this.#card.update([dialect, modeWord(mode), paced ? `${toFixed(touch.rate, 1)} Hz` : ""], "states");
+    this.#footer.update(sensors);
+    this.#empty.hidden = sensors.length > 0;
+    this.#lay(sensors);
+    this.#say(sensors, still ? 0 : this.#clock.elapsed, this.#clock.runs && !still);
+  }
+
+  /** Puts every rectangle in its place. */
+  #lay(sensors: Sensor[]): void {
+    const width = this.#width - 2 * PADDING;
+    const given = (this.#model.get("angles") as Record<string, number>) ?? {};
+    const names = sensors.map(({ name }) => name);
+    const placed = new Map(names.flatMap((name) => (typeof given[name] === "number" ? [[name, given[name]]] : [])));
+    const around = placed.size ? layAround(placed, width) : null;
+    if (around) this.#body.draw(around, width, sensors);
+    const below = around ? around.height + 2 * GAP : 0;
+    const rows = layRows(
+      names.filter((name) => !placed.has(name)),
+      width,
+      below,
+    );
+    this.#card.picture.style.paddingTop = `${PADDING + this.#card.noticeHeight}px`;
+    this.#field.style.height = `${rows.boxes.size ? rows.bottom : (around?.height ?? 0)}px`;
+    this.#putTiles(names, new Map([...(around?.boxes ?? []), ...rows.boxes]));
+    if (around) this.#field.prepend(this.#body.element);
+    else this.#body.element.remove();
+  }
+
+  #putTiles(names: string[], boxes: Map<string, Box>): void {
+    for (const [name, tile] of this.#tiles) {
+      if (boxes.has(name)) continue;
+      tile.element.remove();
+      this.#tiles.delete(name);
+    }
+    names.forEach((name, i) => {
+      const tile = this.#tiles.get(name) ?? new Tile();
+      this.#tiles.set(name, tile);
+      const box = boxes.get(name);
+      if (box) tile.place(box);
+      // Readers of screens follow the page's order: it is the robot's.
+      const tiles = this.#field.querySelectorAll(":scope > .rw-tile");
+      if (tiles[i] !== tile.element) this.#field.insertBefore(tile.element, tiles[i] ?? null);
+    });
+  }
+
+  /** Says what is known of each sensor, and again while a touch lasts. */
+  #say(sensors: Sensor[], elapsed: number, runs: boolean): void {
+    clearTimeout(this.#tick);
+    const labels = toLabels(
+      sensors.map(({ name }) => name),
+      (this.#model.get("labels") as Record<string, string>) ?? {},
+    );
+    sensors.forEach((sensor, i) => {
+      this.#tiles.get(sensor.name)?.update(sensor, labels[i] ?? sensor.name, elapsed);
+    });
+    const lasting = runs && sensors.some(({ state }) => state === "touched");
+    if (lasting) this.#tick = setTimeout(this.#redraw, TICK_MS);
+  }
+}

@@ -1,0 +1,61 @@
+import { toCount, toFixed } from "../shared/format.ts";
+import type { Sensor, TouchState } from "./touch.ts";
+
+const MODES: Record<string, string> = { event: "events", level: "level", presence: "presence" };
+
+/** How a source speaks, for the header. */
+export function modeWord(mode: string | undefined): string {
+  return MODES[mode ?? ""] ?? "";
+}
+
+/** "1 touch", "3 touches". */
+export function toTouches(count: number): string {
+  return `${toCount(count)} ${count === 1 ? "touch" : "touches"}`;
+}
+
+/** "1.2 s", "1 min 05 s", "2 h 07 min". */
+export function toDuration(seconds: number): string {
+  // Rounded first: 59.96 s are a minute and not "60.0 s".
+  if (Math.round(seconds * 10) < 600) return `${toFixed(seconds, 1)} s`;
+  const whole = Math.round(seconds);
+  const two = (value: number) => String(Math.floor(value)).padStart(2, "0");
+  if (whole < 3600) return `${Math.floor(whole / 60)} min ${two(whole % 60)} s`;
+  return `${Math.floor(whole / 3600)} h ${two((whole % 3600) / 60)} min`;
+}
+
+/** What is said beside the state: how long a touch lasts, else how many there were. */
+export function detailOf({ state, touches, seconds }: Sensor, elapsed: number): string {
+  if (state === "touched") return toDuration((seconds ?? 0) + elapsed);
+  return state === "unknown" && touches === 0 ? "\u2014" : toTouches(touches);
+}
+
+/** All that is known of a sensor, in one sentence. */
+export function tellAll(sensor: Sensor, elapsed: number): string {
+  const { name, state, touches, seconds } = sensor;
+  const since = seconds === null ? "not known yet" : `${state} for ${toDuration(seconds + elapsed)}`;
+  return `${name}: ${since}, ${toTouches(touches)} so far`;
+}
+
+/** How many sensors are in each state, and all touches together. */
+export function summarize(sensors: Sensor[]): { counts: Record<TouchState, number>; touches: number } {
+  const counts: Record<TouchState, number> = { touched: 0, free: 0, unknown: 0 };
+  for (const { state } of sensors) counts[state] += 1;
+  return { counts, touches: sensors.reduce((sum, sensor) => sum + sensor.touches, 0) };
+}
+
+/**
+ * A label for each name: of names in scopes, as simulators have them ("robot::base::bumper"), the last parts that tell
+ * it from the others.
+ */
+export function toLabels(names: string[], given: Record<string, string>): string[] {
+  return names.map((name) => {
+    const own = given[name];
+    if (own !== undefined) return own;
+    const parts = name.split("::");
+    for (let count = 1; count < parts.length; count += 1) {
+      const short = parts.slice(-count).join("::");
+      if (names.every((other) => other === name || !`::${other}`.endsWith(`::${short}`))) return short;
+    }
+    return name;
+  });
+}

@@ -1,0 +1,211 @@
+"""The touch view: any number of bumpers, cliff sensors, wheel drops and buttons."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Iterable
+from math import isfinite
+from typing import Any
+
+import traitlets
+
+from ._pacer import pacer
+from ._widget import HEAD, RobotWidget, bundle
+from .messages import to_touch
+from .samples import Touch, TouchState
+from .touch_tracker import TouchSensor, TouchTracker
+
+
+class TouchWidget(RobotWidget[Touch]):
+    """Touch sensors, live: one labelled rectangle each, white when free, green when touched, gray when unknown.
+
+    Each says its state in words too, how long a touch lasts and how often there was one. They stand from the robot's
+    left to its right, or round its body where `angles` says so, forward up. A state is kept until the next word on its
+    sensor; sources that list only what is touched release it after `hold`. A message that cannot be understood leaves
+    the states as they are and says why above them.
+
+    Args:
+        title: what is shown, for the header; usually the topic.
+        sensors: which sensors are shown, from left to right; empty: all of them, as their messages name them. For
+            contacts of a simulator: the names of the robot's collisions.
+        labels: sensor name to another text for its rectangle. Plain text.
+        angles: sensor name to its place on the body, in radians counter-clockwise from forward, finite.
+        hold: seconds that a touch outlasts the last message that listed it, 0 or more.
+        timeout: seconds of silence after which such a touch is over, infinite to wait for ever; None: like `hold`.
+        paused: whether the picture is frozen.
+        header, footer: whether they are there.
+
+    Raises:
+        TypeError: an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Source: the dialects in `robowidgets.messages.dialects`.
+
+    Example:
+        >>> touch = TouchWidget(title="/bumper", angles={"left": 0.9, "right": -0.9})
+        >>> touch.update(left=True, right=False)
+        >>> touch.states["left"].name, touch.touches["left"]
+        ('TOUCHED', 1)
+    """
+
+    _esm = bundle("touch_widget.js")
+    _noun = "states"
+
+    sensors = traitlets.List(traitlets.Unicode(), help="Names of the sensors to show, from left to right.").tag(
+        sync=True
+    )
+    labels = traitlets.Dict(
+        key_trait=traitlets.Unicode(), value_trait=traitlets.Unicode(), help="Sensor name to its label, plain text."
+    ).tag(sync=True)
+    angles = traitlets.Dict(
+        key_trait=traitlets.Unicode(),
+        value_trait=traitlets.Float(),
+        help="Sensor name to radians counter-clockwise from forward, finite.",
+    ).tag(sync=True)
+    hold = traitlets.Float(0.15, help="Seconds that a touch outlasts the last message that listed it, 0 or more.")
+    timeout = traitlets.Float(
+        None, allow_none=True, help="Seconds of silence after which such a touch is over; None: like hold."
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._tracker = TouchTracker()
+        self._still_ns: int | None = None
+        self._tracking = threading.Lock()
+        super().__init__(**kwargs)
+
+    def update(self, message: Any = None, **touched: bool | None) -> None:
+        """Take in what a message says, and show it in the next animation frame.
+
+        It only stores, and may be called from any thread at any rate.
+
+        Args:
+            message: a message of rclpy, rospy or rosbags in a dialect of `robowidgets.messages.dialects`, a rosbridge
+                dictionary, a mapping of sensor names to True, False or None, or a `Touch`.
+            **touched: instead of a message, sensor names with True, False or None.
+
+        Raises:
+            TypeError: no such message. ValueError: a number in it has no meaning. In a thread other than the main one,
+                where a callback runs, nothing is raised: the widget says it, and the log does.
+        """
+        try:
+            if message is not None and touched:
+                raise TypeError(
+                    f"update() takes a message or sensors, not both; got a message and {', '.join(touched)}"
+                )
+            touch = to_touch(touched or message, own=tuple(self.sensors))
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+            return
+        with self._tracking:
+            self._still_ns = None
+            self._tracker.apply(touch, self._now_ns())
+        self._show(touch, _about(touch))
+
+    def show(self, tracker: TouchTracker, now_ns: int) -> None:
+        """Show what a tracker knows at a time, which stands still until the next call: for recordings.
+
+        Args:
+            tracker: it is shown as it is then; hold and timeout are its own until those of the widget are set.
+            now_ns: nanoseconds of the clock by which it was told.
+        """
+        with self._tracking:
+            self._tracker, self._still_ns = tracker, now_ns
+        newest = tracker.newest or Touch({})
+        is_another = tracker.newest is not None and tracker.newest is not self._newest
+        self._show(newest, {**_about(newest), "still": True}, counts=is_another)
+
+    @property
+    def states(self) -> dict[str, TouchState]:
+        """State of each sensor on show: frozen ones while paused, else the newest."""
+        return {name: sensor.state for name, sensor in self._on_show().items()}
+
+    @property
+    def touches(self) -> dict[str, int]:
+        """How often each sensor on show was touched; frozen while paused."""
+        return {name: sensor.touches for name, sensor in self._on_show().items()}
+
+    def reset(self) -> None:
+        """Forget states and counts: every sensor is unknown until the next word on it."""
+        with self._tracking:
+            self._tracker.reset()
+        self._send_again()
+
+    def send_newest(self) -> int:
+        """Send the states to the page, as they are now; the pacer's call. Returns the bytes sent."""
+        self._changed = True
+        size = super().send_newest()
+        with self._tracking:
+            still = self._still_ns is not None
+            due_ns = None if still else self._tracker.next_change_ns(self._now_ns())
+        pacer.mark_at(self, None if due_ns is None else due_ns / 1e9)
+        return size
+
+    def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
+        """The synced state, with the states and durations of now in it."""
+        if key is None:
+            self._changed = True
+        return super().get_state(key, drop_defaults)
+
+    def _pack(self, sample: Touch) -> bytes:  # noqa: ARG002  # what it said is in the tracker, with all before it
+        with self._tracking:
+            now_ns = self._now_ns()
+            known = self._tracker.states(now_ns)
+        rows = [
+            (name, sensor.state.name.lower(), sensor.touches, _age(sensor, now_ns)) for name, sensor in known.items()
+        ]
+        return json.dumps(rows).encode()
+
+    def _now_ns(self) -> int:
+        return time.monotonic_ns() if self._still_ns is None else self._still_ns
+
+    def _on_show(self) -> dict[str, TouchSensor]:
+        if self.paused and self._held:
+            rows = json.loads(self._held[HEAD.size :])
+            known = {name: TouchSensor(TouchState[word.upper()], touches) for name, word, touches, _ in rows}
+        else:
+            with self._tracking:
+                known = self._tracker.states(self._now_ns())
+        return {name: known.get(name, TouchSensor()) for name in self.sensors or known}
+
+    def _send_again(self) -> None:
+        if self._newest is not None:
+            pacer.mark(self)
+
+    @traitlets.validate("hold", "timeout")
+    def _seconds(self, proposal: Any) -> Any:
+        try:
+            TouchTracker(**{proposal["trait"].name: proposal["value"]})
+        except (TypeError, ValueError) as error:
+            raise traitlets.TraitError(str(error)) from None
+        return proposal["value"]
+
+    @traitlets.observe("hold", "timeout")
+    def _set_times(self, _change: Any) -> None:
+        with self._tracking:
+            self._tracker.hold, self._tracker.timeout = self.hold, self.timeout
+        self._send_again()
+
+    @traitlets.validate("angles")
+    def _finite(self, proposal: Any) -> Any:
+        for name, angle in proposal["value"].items():
+            if not isfinite(angle):
+                raise traitlets.TraitError(f"angles[{name!r}]: expected a finite number of radians, got {angle!r}")
+        return proposal["value"]
+
+    @traitlets.validate("sensors")
+    def _once_each(self, proposal: Any) -> Any:
+        names = proposal["value"]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise traitlets.TraitError(f"sensors: expected each name once, got {twice!r} more than once")
+        return names
+
+
+def _about(touch: Touch) -> dict[str, Any]:
+    return {"dialect": touch.dialect, "mode": touch.mode.value}
+
+
+def _age(sensor: TouchSensor, now_ns: int) -> float | None:
+    return None if sensor.since_ns is None else max(0, now_ns - sensor.since_ns) / 1e9

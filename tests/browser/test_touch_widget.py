@@ -1,0 +1,179 @@
+"""What a person sees and does with a touch widget, in JupyterLab."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from .chromium import shoot
+from .notebook import Notebook
+
+BUMPERS = """
+from robowidgets import TouchWidget
+touch = TouchWidget(title="/bumper")
+touch
+"""
+KOBUKI = """
+from robowidgets import TouchWidget
+kobuki = TouchWidget(title="/mobile_base/sensors/core")
+kobuki.update({"bumper": 6, "cliff": 1, "wheel_drop": 0})
+kobuki
+"""
+AROUND = """
+from robowidgets import TouchWidget
+around = TouchWidget(title="/hazards", angles={
+    "left": 1.15, "front left": 0.6, "front center": 0.0, "front right": -0.6, "right": -1.15,
+    "cliff side left": 1.9, "cliff side right": -1.9, "rear": 3.14,
+})
+around.update({
+    "left": False, "front left": True, "front center": True, "front right": False, "right": None,
+    "cliff side left": True, "cliff side right": False, "rear": False, "wheel left": False, "wheel right": None,
+})
+around
+"""
+ODD = """
+from robowidgets import TouchWidget
+odd = TouchWidget(title="/contacts <b>", labels={"plain": "<img src=x onerror=alert(1)> & a label that has no end"})
+odd.update({"plain": True, "robot::base_link::front_bumper_collision": False, "robot::arm::collision": None})
+odd
+"""
+
+
+def tile(widget: Locator, label: str) -> Locator:
+    """The rectangle of a sensor, by its label."""
+    exactly = re.compile(f"^{re.escape(label)}$")
+    return widget.locator(".rw-tile", has=widget.page.locator(".rw-tile-label", has_text=exactly))
+
+
+def shows(widget: Locator, label: str, state: str, detail: str = "") -> None:
+    """Wait until a sensor's rectangle says its state, in colour and in words."""
+    expect(tile(widget, label)).to_have_attribute("data-state", state)
+    expect(tile(widget, label).locator(".rw-tile-words")).to_have_text(re.compile(f"^{state}{detail}"))
+
+
+def overlaps(widget: Locator) -> list[str]:
+    """Labels of rectangles that leave the picture or lie over one another."""
+    found: list[str] = widget.evaluate(
+        """(card) => {
+            const box = (element) => element.getBoundingClientRect();
+            const picture = box(card.querySelector(".rw-picture"));
+            const tiles = [...card.querySelectorAll(".rw-tile")].map((t) => ({ name: t.innerText, box: box(t) }));
+            const outside = (a) => a.left < picture.left || a.right > picture.right
+                || a.top < picture.top || a.bottom > picture.bottom;
+            const over = (a, b) => a !== b && a.left < b.right && b.left < a.right
+                && a.top < b.bottom && b.top < a.bottom;
+            return tiles.filter((t) => outside(t.box) || tiles.some((other) => over(t.box, other.box)))
+                .map((t) => t.name);
+        }"""
+    )
+    return found
+
+
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 1), ("dark", 2)])
+def test_every_layout_fits_at_every_width(notebook: Callable[..., Notebook], theme: str, scale: int) -> None:
+    nb = notebook([BUMPERS, KOBUKI, AROUND, ODD], scale=scale, theme=theme)
+    for width in (320, 700, 1200):
+        nb.resize(width)
+        for index, (name, count) in enumerate({"waiting": 0, "kobuki": 8, "around": 10, "odd": 3}.items()):
+            card = nb.widget(index).locator(".rw-card")
+            expect(card.locator(".rw-tile")).to_have_count(count)
+            assert overlaps(card) == []
+            shoot(card, f"touch-{name}-{theme}-{width}")
+    nb.resize(700)
+    widget = nb.widget(0)
+    nb.python(
+        "for s in (1, 0, 1, 0, 1, 0): touch.update({'bumper': 0, 'state': s})\ntouch.update({'bumper': 1, 'state': 1})"
+    )
+    shows(widget, "center", "touched")
+    widget.locator(".rw-freeze").click()
+    nb.python(
+        "touch.update({'bumper': 2, 'state': 1})\n"
+        "try:\n    touch.update({'bumper': 9, 'state': 1})\n"
+        "except ValueError: pass"
+    )
+    expect(widget.locator(".rw-notice")).to_contain_text("bumper: expected 0 (left), 1 (center) or 2 (right), got 9.")
+    expect(widget.locator(".rw-freeze")).to_contain_text("1 since")
+    shoot(widget.locator(".rw-card"), f"touch-frozen-{theme}-700")
+
+
+def test_a_touch_is_seen_timed_counted_and_frozen(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([BUMPERS, "touch"])
+    widget, second = nb.widget(0), nb.widget(1)
+    expect(widget.locator(".rw-empty")).to_have_text("waiting for a touch message")
+    nb.python("touch.update({'bumper': 0, 'state': 1})")
+    for view in (widget, second):
+        shows(view, "left", "touched", r"\d\.\d s$")
+        shows(view, "center", "unknown", "—")
+    detail = tile(widget, "left").locator(".rw-tile-detail")
+    expect(detail).to_have_text(re.compile(r"^[1-9]\d*\.\d s$"))
+
+    widget.locator(".rw-picture").focus()
+    nb.page.keyboard.press("Space")
+    expect(widget.locator(".rw-freeze")).to_contain_text("Frozen")
+    held = detail.inner_text()
+    nb.python("touch.update({'bumper': 0, 'state': 0}); touch.update({'bumper': 2, 'state': 1})")
+    expect(widget.locator(".rw-freeze")).to_contain_text("2 since")
+    shows(widget, "left", "touched")
+    shows(second, "right", "unknown")
+    assert detail.inner_text() == held
+    assert (
+        nb.python("print(touch.paused, touch.states['left'].name, touch.states['right'].name)")
+        == "True TOUCHED UNKNOWN\n"
+    )
+
+    nb.page.keyboard.press("Space")
+    shows(widget, "left", "free", "1 touch$")
+    shows(second, "right", "touched")
+    assert nb.python("print(touch.states['left'].name, touch.touches)") == "FREE {'left': 1, 'center': 0, 'right': 1}\n"
+
+    nb.reload()
+    shows(nb.widget(0), "left", "free", "1 touch$")
+    shows(nb.widget(1), "right", "touched")
+    nb.python("touch.reset()")
+    shows(nb.widget(0), "right", "unknown", "—")
+
+
+def test_a_presence_is_released_without_another_message_also_while_a_cell_runs(
+    notebook: Callable[..., Notebook],
+) -> None:
+    busy = """
+import time
+from pathlib import Path
+touch.update({"contacts": [{"collision1": {"name": "bumper"}, "collision2": {"name": "wall"}}]})
+while not Path("seen").exists():
+    time.sleep(0.01)
+"""
+    nb = notebook([BUMPERS])
+    widget = nb.widget(0)
+    cell = nb.append(busy)
+    nb.start(cell)
+    shows(widget, "bumper", "free", "1 touch$")
+    (nb.lab.files / "seen").touch()
+    nb.wait(cell)
+
+
+def test_settings_change_while_it_runs_and_text_stays_text(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([ODD])
+    widget = nb.widget(0)
+    shows(widget, "<img src=x onerror=alert(1)> & a label that has no end", "touched")
+    shows(widget, "front_bumper_collision", "free")
+    expect(widget.locator("img, .rw-tile b")).to_have_count(0)
+    expect(widget.locator(".rw-title")).to_have_text("/contacts <b>")
+
+    nb.python("odd.labels = {'plain': 'Nose'}; odd.sensors = ['not heard of', 'plain']")
+    shows(widget, "Nose", "touched")
+    shows(widget, "not heard of", "unknown", "—")
+    expect(widget.locator(".rw-tile-label")).to_have_text(["not heard of", "Nose"])
+    expect(widget.locator(".rw-body")).to_have_count(0)
+
+    nb.python("odd.angles = {'plain': 0.5}")
+    mark = widget.locator(".rw-body-mark")
+    expect(mark).to_have_attribute("data-state", "touched")
+    assert overlaps(widget.locator(".rw-card")) == []
+    nb.python("odd.update(plain=False)")
+    expect(mark).to_have_attribute("data-state", "free")
+    nb.python("odd.angles = {}")
+    expect(widget.locator(".rw-body")).to_have_count(0)

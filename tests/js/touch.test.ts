@@ -1,0 +1,162 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Clock } from "../../robowidgets/js/touch/clock.ts";
+import { decodeTouch, type Sensor, select } from "../../robowidgets/js/touch/touch.ts";
+import { detailOf, modeWord, summarize, tellAll, toDuration, toLabels } from "../../robowidgets/js/touch/words.ts";
+
+const LEFT: Sensor = { name: "left", state: "free", touches: 3, seconds: 2 };
+const CENTER: Sensor = { name: "center", state: "touched", touches: 1, seconds: 0.5 };
+const RIGHT: Sensor = { name: "right", state: "unknown", touches: 0, seconds: null };
+
+/** A frame as Python packs it, at an odd offset in a larger buffer, as binary traits arrive. */
+function frame(rows: unknown[]): DataView {
+  const text = new TextEncoder().encode(JSON.stringify(rows));
+  const bytes = new Uint8Array(3 + 24 + text.length);
+  const view = new DataView(bytes.buffer, 3);
+  view.setFloat64(0, 7, true);
+  view.setFloat64(8, 50, true);
+  bytes.set(text, 27);
+  return view;
+}
+
+test("a frame is its sensors, with the head of every frame", () => {
+  const touch = decodeTouch(
+    frame([
+      ["größe", "touched", 2, 1.5],
+      ["right", "unknown", 0, null],
+    ]),
+  );
+  assert.equal(touch.sequence, 7);
+  assert.equal(touch.rate, 50);
+  assert.deepEqual(touch.sensors, [
+    { name: "größe", state: "touched", touches: 2, seconds: 1.5 },
+    { name: "right", state: "unknown", touches: 0, seconds: null },
+  ]);
+});
+
+test("a frame without sensors has none", () => {
+  assert.deepEqual(decodeTouch(frame([])).sensors, []);
+});
+
+test("a selection keeps its own order, and what nobody spoke of is unknown", () => {
+  assert.deepEqual(select([LEFT, CENTER], ["center", "tail"]), [
+    CENTER,
+    { name: "tail", state: "unknown", touches: 0, seconds: null },
+  ]);
+  assert.deepEqual(select([LEFT, CENTER], []), [LEFT, CENTER]);
+});
+
+test("durations are read at a glance", () => {
+  const said = [0, 0.04, 1.24, 59.94, 59.96, 60, 65, 3599.4, 3599.6, 7620].map(toDuration);
+  assert.deepEqual(said, [
+    "0.0 s",
+    "0.0 s",
+    "1.2 s",
+    "59.9 s",
+    "1 min 00 s",
+    "1 min 00 s",
+    "1 min 05 s",
+    "59 min 59 s",
+    "1 h 00 min",
+    "2 h 07 min",
+  ]);
+});
+
+test("a touch says how long it lasts, the others how often there was one", () => {
+  assert.equal(detailOf(CENTER, 0.7), "1.2 s");
+  assert.equal(detailOf(LEFT, 0.7), "3 touches");
+  assert.equal(detailOf({ ...LEFT, touches: 1 }, 0), "1 touch");
+  assert.equal(detailOf({ ...LEFT, touches: 0 }, 0), "0 touches");
+  assert.equal(detailOf(RIGHT, 0), "\u2014");
+  assert.equal(detailOf({ ...RIGHT, touches: 2 }, 0), "2 touches");
+});
+
+test("everything known of a sensor is one sentence", () => {
+  assert.equal(tellAll(CENTER, 1), "center: touched for 1.5 s, 1 touch so far");
+  assert.equal(tellAll(RIGHT, 1), "right: not known yet, 0 touches so far");
+});
+
+test("the summary counts sensors by state and all touches", () => {
+  assert.deepEqual(summarize([LEFT, CENTER, RIGHT]), { counts: { touched: 1, free: 1, unknown: 1 }, touches: 4 });
+});
+
+test("modes that are not known are not named", () => {
+  assert.deepEqual(["event", "level", "presence", "loud", undefined].map(modeWord), [
+    "events",
+    "level",
+    "presence",
+    "",
+    "",
+  ]);
+});
+
+test("names in scopes are cut to what tells them apart", () => {
+  const names = ["bot::base::collision", "bot::arm::collision", "bot::arm::finger", "left"];
+  assert.deepEqual(toLabels(names, {}), ["base::collision", "arm::collision", "finger", "left"]);
+  assert.deepEqual(toLabels(["a::b", "b"], {}), ["a::b", "b"]);
+});
+
+test("a label of one's own is taken as it is, even an empty one", () => {
+  assert.deepEqual(toLabels(["a::b", "c"], { "a::b": "<b>nose</b>", c: "" }), ["<b>nose</b>", ""]);
+});
+
+/** A stream of which the test says when something comes and whether it is frozen. */
+class FakeStream {
+  paused = false;
+  arrived = 0;
+  #callback = () => {};
+
+  listen(callback: () => void): void {
+    this.#callback = callback;
+  }
+
+  set(values: { paused?: boolean; arrived?: number }): void {
+    Object.assign(this, values);
+    this.#callback();
+  }
+}
+
+function startClock(values: Partial<FakeStream> = {}) {
+  const stream = Object.assign(new FakeStream(), values);
+  const time = { now: 1000 };
+  return { stream, time, clock: new Clock(stream, new AbortController().signal, () => time.now) };
+}
+
+test("the clock stands still before the first frame of a page", () => {
+  const { time, clock } = startClock();
+  time.now = 60_000;
+  assert.equal(clock.elapsed, 0);
+  assert.equal(clock.runs, false);
+});
+
+test("the clock tells how old the newest frame is", () => {
+  const { stream, time, clock } = startClock();
+  stream.set({ arrived: 1000 });
+  time.now = 2500;
+  assert.equal(clock.elapsed, 1.5);
+  assert.equal(clock.runs, true);
+  stream.set({ arrived: 2500 });
+  assert.equal(clock.elapsed, 0);
+});
+
+test("the clock stands still while frozen, whatever comes, and runs on from the newest", () => {
+  const { stream, time, clock } = startClock();
+  stream.set({ arrived: 1000 });
+  time.now = 1400;
+  stream.set({ paused: true });
+  time.now = 5000;
+  stream.set({ arrived: 5000 });
+  time.now = 5500;
+  assert.equal(clock.elapsed, 0.4);
+  assert.equal(clock.runs, false);
+  stream.set({ paused: false });
+  assert.equal(clock.elapsed, 0.5);
+});
+
+test("a page that opens on a frozen picture keeps its times", () => {
+  const { stream, time, clock } = startClock({ paused: true });
+  time.now = 9000;
+  stream.set({ arrived: 9000 });
+  time.now = 9900;
+  assert.equal(clock.elapsed, 0);
+});
