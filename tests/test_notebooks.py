@@ -63,7 +63,6 @@ def test_a_notebook_runs_from_top_to_bottom(file: Path, tmp_path: Path, monkeypa
         resources={"metadata": {"path": tmp_path / "work"}},
     )
     client.execute(env=dict(os.environ))
-    shown = [
-        output for cell in notebook.cells for output in cell.get("outputs", []) if WIDGET in output.get("data", {})
-    ]
-    assert shown, f"{file.name} shows no widget"
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert [output.text for output in outputs if output.get("name") == "stderr"] == []
+    assert [output for output in outputs if WIDGET in output.get("data", {})], f"{file.name} shows no widget"
