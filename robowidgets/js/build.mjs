@@ -12,7 +12,7 @@ const builds = await Promise.all([
     minify: !watch,
     logLevel: "info",
   }),
-  context({ entryPoints: ["robowidgets.css"], outdir: "../static", minify: !watch, logLevel: "info" }),
+  context({ entryPoints: ["robowidgets.css"], bundle: true, outdir: "../static", minify: !watch, logLevel: "info" }),
 ]);
 if (watch) {
   await Promise.all(builds.map((build) => build.watch()));
