@@ -27,7 +27,7 @@ ELSEWHERE = {
 }
 SECONDS = 120
 
-_FENCE = re.compile(r"^```(.*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"!?\[[^\]]*\]\(([^)#\s]+)|<img[^>]*\bsrc=\"([^\"]+)\"")
 
 every_file = pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
