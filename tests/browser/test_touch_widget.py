@@ -131,7 +131,9 @@ def test_a_touch_is_seen_timed_counted_and_frozen(notebook: Callable[..., Notebo
 
     nb.reload()
     shows(nb.widget(0), "left", "free", "1 touch$")
-    shows(nb.widget(1), "right", "touched")
+    shows(nb.widget(1), "right", "touched", "1 touch$")
+    nb.python("touch.update({'bumper': 1, 'state': 0})")
+    shows(nb.widget(1), "right", "touched", r"\d+\.\d s$")
     nb.python("touch.reset()")
     shows(nb.widget(0), "right", "unknown", "—")
 

@@ -71,9 +71,14 @@ test("a touch says how long it lasts, the others how often there was one", () =>
   assert.equal(detailOf({ ...RIGHT, touches: 2 }, 0), "2 touches");
 });
 
+test("where nobody knows how old a state is, no duration is made up", () => {
+  assert.equal(detailOf(CENTER, null), "1 touch");
+});
+
 test("everything known of a sensor is one sentence", () => {
   assert.equal(tellAll(CENTER, 1), "center: touched for 1.5 s, 1 touch so far");
   assert.equal(tellAll(RIGHT, 1), "right: not known yet, 0 touches so far");
+  assert.equal(tellAll(CENTER, null), "center: touched, 1 touch so far");
 });
 
 test("the summary counts sensors by state and all touches", () => {
@@ -122,10 +127,10 @@ function startClock(values: Partial<FakeStream> = {}) {
   return { stream, time, clock: new Clock(stream, new AbortController().signal, () => time.now) };
 }
 
-test("the clock stands still before the first frame of a page", () => {
+test("a state that a page finds at its load has no known age", () => {
   const { time, clock } = startClock();
   time.now = 60_000;
-  assert.equal(clock.elapsed, 0);
+  assert.equal(clock.elapsed, null);
   assert.equal(clock.runs, false);
 });
 
@@ -158,5 +163,5 @@ test("a page that opens on a frozen picture keeps its times", () => {
   time.now = 9000;
   stream.set({ arrived: 9000 });
   time.now = 9900;
-  assert.equal(clock.elapsed, 0);
+  assert.equal(clock.elapsed, null);
 });

@@ -5,11 +5,11 @@ interface Arrivals {
   listen(callback: () => void, signal: AbortSignal): void;
 }
 
-/** How old the frame on show is. It stands still while the picture is frozen, and before the first frame of this page. */
+/** How old the frame on show is. It stands still while the picture is frozen. */
 export class Clock {
   readonly #stream: Arrivals;
   readonly #now: () => number;
-  #frozenAt: number | null = null;
+  #frozenAt: number | null | undefined;
 
   constructor(stream: Arrivals, signal: AbortSignal, now = () => performance.now()) {
     this.#stream = stream;
@@ -19,17 +19,17 @@ export class Clock {
   }
 
   get runs(): boolean {
-    return this.#frozenAt === null && this.#stream.arrived > 0;
+    return this.#frozenAt === undefined && this.#stream.arrived > 0;
   }
 
-  /** Seconds since the frame on show came. */
-  get elapsed(): number {
-    if (this.#frozenAt !== null) return this.#frozenAt;
-    return this.runs ? Math.max(0, this.#now() - this.#stream.arrived) / 1000 : 0;
+  /** Seconds since the frame on show came; null when this page found it in its state, at its load or in a saved file. */
+  get elapsed(): number | null {
+    if (this.#frozenAt !== undefined) return this.#frozenAt;
+    return this.runs ? Math.max(0, this.#now() - this.#stream.arrived) / 1000 : null;
   }
 
   #follow(): void {
-    if (!this.#stream.paused) this.#frozenAt = null;
-    else this.#frozenAt ??= this.elapsed;
+    if (!this.#stream.paused) this.#frozenAt = undefined;
+    else if (this.#frozenAt === undefined) this.#frozenAt = this.elapsed;
   }
 }

@@ -27,7 +27,7 @@ export class Tile {
     this.element.classList.toggle("rw-narrow", width < NARROW);
   }
 
-  update(sensor: Sensor, label: string, elapsed: number): void {
+  update(sensor: Sensor, label: string, elapsed: number | null): void {
     this.element.dataset.state = sensor.state;
     this.#setLabel(label);
     setText(this.#state, sensor.state);

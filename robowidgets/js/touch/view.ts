@@ -113,7 +113,7 @@ export class TouchView {
   }
 
   /** Says what is known of each sensor, and again while a touch lasts. */
-  #say(sensors: Sensor[], elapsed: number, runs: boolean): void {
+  #say(sensors: Sensor[], elapsed: number | null, runs: boolean): void {
     clearTimeout(this.#tick);
     const labels = toLabels(
       sensors.map(({ name }) => name),

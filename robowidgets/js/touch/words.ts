@@ -23,16 +23,19 @@ export function toDuration(seconds: number): string {
   return `${Math.floor(whole / 3600)} h ${two((whole % 3600) / 60)} min`;
 }
 
-/** What is said beside the state: how long a touch lasts, else how many there were. */
-export function detailOf({ state, touches, seconds }: Sensor, elapsed: number): string {
-  if (state === "touched") return toDuration((seconds ?? 0) + elapsed);
+/**
+ * What is said beside the state: how long a touch lasts, else how many there were.
+ * @param elapsed seconds since the state was sent; null when nobody knows
+ */
+export function detailOf({ state, touches, seconds }: Sensor, elapsed: number | null): string {
+  if (state === "touched" && elapsed !== null) return toDuration((seconds ?? 0) + elapsed);
   return state === "unknown" && touches === 0 ? "\u2014" : toTouches(touches);
 }
 
 /** All that is known of a sensor, in one sentence. */
-export function tellAll(sensor: Sensor, elapsed: number): string {
-  const { name, state, touches, seconds } = sensor;
-  const since = seconds === null ? "not known yet" : `${state} for ${toDuration(seconds + elapsed)}`;
+export function tellAll({ name, state, touches, seconds }: Sensor, elapsed: number | null): string {
+  const lasting = seconds === null || elapsed === null ? "" : ` for ${toDuration(seconds + elapsed)}`;
+  const since = seconds === null ? "not known yet" : `${state}${lasting}`;
   return `${name}: ${since}, ${toTouches(touches)} so far`;
 }
 
