@@ -1,0 +1,124 @@
+import { make, setText } from "../shared/dom.ts";
+import type { Axis } from "./axes.ts";
+import type { AxisFacts } from "./facts.ts";
+import { judge, type State } from "./limits.ts";
+import { CLEARANCE, isOff, toHeight, toHeightOnTrack } from "./scale.ts";
+import { stateWords, toShort, toValueText } from "./words.ts";
+
+/** The bar of one axis on its track, with limits, command and peaks, and its words below. */
+export class Column {
+  readonly root = make("div", "rw-axis");
+  readonly track = make("div", "rw-track");
+  readonly axis: Axis;
+  readonly #bar = make("div", "rw-bar");
+  readonly #limits = [make("div", "rw-limit"), make("div", "rw-limit")] as const;
+  readonly #labels = [make("span", "rw-limit-label"), make("span", "rw-limit-label")] as const;
+  readonly #peaks = [make("div", "rw-peak"), make("div", "rw-peak")] as const;
+  readonly #tick = make("div", "rw-tick");
+  readonly #value = make("div", "rw-value");
+  readonly #command = make("div", "rw-command");
+  readonly #commandNumber = make("span", "");
+  readonly #state = make("div", "rw-axis-state");
+  readonly #styles = new Map<HTMLElement, string>();
+
+  constructor(axis: Axis) {
+    this.axis = axis;
+    this.root.dataset.axis = String(axis.index);
+    const name = make("div", "rw-axis-name", axis.letter);
+    if (axis.word) name.append(make("span", "rw-axis-word", axis.word));
+    this.track.append(this.#bar, ...this.#peaks, ...this.#limits);
+    const lane = make("div", "rw-lane");
+    lane.append(this.track, make("div", "rw-zero"), this.#tick, ...this.#labels);
+    this.#command.append(
+      make("span", "rw-key rw-key-command"),
+      make("span", "rw-command-word", "cmd "),
+      this.#commandNumber,
+    );
+    const said = make("div", "rw-said");
+    said.append(this.#command, this.#state);
+    this.root.append(name, lane, this.#value, said);
+  }
+
+  /** @param labelled whether each limit is written at its line, because the scale beside the tracks cannot say it */
+  update(facts: AxisFacts, labelled: boolean): void {
+    const { measured, commanded, limits, decimals } = facts;
+    this.#drawLimits(facts, labelled);
+    this.#drawBar(facts);
+    this.#drawPeaks(facts);
+    this.#tick.hidden = commanded === null || Number.isNaN(commanded);
+    if (!this.#tick.hidden) this.#place(this.#tick, facts, commanded ?? 0);
+    const text = toValueText(measured, decimals);
+    setText(this.#value, text);
+    mark(this.#value, "long", String(text.length > 5));
+    this.#command.hidden = commanded === null;
+    setText(this.#commandNumber, Number.isNaN(commanded) ? "\u2013" : toValueText(commanded, decimals));
+    this.#say(measured === null ? "within" : judge(measured, limits));
+  }
+
+  #drawLimits({ limits, scale }: AxisFacts, labelled: boolean): void {
+    const isClose = toHeight(scale, limits[1]) - toHeight(scale, limits[0]) < CLEARANCE;
+    for (const [i, limit] of limits.entries()) {
+      const [line, label] = i ? [this.#limits[1], this.#labels[1]] : [this.#limits[0], this.#labels[0]];
+      const bottom = `bottom: ${toPercent(toHeight(scale, limit))}`;
+      this.#style(line, bottom);
+      this.#style(label, bottom);
+      line.hidden = limit === 0;
+      label.hidden = !labelled || limit === 0;
+      setText(label, toShort(limit));
+      mark(label, "close", isClose ? (i ? "high" : "low") : "");
+    }
+  }
+
+  #drawBar({ measured, limits, scale }: AxisFacts): void {
+    const value = measured ?? NaN;
+    this.#bar.hidden = Number.isNaN(value);
+    mark(this.root, "state", measured === null ? "" : judge(value, limits));
+    mark(this.#bar, "cut", isOff(value, scale) ? (value > 0 ? "up" : "down") : "");
+    if (Number.isNaN(value)) return;
+    const [zero, end] = [toHeight(scale, 0), toHeightOnTrack(scale, value)];
+    const from = end < zero ? `top: ${toPercent(1 - zero)}` : `bottom: ${toPercent(zero)}`;
+    this.#style(this.#bar, `${from}; height: ${toPercent(Math.abs(end - zero))}`);
+  }
+
+  #drawPeaks(facts: AxisFacts): void {
+    for (const [i, element] of this.#peaks.entries()) {
+      const peak = facts.peaks?.[i ? 1 : 0] ?? NaN;
+      element.hidden = Number.isNaN(peak);
+      if (Number.isNaN(peak)) continue;
+      this.#place(element, facts, peak);
+      mark(element, "state", judge(peak, facts.limits));
+    }
+  }
+
+  /** Puts a line at a speed, or at the end of the track when the speed lies beyond. */
+  #place(line: HTMLElement, { scale }: AxisFacts, value: number): void {
+    this.#style(line, `bottom: ${toPercent(toHeightOnTrack(scale, value))}`);
+    mark(line, "off", isOff(value, scale) ? (value > 0 ? "up" : "down") : "");
+  }
+
+  #say(state: State): void {
+    if (this.#state.dataset.said === state) return;
+    this.#state.dataset.said = state;
+    const [sign, word, more] = stateWords(state);
+    this.#state.replaceChildren(
+      ...(sign ? [make("span", "rw-mark", sign)] : []),
+      word,
+      ...(more ? [make("span", "rw-word", ` ${more}`)] : []),
+    );
+  }
+
+  #style(element: HTMLElement, style: string): void {
+    if (this.#styles.get(element) === style) return;
+    this.#styles.set(element, style);
+    element.style.cssText = style;
+  }
+}
+
+/** A height from 0 to 1 for a style. */
+export function toPercent(height: number): string {
+  return `${(100 * height).toFixed(2)}%`;
+}
+
+function mark(element: HTMLElement, name: string, value: string): void {
+  if (element.dataset[name] !== value) element.dataset[name] = value;
+}

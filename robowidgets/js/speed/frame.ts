@@ -1,0 +1,33 @@
+import { Reader } from "../shared/bytes.ts";
+import { type Frame, readHead } from "../shared/stream.ts";
+
+/** What Python sends: numbers by axis, m/s and rad/s; NaN where there is no value. */
+export interface Speeds extends Frame {
+  /** Null before the first. */
+  measured: number[] | null;
+  commanded: number[] | null;
+  /** The least and the greatest measured since the last reset. */
+  least: number[];
+  greatest: number[];
+  /** How many resets of the peaks Python knew of. */
+  resets: number;
+}
+
+const MEASURED = 1;
+const COMMANDED = 2;
+
+export function decodeSpeeds(bytes: DataView): Speeds {
+  const reader = new Reader(bytes);
+  const head = readHead(reader);
+  // The third number is the stamp of the command, which the page has no use for.
+  const [there = 0, resets = 0] = reader.float64s(3);
+  const [measured, commanded] = [reader.float64s(6), reader.float64s(6)];
+  return {
+    ...head,
+    measured: there & MEASURED ? measured : null,
+    commanded: there & COMMANDED ? commanded : null,
+    least: reader.float64s(6),
+    greatest: reader.float64s(6),
+    resets,
+  };
+}

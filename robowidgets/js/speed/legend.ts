@@ -1,0 +1,34 @@
+import { make, setText } from "../shared/dom.ts";
+
+const KEYS = ["measured", "command", "limit", "peak"] as const;
+type Key = (typeof KEYS)[number];
+const WORDS: Record<Key, string> = { measured: "measured", command: "commanded", limit: "limits", peak: "peaks" };
+
+/** What the marks mean, of those that are there, and one line on all axes. */
+export class Legend {
+  readonly #items = new Map<Key, HTMLElement>();
+  readonly #summary = make("span", "rw-summary");
+
+  constructor(footer: HTMLElement) {
+    const keys = make("span", "rw-keys");
+    for (const key of KEYS) {
+      const item = make("span", "rw-key-item");
+      item.append(make("span", `rw-key rw-key-${key}`), WORDS[key]);
+      this.#items.set(key, item);
+      keys.append(item);
+    }
+    footer.append(keys, this.#summary);
+  }
+
+  update(hasCommand: boolean, hasPeaks: boolean, summary: string): void {
+    this.#show("command", hasCommand);
+    this.#show("peak", hasPeaks);
+    setText(this.#summary, summary);
+    this.#summary.title = summary;
+  }
+
+  #show(key: Key, shown: boolean): void {
+    const item = this.#items.get(key);
+    if (item) item.hidden = !shown;
+  }
+}

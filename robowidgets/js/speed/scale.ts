@@ -1,0 +1,71 @@
+import { ticks } from "d3-array";
+import type { Limits } from "./limits.ts";
+
+/** The speeds at the lower and the upper end of a track. */
+export interface Scale {
+  low: number;
+  high: number;
+}
+
+/** A number beside the tracks, at a height from 0 (the lower end) to 1. */
+export interface Label {
+  value: number;
+  height: number;
+  /** A round number between zero and the limits, which gives way where room is short. */
+  round: boolean;
+}
+
+/** Room beyond the limits on either side, as a part of what lies between them. */
+const HEADROOM = 0.125;
+const TICK_COUNT = 5;
+/** Labels closer than this part of a track would touch. */
+export const CLEARANCE = 0.09;
+
+/**
+ * One scale per group of axes, from the limits of each: it holds them all and some room beyond, and zero lies at the
+ * same height in every group.
+ */
+export function toScales(groups: Limits[][]): Scale[] {
+  const reaches = groups.map((limits) => {
+    const low = Math.min(...limits.map(([min]) => min));
+    const high = Math.max(...limits.map(([, max]) => max));
+    const span = high - low;
+    return { span, down: HEADROOM - low / span, up: HEADROOM + high / span };
+  });
+  const down = Math.max(...reaches.map((reach) => reach.down));
+  const up = Math.max(...reaches.map((reach) => reach.up));
+  return reaches.map(({ span }) => ({ low: -down * span, high: up * span }));
+}
+
+/** The height of a speed on its track: 0 at the lower end, 1 at the upper; beyond them for what is off the scale. */
+export function toHeight({ low, high }: Scale, value: number): number {
+  return (value - low) / (high - low);
+}
+
+/** The height at which something is drawn: on the track. */
+export function toHeightOnTrack(scale: Scale, value: number): number {
+  return Math.min(1, Math.max(0, toHeight(scale, value)));
+}
+
+/** Whether a speed lies beyond the scale, and is drawn cut. */
+export function isOff(value: number, { low, high }: Scale): boolean {
+  return value < low || value > high;
+}
+
+/** The limits that all axes have; null when they differ. */
+export function sharedLimits(limits: Limits[]): Limits | null {
+  const [first] = limits;
+  return first && limits.every(([low, high]) => low === first[0] && high === first[1]) ? first : null;
+}
+
+/** The numbers beside the tracks: the limits that all axes have, and where they leave room zero and round ones. */
+export function scaleLabels(scale: Scale, shared: Limits | null): Label[] {
+  const toLabel = (value: number, round: boolean): Label => ({ value, height: toHeight(scale, value), round });
+  const labels = (shared ?? []).map((value) => toLabel(value, false));
+  const rounds = ticks(scale.low, scale.high, TICK_COUNT).map((value) => toLabel(value, shared !== null));
+  for (const label of [toLabel(0, false), ...rounds]) {
+    const isFree = labels.every(({ height }) => Math.abs(height - label.height) >= CLEARANCE);
+    if (isFree && label.height >= CLEARANCE / 2 && label.height <= 1 - CLEARANCE / 2) labels.push(label);
+  }
+  return labels;
+}

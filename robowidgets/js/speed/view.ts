@@ -1,0 +1,152 @@
+import { watchSize } from "../shared/canvas.ts";
+import { Card } from "../shared/card.ts";
+import { make, makeButton, makeIcon } from "../shared/dom.ts";
+import { toFixed } from "../shared/format.ts";
+import { getAbout, getFlag, getNumber, getString, type Model, onChange, put } from "../shared/model.ts";
+import { onceAFrame } from "../shared/schedule.ts";
+import type { Stream } from "../shared/stream.ts";
+import { GROUPS } from "./axes.ts";
+import type { Column } from "./column.ts";
+import { type AxisFacts, toFacts } from "./facts.ts";
+import type { Speeds } from "./frame.ts";
+import { watchGestures } from "./gestures.ts";
+import { GroupView } from "./group.ts";
+import { Legend } from "./legend.ts";
+import type { Limits } from "./limits.ts";
+import { Popup } from "./popup.ts";
+import { describeAxis, summarize } from "./words.ts";
+
+const SETTINGS = ["linear_limits", "angular_limits", "limits", "planar", "hold_peaks", "_resets", "command_title"];
+const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";
+
+/** One view of a speed widget: it wires the card, the groups of bars, the legend, the pop-up and the gestures. */
+export class SpeedView {
+  readonly #model: Model;
+  readonly #stream: Stream<Speeds>;
+  readonly #card: Card;
+  readonly #board = make("div", "rw-board");
+  readonly #empty = make("div", "rw-empty", "waiting for a speed");
+  readonly #planar: HTMLButtonElement;
+  readonly #reset: HTMLButtonElement;
+  readonly #legend: Legend;
+  readonly #popup: Popup;
+  readonly #redraw: () => void;
+  #groups: GroupView[] = [];
+  #isPlanar: boolean | null = null;
+  #hovered: number | null = null;
+  #picked: number | null = null;
+
+  constructor(model: Model, element: HTMLElement, stream: Stream<Speeds>, signal: AbortSignal) {
+    this.#model = model;
+    this.#stream = stream;
+    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#card = new Card(element, "speed", model, stream, this.#redraw, signal);
+    const { picture, footer } = this.#card;
+    picture.append(this.#board, this.#empty);
+    this.#popup = new Popup(picture);
+    this.#legend = new Legend(footer);
+    this.#planar = makeButton("", "Show linear x, linear y and angular z only", () => this.#onPlanar(), signal);
+    this.#planar.textContent = "Planar";
+    this.#reset = makeButton("rw-reset", "Reset the peaks", () => this.#onReset(), signal);
+    this.#reset.append(makeIcon(RESET), make("span", "rw-word", "Peaks"));
+    this.#card.addControls(this.#reset, this.#planar);
+    stream.listen(this.#redraw, signal);
+    onChange(model, SETTINGS, this.#redraw, signal);
+    watchGestures(picture, this, signal);
+    watchSize(picture, () => this.#draw(), signal);
+  }
+
+  onHover(axis: number | null): void {
+    if (this.#hovered === axis) return;
+    this.#hovered = axis;
+    this.#redraw();
+  }
+
+  onPick(axis: number | null): void {
+    this.#picked = this.#picked === axis ? null : axis;
+    this.#redraw();
+  }
+
+  onWalk(to: string): void {
+    const axes = this.#columns.map(({ axis }) => axis.index);
+    const last = axes.length - 1;
+    const at = axes.indexOf(this.#picked ?? -1);
+    const places: Record<string, number> = {
+      first: 0,
+      last,
+      next: Math.min(last, at + 1),
+      previous: Math.max(0, at - 1),
+    };
+    this.#picked = axes[places[to] ?? -1] ?? null;
+    this.#redraw();
+  }
+
+  get #columns(): Column[] {
+    return this.#groups.flatMap(({ columns }) => columns);
+  }
+
+  #onPlanar(): void {
+    put(this.#model, { planar: !getFlag(this.#model, "planar") });
+  }
+
+  #onReset(): void {
+    put(this.#model, { _resets: getNumber(this.#model, "_resets") + 1 });
+  }
+
+  #draw(): void {
+    const [model, speeds] = [this.#model, this.#stream.shown];
+    const planar = getFlag(model, "planar");
+    // A reset is seen at once; the new peaks come when Python has listened.
+    const isReset = !this.#stream.paused && speeds?.resets !== getNumber(model, "_resets");
+    const groups = toFacts(speeds, {
+      limits: {
+        linear: model.get("linear_limits") as Limits,
+        angular: model.get("angular_limits") as Limits,
+        axes: (model.get("limits") ?? {}) as Record<string, Limits>,
+      },
+      planar,
+      marksPeaks: getFlag(model, "hold_peaks") && !isReset,
+    });
+    const shown = groups.flatMap(({ axes }) => axes);
+    const hidden = groups.flatMap((group) => group.hidden);
+    // Sets the theme, too, which the style sheet needs.
+    void this.#card.theme;
+    this.#layOut(planar);
+    this.#drawCard(speeds, summarize(shown, hidden));
+    for (const [g, view] of this.#groups.entries()) {
+      const facts = groups[g];
+      if (facts) view.update(facts);
+    }
+    this.#drawPopup(shown);
+  }
+
+  #layOut(planar: boolean): void {
+    if (planar === this.#isPlanar) return;
+    this.#isPlanar = planar;
+    this.#groups = GROUPS.map((group) => new GroupView(group, planar));
+    this.#board.classList.toggle("rw-planar", planar);
+    this.#board.replaceChildren(...this.#groups.map(({ root }) => root));
+  }
+
+  #drawCard(speeds: Speeds | null, summary: string): void {
+    const model = this.#model;
+    const command = speeds?.commanded ? `with ${getString(model, "command_title") || "commands"}` : "";
+    const rate = this.#stream.live && speeds && Number.isFinite(speeds.rate) ? `${toFixed(speeds.rate, 1)} Hz` : "";
+    this.#card.update([getAbout(model).frame_id ?? "", command, rate], "speed");
+    this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
+    this.#planar.setAttribute("aria-pressed", String(getFlag(model, "planar")));
+    this.#reset.hidden = !getFlag(model, "hold_peaks");
+    this.#empty.hidden = speeds !== null;
+    this.#board.classList.toggle("rw-commanded", Boolean(speeds?.commanded));
+    this.#legend.update(Boolean(speeds?.commanded), getFlag(model, "hold_peaks"), summary);
+  }
+
+  #drawPopup(shown: AxisFacts[]): void {
+    const index = this.#hovered ?? this.#picked;
+    const facts = shown.find(({ axis }) => axis.index === index);
+    const column = this.#columns.find(({ axis }) => axis.index === index);
+    for (const { root, axis } of this.#columns) root.classList.toggle("rw-pointed", axis.index === index);
+    if (facts && column) this.#popup.show(describeAxis(facts), column.track, this.#card.picture);
+    else this.#popup.hide();
+  }
+}

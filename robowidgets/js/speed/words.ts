@@ -1,0 +1,93 @@
+import { toFixed } from "../shared/format.ts";
+import type { AxisFacts } from "./facts.ts";
+import { judge, type Limits, type State } from "./limits.ts";
+import { isOff } from "./scale.ts";
+
+const MINUS = "\u2212";
+
+/** How many decimals tell speeds within limits apart: two, and more where all limits are below 0.1. */
+export function decimalsFor(limits: Limits[]): number {
+  const reach = Math.max(...limits.flat().map(Math.abs));
+  return Math.min(6, Math.max(2, 1 - Math.floor(Math.log10(reach))));
+}
+
+/** A speed with some decimals; one that would be wider than a column gives them up. The pop-up has them all. */
+export function toNumber(value: number, decimals: number): string {
+  const size = Math.abs(value);
+  if (!Number.isFinite(value) || size < 100) return toFixed(value, decimals);
+  if (size < 1e5) return toFixed(value, size < 1000 ? 1 : 0);
+  return value.toExponential(1).replace("e+", "e").replace("-", MINUS);
+}
+
+/** What stands where the number of an axis is: nothing is known before the first, and NaN is no value. */
+export function toValueText(value: number | null, decimals: number): string {
+  if (value === null) return "\u2013";
+  return Number.isNaN(value) ? "no value" : toNumber(value, decimals);
+}
+
+/** A number with as many decimals as it needs: "1", "0.5", "−0.22". */
+export function toShort(value: number): string {
+  return String(Number(value.toPrecision(6))).replaceAll("-", MINUS);
+}
+
+/** The mark of a state and its words, of which the second gives way where room is short. */
+export function stateWords(state: State): [mark: string, word: string, more: string] {
+  if (state === "over") return ["\u25B2", "over", "max"];
+  if (state === "under") return ["\u25BC", "under", "min"];
+  return ["", "", ""];
+}
+
+/** A state in words; nothing for a speed within its limits. */
+export function toStateText(state: State): string {
+  return stateWords(state).slice(1).join(" ").trim();
+}
+
+/** What the pop-up says of one axis. */
+export interface AxisWords {
+  expression: string;
+  direction: string;
+  value: string;
+  /** What is wrong with the value; nothing when it is within its limits. */
+  alarm: string;
+  /** Name and value, line by line. */
+  details: [string, string][];
+}
+
+export function describeAxis(facts: AxisFacts): AxisWords {
+  const { axis, unit, measured, commanded, peaks, limits, scale } = facts;
+  const decimals = facts.decimals + 2;
+  const say = (value: number) => {
+    const state = toStateText(judge(value, limits));
+    return `${Number.isNaN(value) ? "no value" : toFixed(value, decimals)} ${state}`.trim();
+  };
+  const details: [string, string][] = [["limits", `${toShort(limits[0])} to ${toShort(limits[1])}`]];
+  if (commanded !== null) details.push(["commanded", say(commanded)]);
+  if (peaks) details.push(["least", say(peaks[0])], ["greatest", say(peaks[1])]);
+  const words = { expression: axis.name, direction: "", value: "not measured", alarm: "", details };
+  if (measured === null) return words;
+  const isMoving = Math.abs(measured) >= 0.5 * 10 ** -decimals;
+  const alarm = toStateText(judge(measured, limits));
+  return {
+    ...words,
+    direction: isMoving ? axis.directions[measured > 0 ? 0 : 1] : "",
+    value: Number.isNaN(measured) ? "no value" : `${toFixed(measured, decimals)} ${unit}`,
+    alarm: isOff(measured, scale) ? `${alarm}, off the scale` : alarm,
+  };
+}
+
+/** One line on all axes for the footer, hidden ones that move included; nothing before the first speed. */
+export function summarize(shown: AxisFacts[], hidden: AxisFacts[]): string {
+  const past = [...shown, ...hidden].flatMap(({ axis, measured, limits }) => {
+    const state = measured === null ? "within" : judge(measured, limits);
+    return state === "over" || state === "under" ? [`${axis.name} ${toStateText(state)}`] : [];
+  });
+  const moving = hidden.flatMap(({ axis, measured, decimals }) => {
+    const isSeen = measured !== null && Math.abs(measured) >= 0.5 * 10 ** -decimals;
+    return isSeen ? [`${axis.name} ${toNumber(measured, decimals)}`] : [];
+  });
+  const hasValue = shown.some(({ measured }) => measured !== null && !Number.isNaN(measured));
+  const parts = [past.length > 2 ? `${past.length} past their limits` : past.join(", ")];
+  if (!past.length && hasValue) parts[0] = "within limits";
+  if (moving.length) parts.push(`not shown: ${moving.join(", ")}`);
+  return parts.filter(Boolean).join(" · ");
+}
