@@ -11,7 +11,7 @@ import time
 from collections import deque
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import anywidget
 import traitlets
@@ -23,6 +23,9 @@ log = logging.getLogger("robowidgets")
 STATIC = Path(__file__).parent / "static"
 HEAD = struct.Struct("<ddq")
 """Each frame starts with its sequence number, samples per second (NaN: unknown), and the stamp in ns (0: none)."""
+
+MOST_LOGGED = 50
+"""Different errors of one widget that the log tells; a source gone mad must not fill it."""
 
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
@@ -62,20 +65,20 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
 
-    _noun: ClassVar[str] = "sample"
-
     def __init__(self, **kwargs: Any) -> None:
-        settable = [name for name in self.trait_names() if self._is_ours(name)]
-        for name in kwargs:
-            if name not in settable:
-                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable))
         self._newest: S | None = None
         self._newest_about: dict[str, Any] = {}
         self._sequence = 0
         self._arrivals: deque[float] = deque(maxlen=40)
         self._changed = False
+        self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
+        self._storing = threading.RLock()
         self._sending = threading.RLock()
         self._logged: set[str] = set()
+        settable = [name for name in self.trait_names() if self._is_ours(name)]
+        for name in kwargs:
+            if name not in settable:
+                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable))
         super().__init__(**kwargs)
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -101,22 +104,24 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
 
         Unless it counts, it stays the sample that came before, only known better.
         """
-        self._newest, self._newest_about = sample, about
-        if counts:
-            self._sequence += 1
-            self._arrivals.append(time.monotonic())
-        self._changed = True
+        with self._storing:
+            self._newest, self._newest_about = sample, about
+            if counts:
+                self._sequence += 1
+                self._arrivals.append(time.monotonic())
+            self._changed = True
         pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
         """Say on the widget why a message could not be shown; raise in the main thread, log in a callback's."""
         text = str(error)
-        self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
-        self._changed = True
+        with self._storing:
+            self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
+            self._changed = True
         pacer.mark(self)
         if threading.current_thread() is threading.main_thread():
             raise error from None
-        if text not in self._logged:
+        if text not in self._logged and len(self._logged) < MOST_LOGGED:
             self._logged.add(text)
             log.error("%s %s: a message could not be shown: %s", type(self).__name__, self.title, text)
 
@@ -125,7 +130,8 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     @property
     def rate(self) -> float:
         """Samples per second over the last ones that came; NaN until there are two."""
-        arrivals = list(self._arrivals)
+        with self._storing:
+            arrivals = list(self._arrivals)
         if len(arrivals) < 2 or arrivals[-1] <= arrivals[0]:
             return float("nan")
         return (len(arrivals) - 1) / (arrivals[-1] - arrivals[0])
@@ -133,11 +139,15 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     def send_newest(self) -> int:
         """Send the newest sample to the page; the pacer's call. Returns the bytes sent."""
         with self._sending:
-            about_before = self._about
+            if self.comm is None:
+                return 0
             self._bring_up_to_date()
-            keys = ["_frame"] if self._about == about_before else ["_frame", "_about"]
-            self.send_state(keys)
-            return len(self._frame)
+            state = {"_frame": self._frame, "_about": self._about}
+            keys = [name for name, value in state.items() if value != self._sent[name]]
+            if keys:
+                self.send_state(keys)
+            self._sent = state
+            return len(self._frame) if "_frame" in keys else 0
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:  # noqa: ARG002
         """The synced state, with the newest sample in it: what a new view, a reload and a saved notebook get.
@@ -152,19 +162,21 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     def close(self) -> None:
         """Take the widget off the page."""
         pacer.forget(self)
-        super().close()
+        with self._sending:
+            super().close()
 
     def _bring_up_to_date(self) -> None:
         """Pack the newest sample into the state, without a message: these two travel at the pacer's pace."""
         with self._sending:
-            if not self._changed:
-                return
-            self._changed = False
-            sample, about, sequence = self._newest, self._newest_about, self._sequence
+            with self._storing:
+                if not self._changed:
+                    return
+                self._changed = False
+                sample, about, sequence, rate = self._newest, self._newest_about, self._sequence, self.rate
+            self._trait_values["_about"] = about
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0
-                self._trait_values["_frame"] = HEAD.pack(sequence, self.rate, stamp) + self._pack(sample)
-            self._trait_values["_about"] = about
+                self._trait_values["_frame"] = HEAD.pack(sequence, rate, stamp) + self._pack(sample)
 
     @traitlets.observe("paused")
     def _hold(self, _change: Any) -> None:

@@ -92,7 +92,6 @@ class LaserWidget(RobotWidget[Scan]):
     """
 
     _esm = bundle("laser_widget.js")
-    _noun = "scan"
 
     arc_count = traitlets.Int(4, min=0, max=50, help="Range arcs that divide the view in equal parts.").tag(sync=True)
     arc_distances = Distances((), help="Distances of the range arcs in metres, instead of arc_count.").tag(sync=True)
@@ -173,7 +172,7 @@ def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
         return fields
     if fields:
         raise TypeError(f"update() takes a message or fields, not both; got a message and {_listed(fields)}")
-    if isinstance(message, (list, tuple, np.ndarray)):
+    if type(message) in (list, tuple, np.ndarray):
         raise TypeError(
             f"update() got a {type(message).__name__} without the scanner's geometry; plain numbers go by name: "
             "update(ranges=..., angle_min=..., angle_increment=..., range_min=..., range_max=...)"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import threading
 from dataclasses import dataclass, replace
 from math import isnan, nan
 from typing import Any
@@ -93,7 +92,6 @@ class SpeedWidget(RobotWidget[Reading]):
     """
 
     _esm = bundle("speed_widget.js")
-    _noun = "speed"
 
     command_title = traitlets.Unicode(help="Where commands come from, for the header. Plain text.").tag(sync=True)
     linear_limits = Limits((-1.0, 1.0), "m/s", help="(min, max) of the linear speeds, m/s.").tag(sync=True)
@@ -106,7 +104,6 @@ class SpeedWidget(RobotWidget[Reading]):
     _resets = traitlets.Int(0, help="How often the peaks were reset. Python and the view write it.").tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._storing = threading.RLock()
         self._reading = Reading()
         self._errors: dict[str, str] = {}
         super().__init__(**kwargs)

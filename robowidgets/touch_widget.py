@@ -51,7 +51,6 @@ class TouchWidget(RobotWidget[Touch]):
     """
 
     _esm = bundle("touch_widget.js")
-    _noun = "states"
 
     sensors = traitlets.List(traitlets.Unicode(), help="Names of the sensors to show, from left to right.").tag(
         sync=True

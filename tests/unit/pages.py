@@ -1,0 +1,39 @@
+"""A page without a browser: it takes what a widget sends, as JupyterLab would."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from ipywidgets import Widget
+from ipywidgets.widgets.widget import _put_buffers
+
+
+class Page:
+    """Stands in for a widget's comm, and keeps the messages and the state that they amount to."""
+
+    def __init__(self, widget: Widget) -> None:
+        self.state: dict[str, Any] = widget.get_state()
+        self.messages: list[dict[str, Any]] = []
+        self.history: list[dict[str, Any]] = []
+        self.threads: list[str] = []
+        self.comm_id = widget.comm.comm_id
+        widget.comm.close()
+        widget.comm = self
+
+    def send(self, data: dict[str, Any], buffers: list[Any] | None = None) -> None:
+        _put_buffers(data["state"], data["buffer_paths"], [bytes(b) for b in buffers or ()])
+        self.messages.append(data["state"])
+        self.state = {**self.state, **data["state"]}
+        self.history.append(self.state)
+        self.threads.append(threading.current_thread().name)
+
+    def sent(self, name: str) -> list[Any]:
+        """Every value of a trait that came, in order."""
+        return [message[name] for message in self.messages if name in message]
+
+    def on_msg(self, callback: object) -> None:
+        pass
+
+    def close(self) -> None:
+        pass

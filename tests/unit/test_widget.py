@@ -1,0 +1,477 @@
+"""What all widgets share: the way of a sample to the page, freezing, and words when something is wrong."""
+
+from __future__ import annotations
+
+import gc
+import logging
+import struct
+import sys
+import threading
+import weakref
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import isnan
+from pathlib import Path
+from types import SimpleNamespace
+
+import anywidget
+import pytest
+import traitlets
+
+from robowidgets import _widget
+from robowidgets._pacer import pacer
+from robowidgets._widget import HEAD, MOST_LOGGED, RobotWidget, bundle
+
+from .pages import Page
+from .waiting import wait_for
+
+
+@dataclass(frozen=True)
+class Number:
+    value: int
+    stamp_ns: int | None = None
+
+
+class NumberWidget(RobotWidget[Number]):
+    """The smallest widget there can be."""
+
+    _esm = "export default {}"
+    color = traitlets.Unicode("red").tag(sync=True)
+
+    def update(self, value: object) -> None:
+        if not isinstance(value, int):
+            self._refuse(TypeError(f"expected a whole number, got {value!r}"))
+        else:
+            self._show(Number(value), {"value": value})
+
+    def _pack(self, sample: Number) -> bytes:
+        return struct.pack("<q", sample.value)
+
+
+def number_in(frame: bytes) -> int | None:
+    return struct.unpack_from("<q", frame, HEAD.size)[0] if frame else None
+
+
+def head_of(frame: bytes) -> tuple[float, float, int]:
+    return HEAD.unpack_from(frame)
+
+
+def in_a_thread(call: object, *args: object) -> None:
+    thread = threading.Thread(target=call, args=args)
+    thread.start()
+    thread.join()
+
+
+@pytest.fixture
+def widget() -> Iterator[NumberWidget]:
+    made = NumberWidget()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def page(widget: NumberWidget) -> Page:
+    return Page(widget)
+
+
+class TestNames:
+    def test_an_unknown_keyword_is_refused_by_name_with_those_there_are(self) -> None:
+        with pytest.raises(TypeError) as refusal:
+            NumberWidget(colour="blue")
+        assert str(refusal.value) == (
+            "NumberWidget() has no keyword 'colour'; did you mean 'color'? "
+            "It takes: color, footer, header, layout, paused, tabbable, title, tooltip"
+        )
+
+    def test_nothing_near_is_not_guessed(self) -> None:
+        with pytest.raises(TypeError, match=r"^NumberWidget\(\) has no keyword 'xyz'\. It takes: color, footer, "):
+            NumberWidget(xyz=1)
+
+    @pytest.mark.parametrize("name", ["_frame", "_held", "_about", "_esm", "comm", "keys", "log", "update"])
+    def test_what_is_inside_is_no_keyword(self, name: str) -> None:
+        with pytest.raises(TypeError, match=rf"^NumberWidget\(\) has no keyword '{name}'"):
+            NumberWidget(**{name: None})
+
+    def test_an_unknown_attribute_is_refused_by_name_with_those_there_are(self, widget: NumberWidget) -> None:
+        with pytest.raises(AttributeError) as refusal:
+            widget.pausd = True
+        assert str(refusal.value) == (
+            "NumberWidget has no trait 'pausd'; did you mean 'paused'? "
+            "It takes: color, footer, header, layout, paused, tabbable, title, tooltip"
+        )
+
+    def test_what_a_host_lays_out_can_be_set(self) -> None:
+        made = NumberWidget(layout={"width": "300px"}, title="/a")
+        made.layout = {"width": "200px"}
+        assert made.layout.width == "200px"
+        made.close()
+
+    def test_a_widget_that_could_not_be_made_leaves_no_complaint_behind(self) -> None:
+        with pytest.raises(TypeError, match="no keyword"):
+            NumberWidget(nothing=1)
+        with pytest.raises(traitlets.TraitError, match="'paused' trait of a NumberWidget"):
+            NumberWidget(paused="soon")
+        gc.collect()  # pytest turns what __del__ raises into a warning, and configuration turns that into a failure
+
+
+class TestToThePage:
+    def test_update_only_stores_and_the_pacer_sends(self, widget: NumberWidget, page: Page) -> None:
+        widget.update(7)
+        wait_for(lambda: page.messages, "something was sent")
+        assert number_in(page.state["_frame"]) == 7
+        assert page.state["_about"] == {"value": 7}
+        assert page.threads == ["robowidgets-pacer"]
+        assert len(page.messages) == 1
+
+    def test_the_end_of_a_cell_finds_the_newest_sent(self, widget: NumberWidget, page: Page) -> None:
+        for value in range(1000):
+            widget.update(value)
+        pacer.flush()
+        assert number_in(page.state["_frame"]) == 999
+        assert page.state["_about"] == {"value": 999}
+
+    def test_the_head_says_how_many_came_how_fast_and_when(
+        self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        now = SimpleNamespace(monotonic=lambda: 100.0)
+        monkeypatch.setattr(_widget, "time", now)
+        widget._show(Number(1, stamp_ns=5), {})
+        sequence, rate, stamp = head_of(widget.get_state()["_frame"])
+        assert (sequence, stamp) == (1, 5)
+        assert isnan(rate)
+        for i in range(1, 100):
+            now.monotonic = lambda i=i: 100 + i * 0.025
+            widget._show(Number(1), {})
+        assert head_of(widget.get_state()["_frame"]) == (100, pytest.approx(40), 0)
+
+    def test_what_does_not_count_leaves_count_and_rate(self, widget: NumberWidget) -> None:
+        widget._show(Number(1), {})
+        widget._show(Number(2), {}, counts=False)
+        assert head_of(widget.get_state()["_frame"])[0] == 1
+        assert number_in(widget.get_state()["_frame"]) == 2
+
+    def test_the_state_of_a_new_view_holds_the_newest_though_it_was_not_sent_yet(self, widget: NumberWidget) -> None:
+        for value in range(100):
+            widget.update(value)
+            state = widget.get_state()
+            assert number_in(state["_frame"]) == value
+            assert state["_about"] == {"value": value}
+
+    def test_a_saved_notebook_holds_defaults_too(self, widget: NumberWidget) -> None:
+        saved = widget.get_state(drop_defaults=True)
+        assert (saved["color"], saved["paused"], saved["_frame"]) == ("red", False, b"")
+
+    def test_a_new_view_takes_nothing_from_those_there_are(self, widget: NumberWidget, page: Page) -> None:
+        with pacer._turn:
+            widget.update(7)
+            widget.get_state()
+        pacer.flush()
+        assert number_in(page.state["_frame"]) == 7
+        assert page.state["_about"] == {"value": 7}
+
+    def test_words_alone_do_not_send_the_sample_again(self, widget: NumberWidget, page: Page) -> None:
+        widget.update(7)
+        pacer.flush()
+        with pytest.raises(TypeError):
+            widget.update("seven")
+        pacer.flush()
+        assert [sorted(message) for message in page.messages] == [["_about", "_frame"], ["_about"]]
+
+    def test_nothing_new_sends_nothing(self, widget: NumberWidget, page: Page) -> None:
+        widget.update(7)
+        pacer.flush()
+        assert widget.send_newest() == 0
+        assert len(page.messages) == 1
+
+    def test_what_could_not_be_sent_is_sent_the_next_time(
+        self, widget: NumberWidget, page: Page, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def cut(**_: object) -> None:
+            raise OSError("the wire is cut")
+
+        with monkeypatch.context() as patch:
+            patch.setattr(page, "send", cut)
+            with pacer._turn:
+                widget.update(7)
+                with pytest.raises(OSError, match="cut"):
+                    widget.send_newest()
+        pacer.flush()
+        assert number_in(page.state["_frame"]) == 7
+        assert page.state["_about"] == {"value": 7}
+
+
+class TestRefusing:
+    def test_where_a_person_calls_it_raises(self, widget: NumberWidget) -> None:
+        with pytest.raises(TypeError, match=r"^expected a whole number, got 'seven'$"):
+            widget.update("seven")
+
+    def test_in_a_callback_the_widget_says_it_and_the_log_does(
+        self, widget: NumberWidget, page: Page, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        widget.title = "/numbers"
+        in_a_thread(widget.update, "seven")
+        pacer.flush()
+        assert page.state["_about"] == {"error": "expected a whole number, got 'seven'."}
+        (record,) = caplog.records
+        assert (record.name, record.levelno) == ("robowidgets", logging.ERROR)
+        assert record.getMessage() == (
+            "NumberWidget /numbers: a message could not be shown: expected a whole number, got 'seven'"
+        )
+
+    def test_where_it_raises_the_widget_says_it_too(self, widget: NumberWidget, page: Page) -> None:
+        with pytest.raises(TypeError):
+            widget.update("seven")
+        pacer.flush()
+        assert page.state["_about"] == {"error": "expected a whole number, got 'seven'."}
+
+    def test_the_last_good_picture_stays_and_the_next_good_one_clears_the_words(
+        self, widget: NumberWidget, page: Page
+    ) -> None:
+        widget.update(7)
+        in_a_thread(widget.update, "eight")
+        pacer.flush()
+        assert number_in(page.state["_frame"]) == 7
+        assert page.state["_about"] == {"value": 7, "error": "expected a whole number, got 'eight'."}
+        widget.update(9)
+        pacer.flush()
+        assert number_in(page.state["_frame"]) == 9
+        assert page.state["_about"] == {"value": 9}
+
+    @pytest.mark.parametrize(
+        ("text", "said"), [("too long", "too long."), ("swapped?", "swapped?"), ("Stop.", "Stop.")]
+    )
+    def test_words_end_as_a_sentence(self, widget: NumberWidget, text: str, said: str) -> None:
+        with pytest.raises(ValueError, match=text.rstrip("?.")):
+            widget._refuse(ValueError(text))
+        assert widget.get_state()["_about"]["error"] == said
+
+    def test_the_log_tells_each_error_once(self, widget: NumberWidget, caplog: pytest.LogCaptureFixture) -> None:
+        for word in ("a", "b", "a", "b", "a"):
+            in_a_thread(widget.update, word)
+        assert [record.args[-1][-3:] for record in caplog.records] == ["'a'", "'b'"]
+
+    def test_a_source_gone_mad_does_not_fill_the_log(
+        self, widget: NumberWidget, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        def flood() -> None:
+            for i in range(10 * MOST_LOGGED):
+                widget.update(f"{i}")
+
+        in_a_thread(flood)
+        assert len(caplog.records) == len(widget._logged) == MOST_LOGGED
+
+
+class TestFreezing:
+    def test_python_holds_what_came_last(self, widget: NumberWidget, page: Page) -> None:
+        widget.update(1)
+        widget.update(2)
+        widget.paused = True
+        widget.update(3)
+        pacer.flush()
+        assert page.state["paused"] is True
+        assert number_in(page.state["_held"]) == 2
+        assert number_in(page.state["_frame"]) == 3
+        assert page.state["_about"] == {"value": 3}
+        assert page.sent("_held") == [page.state["_held"]]
+
+    def test_python_releases_it(self, widget: NumberWidget, page: Page) -> None:
+        widget.update(2)
+        widget.paused = True
+        widget.update(3)
+        widget.paused = False
+        assert page.state["_held"] == b""
+        assert page.state["paused"] is False
+
+    def test_frozen_at_once_the_page_still_hears_the_words(self, widget: NumberWidget, page: Page) -> None:
+        with pacer._turn:
+            widget.update(1)
+            widget.paused = True
+        pacer.flush()
+        assert page.state["_about"] == {"value": 1}
+        assert number_in(page.state["_frame"]) == number_in(page.state["_held"]) == 1
+
+    def test_frozen_again_it_holds_anew(self, widget: NumberWidget, page: Page) -> None:
+        for value in (1, 2, 3):
+            widget.update(value)
+            widget.paused = True
+            assert number_in(page.state["_held"]) == value
+            widget.paused = False
+
+    def test_a_person_holds_what_was_on_the_page(self, widget: NumberWidget, page: Page) -> None:
+        widget.update(1)
+        pacer.flush()
+        on_the_page = memoryview(page.state["_frame"])
+        widget.update(2)
+        widget.set_state({"_held": on_the_page, "paused": True})
+        widget.update(3)
+        pacer.flush()
+        assert widget.paused is True
+        assert number_in(widget._held) == 1
+        assert page.sent("_held") == [], "what the page said needs no echo"
+        assert number_in(page.state["_frame"]) == 3
+
+    def test_a_person_releases_what_python_froze(self, widget: NumberWidget) -> None:
+        widget.update(1)
+        widget.paused = True
+        widget.set_state({"_held": memoryview(b""), "paused": False})
+        assert (widget.paused, widget._held) == (False, b"")
+
+    def test_python_releases_what_a_person_froze(self, widget: NumberWidget, page: Page) -> None:
+        widget.update(1)
+        pacer.flush()
+        widget.set_state({"_held": memoryview(page.state["_frame"]), "paused": True})
+        widget.paused = False
+        assert widget._held == b""
+        assert page.state["_held"] == b""
+
+    def test_a_new_view_finds_what_is_held(self, widget: NumberWidget) -> None:
+        widget.update(1)
+        widget.paused = True
+        widget.update(2)
+        state = widget.get_state()
+        assert (number_in(state["_held"]), number_in(state["_frame"]), state["paused"]) == (1, 2, True)
+
+    def test_it_may_be_frozen_from_the_start(self) -> None:
+        made = NumberWidget(paused=True)
+        made.update(1)
+        state = made.get_state()
+        assert (state["paused"], state["_held"], number_in(state["_frame"])) == (True, b"", 1)
+        made.close()
+
+
+class TestRate:
+    def test_is_unknown_until_two_came(self, widget: NumberWidget) -> None:
+        assert isnan(widget.rate)
+        widget.update(1)
+        assert isnan(widget.rate)
+
+    def test_is_that_of_the_last_ones(self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch) -> None:
+        clock = SimpleNamespace(now=0.0)
+        monkeypatch.setattr(_widget, "time", SimpleNamespace(monotonic=lambda: clock.now))
+        for seconds in [1.0] * 100 + [0.1] * 40:
+            clock.now += seconds
+            widget.update(1)
+        assert widget.rate == pytest.approx(10)
+
+    def test_is_unknown_where_the_clock_stood_still(
+        self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(_widget, "time", SimpleNamespace(monotonic=lambda: 5.0))
+        for _ in range(3):
+            widget.update(1)
+        assert isnan(widget.rate)
+
+
+@pytest.fixture
+def _restless_threads() -> Iterator[None]:
+    """Threads take turns a thousand times more often than they do, so that what can mix does."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(5e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.usefixtures("_restless_threads")
+@pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+class TestThreads:
+    def test_nothing_is_lost_or_mixed_up_while_many_update_and_settings_change(
+        self, widget: NumberWidget, page: Page, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        each = 2000
+
+        def flood(first: int) -> None:
+            for value in range(first, first + each):
+                widget.update(value)
+                if value % 500 == 0:
+                    widget.update("no number")
+
+        threads = [threading.Thread(target=flood, args=(i * each,)) for i in range(8)]
+        for thread in threads:
+            thread.start()
+        settings = 0
+        while any(thread.is_alive() for thread in threads):
+            settings += 1
+            widget.color = f"color {settings}"
+            widget.paused = settings % 2 == 1
+            assert widget.rate != 0
+            number_in(widget.get_state()["_frame"])
+        widget.paused = False
+        for thread in threads:
+            thread.join()
+        widget.update(-1)
+        wait_for(lambda: number_in(page.state["_frame"]) == -1, "the last one was on the page")
+        assert page.state["_about"] == {"value": -1}
+        assert head_of(page.state["_frame"])[0] == 8 * each + 1
+        assert page.state["color"] == f"color {settings}"
+        assert page.state["paused"] is False
+        assert page.state["_held"] == b""
+        sequences = [head_of(frame)[0] for frame in page.sent("_frame")]
+        assert sequences == sorted(sequences)
+        for message in page.messages:
+            if "_frame" in message and "_about" in message and "error" not in message["_about"]:
+                assert number_in(message["_frame"]) == message["_about"]["value"]
+        assert {record.getMessage() for record in caplog.records} == {
+            "NumberWidget : a message could not be shown: expected a whole number, got 'no number'"
+        }
+
+    def test_closing_in_a_flood_ends_it_quietly(self, caplog: pytest.LogCaptureFixture) -> None:
+        widget = NumberWidget()
+        page = Page(widget)
+        stop = threading.Event()
+
+        def flood() -> None:
+            while not stop.is_set():
+                widget.update(1)
+
+        thread = threading.Thread(target=flood)
+        thread.start()
+        wait_for(lambda: len(page.messages) >= 3, "the flood was on the page")
+        widget.close()
+        sent, came = len(page.messages), widget._sequence
+        wait_for(lambda: widget._sequence > came + 20_000, "many more came")
+        stop.set()
+        thread.join()
+        pacer.flush()
+        assert len(page.messages) == sent
+        assert caplog.records == []
+
+    def test_a_closed_widget_can_be_forgotten(self) -> None:
+        widget = NumberWidget()
+        page = Page(widget)
+        widget.update(1)
+        wait_for(lambda: page.messages, "it was sent")
+        widget.close()
+        widget.update(2)
+        pacer.flush()
+        gone = weakref.ref(widget)
+        del widget
+        gc.collect()
+        assert gone() is None
+
+    def test_closing_twice_is_closing(self) -> None:
+        widget = NumberWidget()
+        widget.close()
+        widget.close()
+
+
+class TestBundle:
+    def test_a_missing_front_end_says_how_to_get_it(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+        monkeypatch.setattr(_widget, "STATIC", tmp_path)
+        with pytest.raises(ImportError) as missing:
+            bundle("laser_widget.js")
+        assert str(missing.value) == (
+            "robowidgets was installed without its front end (laser_widget.js is missing); "
+            "in a checkout run `make build`, else install it again"
+        )
+
+    def test_it_is_text_and_a_path_for_hot_reload_only(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+        monkeypatch.setattr(_widget, "STATIC", tmp_path)
+        (tmp_path / "a.js").write_text("größe", encoding="utf-8")
+        monkeypatch.delenv("ROBOWIDGETS_DEV", raising=False)
+        assert bundle("a.js") == "größe"
+        monkeypatch.setenv("ROBOWIDGETS_DEV", "1")
+        assert bundle("a.js") == tmp_path / "a.js"
+
+    def test_instances_share_one_text(self) -> None:
+        assert isinstance(NumberWidget._css, str)
+        assert issubclass(NumberWidget, anywidget.AnyWidget)
