@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..samples import Scan, Speed, Touch
+
 MISSING: Any = object()
 
 
@@ -24,10 +26,11 @@ def has(message: Any, *names: str) -> bool:
 
 
 def unwrap(message: Any) -> Any:
-    """The message inside a rosbridge envelope (``{"op": "publish", "msg": ...}``); anything else as it is."""
+    """The message in a rosbridge envelope (``{"op": "publish", "msg": ...}``), the sample in a recording's moment."""
     if isinstance(message, Mapping) and message.get("op") == "publish" and "msg" in message:
         return message["msg"]
-    return message
+    sample = getattr(message, "sample", None)
+    return sample if isinstance(sample, (Scan, Speed, Touch)) else message
 
 
 def stamp_ns(message: Any, path: str = "header.stamp") -> int | None:

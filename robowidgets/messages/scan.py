@@ -26,9 +26,9 @@ def to_scan(message: Any) -> Scan:
         TypeError: it is not such a message; the text says what came and what was expected.
         ValueError: it is one, but its numbers cannot be shown.
     """
+    message = unwrap(message)
     if isinstance(message, Scan):
         return message
-    message = unwrap(message)
     missing = [name for name in _NEEDED if get(message, name) is MISSING]
     if missing:
         raise TypeError(

@@ -17,9 +17,9 @@ def to_speed(message: Any) -> Speed:
     Raises:
         TypeError: it is not such a message; the text says what came and what was expected.
     """
+    message = unwrap(message)
     if isinstance(message, Speed):
         return message
-    message = unwrap(message)
     twist = message
     while not has(twist, "linear", "angular") and has(twist, "twist"):
         twist = get(twist, "twist")

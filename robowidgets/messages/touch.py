@@ -27,9 +27,9 @@ def to_touch(message: Any, own: Collection[str] = ()) -> Touch:
         TypeError: it is in none of these dialects; the text says what came and what was expected.
         ValueError: a number in it has no meaning in its dialect.
     """
+    message = unwrap(message)
     if isinstance(message, Touch):
         return message
-    message = unwrap(message)
     dialect = next((d for d in DIALECTS if d.fits(message)), None)
     if dialect is None:
         known = ", ".join(d.types[0] for d in DIALECTS if d.types)

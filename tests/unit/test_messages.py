@@ -314,3 +314,8 @@ class TestFields:
     def test_a_type_is_named_as_a_person_writes_it(self, form) -> None:
         assert type_name(form("std_msgs/Bool", {"data": True})) == "std_msgs/Bool"
         assert describe(form("std_msgs/Bool", {"data": True})) == "a std_msgs/Bool with the fields data"
+
+
+def test_a_moment_of_a_recording_stands_for_its_sample() -> None:
+    moment = SimpleNamespace(topic="/odom", time_ns=1, sample=Speed((1, 2, 3), (4, 5, 6)))
+    assert to_speed(moment) is moment.sample
