@@ -164,9 +164,13 @@ def _frame_at(data: Stretch, pos: int) -> Frame | None:
     return Frame(op, pos, body, end, fields)
 
 
-def _next_frame(data: Stretch, start: int) -> int | None:
-    """The next record whose header is made up of just the fields that its kind needs."""
-    return next((pos for pos in find(data, _HEADER, _HEADER_LENGTH, start) if _frame_at(data, pos)), None)
+def _next_frame(data: Stretch, start: int, barred: frozenset[int]) -> int | None:
+    """The next record that has the fields its kind needs."""
+    for pos in find(data, _HEADER, _HEADER_LENGTH, start):
+        frame = _frame_at(data, pos)
+        if frame and frame.op not in barred:
+            return pos
+    return None
 
 
 def _fields(raw: bytes) -> dict[str, bytes] | None:
@@ -191,4 +195,11 @@ def _text(raw: bytes) -> str:
     return raw.decode("utf-8", errors="replace")
 
 
-_LAYOUT = Format(_frame_at, _next_frame, last_op=None, index_ops=frozenset((_INDEX, _CHUNK_INFO)))
+_LAYOUT = Format(
+    _frame_at,
+    _next_frame,
+    last_op=None,
+    index_ops=frozenset((_INDEX, _CHUNK_INFO)),
+    inner_ops=frozenset((_MESSAGE, _CONNECTION)),
+    chunk_op=_CHUNK,
+)

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 from ..chain import Chain
 from ..source import RecordingError, Source
-from . import bag, mcap, sqlite
+from . import bag, mcap, sqlite, sqlite_file
 from .inflate import ZSTD_MAGIC, inflate_to
 from .report import foreign
 from .stretch import FileStretch
@@ -20,7 +20,7 @@ _OPENERS: dict[str, Callable[[Path], Source]] = {
     ".db3": sqlite.open_sqlite,
     ".mcap": mcap.open_mcap,
 }
-_MAGICS = {b"#ROS": ".bag", sqlite.MAGIC: ".db3", mcap.MAGIC: ".mcap"}
+_MAGICS = {b"#ROS": ".bag", sqlite_file.MAGIC: ".db3", mcap.MAGIC: ".mcap"}
 _ZSTD_SUFFIXES = (".zstd", ".zst")
 _BLOCK = 1 << 20
 _MOST_UNPACKED = 1 << 30

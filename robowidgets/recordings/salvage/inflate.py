@@ -48,14 +48,14 @@ def inflate(compression: str, data: bytes, limit: int = MAX_CHUNK) -> Inflated:
 
 
 def inflate_to(write: Callable[[bytes], object], compression: str, blocks: Iterator[bytes], limit: int) -> bool:
-    """Decompress block by block into ``write``; True when that was all of it, within ``limit`` bytes."""
+    """Decompress block by block into ``write``; True when that was all of it, in at most ``limit`` bytes."""
     size = 0
     try:
         for piece in _pieces(compression, blocks):
+            write(piece[: limit - size])
             size += len(piece)
             if size > limit:
                 return False
-            write(piece)
     except _BrokenError:
         return False
     return True

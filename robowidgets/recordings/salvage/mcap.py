@@ -194,9 +194,12 @@ def _chunk_at(data: Stretch, pos: int, outer_end: int) -> Frame | None:
     return Frame(_CHUNK, pos, body, end if compression else body, fields)
 
 
-def _next_frame(data: Stretch, start: int) -> int | None:
+def _next_frame(data: Stretch, start: int, barred: frozenset[int]) -> int | None:
     """The next record that others follow without a gap, or that is followed by the end."""
-    return next((pos for pos in find(data, _RECORD, _HEAD.size, start) if _is_chain(data, pos)), None)
+    for pos in find(data, _RECORD, _HEAD.size, start):
+        if data.read(pos, 1)[0] not in barred and _is_chain(data, pos):
+            return pos
+    return None
 
 
 def _is_chain(data: Stretch, pos: int) -> bool:
@@ -222,4 +225,11 @@ def _strings(raw: bytes, count: int) -> list[str]:
     return strings
 
 
-_LAYOUT = Format(_frame_at, _next_frame, last_op=_FOOTER, index_ops=_INDEX_OPS)
+_LAYOUT = Format(
+    _frame_at,
+    _next_frame,
+    last_op=_FOOTER,
+    index_ops=_INDEX_OPS,
+    inner_ops=frozenset((_SCHEMA, _CHANNEL, _MESSAGE)),
+    chunk_op=_CHUNK,
+)

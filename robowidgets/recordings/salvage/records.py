@@ -31,14 +31,27 @@ class Format(NamedTuple):
     """How records are told in one file format.
 
     ``frame_at`` gives the record at an offset, which may reach past the end of the data, or None when no record stands
-    there. ``next_frame`` searches from an offset for a place where ``frame_at`` gives a record and that is no accident.
-    After ``last_op`` nothing follows. Records in ``index_ops`` hold no messages.
+    there. ``next_frame`` searches from an offset for a place where ``frame_at`` gives a record and that is no accident;
+    records of some kinds are passed over. After ``last_op`` nothing follows. Records in ``index_ops`` hold no messages,
+    those in ``inner_ops`` stand in chunks.
     """
 
     frame_at: Callable[[Stretch, int], Frame | None]
-    next_frame: Callable[[Stretch, int], int | None]
+    next_frame: Callable[[Stretch, int, frozenset[int]], int | None]
     last_op: int | None
     index_ops: frozenset[int]
+    inner_ops: frozenset[int]
+    chunk_op: int
+
+    def search(self, data: Stretch, held: Frame | None, pos: int) -> int | None:
+        """Where the next record stands, after a record that ends in doubt or, with none, after an offset.
+
+        What looks like a message within compressed data is a piece of one, or one that will be read from there.
+        """
+        if held is None:
+            return self.next_frame(data, pos + 1, frozenset())
+        is_packed = held.op == self.chunk_op and held.end > held.body
+        return self.next_frame(data, held.body, self.inner_ops if is_packed else frozenset())
 
 
 @dataclass
@@ -80,7 +93,7 @@ def walk(data: Stretch, layout: Format, damage: Damage, start: int = 0) -> Itera
             pos = frame.end
             if pos <= data.size:
                 continue
-        found = layout.next_frame(data, held.body if held else pos + 1) if damage.places < MAX_PLACES else None
+        found = layout.search(data, held, pos) if damage.places < MAX_PLACES else None
         if found is None:
             damage.cut = True
             break

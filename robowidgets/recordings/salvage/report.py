@@ -32,14 +32,15 @@ def foreign(name: str, expected: str, head: bytes) -> RecordingError:
     return RecordingError(f"{name}: expected {expected}, got {kind(head)}")
 
 
-def nothing(name: str, size: int, damage: Damage) -> RecordingError:
-    """The error for a file that holds not one message that can be read."""
+def nothing(name: str, size: int, damage: Damage, way_out: str = "") -> RecordingError:
+    """The error for a file that holds not one message that can be read, perhaps with another way to try."""
     if damage.compressions:
         shown = ", ".join(sorted(damage.compressions))
         return RecordingError(f"{name}: compressed with {shown}, which cannot be read: expected none, bz2, lz4 or zstd")
     why = "was cut off before its first message" if damage.cut or damage.unfinished else "is damaged from start to end"
     return RecordingError(
-        f"{name}: {why} ({size:,} bytes), nothing can be saved; copy it again if the original is whole, or record again"
+        f"{name}: {why} ({size:,} bytes), nothing can be saved; "
+        f"copy it again if the original is whole{way_out}, or record again"
     )
 
 

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import shutil
 import sqlite3
 from array import array
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import NamedTuple
 
 from ..source import Channel, RecordingError
 from .definition import definition
 from .records import MAX_PLACES, Damage
-from .report import foreign, nothing, problems
-from .stretch import FileStretch
+from .report import nothing, problems
+from .sqlite_file import connect
 from .times import Times
 
-MAGIC = b"SQLite format 3\0"
-_WALK = "SELECT rowid FROM messages WHERE rowid > ? ORDER BY rowid"
+_WALK = "SELECT rowid FROM messages WHERE rowid >= ? ORDER BY rowid"
 _LOOK_UP = "SELECT topic_id, timestamp, data FROM messages WHERE rowid = ?"
 _MAX_ROW = 2**62
 
@@ -28,8 +25,7 @@ _MAX_ROW = 2**62
 def open_sqlite(path: Path) -> SavedDatabase:
     """Every message that can be read from a rosbag2 database, whole or not.
 
-    The file is opened read-only and as one that nobody changes, so that no file appears beside it. What a recorder that
-    was killed left beside it (``-wal``, ``-journal``) is taken in, in a temporary copy.
+    What a recorder that was killed left beside the file (``-wal``, ``-journal``) is taken in.
 
     Args:
         path: the file, whatever its name ends in.
@@ -40,20 +36,8 @@ def open_sqlite(path: Path) -> SavedDatabase:
     Source: the tables topics, messages and (since ROS 2 Iron) message_definitions of rosbag2_storage_sqlite3.
     """
     with ExitStack() as stack:
-        left_behind = [beside for beside in (_beside(path, "-wal"), _beside(path, "-journal")) if _size(beside)]
-        damage = Damage(unfinished=bool(left_behind))
-        if left_behind:
-            database = _copy(path, left_behind, stack)
-        else:
-            damage.cut = _is_cut(path)
-            database = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
         try:
-            connection = sqlite3.connect(database, uri=True, check_same_thread=False)
-            stack.callback(connection.close)
-            connection.text_factory = lambda raw: raw.decode("utf-8", errors="replace")
-            # Without the first, sqlite refuses a file with pages missing; the others guard against a hostile one.
-            for pragma in ("writable_schema = ON", "cell_size_check = ON", "trusted_schema = OFF"):
-                connection.execute(f"PRAGMA {pragma}")
+            connection, damage = connect(path, stack)
             _check_tables(connection, path.name)
             source = SavedDatabase(path, connection, damage)
         except sqlite3.Error as error:
@@ -101,7 +85,7 @@ class SavedDatabase:
             damage.places = 0
         self.problems = problems(damage, len(self._times), (self.end_ns or 0) - (self.start_ns or 0))
         if self.problems and not len(self._times):
-            raise nothing(path.name, _size(path), damage)
+            raise nothing(path.name, path.stat().st_size, damage, f", try 'sqlite3 {path.name} .recover'")
 
     def messages(
         self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
@@ -121,44 +105,6 @@ class SavedDatabase:
         if not message:
             raise RecordingError(f"{self._name}: is closed, or has changed since it was opened; open it again")
         return message.data
-
-
-def _beside(path: Path, ending: str) -> Path:
-    return path.with_name(path.name + ending)
-
-
-def _size(path: Path) -> int:
-    try:
-        return path.stat().st_size
-    except OSError:
-        return 0
-
-
-def _copy(path: Path, left_behind: Collection[Path], stack: ExitStack) -> str:
-    """A copy with what was left beside it, where sqlite may put the two together."""
-    folder = Path(stack.enter_context(TemporaryDirectory(prefix="robowidgets-")))
-    try:
-        for file in (path, *left_behind):
-            shutil.copyfile(file, folder / file.name)
-    except OSError as error:
-        raise RecordingError(
-            f"{path.name}: its recorder was killed, and it cannot be copied to be read: {error.strerror or error}"
-        ) from None
-    return (folder / path.name).as_uri()
-
-
-def _is_cut(path: Path) -> bool:
-    """Whether the file is shorter than its header says; RecordingError when it is no database."""
-    file = FileStretch(path)
-    try:
-        head = file.read(0, 64)
-        if not head.startswith(MAGIC):
-            raise foreign(file.name, "a rosbag2 database (.db3)", head)
-        page_size = int.from_bytes(head[16:18], "big")
-        pages = int.from_bytes(head[28:32], "big")
-        return file.size < pages * (page_size if page_size > 1 else 1 << 16)
-    finally:
-        file.close()
 
 
 def _check_tables(connection: sqlite3.Connection, name: str) -> None:
@@ -209,36 +155,41 @@ def _walk(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
 
     A row met on the walk may still not be found when it is looked up.
     """
-    last: int | None = -1
-    while last is not None:
+    start: int | None = 1
+    while start is not None:
         with suppress(sqlite3.DatabaseError):
-            for (row,) in connection.execute(_WALK, (last,)):
-                if row <= last:
+            for (row,) in connection.execute(_WALK, (start,)):
+                if row < start:
                     raise sqlite3.DatabaseError("rows are out of order")
-                last = row
+                start = row + 1
                 yield row
             return
+        # Python reads a row ahead: the last before the break is still to be had, by itself.
+        if row := _peek(connection, start):
+            start = row + 1
+            yield row
         damage.places += 1
-        last = _next_row(connection, last) if damage.places < MAX_PLACES else None
+        start = _next_start(connection, start) if damage.places < MAX_PLACES else None
 
 
-def _next_row(connection: sqlite3.Connection, last: int) -> int | None:
-    """The least row number after ``last`` from which the walk goes on; None when there is none."""
+def _next_start(connection: sqlite3.Connection, start: int) -> int | None:
+    """The least row number after ``start`` from which the walk goes on; None when there is none."""
     step = 1
-    while not _goes_on(connection, last + step):
+    while _peek(connection, start + step) is None:
         step *= 2
-        if last + step > _MAX_ROW:
+        if start + step > _MAX_ROW:
             return None
-    low, high = last + step // 2, last + step
+    low, high = start + step // 2, start + step
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (low, middle) if _goes_on(connection, middle) else (middle, high)
+        low, high = (middle, high) if _peek(connection, middle) is None else (low, middle)
     return high
 
 
-def _goes_on(connection: sqlite3.Connection, last: int) -> bool:
+def _peek(connection: sqlite3.Connection, start: int) -> int | None:
+    """The first row number from ``start`` on, 0 where no row is left; None where the walk cannot go on."""
     try:
-        row = connection.execute(f"{_WALK} LIMIT 1", (last,)).fetchone()
+        row, *_ = connection.execute(f"{_WALK} LIMIT 1", (start,)).fetchone() or (0,)
     except sqlite3.DatabaseError:
-        return False
-    return row is None or row[0] > last
+        return None
+    return row if row == 0 or row >= start else None

@@ -1,0 +1,105 @@
+"""Files made to take memory or time: they get little of either."""
+
+from __future__ import annotations
+
+import bz2
+import struct
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from time import process_time
+
+import pytest
+
+from robowidgets.recordings.salvage import inflate, open_file
+from robowidgets.recordings.source import RecordingError
+
+from .written import MCAP_END, MCAP_MAGIC, mcap_head, mcap_messages, messages, record, write_bag
+
+HUGE = 1 << 40
+SECONDS = 10
+
+
+def bag_record(body_size: int, **fields: bytes) -> bytes:
+    parts = [name.encode() + b"=" + value for name, value in fields.items()]
+    header = b"".join(struct.pack("<I", len(part)) + part for part in parts)
+    return struct.pack("<I", len(header)) + header + struct.pack("<I", body_size)
+
+
+CLAIMS: dict[str, bytes] = {
+    "message.mcap": MCAP_MAGIC + mcap_head() + struct.pack("<BQ", 0x05, HUGE) + bytes(40),
+    "schema.mcap": MCAP_MAGIC + record(0x03, struct.pack("<HI", 1, 0xFFFFFFFF) + bytes(20)),
+    "chunk.mcap": MCAP_MAGIC
+    + struct.pack("<BQQQQI", 0x06, HUGE, 0, 0, HUGE, 0)
+    + struct.pack("<I4sQ", 4, b"zstd", HUGE - 44)
+    + bytes(40),
+    "header.bag": b"#ROSBAG V2.0\n" + struct.pack("<I", 0xFFFFFFFF) + bytes(40),
+    "field.bag": b"#ROSBAG V2.0\n" + struct.pack("<II", 40, 0xFFFFFFFF) + bytes(40),
+    "message.bag": b"#ROSBAG V2.0\n" + bag_record(0xFFFFFFFF, op=b"\x02", conn=bytes(4), time=bytes(8)),
+    "chunk.bag": b"#ROSBAG V2.0\n" + bag_record(0xFFFFFFFF, op=b"\x05", compression=b"lz4", size=b"\xff" * 4),
+    "topic.bag": b"#ROSBAG V2.0\n" + bag_record(0xFFFFFFFF, op=b"\x07", conn=bytes(4), topic=b"/scan"),
+}
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_a_length_in_the_file_is_no_reason_to_take_memory(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(CLAIMS[name])
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecordingError):
+            open_file(path)
+        assert tracemalloc.get_traced_memory()[1] < 4_000_000
+    finally:
+        tracemalloc.stop()
+
+
+def test_what_grows_a_thousandfold_is_decompressed_up_to_a_limit() -> None:
+    raw, whole = inflate.inflate("bz2", bz2.compress(bytes(8_000_000)), limit=1_000_000)
+    assert (len(raw), whole) == (1_000_000, False)
+    assert inflate.inflate("bz2", bz2.compress(bytes(1_000_000)), limit=1_000_000) == (bytes(1_000_000), True)
+
+
+def flood(piece: bytes) -> bytes:
+    return piece * (1_000_000 // len(piece))
+
+
+FLOODS: dict[str, Callable[[], bytes]] = {
+    "decoys.mcap": lambda: flood(record(0x05, b"")),
+    "lengths.mcap": lambda: flood(struct.pack("<BQ", 0x05, 0x10000)),
+    "small.mcap": lambda: flood(record(0x0F, bytes(4)) * 4 + b"\xff" * 9),
+    "zeros.mcap": lambda: bytes(1_000_000),
+    "ones.mcap": lambda: b"\xff" * 1_000_000,
+    "decoys.bag": lambda: flood(struct.pack("<II", 4000, 9) + b"op=\x02"),
+    "fields.bag": lambda: flood(struct.pack("<II", 4000, 4) + b"op=\x02"),
+    "small.bag": lambda: flood(bag_record(0, op=b"\x02", conn=bytes(4), time=bytes(8)) + b"\xff" * 9),
+    "zeros.bag": lambda: bytes(1_000_000),
+    "ones.bag": lambda: b"\xff" * 1_000_000,
+}
+
+
+@pytest.mark.parametrize("name", FLOODS)
+def test_a_megabyte_of_decoys_ends_soon_and_costs_no_message_before_it(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    if path.suffix == ".bag":
+        write_bag(path, messages(9), chunk=1 << 20)
+    else:
+        path.write_bytes(MCAP_MAGIC + mcap_head() + mcap_messages(messages(9)))
+    raw = path.read_bytes()
+    end = raw.index(messages(9)[-1][2]) + len(messages(9)[-1][2])
+    path.write_bytes(raw[:end] + FLOODS[name]())
+    start = process_time()
+    source = open_file(path)
+    assert process_time() - start < SECONDS
+    assert sum(channel.count for channel in source.channels if channel.topic in ("/scan", "/cmd_vel")) >= 9
+
+
+def test_many_damaged_places_are_given_up_at_some_point(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.recordings.salvage.records.MAX_PLACES", 5)
+    held = messages(60)
+    parts = [mcap_messages(held[i : i + 4]) for i in range(0, 60, 4)]
+    path = tmp_path / "x.mcap"
+    path.write_bytes(MCAP_MAGIC + mcap_head() + b"\xff\xff".join(parts) + MCAP_END)
+    source = open_file(path)
+    assert sum(channel.count for channel in source.channels) == 24
+    assert source.problems == ("the recording is damaged in 5 places and was cut off: read 24 messages, up to 1.1 s",)
