@@ -1,0 +1,200 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { type AxisFacts, toFacts } from "../../robowidgets/js/speed/facts.ts";
+import { decodeSpeeds, type Speeds } from "../../robowidgets/js/speed/frame.ts";
+import type { Limits } from "../../robowidgets/js/speed/limits.ts";
+import {
+  decimalsFor,
+  describeAxis,
+  stateWords,
+  summarize,
+  toNumber,
+  toShort,
+  toValueText,
+} from "../../robowidgets/js/speed/words.ts";
+
+const NONE = [NaN, NaN, NaN, NaN, NaN, NaN];
+const SETTINGS = {
+  limits: { linear: [-1, 1] as Limits, angular: [-1, 1] as Limits, axes: {} },
+  planar: false,
+  marksPeaks: false,
+};
+
+function speeds(more: Partial<Speeds>): Speeds {
+  return { sequence: 1, rate: NaN, measured: null, commanded: null, least: NONE, greatest: NONE, resets: 0, ...more };
+}
+
+function axisFacts(index: number, more: Partial<Speeds>, settings = {}): AxisFacts {
+  const facts = toFacts(speeds(more), { ...SETTINGS, ...settings }).flatMap(({ axes }) => axes);
+  const found = facts.find(({ axis }) => axis.index === index);
+  assert.ok(found);
+  return found;
+}
+
+function summary(measured: number[], planar = false): string {
+  const groups = toFacts(speeds({ measured }), { ...SETTINGS, planar });
+  return summarize(
+    groups.flatMap(({ axes }) => axes),
+    groups.flatMap(({ hidden }) => hidden),
+  );
+}
+
+/** A frame as Python packs it, at an odd offset in a larger buffer, as binary traits arrive. */
+function frame(there: number, numbers: number[]): DataView {
+  const view = new DataView(new ArrayBuffer(5 + 8 * 30), 5);
+  for (const [i, value] of [7, 30, 0, there, 2, 0, ...numbers].entries()) view.setFloat64(8 * i, value, true);
+  return view;
+}
+
+const COUNTED = Array.from({ length: 24 }, (_, i) => i + 0.5);
+
+test("a frame is the speeds measured and commanded, and the peaks", () => {
+  const decoded = decodeSpeeds(frame(3, COUNTED));
+  assert.deepEqual(decoded, {
+    sequence: 7,
+    rate: 30,
+    measured: [0.5, 1.5, 2.5, 3.5, 4.5, 5.5],
+    commanded: [6.5, 7.5, 8.5, 9.5, 10.5, 11.5],
+    least: [12.5, 13.5, 14.5, 15.5, 16.5, 17.5],
+    greatest: [18.5, 19.5, 20.5, 21.5, 22.5, 23.5],
+    resets: 2,
+  });
+});
+
+test("what has not come yet is null, and not NaN", () => {
+  assert.deepEqual(decodeSpeeds(frame(1, COUNTED)).commanded, null);
+  assert.deepEqual(decodeSpeeds(frame(2, COUNTED)).measured, null);
+});
+
+test("numbers have two decimals, and more where all limits are small", () => {
+  const cases: [Limits[], number][] = [
+    [[[-1, 1]], 2],
+    [[[-0.1, 0.1]], 2],
+    [[[0, 0.05]], 3],
+    [
+      [
+        [0, 0.05],
+        [-1, 1],
+      ],
+      2,
+    ],
+    [[[-0.002, 0.001]], 4],
+    [[[-1e-9, 1e-9]], 6],
+    [[[-130, 2]], 2],
+  ];
+  for (const [limits, decimals] of cases) assert.equal(decimalsFor(limits), decimals, `${limits}`);
+});
+
+test("a number keeps its decimals until it would be wider than its column", () => {
+  const cases: [number, string][] = [
+    [0.624, "0.62"],
+    [-1.24, "−1.24"],
+    [-0.001, "0.00"],
+    [-99.994, "−99.99"],
+    [123.456, "123.5"],
+    [12345.678, "12346"],
+    [-1e9, "−1.0e9"],
+    [-1e-9, "0.00"],
+    [Infinity, "+inf"],
+    [-Infinity, "−inf"],
+  ];
+  for (const [value, text] of cases) assert.equal(toNumber(value, 2), text);
+});
+
+test("NaN is said to be no value, and nothing measured is not said to be zero", () => {
+  assert.equal(toValueText(NaN, 2), "no value");
+  assert.equal(toValueText(null, 2), "–");
+  assert.equal(toValueText(0, 2), "0.00");
+});
+
+test("limits are written with the decimals they need and a real minus", () => {
+  assert.deepEqual([1, -0.22, 0.1 + 0.2, 0, 1e-9].map(toShort), ["1", "−0.22", "0.3", "0", "1e−9"]);
+});
+
+test("a state past a limit has a mark and words", () => {
+  assert.deepEqual(stateWords("over"), ["▲", "over", "max"]);
+  assert.deepEqual(stateWords("under"), ["▼", "under", "min"]);
+  assert.deepEqual(stateWords("within"), ["", "", ""]);
+});
+
+test("the pop-up tells an axis exactly", () => {
+  const words = describeAxis(
+    axisFacts(
+      5,
+      {
+        measured: [0, 0, 0, 0, 0, -1.234567],
+        commanded: [0, 0, 0, 0, 0, -0.5],
+        least: [0, 0, 0, 0, 0, -1.5],
+        greatest: [0, 0, 0, 0, 0, 0.25],
+      },
+      { marksPeaks: true },
+    ),
+  );
+  assert.deepEqual(words, {
+    expression: "angular.z",
+    direction: "turns right",
+    value: "−1.2346 rad/s",
+    alarm: "under min",
+    details: [
+      ["limits", "−1 to 1"],
+      ["commanded", "−0.5000"],
+      ["least", "−1.5000 under min"],
+      ["greatest", "0.2500"],
+    ],
+  });
+});
+
+test("the pop-up says when a bar is longer than the scale", () => {
+  const words = describeAxis(axisFacts(0, { measured: [Infinity, 0, 0, 0, 0, 0] }));
+  assert.equal(words.value, "+inf m/s");
+  assert.equal(words.alarm, "over max, off the scale");
+});
+
+test("the pop-up of an axis without a value says so, and claims no direction", () => {
+  const { value, direction, alarm } = describeAxis(axisFacts(1, { measured: NONE }));
+  assert.deepEqual([value, direction, alarm], ["no value", "", ""]);
+});
+
+test("the pop-up of a command alone says that nothing was measured", () => {
+  const { value, details } = describeAxis(axisFacts(0, { commanded: [2, 0, 0, 0, 0, 0] }));
+  assert.equal(value, "not measured");
+  assert.deepEqual(details[1], ["commanded", "2.0000 over max"]);
+});
+
+test("a positive speed goes the way REP-103 says", () => {
+  const positive = [0, 1, 2, 3, 4, 5].map(
+    (i) => describeAxis(axisFacts(i, { measured: NONE.map(() => 0.5) })).direction,
+  );
+  assert.deepEqual(positive, ["forward", "left", "up", "rolls right", "nose down", "turns left"]);
+  const still = describeAxis(axisFacts(0, { measured: [0.00001, 0, 0, 0, 0, 0] }));
+  assert.equal(still.direction, "");
+});
+
+test("one line says what is past its limits", () => {
+  assert.equal(summary([0.5, 0, 0, 0, 0, 0]), "within limits");
+  assert.equal(summary([1.5, 0, 0, 0, 0, -2]), "linear.x over max, angular.z under min");
+  assert.equal(summary([1.5, 2, 0, 0, 0, -2]), "3 past their limits");
+  assert.equal(summary(NONE), "");
+  assert.equal(summarize([], []), "");
+});
+
+test("an axis that is not shown but moves or passes its limit is named", () => {
+  assert.equal(summary([0, 0, 0.25, 0.001, NaN, 0], true), "within limits · not shown: linear.z 0.25");
+  assert.equal(summary([0, 0, 1.5, 0, 0, 0], true), "linear.z over max · not shown: linear.z 1.50");
+});
+
+test("planar shows linear x and y and angular z, on scales of their limits alone", () => {
+  const limits = { ...SETTINGS.limits, axes: { "linear.z": [-9, 9] as Limits } };
+  const [linear, angular] = toFacts(null, { ...SETTINGS, limits, planar: true });
+  assert.deepEqual(
+    [linear, angular].map((group) => group?.axes.map(({ axis }) => axis.name)),
+    [["linear.x", "linear.y"], ["angular.z"]],
+  );
+  assert.deepEqual(linear?.scale, { low: -1.25, high: 1.25 });
+});
+
+test("peaks are there only when they are to be marked", () => {
+  const more = { measured: NONE, least: [1, 1, 1, 1, 1, 1], greatest: [2, 2, 2, 2, 2, 2] };
+  assert.equal(axisFacts(0, more).peaks, null);
+  assert.deepEqual(axisFacts(0, more, { marksPeaks: true }).peaks, [1, 2]);
+});
