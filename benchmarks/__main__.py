@@ -1,0 +1,77 @@
+"""`python -m benchmarks` measures all and writes RESULTS.md; `--quick` and `--only` measure less and only print."""
+
+from __future__ import annotations
+
+import argparse
+import platform
+from pathlib import Path
+
+from . import measure, table
+from .rivals import NAMES
+from .stage import open_stage, versions
+
+RESULTS = Path(__file__).with_name("RESULTS.md")
+OURS, LIMIT = "laser", "bare"
+
+ABOUT = """# Measured
+
+`make bench` writes this file. One run, everything on one machine: 2 cores, Chromium headless with software rendering. Absolute figures
+depend on the machine and move by a third from run to run; ratios hold.
+
+A scan of 1040 rays carries a number in its ranges (bits of 43 rays at 3 or 5 m, each range off by up to 2 cm as with a real scanner). After
+every animation frame the page reads it back from the pixels of the widget's canvases, or, of libraries that draw SVG, from the places of
+the elements: "painted" means the same for all. Where each bit is drawn is learned from scans that differ in that bit alone. Latency is from
+the call of `update` in the kernel to the end of the frame that shows the scan, by the machine's one clock, over the scans that were
+painted. Scans are handed over by a running cell. Bytes are those of all websocket messages that reach the page, at 10 Hz, per scan.
+CPU is that of the kernel's whole process, at 40 Hz, per `update`. Flooded means as many updates as the library takes; its newest scan counts
+as never shown after {patience:.0f} s. Imports are timed in fresh processes that have ipykernel, ipywidgets and NumPy loaded. Every
+library starts in a fresh kernel and page, {repeats} times in turn; figures are medians.
+
+{versions}
+"""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="one short repeat, to see that all works; writes nothing")
+    parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="libraries; writes nothing")
+    options = parser.parse_args()
+    repeats, seconds, long = (1, 1.0, 6.0) if options.quick else (3, 3.0, 60.0)
+    names = {name: measure.facts(name)["NAME"] for name in options.only}
+
+    imports = {name: measure.import_time(name, 2 * repeats + 1) for name in names}
+    collected: dict[str, list[measure.Figures]] = {name: [] for name in names}
+    with open_stage() as stage:
+        for repeat in range(repeats):
+            for name in names:
+                print(f"{names[name]}, {repeat + 1} of {repeats}", flush=True)
+                collected[name].append(measure.compare(stage, name, seconds))
+        rows = {
+            names[name]: {**vars(measure.middle(figures)), "imports": imports[name]}
+            for name, figures in collected.items()
+        }
+        parts = [ABOUT, "## Beside other libraries\n", table.figures(rows)]
+        if OURS in names:
+            parts += ["", table.ratios(rows, names[OURS])]
+            print("four widgets, and a long flood", flush=True)
+            paced, flooded = measure.four(stage, 2 * seconds)
+            first, last, late = measure.flood_long(stage, long, long / 6)
+            parts += ["\n## Four widgets at once\n", table.fours({"at 40 Hz": paced, "flooded": flooded})]
+            parts += [f"\n## Flooded for {long:.0f} s\n", table.endurance({"first sixth": first, "last sixth": last})]
+            parts += [f"\nIts newest scan was shown late by {late:.0f} ms."]
+        about = {"Chromium": stage.chromium, "Python": platform.python_version(), **versions()}
+    text = "\n".join(parts).format(
+        patience=measure.PATIENCE,
+        repeats=repeats,
+        versions=", ".join(f"{name} {version}" for name, version in about.items()) + ".",
+    )
+    print(text)
+    if OURS in names:
+        for line in table.misses(rows, names[OURS], measure.facts(LIMIT)["NAME"]):
+            print("missed:", line)
+    if not options.quick and tuple(options.only) == NAMES:
+        RESULTS.write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

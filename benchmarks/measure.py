@@ -1,0 +1,191 @@
+"""What is measured of one library, and of robowidgets alone."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from dataclasses import dataclass, fields
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+import psutil
+
+from .stage import ROOT, Run, Show, Stage
+
+RIVALS = Path(__file__).with_name("rivals")
+PATIENCE = 6.0
+"""Seconds after a flood until its last scan counts as never shown."""
+
+LOADED = "import ipykernel.kernelapp, ipywidgets, numpy"
+"""What every kernel with widgets and scans has loaded already, before the import is timed."""
+
+
+@dataclass
+class Figures:
+    """One library in one fresh kernel and page. Milliseconds, but for counts and bytes; NaN: never."""
+
+    first_paint: float
+    latency_10hz: float
+    latency_10hz_p95: float
+    latency_40hz: float
+    latency_40hz_p95: float
+    painted_40hz: float
+    cpu: float
+    bytes: float
+    flooded_painted: float
+    flooded_latency: float
+    flooded_late: float
+
+
+def facts(rival: str) -> dict[str, str]:
+    """The constants of a rival's module, without importing it."""
+    module = ast.parse((RIVALS / f"{rival}.py").read_text())
+    return {
+        node.targets[0].id: node.value.value
+        for node in module.body
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Name)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    }
+
+
+def compare(stage: Stage, rival: str, seconds: float) -> Figures:
+    """All figures of one library but its import, in a fresh notebook."""
+    with stage.show(rival, facts(rival).get("SVG")) as show:
+        first_paint = show.first_paint()
+        show.learn()
+        slow, fast = show.run(f"pace(10, {seconds})", PATIENCE), show.run(f"pace(40, {seconds})", PATIENCE)
+        flood = show.run(f"flood({2 * seconds / 3})", PATIENCE)
+    return Figures(
+        first_paint=first_paint,
+        latency_10hz=quantile(slow, 50),
+        latency_10hz_p95=quantile(slow, 95),
+        latency_40hz=quantile(fast, 50),
+        latency_40hz_p95=quantile(fast, 95),
+        painted_40hz=40 * painted_within(fast) / len(fast.stamps),
+        cpu=1000 * fast.cpu / len(fast.stamps),
+        bytes=float(slow.messages[:, 1].sum()) / len(slow.stamps),
+        flooded_painted=painted_within(flood) / flood.seconds,
+        flooded_latency=quantile(flood, 50),
+        flooded_late=late(flood),
+    )
+
+
+def quantile(run: Run, percent: float) -> float:
+    """A percentile of the latencies."""
+    return float(np.percentile(run.latencies, percent)) if len(run.painted) else float("nan")
+
+
+def painted_within(run: Run) -> int:
+    """How many scans were painted before the run ended, per view."""
+    views = len(np.unique(run.painted[:, 1])) or 1
+    return int((run.painted[:, 0] <= run.stamps[-1]).sum()) // views
+
+
+def late(run: Run) -> float:
+    """Milliseconds from the last `update` until its scan was on show everywhere; NaN if it never was."""
+    return float(run.painted[-1, 0] - run.stamps[-1]) if run.newest_shown else float("nan")
+
+
+def middle(repeats: list[Figures]) -> Figures:
+    """The median of each figure."""
+    return Figures(*(float(np.median([getattr(r, field.name) for r in repeats])) for field in fields(Figures)))
+
+
+def import_time(rival: str, repeats: int) -> float:
+    """Milliseconds of the imports of a rival's cell, in fresh processes that have what every kernel has."""
+    code = f"{LOADED}, time\ns = time.perf_counter()\nimport benchmarks.rivals.{rival}\nprint(time.perf_counter() - s)"
+    command = [sys.executable, "-c", code]
+    times = [subprocess.run(command, cwd=ROOT, capture_output=True, check=True).stdout for _ in range(repeats)]
+    return 1000 * median(map(float, times))
+
+
+@dataclass
+class Four:
+    """Four widgets at once."""
+
+    messages: int
+    """The most that came to the page within a second."""
+    painted: float
+    latency: float
+    latency_p95: float
+    newest_shown: bool
+    dropped: bool
+    """Whether the server said that it drops messages."""
+
+
+def four(stage: Stage, seconds: float) -> tuple[Four, Four]:
+    """Four laser widgets in one notebook: at 40 Hz each, and flooded."""
+    with stage.show("laser", count=4) as show:
+        show.first_paint()
+        show.learn()
+        runs = show.run(f"pace(40, {seconds})", PATIENCE), show.run(f"flood({seconds})", PATIENCE)
+    paced, flooded = (
+        Four(
+            messages=most_per_second(run.messages[:, 0]),
+            painted=painted_within(run) / run.seconds,
+            latency=quantile(run, 50),
+            latency_p95=quantile(run, 95),
+            newest_shown=run.newest_shown,
+            dropped=run.complaint,
+        )
+        for run in runs
+    )
+    return paced, flooded
+
+
+def most_per_second(times: np.ndarray) -> int:
+    """The largest number of events within any second; times in milliseconds, ascending."""
+    return int((np.searchsorted(times, times + 1000) - np.arange(len(times))).max())
+
+
+@dataclass
+class Endurance:
+    """A stretch of a long flood. Milliseconds and megabytes."""
+
+    painted: float
+    latency: float
+    latency_p95: float
+    page_heap: float
+    kernel: float
+    server: float
+
+
+def flood_long(stage: Stage, seconds: float, stretch: float) -> tuple[Endurance, Endurance, float]:
+    """A flood's first and last stretch, and how late its last scan was shown."""
+    with stage.show("laser") as show:
+        show.first_paint()
+        show.learn()
+        kernel = psutil.Process(int(show.notebook.python("import os; print(os.getpid())")))
+        show.start(f"flood({seconds})")
+        show.notebook.page.wait_for_timeout(1000 * stretch)
+        early = memory(show, kernel)
+        show.notebook.page.wait_for_timeout(1000 * (seconds - stretch - 1))
+        end = memory(show, kernel)
+        run = show.finish(PATIENCE)
+    times = run.painted[:, 0] - run.stamps[0]
+    stretches = (times < 1000 * stretch), (times >= 1000 * (seconds - stretch))
+    first, last = (
+        Endurance(
+            float(part.sum()) / stretch,
+            float(np.median(run.latencies[part])),
+            float(np.percentile(run.latencies[part], 95)),
+            *megabytes,
+        )
+        for part, megabytes in zip(stretches, (early, end), strict=True)
+    )
+    return first, last, late(run)
+
+
+def memory(show: Show, kernel: psutil.Process) -> tuple[float, float, float]:
+    """Megabytes of the page's JavaScript after a collection, and of the kernel's and the server's process."""
+    session = show.notebook.page.context.new_cdp_session(show.notebook.page)
+    session.send("HeapProfiler.collectGarbage")
+    heap = session.send("Runtime.getHeapUsage")["usedSize"]
+    session.detach()
+    server = kernel.parent()
+    assert server is not None
+    return heap / 1e6, kernel.memory_info().rss / 1e6, server.memory_info().rss / 1e6

@@ -1,0 +1,190 @@
+"""A JupyterLab, a Chromium, and for each measurement a fresh notebook with a fresh kernel in a fresh page."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import numpy as np
+from numpy.typing import NDArray
+from playwright.sync_api import sync_playwright
+
+from tests.browser import chromium
+from tests.browser.conftest import DRIVER
+from tests.browser.console import Console
+from tests.browser.notebook import Notebook
+from tests.browser.server import LabServer
+
+from .scan import BITS
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = Path(__file__).with_name("page.js")
+VIEW = ".jp-OutputArea-output.lm-Panel > .lm-Widget"
+
+
+@dataclass
+class Run:
+    """What one run was. Times are milliseconds since the epoch, by the clock of the machine."""
+
+    seconds: float
+    cpu: float
+    """Seconds of CPU that the kernel's process took, all its threads together."""
+    pid: int
+    first: int
+    """The number of the first scan."""
+    stamps: NDArray[np.float64]
+    """When each scan was handed over."""
+    painted: NDArray[np.float64]
+    """Rows of when, in which view, which number."""
+    messages: NDArray[np.float64]
+    """Rows of when, bytes."""
+    unread: int
+    """Frames whose picture said no number."""
+    newest_shown: bool
+    complaint: bool
+    """Whether anything was printed: the server's "IOPub message rate exceeded"."""
+
+    @property
+    def latencies(self) -> NDArray[np.float64]:
+        """Milliseconds from `update` to paint, of each scan that was painted."""
+        return self.painted[:, 0] - self.stamps[self.painted[:, 2].astype(int) - self.first]
+
+
+class Show:
+    """Widgets on show in a notebook, whose numbers the page reads back after every frame."""
+
+    def __init__(self, notebook: Notebook, svg: str | None) -> None:
+        self.notebook = notebook
+        self._page = notebook.page
+        self._svg = svg
+        self._folder = notebook.lab.files
+
+    def first_paint(self) -> float:
+        """Display the widgets; milliseconds from running the cell until dots are to be seen."""
+        cell = self.notebook.append("source.show()")
+        return float(
+            self._page.evaluate(
+                "([path, cell, view, svg]) => bench.firstPaint(() => driver.start(path, cell), view, svg)",
+                [self.notebook.path, cell, VIEW, self._svg],
+            )
+        )
+
+    def learn(self) -> None:
+        """Learn where the dots of every bit lie, and follow them from now on."""
+        self._page.evaluate("bench.learn(null)")
+        for bit in range(BITS):
+            self.notebook.python(f"source.put({1 << bit})")
+            self._page.evaluate("(bit) => bench.learn(bit)", bit)
+        self._page.evaluate("bench.follow()")
+
+    def run(self, call: str, patience: float = 0.0) -> Run:
+        """Run a method of the source in a cell; what the kernel and the page say of it.
+
+        Args:
+            call: such as "pace(40, 3)".
+            patience: seconds that the newest scan may take to be shown after the run.
+        """
+        self.start(call)
+        return self.finish(patience)
+
+    def start(self, call: str) -> None:
+        """Run a method of the source in a cell, and come back at once."""
+        for file in self._folder.glob("facts-*.json"):
+            file.unlink()
+        self._page.evaluate("bench.take()")
+        self._cell = self.notebook.append(f"source.{call}")
+        self._page.evaluate("([path, cell]) => driver.start(path, cell)", [self.notebook.path, self._cell])
+
+    def finish(self, patience: float = 0.0) -> Run:
+        """Wait until the started run has ended, and until its newest scan is shown, or patience is."""
+        while not (files := list(self._folder.glob("facts-*.json"))):
+            self._page.wait_for_timeout(50)
+        facts = json.loads(files[0].read_text())
+        stamps = np.load(self._folder / "stamps.npy") / 1e6
+        shown = self._page.evaluate("([n, ms]) => bench.comes(n, ms)", [facts["last"], 1000 * patience])
+        page = self._page.evaluate("bench.take()")
+        if abs(page["now"] - page["wall"]) > 5:
+            raise RuntimeError(f"the clock was set while the page was open: {page['now']} is {page['wall']}")
+        said = [output["name"] for output in self.notebook.outputs(self._cell) if output["output_type"] == "stream"]
+        return Run(
+            seconds=facts["seconds"],
+            cpu=facts["cpu"],
+            pid=facts["pid"],
+            first=facts["first"],
+            stamps=stamps,
+            painted=np.array([p for p in page["painted"] if facts["first"] <= p[2] <= facts["last"]]).reshape(-1, 3),
+            messages=np.array(page["messages"]).reshape(-1, 2),
+            unread=page["unread"],
+            newest_shown=shown,
+            complaint=bool(said),
+        )
+
+
+class Stage:
+    """Opens shows. One browser profile for the whole run, so that every page but the first has the browser's cache."""
+
+    def __init__(self, lab: LabServer, browser: Any) -> None:
+        self.lab = lab
+        self.chromium = browser.version
+        self._context = browser.new_context(viewport={"width": 1200, "height": 1000})
+        self._context.add_init_script(path=DRIVER)
+        self._context.add_init_script(path=PAGE)
+        self._opened = 0
+
+    @contextmanager
+    def show(self, rival: str, svg: str | None = None, count: int = 1) -> Iterator[Show]:
+        """A fresh notebook whose kernel has imported the library; its kernel ends with the block."""
+        self._opened += 1
+        path = f"{rival}-{self._opened}.ipynb"
+        kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+        cell = nbformat.v4.new_code_cell(f"from benchmarks.kernel import Source\nsource = Source({rival!r}, {count})")
+        nbformat.write(nbformat.v4.new_notebook(cells=[cell], metadata={"kernelspec": kernel}), self.lab.files / path)
+        page = self._context.new_page()
+        console = Console(page)
+        notebook = Notebook(page, self.lab, path, console)
+        try:
+            notebook.open()
+            notebook.run(0)
+            yield Show(notebook, svg)
+            for line in console.errors:
+                print(f"  {rival} complained: {line}")
+        finally:
+            page.close()
+            self.lab.end_sessions()
+
+
+@contextmanager
+def open_stage() -> Iterator[Stage]:
+    """Start the server and the browser, and end them with the block."""
+    os.environ["PYTHONPATH"] = str(ROOT)  # the kernels import `benchmarks`
+    with ExitStack() as stack:
+        home = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        lab = LabServer(home)
+        stack.callback(lab.stop)
+        browser = chromium.launch(stack.enter_context(sync_playwright()))
+        stack.callback(browser.close)
+        yield Stage(lab, browser)
+
+
+def versions() -> dict[str, str]:
+    """The versions of what takes part."""
+    names = (
+        "jupyterlab",
+        "ipykernel",
+        "ipywidgets",
+        "anywidget",
+        "ipympl",
+        "matplotlib",
+        "plotly",
+        "bqplot",
+        "bqplot-gl",
+    )
+    return {name: importlib.metadata.version(name) for name in names}

@@ -1,0 +1,112 @@
+"""The figures as Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import isnan
+
+from .measure import Endurance, Figures, Four
+
+COLUMNS = {
+    "first_paint": "cell to first paint, ms",
+    "latency_10hz": "latency at 10 Hz, ms",
+    "latency_10hz_p95": "p95",
+    "latency_40hz": "latency at 40 Hz, ms",
+    "latency_40hz_p95": "p95",
+    "painted_40hz": "painted per s of 40",
+    "cpu": "kernel CPU per update, ms",
+    "bytes": "bytes per scan",
+    "flooded_painted": "flooded: painted per s",
+    "flooded_latency": "latency, ms",
+    "flooded_late": "newest shown late by, ms",
+    "imports": "import, ms",
+}
+MORE_IS_BETTER = ("painted_40hz", "flooded_painted")
+LIMITS = {
+    "latency_10hz": 1.2,
+    "latency_10hz_p95": 1.2,
+    "latency_40hz": 1.2,
+    "latency_40hz_p95": 1.2,
+    "painted_40hz": 1.2,
+    "flooded_painted": 1.2,
+    "flooded_latency": 1.2,
+    "bytes": 1.1,
+}
+"""How many times the bare canvas's figure ours may be."""
+
+
+def figures(rows: Mapping[str, dict[str, float]]) -> str:
+    """What was measured, one line per library."""
+    body = [[name, *(say(row[column]) for column in COLUMNS)] for name, row in rows.items()]
+    return markdown(["", *COLUMNS.values()], body)
+
+
+def ratios(rows: Mapping[str, dict[str, float]], ours: str) -> str:
+    """How many times better robowidgets is in each figure, one line per other library."""
+    body = []
+    for name, row in rows.items():
+        if name != ours:
+            body.append([name, *(times(advantage(column, rows[ours], row)) for column in COLUMNS)])
+    return markdown(["robowidgets is better by", *COLUMNS.values()], body)
+
+
+def advantage(column: str, ours: dict[str, float], theirs: dict[str, float]) -> float:
+    """How many times better ours is; above 1 is better, inf where theirs never came to an end."""
+    mine, other = ours[column], theirs[column]
+    if isnan(mine) or isnan(other):
+        return float("nan") if isnan(mine) else float("inf")
+    more, less = (mine, other) if column in MORE_IS_BETTER else (other, mine)
+    return more / less if less else float("inf")
+
+
+def misses(rows: Mapping[str, dict[str, float]], ours: str, limit: str) -> list[str]:
+    """Each target that these figures miss, in words."""
+    found = []
+    for name, row in rows.items():
+        if name == ours:
+            continue
+        for column, title in COLUMNS.items():
+            least = 1 / LIMITS.get(column, float("inf")) if name == limit else 1.0
+            better = advantage(column, rows[ours], row)
+            if not better >= least:
+                found.append(f"{title} ({column}): {better:.2f} times as good as {name}, expected {least:.2f}")
+    return found
+
+
+def fours(parts: Mapping[str, Four]) -> str:
+    """Four widgets at once."""
+    titles = ["four laser widgets", "messages per s, at most", "painted per s each", "latency, ms", "p95"]
+    body = [
+        [name, say(f.messages), say(f.painted), say(f.latency), say(f.latency_p95), yes(f.newest_shown), yes(f.dropped)]
+        for name, f in parts.items()
+    ]
+    return markdown([*titles, "newest shown on each", "anything dropped"], body)
+
+
+def endurance(parts: Mapping[str, Endurance]) -> str:
+    """A long flood."""
+    titles = ["one laser widget, flooded", "painted per s", "latency, ms", "p95"]
+    memories = ["page's heap, MB", "kernel, MB", "server, MB"]
+    body = [[name, *map(say, vars(part).values())] for name, part in parts.items()]
+    return markdown([*titles, *memories], body)
+
+
+def markdown(head: Sequence[str], body: Iterable[Sequence[str]]) -> str:
+    """A table."""
+    lines = [head, ["---"] * len(head), *body]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def say(value: float) -> str:
+    """A figure in as many digits as it deserves."""
+    if isnan(value):
+        return "never"
+    return f"{value:.2f}" if abs(value) < 10 else f"{value:,.0f}".replace(",", "\u202f")
+
+
+def times(ratio: float) -> str:
+    return "never comes" if ratio == float("inf") else "missed" if isnan(ratio) else f"{ratio:.2f}"
+
+
+def yes(value: bool) -> str:
+    return "yes" if value else "no"
