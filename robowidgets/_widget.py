@@ -8,7 +8,6 @@ import os
 import struct
 import threading
 import time
-from collections import deque
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -17,6 +16,7 @@ import anywidget
 import traitlets
 
 from ._pacer import pacer
+from ._rate import RateMeter
 
 log = logging.getLogger("robowidgets")
 
@@ -69,7 +69,7 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
         self._newest: S | None = None
         self._newest_about: dict[str, Any] = {}
         self._sequence = 0
-        self._arrivals: deque[float] = deque(maxlen=40)
+        self._meter = RateMeter()
         self._changed = False
         self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
         self._storing = threading.RLock()
@@ -108,7 +108,7 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
             self._newest, self._newest_about = sample, about
             if counts:
                 self._sequence += 1
-                self._arrivals.append(time.monotonic())
+                self._meter.arrive(time.monotonic())
             self._changed = True
         pacer.mark(self)
 
@@ -129,12 +129,9 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
 
     @property
     def rate(self) -> float:
-        """Samples per second over the last ones that came; NaN until there are two."""
+        """Samples per second over the last seconds in which some came; NaN while nothing can be said."""
         with self._storing:
-            arrivals = list(self._arrivals)
-        if len(arrivals) < 2 or arrivals[-1] <= arrivals[0]:
-            return float("nan")
-        return (len(arrivals) - 1) / (arrivals[-1] - arrivals[0])
+            return self._meter.rate
 
     def send_newest(self) -> int:
         """Send the newest sample to the page; the pacer's call. Returns the bytes sent."""

@@ -1,0 +1,40 @@
+"""The pictures of the documentation, from the recording that the package ships; `make pictures` puts them there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+import pytest
+
+from .chromium import shoot
+from .notebook import Notebook
+
+WIDGETS = """
+import robowidgets
+from robowidgets import LaserWidget, SpeedWidget, TouchWidget
+
+recording = robowidgets.open(robowidgets.SAMPLE)
+bump = next(m.time_ns for m in recording.samples("/bumper") if any(m.sample.touched.values()))
+moment = (bump - recording.start_ns) / 1e9 + 0.3
+laser = LaserWidget(title="/scan", view_range="data")
+speed = SpeedWidget(title="/odom", planar=True)
+touch = TouchWidget(title="/bumper")
+for m in recording.samples(["/odom", "/cmd_vel", "/bumper"], start=0, end=moment):
+    {"/odom": speed.update, "/cmd_vel": speed.command, "/bumper": touch.update}[m.topic](m.sample)
+laser.update(recording.at("/scan", moment))
+laser.pinned = laser.scan.nearest().index
+"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
+    nb = notebook([WIDGETS, "laser", "speed", "touch", "recording.show()"], scale=2, theme=theme)
+    nb.resize(680)
+    nb.widget(1).locator(".rw-freeze").click()
+    nb.python("for i in range(37): laser.update(laser.scan)")
+    nb.widget(1).locator(".rw-number", has_text="37").wait_for()
+    for cell, name in ((1, "laser"), (2, "speed"), (3, "touch")):
+        shoot(nb.widget(cell).locator(".rw-card"), f"gallery-{name}-{theme}")
+    nb.resize(1180)
+    shoot(nb.output(4), f"gallery-recording-{theme}")
