@@ -15,7 +15,7 @@ PYTEST := .venv/bin/python -m pytest
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo setup build watch lab lint format test test-js test-unit test-notebooks test-docs test-wheel test-browser bench clean
+.PHONY: demo setup build watch lab lint format test test-js test-unit test-notebooks test-docs test-wheel test-browser bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -69,6 +69,14 @@ bench: build
 	scripts/chromium.sh
 	.venv/bin/pip install --quiet --group bench
 	.venv/bin/python -m benchmarks
+
+# Draws the pictures of the documentation anew; look at them before you commit them.
+pictures: build
+	scripts/chromium.sh
+	$(PYTEST) tests/browser/test_gallery.py
+	mkdir -p docs/images
+	for picture in tests/screenshots/gallery-*@2x.png; do \
+	  name=$${picture##*/gallery-}; cp "$$picture" "docs/images/$${name%@2x.png}.png"; done
 
 clean:
 	rm -rf .venv $(JS)/node_modules tests/browser/node_modules tests/screenshots robowidgets/static benchmarks/results
