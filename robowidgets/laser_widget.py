@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from math import isfinite
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import traitlets
 from ._widget import HEAD, RobotWidget, bundle
 from .messages import to_scan
 from .samples import Scan, Validity
+from .samples.scan import MAX_RAYS
 
 _GEOMETRY = struct.Struct("<5d")
 _FIELDS = (
@@ -21,38 +22,40 @@ _FIELDS = (
 )  # fmt: skip
 _MARKS = tuple(kind.name.lower() for kind in Validity if kind is not Validity.READING)
 
+FARTHEST = 100_000
+"""Metres; no picture reaches farther."""
+
 
 class ViewRange(traitlets.TraitType[Any, Any]):
     """How far the picture reaches: "sensor", "data", or metres above 0."""
 
-    info_text = '"sensor" (range_max), "data" (fit to the readings), or metres above 0'
+    info_text = f'"sensor" (range_max), "data" (fit to the readings), or metres above 0, {FARTHEST:,} at most'
 
     def validate(self, obj: Any, value: Any) -> str | float:
         """The setting, metres as a float."""
         if isinstance(value, str) and value in ("sensor", "data"):
             return value
-        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
-            metres = float(value)
-            if isfinite(metres) and 0 < metres <= 100_000:
-                return metres
-        self.error(obj, value)
-        raise AssertionError("unreachable")
+        metres = _metres(value)
+        if metres is None:
+            self.error(obj, value)
+        return metres
 
 
 class Distances(traitlets.TraitType[Any, Any]):
-    """Up to 50 distances in metres, each finite and above 0."""
+    """Up to 50 distances in metres above 0."""
 
-    info_text = "up to 50 distances in metres, each finite and above 0"
+    info_text = f"up to 50 distances in metres above 0, {FARTHEST:,} at most"
 
     def validate(self, obj: Any, value: Any) -> tuple[float, ...]:
         """The distances as floats."""
         try:
-            metres = tuple(float(v) for v in value)
-        except (TypeError, ValueError):
-            metres = (float("nan"),)
-        if len(metres) > 50 or not all(isfinite(v) and v > 0 for v in metres):
+            metres = [_metres(v) for v in value]
+        except TypeError:
+            metres = [None]
+        distances = tuple(v for v in metres if v is not None)
+        if len(metres) > 50 or len(distances) < len(metres):
             self.error(obj, value)
-        return metres
+        return distances
 
 
 class LaserWidget(RobotWidget[Scan]):
@@ -71,7 +74,8 @@ class LaserWidget(RobotWidget[Scan]):
         ray_count: radial lines that divide the swept angle in equal parts, 0 to 360; each says angle and index.
         view_range: "sensor", "data" or metres. The view writes it too, when a person zooms.
         forward: where the robot's forward is in the picture: "up", "left", "down" or "right".
-        angle_offset: radians added to every angle, for a scanner whose header lies about where it points.
+        angle_offset: radians added to every angle, within ±2 pi, for a scanner whose header lies about where it
+            points.
         marks: which rays without a reading are drawn: of "too_close", "nothing_in_range", "no_measurement",
             "outside_limits".
         color_by_intensity: whether the intensities colour the dots.
@@ -98,14 +102,22 @@ class LaserWidget(RobotWidget[Scan]):
     ray_count = traitlets.Int(9, min=0, max=360, help="Radial lines that divide the swept angle.").tag(sync=True)
     view_range = ViewRange("sensor", help="How far the picture reaches. Python and the view write it.").tag(sync=True)
     forward = traitlets.Enum(("up", "left", "down", "right"), "up", help="Where forward is.").tag(sync=True)
-    angle_offset = traitlets.Float(0.0, help="Radians added to every angle; finite.")
+    angle_offset = traitlets.Float(0.0, help="Radians added to every angle, within ±2 pi.")
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = traitlets.Bool(False, help="Whether intensities colour the dots.").tag(sync=True)
     hovered = traitlets.Int(
-        None, allow_none=True, min=0, help="Index of the ray under the pointer, or None. The view writes it."
+        None,
+        allow_none=True,
+        min=0,
+        max=MAX_RAYS,
+        help="Index of the ray under the pointer, or None. The view writes it.",
     ).tag(sync=True, echo_update=False)
     pinned = traitlets.Int(
-        None, allow_none=True, min=0, help="Index of the pinned ray, or None. Python and the view write it."
+        None,
+        allow_none=True,
+        min=0,
+        max=MAX_RAYS,
+        help="Index of the pinned ray, or None. Python and the view write it.",
     ).tag(sync=True)
 
     def update(self, message: Any = None, **fields: Any) -> None:
@@ -156,15 +168,32 @@ class LaserWidget(RobotWidget[Scan]):
         )
 
     @traitlets.validate("angle_offset")
-    def _finite_offset(self, proposal: Any) -> float:
+    def _in_radians(self, proposal: Any) -> float:
         offset = float(proposal["value"])
-        if not isfinite(offset):
-            raise traitlets.TraitError(f"angle_offset: expected a finite number of radians, got {offset!r}")
+        if not abs(offset) <= 2 * pi:
+            raise traitlets.TraitError(
+                f"angle_offset: expected radians within ±2 pi, got {offset!r}; math.radians() makes them of degrees"
+            )
         return offset
+
+    @traitlets.observe("angle_offset")
+    def _turn(self, change: Any) -> None:
+        """Turn the scan on show too: it may be the only one that comes."""
+        with self._storing:
+            if self._newest is not None:
+                self._show(self._newest.turned(change["new"] - change["old"]), self._newest_about, counts=False)
+
+
+def _metres(value: Any) -> float | None:
+    """A distance as a float; None for what is no number, not above 0, or absurdly far."""
+    is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    return float(value) if is_number and 0 < value <= FARTHEST else None
 
 
 def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
     """The message, or the fields given instead of one."""
+    if message is None and not fields:
+        raise TypeError(f"update() needs a message, or: {', '.join(_FIELDS)}")
     if message is None:
         unknown = _listed(name for name in fields if name not in _FIELDS)
         if unknown:

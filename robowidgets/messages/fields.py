@@ -34,7 +34,7 @@ def unwrap(message: Any) -> Any:
 
 
 def stamp_ns(message: Any, path: str = "header.stamp") -> int | None:
-    """Nanoseconds of a stamp; None when there is none or it was never set (0).
+    """Nanoseconds of a stamp; None when there is none, it was never set (0), or no clock can say it.
 
     rospy says ``secs`` and ``nsecs``, ROS 2 and rosbags ``sec`` and ``nanosec``.
     """
@@ -42,9 +42,10 @@ def stamp_ns(message: Any, path: str = "header.stamp") -> int | None:
     seconds = get(stamp, "sec", get(stamp, "secs", 0))
     nanoseconds = get(stamp, "nanosec", get(stamp, "nsecs", 0))
     try:
-        return (int(seconds) * 1_000_000_000 + int(nanoseconds)) or None
+        stamp = int(seconds) * 1_000_000_000 + int(nanoseconds)
     except (TypeError, ValueError, OverflowError):
         return None
+    return stamp if 0 < stamp < 2**63 else None
 
 
 def frame_id(message: Any) -> str:

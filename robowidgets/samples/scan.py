@@ -248,7 +248,7 @@ def number(name: str, value: Any) -> float:
         raise TypeError(f"{name}: expected a number, got {value!r}")
     try:
         return float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{name}: expected a number, got {_short(value)}") from None
 
 
@@ -266,7 +266,7 @@ def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
         given = np.asarray(values)
         with np.errstate(over="ignore"):
             array = given.astype(np.float32) if given.dtype.kind in "fiuO" else None
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = None
     if array is None:
         raise TypeError(f"{name}: expected a one-dimensional array of numbers, got {_short(values)}")
