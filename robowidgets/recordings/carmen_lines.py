@@ -22,8 +22,9 @@ WORDS = frozenset((*SPEEDS, *OLD_SCANS, *NEW_SCANS, ESTIMATE, "PARAM", "SYNC", "
 LONGEST = 80.0
 _SHORTEST = 0.01
 _STEPS = {180: 1.0, 181: 1.0, 360: 0.5, 361: 0.5, 400: 0.25, 401: 0.25}
-_CODES_FROM = 0.998
-_CODES_SHARE = 0.005
+_NOTHING = (8.187, 16.379, 32.763, 51.15)
+_NEAR = 0.02
+_SHARE = 1 / 200
 _LINES_LOOKED_AT = 100
 
 
@@ -96,23 +97,27 @@ def new_scan(line: bytes) -> Scan:
 def range_max_of(lines: Sequence[bytes]) -> float:
     """The longest range in metres of the scanner behind some FLASER or RLASER lines, which do not tell it.
 
-    80 m as in CARMEN; but where the log's greatest numbers come again and again (1 reading in 200), they are the
-    scanner's words for "nothing" (81.83, 51.15 or 32.77 m, by its scale), and it ends just below them.
+    80 m as in CARMEN; but where the greatest number of the log is one of those that such scanners send, by their scale,
+    for "nothing", and comes again and again (1 reading in 200), the range ends just below it.
     """
-    looked_at = []
+    seen = _some_ranges(lines)
+    longest = float(seen.max()) if seen.size else 0.0
+    for nothing in _NOTHING:
+        if abs(longest - nothing) < _NEAR and np.count_nonzero(seen > nothing - _NEAR) >= _SHARE * seen.size:
+            return round(nothing - _NEAR, 2)
+    return LONGEST
+
+
+def _some_ranges(lines: Sequence[bytes]) -> NDArray[np.float32]:
+    looked_at = [np.empty(0, np.float32)]
     for line in lines[:: max(len(lines) // _LINES_LOOKED_AT, 1)]:
         words = line.split()
         try:
             looked_at.append(_floats(words, 2, int(words[1])))
         except (ValueError, IndexError):
             continue
-    seen = np.concatenate(looked_at) if looked_at else np.empty(0, np.float32)
-    seen = seen[np.isfinite(seen)]
-    if not seen.size:
-        return LONGEST
-    codes_from = float(seen.max()) * _CODES_FROM
-    has_codes = np.count_nonzero(seen > codes_from) >= _CODES_SHARE * seen.size
-    return min(LONGEST, round(codes_from, 1)) if has_codes and codes_from > 1.0 else LONGEST
+    seen = np.concatenate(looked_at)
+    return seen[np.isfinite(seen)]
 
 
 def _words(line: bytes, least: int) -> list[bytes]:

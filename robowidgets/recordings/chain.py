@@ -26,17 +26,23 @@ class Chain:
         problems: Sequence[str] = (),
         on_close: Callable[[], object] | None = None,
     ) -> None:
+        self._named = tuple(sources)
         self._sources = [source for _, source in sources]
+        self._problems = tuple(problems)
         self._on_close = on_close
         counts: dict[Channel, int] = {}
         for channel in (channel for source in self._sources for channel in source.channels):
             counts[_same(channel)] = counts.get(_same(channel), 0) + channel.count
         self._ids = {same: number for number, same in enumerate(counts)}
         self.channels = tuple(same._replace(id=number, count=counts[same]) for same, number in self._ids.items())
-        told = [f"{name}: {line}" if name else line for name, source in sources for line in source.problems]
-        self.problems = (*problems, *told)
         self.start_ns = min((s.start_ns for s in self._sources if s.start_ns is not None), default=None)
         self.end_ns = max((s.end_ns for s in self._sources if s.end_ns is not None), default=None)
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What could not be read so far: a source may meet damage as late as when it is read."""
+        told = (f"{name}: {line}" if name else line for name, source in self._named for line in source.problems)
+        return (*self._problems, *told)
 
     def messages(
         self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None

@@ -113,9 +113,9 @@ def _open_log(path: Path, head: bytes) -> CarmenLog:
         problems = [] if whole else ["the file was cut off or is damaged: read what could be decompressed"]
     if any(word_of(line) for line in text.splitlines()):
         return CarmenLog(text, problems)
-    if not text:
+    if not head:
         raise RecordingError(f"{path.name}: the file is empty: expected {_EXPECTED}")
-    raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {kind(text[:64])}")
+    raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {kind(bytes(text[:64]) or head)}")
 
 
 def _gunzip(data: bytes) -> tuple[bytes, bool]:

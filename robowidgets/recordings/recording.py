@@ -7,10 +7,14 @@ from collections.abc import Iterable, Iterator
 from math import isfinite
 from pathlib import Path
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from .source import RecordingError
 from .table import as_html, as_text, heading
 from .timeline import Moment, Timeline, Topic
+
+if TYPE_CHECKING:
+    from .show import Player
 
 
 class UnknownTopicError(RecordingError, KeyError):
@@ -83,8 +87,11 @@ class Recording:
     @property
     def problems(self) -> tuple[str, ...]:
         """What was wrong so far, one line each: with the file, with a topic, with messages that could not be shown."""
-        empty = () if self.start_ns is not None else ("there is no message in it: nothing was recorded",)
-        return (*self._timeline.problems, *empty)
+        if self.start_ns is None:
+            return (*self._timeline.problems, "there is no message in it: nothing was recorded")
+        if not self._shown():
+            return (*self._timeline.problems, "none of its topics has a widget that shows it")
+        return self._timeline.problems
 
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
@@ -127,9 +134,29 @@ class Recording:
         self._check_open()
         return self._timeline.last(topic, self._time_ns("seconds", seconds))
 
+    def show(self, *topics: str) -> Player:
+        """The widgets that fit its topics, with a slider through its time, for the page.
+
+        They read the file by themselves: this recording may be read on, or closed.
+
+        Args:
+            *topics: names of the topics to show; none: all that have a widget.
+
+        Raises:
+            UnknownTopicError: it has no such topic, or one that no widget shows.
+            RecordingError: the file is not there any more.
+
+        Example:
+            >>> recording.show("/scan", "/odom")  # doctest: +SKIP
+        """
+        # Here, so that who only reads recordings needs no page.
+        from .show import Player
+
+        return Player(open(self.path), topics)
+
     def info(self) -> str:
         """The table of its topics, as text."""
-        return as_text(self._heading(), self.topics, self._lines())
+        return as_text(self._heading(), self.topics, self.problems)
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
@@ -148,14 +175,10 @@ class Recording:
         return self.info()
 
     def _repr_html_(self) -> str:
-        return as_html(self._heading(), self.topics, self._lines())
+        return as_html(self._heading(), self.topics, self.problems)
 
     def _heading(self) -> str:
         return heading(str(self.path), self.topics, self.duration, self.start_ns)
-
-    def _lines(self) -> tuple[str, ...]:
-        nothing = () if self._shown() or self.start_ns is None else ("no topic in it has a widget that shows it",)
-        return (*self.problems, *nothing)
 
     def _shown(self) -> dict[str, Topic]:
         return {topic.name: topic for topic in self.topics if topic.widget}

@@ -36,11 +36,13 @@ def open_mcap(path: Path) -> RosSource:
 
 def open_sqlite(path: Path) -> RosSource:
     """A ``.db3``. Raises as `open_bag`."""
+    _check(path)
     return RosSource(Sqlite3Reader(path), _times)
 
 
 def open_folder(path: Path) -> RosSource:
     """A folder with a ``metadata.yaml``. Raises as `open_bag`."""
+    _check(path)
     return RosSource(DirectoryReader(path), _times)
 
 
@@ -79,6 +81,12 @@ class RosSource:
         if self._open:
             self._open = False
             self._reader.close()
+
+
+def _check(path: Path) -> None:
+    # rosbags makes a URI of the path to a database, in which these stand for something else: perhaps another file.
+    if set("%?#") & set(str(path)):
+        raise RecordingError(f"{path}: rosbags opens no database whose path holds %, ? or #")
 
 
 def _times(reader: Any) -> tuple[int, int]:

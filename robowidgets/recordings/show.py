@@ -1,0 +1,169 @@
+"""A recording on the page: the widgets that fit its topics, and a slider through its time."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from html import escape
+from math import ceil, nan
+from typing import Any, NamedTuple
+
+import ipywidgets
+import numpy as np
+
+from ..laser_widget import LaserWidget
+from ..samples import Scan, Speed
+from ..speed_widget import SpeedWidget
+from ..touch_widget import TouchWidget
+from .recording import Recording
+from .timeline import Topic
+from .touch_history import TouchHistory
+
+TICK = 0.1
+"""Seconds of the recording, and of the clock on the wall, from one picture to the next while it plays."""
+
+_NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 1.0, notes=("no scan up to this time of the recording",))
+_NO_SPEED = Speed((nan, nan, nan), (nan, nan, nan))
+_EARLY = 0.1
+
+_WIDE = ipywidgets.Layout(display="flex", flex_flow="row wrap", align_items="flex-start", width="100%")
+_ORDER = ("laser", "speed", "touch")
+
+
+Seek = Callable[[float], None]
+"""Makes a widget show a topic at a time, in seconds from the start."""
+
+
+class View(NamedTuple):
+    """A widget, and by the name of each topic that it shows what makes it show a time of that."""
+
+    widget: Any
+    seeks: dict[str, Seek]
+
+
+class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """What `Recording.show` gives: the widgets for topics of a recording, and a slider for the time that they show.
+
+    Each widget shows the last sample at that time or before it; a commanded speed is a tick on the bars of the measured
+    one. `close` takes all of it off the page and closes the recording.
+
+    Args:
+        recording: what is shown. Nothing else may read it meanwhile.
+        topics: names of topics in it; none: all that have a widget.
+
+    Raises:
+        UnknownTopicError: it has no such topic, or one that no widget shows.
+    """
+
+    def __init__(self, recording: Recording, topics: Sequence[str] = ()) -> None:
+        self.recording = recording
+        self.views: tuple[View, ...] = ()
+        recording.samples(topics or None)
+        self.views = _views(recording, [t for t in recording.topics if t.widget and (not topics or t.name in topics)])
+        self._seeking = threading.Lock()
+        self.slider = ipywidgets.FloatSlider(
+            value=_first_look(recording, self.views),
+            max=max(recording.duration, TICK),
+            step=0.01,
+            description="Time (s)",
+            layout=ipywidgets.Layout(flex="1 1 200px", width="auto"),
+        )
+        self._play = ipywidgets.Play(max=ceil(recording.duration / TICK), interval=round(1000 * TICK))
+        self._play.observe(self._on_play, "value")
+        self.slider.observe(self._on_slide, "value")
+        controls = ipywidgets.Box([self._play, self.slider], layout=_WIDE)
+        lines = [ipywidgets.HTML(escape(line)) for line in recording.problems]
+        super().__init__([*lines, *([controls] if recording.duration else []), self._widgets()])
+        self._on_slide(None)
+
+    def seek(self, seconds: float) -> None:
+        """Show a time, in seconds from the start of the recording."""
+        self.slider.value = seconds
+
+    def close(self) -> None:
+        """Take it off the page and close the recording."""
+        for view in self.views:
+            view.widget.close()
+        super().close()
+        self.recording.close()
+
+    def _widgets(self) -> ipywidgets.Box:
+        for view in self.views:
+            view.widget.layout = ipywidgets.Layout(flex="1 1 340px", min_width="min(100%, 300px)", margin="4px")
+        return ipywidgets.Box([view.widget for view in self.views], layout=_WIDE)
+
+    def _on_slide(self, _change: Any) -> None:
+        seconds = self.slider.value
+        # Moves of the slider may come in a thread of their own while a cell runs.
+        with self._seeking:
+            for view in self.views:
+                for seek in view.seeks.values():
+                    seek(seconds)
+        if self._apart():
+            self._play.value = round(seconds / TICK)
+
+    def _on_play(self, _change: Any) -> None:
+        if self._apart():
+            self.slider.value = min(self._play.value * TICK, self.slider.max)
+
+    def _apart(self) -> bool:
+        """Whether playing and slider are at different times: the finer steps of the slider do not count."""
+        return bool(abs(self._play.value * TICK - self.slider.value) > 0.6 * TICK)
+
+
+def _views(recording: Recording, topics: Iterable[Topic]) -> tuple[View, ...]:
+    """Lasers, then speeds, then touches. The first commanded speed goes to the measured ones, if there are any."""
+    ordered = sorted(topics, key=lambda topic: _ORDER.index(str(topic.widget)))
+    measured = [topic for topic in ordered if topic.widget == "speed" and not topic.commanded]
+    command = next((topic.name for topic in ordered if topic.commanded), "") if measured else ""
+    return tuple(_view(recording, topic, command) for topic in ordered if topic.name != command)
+
+
+def _view(recording: Recording, topic: Topic, command: str) -> View:
+    name = topic.name
+    if topic.widget == "laser":
+        laser = LaserWidget(title=name)
+        return View(laser, {name: _newest(recording, name, laser.update, _NO_SCAN)})
+    if topic.widget == "touch":
+        touch = TouchWidget(title=name)
+        return View(touch, {name: _replay(recording, name, touch)})
+    if topic.commanded or not command:
+        speed = SpeedWidget(title=name)
+        return View(speed, {name: _newest(recording, name, speed.update, _NO_SPEED)})
+    speed = SpeedWidget(title=name, command_title=command)
+    seeks = {
+        name: _newest(recording, name, speed.update, _NO_SPEED),
+        command: _newest(recording, command, speed.command, _NO_SPEED),
+    }
+    return View(speed, seeks)
+
+
+def _newest(recording: Recording, topic: str, update: Callable[[Any], None], nothing: Any) -> Seek:
+    """Hands on the sample of a time, when it is another one than before."""
+    before: list[int | None] = [-1]
+
+    def seek(seconds: float) -> None:
+        moment = recording.at(topic, seconds)
+        time_ns = moment.time_ns if moment else None
+        if time_ns != before[0]:
+            before[0] = time_ns
+            update(moment.sample if moment else nothing)
+
+    return seek
+
+
+def _replay(recording: Recording, topic: str, widget: TouchWidget) -> Seek:
+    history = TouchHistory(recording, topic)
+
+    def seek(seconds: float) -> None:
+        time_ns = (recording.start_ns or 0) + round(seconds * 1e9)
+        widget.show(history.at(time_ns), time_ns)
+
+    return seek
+
+
+def _first_look(recording: Recording, views: Iterable[View]) -> float:
+    """The earliest time at which every topic that starts early has something to show."""
+    firsts = (next(recording.samples(topic), None) for view in views for topic in view.seeks)
+    seconds = [(first.time_ns - (recording.start_ns or 0)) / 1e9 for first in firsts if first]
+    return max((s for s in seconds if s <= _EARLY * recording.duration), default=0.0)

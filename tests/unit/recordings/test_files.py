@@ -1,0 +1,138 @@
+"""What a path is, and what is said when it is nothing."""
+
+from __future__ import annotations
+
+import gzip
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from robowidgets.recordings import RecordingError, open
+
+from .written import Message, messages, write_bag, write_db3, write_indexed_mcap
+
+LOG = b"\n".join(f"ODOM 1 2 0.5 0.{i} 0.1 0 {i}.0 host {i}.0".encode() for i in range(9)) + b"\n"
+
+
+def read_count(path: Path) -> dict[str, int]:
+    with open(path) as recording:
+        return {topic.name: topic.count for topic in recording.topics}
+
+
+@pytest.mark.parametrize("name", ["drive.bag", "drive.recorded", "a folder/drive #1%.bag"])
+def test_a_bag_is_known_by_its_content(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.parent.mkdir(exist_ok=True)
+    assert read_count(write_bag(path, messages(30))) == {"/scan": 20, "/cmd_vel": 10}
+
+
+@pytest.mark.parametrize("write", [write_db3, write_indexed_mcap])
+@pytest.mark.parametrize("name", ["drive", "drive #1", "drive%20a", "drive?"])
+def test_files_of_ros_2_are_read_alone_and_as_folders(
+    tmp_path: Path, write: Callable[[Path, list[Message]], Path], name: str
+) -> None:
+    written = write(tmp_path / "written", messages(30))
+    path = written.parent.rename(tmp_path / name) / written.name
+    expected = {"/scan": 20, "/cmd_vel": 10}
+    assert read_count(path) == read_count(path.parent) == read_count(path.parent / "metadata.yaml") == expected
+    (path.parent / "metadata.yaml").unlink()
+    assert read_count(path.parent) == expected
+    lone = path.rename(tmp_path / "renamed.data")
+    assert read_count(lone) == expected
+
+
+def test_split_files_are_one_recording(tmp_path: Path) -> None:
+    held = messages(60)
+    folder = tmp_path / "split"
+    folder.mkdir()
+    for number, part in enumerate((held[:30], held[30:])):
+        shutil.copy(write_db3(tmp_path / f"part{number}", part), folder / f"split_{number}.db3")
+    with open(folder) as recording:
+        assert {topic.name: topic.count for topic in recording.topics} == {"/scan": 40, "/cmd_vel": 20}
+        assert (recording.start_ns, recording.end_ns) == (held[0][1], held[-1][1])
+
+
+@pytest.mark.parametrize("name", ["drive.log", "drive.clf", "drive.log.gz", "drive.clf.gz", "drive"])
+def test_a_carmen_log_is_read_gzipped_or_not(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(gzip.compress(LOG) if name.endswith(".gz") else LOG)
+    assert read_count(path) == {"ODOM": 9}
+
+
+def test_a_log_whose_compression_was_cut_gives_what_it_holds(tmp_path: Path) -> None:
+    path = tmp_path / "cut.log.gz"
+    text = b"".join(f"ODOM 1 2 0.5 0.1 0.1 0 {i}.{i * i} host {i}.{i * i}\n".encode() for i in range(5000))
+    path.write_bytes(gzip.compress(text)[:-2000])
+    with open(path) as recording:
+        assert 1000 < recording.topics[0].count < 5000
+        assert recording.problems[0] == "the file was cut off or is damaged: read what could be decompressed"
+
+
+def test_a_path_may_be_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_bag(tmp_path / "drive.bag", messages(3))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    with open("~/drive.bag") as recording:
+        assert recording.path == tmp_path / "drive.bag"
+    with pytest.raises(TypeError, match=r"expected str, bytes or os\.PathLike object, not int$"):
+        open(7)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "text"),
+    [
+        ("empty.log", b"", "empty.log: the file is empty: expected a ROS bag (.bag)"),
+        ("notes.log", b"It rained.\n", "notes.log: expected a ROS bag (.bag)"),
+        ("notes.txt", b"It rained.\n", "got text that starts with 'It rained.'"),
+        ("photo.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF", "got bytes that start with ff d8 ff e0"),
+        ("drive.zip", b"PK\x03\x04\0\0", "got a zip archive"),
+        ("drive.gz", gzip.compress(b"It rained."), "drive.gz: expected a ROS bag"),
+        ("drive.gz", b"\x1f\x8b\x08nonsense", "got gzip data"),
+        (
+            "drive.bag",
+            b"It rained.\n",
+            "drive.bag: expected a ROS 1 bag of format 2.0, got text that starts with 'It rained.'",
+        ),
+        ("drive.mcap", b"It rained.\n", "drive.mcap: expected an MCAP file, got text that starts with 'It rained.'"),
+        ("drive.db3", b"It rained.\n", "drive.db3: expected a rosbag2 database (.db3), got text"),
+        ("drive.bag", b"", "drive.bag: the file is empty (0 bytes)"),
+    ],
+)
+def test_a_file_that_is_no_recording_is_named_for_what_it_is(
+    tmp_path: Path, name: str, content: bytes, text: str
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(RecordingError) as caught:
+        open(tmp_path / name)
+    assert text in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_path_to_nothing_says_so(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"missing\.bag: no such file or folder"):
+        open(tmp_path / "missing.bag")
+
+
+def test_a_folder_without_a_recording_names_what_it_holds(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"expected \.db3, \.mcap or \.bag files, got nothing"):
+        open(tmp_path)
+    (tmp_path / "notes.txt").write_text("It rained.")
+    with pytest.raises(RecordingError, match=r"got notes\.txt"):
+        open(tmp_path)
+
+
+def test_a_folder_whose_files_are_all_lost_says_why(tmp_path: Path) -> None:
+    (tmp_path / "metadata.yaml").write_text("no: metadata")
+    (tmp_path / "drive_0.db3").write_bytes(b"It rained.")
+    with pytest.raises(RecordingError, match=r"drive_0\.db3: expected a rosbag2 database"):
+        open(tmp_path)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
+def test_a_file_that_may_not_be_read_says_so(tmp_path: Path) -> None:
+    path = write_bag(tmp_path / "drive.bag", messages(3))
+    path.chmod(0)
+    with pytest.raises(RecordingError, match="Permission denied"):
+        open(path)

@@ -1,0 +1,231 @@
+"""`Recording`: what a person asks of it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from robowidgets import Scan, Speed, Touch
+from robowidgets.recordings import Moment, Recording, RecordingError, Topic, UnknownTopicError, open
+from robowidgets.recordings.timeline import Timeline
+
+from . import robot
+
+S = 1_000_000_000
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return robot.write(tmp_path_factory.mktemp("recordings") / "drive")
+
+
+@pytest.fixture
+def recording(path: Path) -> Iterator[Recording]:
+    with open(path) as recording:
+        yield recording
+
+
+class Written(Timeline):
+    """A timeline that holds no sample, only words."""
+
+    def __init__(
+        self, topics: tuple[Topic, ...] = (), problems: tuple[str, ...] = (), start_ns: int | None = 0
+    ) -> None:
+        self._told = (topics, problems, start_ns)
+
+    topics = property(lambda self: self._told[0])
+    problems = property(lambda self: self._told[1])
+    start_ns = property(lambda self: self._told[2])
+    end_ns = property(lambda self: self._told[2])
+
+
+def seconds(moments: object) -> list[float]:
+    return [(m.time_ns - robot.START_NS) / S for m in moments]  # type: ignore[attr-defined]
+
+
+class TestTopics:
+    def test_tell_type_count_rate_and_widget(self, recording: Recording) -> None:
+        told = {t.name: (t.type, t.count, t.rate and round(t.rate, 1), t.widget, t.commanded) for t in recording.topics}
+        assert told == {
+            "/scan": ("sensor_msgs/msg/LaserScan", 100, 9.9, "laser", False),
+            "/odom": ("nav_msgs/msg/Odometry", 100, 9.9, "speed", False),
+            "/cmd_vel": ("geometry_msgs/msg/Twist", 50, 4.9, "speed", True),
+            "/bumper": ("kobuki_ros_interfaces/msg/BumperEvent", 4, 0.3, "touch", False),
+            "/log": ("std_msgs/msg/String", 1, None, None, False),
+        }
+
+    def test_span_the_time_of_the_recording(self, recording: Recording, path: Path) -> None:
+        assert (recording.start_ns, recording.end_ns) == (robot.START_NS, robot.START_NS + 10 * S)
+        assert recording.duration == 10.0
+        assert recording.path == path
+        assert recording.problems == ()
+
+
+class TestSamples:
+    def test_come_in_the_order_of_time_with_their_topic(self, recording: Recording) -> None:
+        moments = list(recording.samples())
+        assert len(moments) == 254
+        assert seconds(moments) == sorted(seconds(moments))
+        kinds = {m.topic: type(m.sample) for m in moments}
+        assert kinds == {"/scan": Scan, "/odom": Speed, "/cmd_vel": Speed, "/bumper": Touch}
+        assert isinstance(moments[0], Moment)
+
+    def test_of_one_topic_or_several(self, recording: Recording) -> None:
+        assert {m.topic for m in recording.samples("/bumper")} == {"/bumper"}
+        assert {m.topic for m in recording.samples(["/bumper", "/scan", "/scan"])} == {"/bumper", "/scan"}
+        assert len(list(recording.samples(["/scan", "/scan"]))) == 100
+        assert list(recording.samples([])) == []
+
+    def test_of_a_part_of_the_time_the_end_not_included(self, recording: Recording) -> None:
+        assert seconds(recording.samples("/scan", 2.0, 2.3)) == [2.0, 2.1, 2.2]
+        assert seconds(recording.samples("/scan", end=0.2)) == [0.0, 0.1]
+        assert seconds(recording.samples("/scan", start=9.75)) == [9.8, 9.9]
+        assert seconds(recording.samples("/scan", start=-5, end=0.1)) == [0.0]
+
+    def test_are_the_numbers_that_were_sent(self, recording: Recording) -> None:
+        scan, speed = (next(recording.samples(topic, 1.0)).sample for topic in ("/scan", "/odom"))
+        assert isinstance(scan, Scan)
+        assert scan.ranges.tolist() == [pytest.approx(1.1)]
+        assert scan.stamp_ns == robot.START_NS + S
+        assert isinstance(speed, Speed)
+        assert (speed.linear[0], speed.frame_id) == (0.1, "base_link")
+
+    def test_that_cannot_be_shown_are_left_out_and_told(self, tmp_path: Path) -> None:
+        with open(robot.write(tmp_path / "bad", bad_scan_at=33)) as recording:
+            assert recording.problems == ()
+            for _ in range(2):
+                assert len(list(recording.samples("/scan"))) == 99
+            assert recording.problems == (
+                "/scan: messages that cannot be shown are left out, the first at 3.30 s: range_max: expected metres "
+                "above range_min (30), got 0.1; are the two swapped?",
+            )
+            at = recording.at("/scan", 3.35)
+            assert at is not None
+            assert seconds([at]) == [3.2]
+
+    def test_may_be_asked_for_while_others_are_read(self, recording: Recording) -> None:
+        first, second = recording.samples("/scan"), recording.samples("/scan", 5.0)
+        assert [seconds([next(first), next(second)]) for _ in range(2)] == [[0.0, 5.0], [0.1, 5.1]]
+        at = recording.at("/odom", 8.0)
+        assert at is not None
+        assert seconds([at, next(first)]) == [8.0, 0.2]
+
+
+class TestAt:
+    @pytest.mark.parametrize(
+        ("topic", "asked", "expected"),
+        [
+            ("/scan", 0.0, 0.0), ("/scan", 4.55, 4.5), ("/scan", 9.9, 9.9), ("/scan", 99.0, 9.9), ("/scan", -0.1, None),
+            ("/bumper", 1.99, None), ("/bumper", 2.0, 2.0), ("/bumper", 5.9, 3.0), ("/bumper", 10.0, 7.0),
+            ("/cmd_vel", 4.99, None),
+        ],
+    )  # fmt: skip
+    def test_is_the_last_sample_up_to_a_time(
+        self, recording: Recording, topic: str, asked: float, expected: float | None
+    ) -> None:
+        moment = recording.at(topic, asked)
+        assert (moment and seconds([moment])[0]) == expected
+
+    def test_agrees_with_reading_all_of_it(self, recording: Recording) -> None:
+        for topic in ("/scan", "/bumper"):
+            for moment in recording.samples(topic):
+                assert recording.at(topic, seconds([moment])[0]).time_ns == moment.time_ns  # type: ignore[union-attr]
+
+    def test_reads_no_more_than_it_needs(self, recording: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+        timeline = recording._timeline
+        reads: list[int] = []
+        readers = timeline._reads  # type: ignore[attr-defined]
+        monkeypatch.setattr(
+            timeline, "_reads", {i: lambda raw, r=r: (reads.append(1), r(raw))[1] for i, r in readers.items()}
+        )
+        recording.at("/scan", 9.0)
+        recording.at("/bumper", 10.0)
+        assert len(reads) == 2
+
+
+class TestErrors:
+    def test_name_the_topics_there_are(self, recording: Recording) -> None:
+        for ask in (
+            lambda: recording.samples("/scam"),
+            lambda: recording.at("/scam", 1),
+            lambda: recording.show("/scam"),
+        ):
+            with pytest.raises(UnknownTopicError) as caught:
+                ask()
+            assert str(caught.value) == (
+                "drive has no topic '/scam': those that a widget shows are /scan, /odom, /cmd_vel, /bumper"
+            )
+        assert isinstance(caught.value, KeyError)
+        assert isinstance(caught.value, RecordingError)
+
+    def test_say_why_a_topic_is_not_shown(self, recording: Recording) -> None:
+        with pytest.raises(UnknownTopicError, match=r"'/log' cannot be shown \(no widget shows std_msgs/msg/String\)"):
+            recording.samples(["/scan", "/log"])
+        topic = Topic("/odd", "my_msgs/msg/Odd", 1, None, None, False, "no definition of its messages")
+        with pytest.raises(UnknownTopicError, match=r"\(no definition of its messages\): those that can are none$"):
+            Recording(Path("drive"), Written((topic,))).at("/odd", 0)
+
+    @pytest.mark.parametrize("value", [float("nan"), float("inf")])
+    def test_name_a_time_that_is_none(self, recording: Recording, value: float) -> None:
+        with pytest.raises(ValueError, match="seconds: expected seconds from the start of the recording, got"):
+            recording.at("/scan", value)
+        with pytest.raises(ValueError, match="end: expected seconds"):
+            recording.samples("/scan", end=value)
+
+    def test_say_that_it_is_closed(self, path: Path) -> None:
+        with open(path) as recording:
+            pass
+        recording.close()
+        for ask in (lambda: recording.samples("/scan"), lambda: recording.at("/scan", 1)):
+            with pytest.raises(RecordingError, match="drive is closed: open it again"):
+                ask()
+        assert len(recording.topics) == 5
+
+
+class TestItsTable:
+    def test_is_what_printing_shows(self, recording: Recording) -> None:
+        head, names, *rows = repr(recording).splitlines()
+        assert head == f"{recording.path}: 10.0 s, from 2023-11-14 22:13:20 UTC, 5 topics, 255 messages"
+        assert names.split() == ["topic", "type", "messages", "Hz", "widget"]
+        assert rows[2].split() == ["/cmd_vel", "geometry_msgs/msg/Twist", "50", "4.9", "speed", "(commanded)"]
+        assert rows[4].split() == ["/log", "std_msgs/msg/String", "1"]
+        assert recording.info() == repr(recording)
+
+    def test_tells_what_is_wrong(self) -> None:
+        topic = Topic("/odd", "my_msgs/msg/Odd", 1200, None, None, False, "no definition")
+        text = Recording(Path("drive"), Written((topic,), ("/odd: no definition",))).info()
+        assert text.splitlines()[2:] == [
+            "  /odd   my_msgs/msg/Odd     1,200      unreadable",
+            "! /odd: no definition",
+            "! none of its topics has a widget that shows it",
+        ]
+
+    def test_of_nothing_says_so(self) -> None:
+        recording = Recording(Path("drive"), Written(start_ns=None))
+        assert recording.duration == 0.0
+        assert (
+            repr(recording) == "drive: 0.0 s, 0 topics, 0 messages\n! there is no message in it: nothing was recorded"
+        )
+
+    def test_in_a_notebook_is_a_table_without_markup_from_the_file(self, recording: Recording) -> None:
+        html = recording._repr_html_()
+        assert html.count("<tr>") == 6
+        assert '<td style="text-align:left">/scan</td>' in html
+        evil = "<script>alert('x')</script>&"
+        topic = Topic(evil, evil, 1, None, None, False, evil)
+        html = Recording(Path(evil), Written((topic,), (evil,)))._repr_html_()
+        assert "<script" not in html
+        assert html.count("&lt;script&gt;alert(&#x27;x&#x27;)&lt;/script&gt;&amp;") == 4
+
+
+def test_reading_a_recording_needs_no_page_and_importing_robowidgets_no_reader(path: Path) -> None:
+    code = (
+        "import sys; from robowidgets.recordings import open; assert 'rosbags' not in sys.modules; "
+        f"recording = open({str(path)!r}); assert len(list(recording.samples())) == 254; "
+        "assert 'rosbags' in sys.modules and 'robowidgets.recordings.show' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,0 +1,95 @@
+"""Messages from bytes, whatever definition a file holds of them."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import pytest
+
+from robowidgets.recordings.ros_types import RosTypes
+from robowidgets.recordings.source import Channel, RecordingError
+
+
+def channel(name: str, definition: str = "", encoding: str = "cdr") -> Channel:
+    return Channel(1, "/topic", name, encoding, definition, 1)
+
+
+def read(raw: bytes, name: str, definition: str = "", encoding: str = "cdr") -> Any:
+    return RosTypes().decoder(channel(name, definition, encoding))(raw)
+
+
+def test_a_type_is_read_by_the_definition_in_the_file() -> None:
+    message = read(b"\0\1\0\0\x07\x09", "my_msgs/msg/Pair", "uint8 first\nuint8 second\n")
+    assert (message.first, message.second) == (7, 9)
+
+
+def test_a_type_without_a_definition_is_read_by_ours() -> None:
+    message = read(b"\0\1\0\0\x02\x01", "kobuki_ros_interfaces/msg/BumperEvent")
+    assert (message.bumper, message.state) == (2, 1)
+
+
+def test_a_type_without_a_definition_is_read_by_that_of_ros() -> None:
+    assert read(b"\0\1\0\0\x01", "std_msgs/msg/Bool").data is True
+    header = struct.pack("<IIII", 5, 1, 2, 3) + b"map"
+    assert read(header, "std_msgs/msg/Header", encoding="ros1").frame_id == "map"
+
+
+def test_what_a_definition_uses_and_leaves_out_is_that_of_ros() -> None:
+    message = read(b"\0\1\0\0" + struct.pack("<3d", 1, 2, 3), "my_msgs/msg/Push", "geometry_msgs/Vector3 force\n")
+    assert message.force.z == 3.0
+
+
+def test_constants_are_no_fields_however_they_are_named() -> None:
+    definition = "uint8 Button0 = 0\nuint8 Button1 = 1\nstring NAME=#1 = one\n\nuint8 button\nuint8 state\n"
+    message = read(b"\x01\x01", "kobuki_msgs/msg/ButtonEvent", definition, "ros1")
+    assert (message.button, message.state) == (1, 1)
+
+
+def test_definitions_from_windows_and_in_idl_are_read() -> None:
+    assert read(b"\0\1\0\0\x07", "my_msgs/msg/One", "# one\r\nuint8 value\r\n").value == 7
+    idl = "=" * 80 + "\nIDL: my_msgs/msg/One\nmodule my_msgs { module msg { struct One { uint8 value; }; }; };\n"
+    assert read(b"\0\1\0\0\x07", "my_msgs/msg/One", idl).value == 7
+
+
+def test_a_definition_that_cannot_be_understood_gives_way_to_a_known_one() -> None:
+    assert read(b"\0\1\0\0\x01", "std_msgs/msg/Bool", "this is --- no definition").data is True
+
+
+def test_two_definitions_of_one_type_in_a_file_each_hold_for_their_own() -> None:
+    types = RosTypes()
+    short = types.decoder(channel("my_msgs/msg/Point", "uint8 x\n"))
+    long = types.decoder(channel("my_msgs/msg/Point", "uint16 x\n"))
+    assert (short(b"\0\1\0\0\x07").x, long(b"\0\1\0\0\x07\x01").x) == (7, 263)
+
+
+def test_a_message_that_was_compressed_by_itself_is_read() -> None:
+    from robowidgets.recordings.salvage.inflate import zstd
+
+    assert read(zstd.compress(b"\0\1\0\0\x01"), "std_msgs/msg/Bool").data is True
+
+
+@pytest.mark.parametrize("definition", ["", "int64 a\n---\nint64 sum\n"])
+def test_a_type_that_nobody_knows_is_refused(definition: str) -> None:
+    with pytest.raises(RecordingError, match="nor among those that are known"):
+        RosTypes().decoder(channel("led_array_msgs/msg/Status", definition))
+    with pytest.raises(RecordingError, match="nor among those that are known"):
+        RosTypes().shape(channel("led_array_msgs/msg/Status", definition))
+
+
+@pytest.mark.parametrize("raw", [b"", b"\0\1\0\0", b"\xff" * 40, b"\0\1\0\0" + b"\xff" * 30])
+def test_bytes_that_are_no_such_message_are_refused_in_a_line(raw: bytes) -> None:
+    with pytest.raises(RecordingError, match=r"^\d+ bytes that are no sensor_msgs/msg/LaserScan: ") as caught:
+        read(raw, "sensor_msgs/msg/LaserScan")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_shape_names_every_field_down_to_the_numbers() -> None:
+    definition = "std_msgs/Header header\nfloat32[] ranges\nfloat64[36] covariance\ngeometry_msgs/Point[] points\n"
+    shape = RosTypes().shape(channel("my_msgs/msg/All", definition))
+    assert shape == {
+        "header": {"stamp": "Time", "frame_id": "string"},
+        "ranges": "float32[]",
+        "covariance": "float64[36]",
+        "points": "geometry_msgs/msg/Point[]",
+    }

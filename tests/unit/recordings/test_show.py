@@ -1,0 +1,176 @@
+"""A recording on the page: which widgets, and what they show at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import isnan
+from pathlib import Path
+
+import pytest
+
+from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
+from robowidgets.recordings import Recording, open
+from robowidgets.recordings.show import Player
+from robowidgets.recordings.touch_history import TouchHistory
+from robowidgets.touch_tracker import TouchTracker
+
+from . import robot
+
+S = 1_000_000_000
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return robot.write(tmp_path_factory.mktemp("recordings") / "drive")
+
+
+@contextmanager
+def shown(path: Path, *topics: str) -> Iterator[Player]:
+    with open(path) as recording:
+        player = recording.show(*topics)
+    yield player
+    player.close()
+
+
+@pytest.fixture
+def player(path: Path) -> Iterator[Player]:
+    with shown(path) as player:
+        yield player
+
+
+def widgets(player: Player) -> dict[tuple[str, ...], str]:
+    return {tuple(view.seeks): type(view.widget).__name__ for view in player.views}
+
+
+def widget(player: Player, kind: type) -> object:
+    return next(view.widget for view in player.views if isinstance(view.widget, kind))
+
+
+def test_each_topic_gets_its_widget_and_a_command_the_bars_of_the_measured_speed(player: Player) -> None:
+    assert widgets(player) == {
+        ("/scan",): "LaserWidget",
+        ("/odom", "/cmd_vel"): "SpeedWidget",
+        ("/bumper",): "TouchWidget",
+    }
+    assert [(v.widget.title, getattr(v.widget, "command_title", "")) for v in player.views] == [
+        ("/scan", ""), ("/odom", "/cmd_vel"), ("/bumper", "")
+    ]  # fmt: skip
+
+
+def test_topics_may_be_chosen_and_a_command_alone_has_bars_of_its_own(path: Path) -> None:
+    with shown(path, "/cmd_vel", "/bumper") as player:
+        assert widgets(player) == {("/cmd_vel",): "SpeedWidget", ("/bumper",): "TouchWidget"}
+        player.seek(7.0)
+        assert widget(player, SpeedWidget).speed.linear[0] == 0.7  # type: ignore[attr-defined]
+
+
+def test_every_widget_shows_the_time_of_the_slider_forth_and_back(player: Player) -> None:
+    laser, speed, touch = (widget(player, kind) for kind in (LaserWidget, SpeedWidget, TouchWidget))
+    for seconds in (6.55, 2.95, 9.9, 0.0):
+        player.slider.value = seconds
+        i = int(seconds * 10)
+        assert laser.scan.ranges.tolist() == [pytest.approx(1 + i / 100)]  # type: ignore[attr-defined]
+        assert speed.speed.linear[0] == i / 100  # type: ignore[attr-defined]
+        commanded = speed.commanded.linear[0]  # type: ignore[attr-defined]
+        assert commanded == i / 100 if i >= 50 else isnan(commanded)
+        expected = {6.55: (TouchState.TOUCHED, 2), 2.95: (TouchState.TOUCHED, 1), 9.9: (TouchState.FREE, 2), 0.0: None}
+        told = touch.states.get("left"), touch.touches.get("left")  # type: ignore[attr-defined]
+        assert told == (expected[seconds] or (None, None))
+
+
+def test_before_the_first_message_of_a_topic_nothing_of_later_is_shown(player: Player) -> None:
+    speed = widget(player, SpeedWidget)
+    player.seek(9.0)
+    player.seek(4.0)
+    assert all(isnan(value) for value in speed.commanded.values)  # type: ignore[attr-defined]
+
+
+def test_it_reads_on_when_the_recording_is_closed(path: Path) -> None:
+    with open(path) as recording:
+        player = recording.show()
+    player.seek(5.0)
+    assert widget(player, LaserWidget).scan.ranges.tolist() == [pytest.approx(1.5)]  # type: ignore[attr-defined]
+    player.close()
+    with pytest.raises(Exception, match="is closed"):
+        player.recording.at("/scan", 1.0)
+
+
+def test_playing_moves_the_slider_and_the_slider_the_playing(player: Player) -> None:
+    player._play.value = 42
+    assert player.slider.value == pytest.approx(4.2)
+    player.slider.value = 7.77
+    assert player._play.value == 78
+    assert player.slider.value == 7.77
+    player._play.value = player._play.max
+    assert player.slider.value == 10.0
+
+
+def test_it_starts_where_what_starts_early_has_something_to_show(data: Path) -> None:
+    with shown(data / "good" / "neato_fsm", "/scan", "/bump") as player:
+        assert 0 < player.slider.value < 3.3
+        assert len(widget(player, LaserWidget).scan) == 361  # type: ignore[attr-defined]
+
+
+def test_the_neato_bumps_where_it_bumped(data: Path) -> None:
+    with shown(data / "good" / "neato_fsm", "/bump") as player:
+        touch = widget(player, TouchWidget)
+        player.seek(21.9)
+        assert set(touch.states.values()) == {TouchState.FREE}  # type: ignore[attr-defined]
+        player.seek(22.0)
+        touched = {name for name, state in touch.states.items() if state is TouchState.TOUCHED}  # type: ignore[attr-defined]
+        assert touched == {"left front", "right front"}
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("damaged/truncated.mcap", "the recording was cut off"),
+        ("odd/jazzy_mcap_no_laser", "none of its topics has a widget that shows it"),
+        ("odd/empty_bag", "there is no message in it: nothing was recorded"),
+    ],
+)
+def test_what_is_wrong_stands_above(data: Path, name: str, line: str) -> None:
+    with shown(data / name) as player:
+        assert player.children[0].value.startswith(line)
+
+
+def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Recording, "problems", ("/<b>: <script>",))
+    with shown(path) as player:
+        assert player.children[0].value == "/&lt;b&gt;: &lt;script&gt;"
+
+
+class TestATouchHistory:
+    def expected(self, recording: Recording, time_ns: int) -> dict:
+        tracker = TouchTracker()
+        for moment in recording.samples("/bump"):
+            if moment.time_ns <= time_ns:
+                tracker.apply(moment.sample, moment.time_ns)  # type: ignore[arg-type]
+        return tracker.states(time_ns)
+
+    def test_is_at_every_time_what_listening_from_the_start_gives(
+        self, data: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("robowidgets.recordings.touch_history._KEPT_EVERY", 20)
+        with open(data / "good" / "neato_fsm") as recording:
+            history = TouchHistory(recording, "/bump")
+            start_ns = recording.start_ns or 0
+            for seconds in (0.0, 21.9, 22.0, 25.0, 10.0, 32.2, 22.3, 24.0, 0.05):
+                time_ns = start_ns + round(seconds * S)
+                assert history.at(time_ns).states(time_ns) == self.expected(recording, time_ns), seconds
+
+    def test_does_not_begin_anew_each_time(self, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("robowidgets.recordings.touch_history._KEPT_EVERY", 20)
+        with open(data / "good" / "neato_fsm") as recording:
+            history = TouchHistory(recording, "/bump")
+            start_ns = recording.start_ns or 0
+            history.at(start_ns + 32 * S)
+            applied: list[int] = []
+            apply = TouchTracker.apply
+            monkeypatch.setattr(
+                TouchTracker, "apply", lambda self, touch, at: (applied.append(at), apply(self, touch, at))[1]
+            )
+            for seconds in (20.0, 20.1, 20.2, 5.0):
+                history.at(start_ns + round(seconds * S))
+        assert len(applied) < 45
