@@ -71,6 +71,28 @@ def test_a_log_whose_compression_was_cut_gives_what_it_holds(tmp_path: Path) -> 
         assert recording.problems[0] == "the file was cut off or is damaged: read what could be decompressed"
 
 
+@pytest.mark.parametrize("in_folder", [False, True])
+def test_damage_that_is_met_on_the_way_is_told_and_the_rest_is_read(
+    data: Path, tmp_path: Path, in_folder: bool
+) -> None:
+    raw = bytearray((data / "good" / "turtlebot3_gazebo.bag").read_bytes())
+    half = len(raw) // 2
+    raw[half : half + 64] = bytes(byte ^ 0xA5 for byte in raw[half : half + 64])
+    (tmp_path / "drive.bag").write_bytes(raw)
+    with open(tmp_path if in_folder else tmp_path / "drive.bag") as recording:
+        assert recording.problems == ()
+        times = [moment.time_ns for moment in recording.samples()]
+        assert 4000 < len(times) < 5533
+        assert times == sorted(times)
+        assert times[-1] - times[0] > 90e9
+        name = "drive.bag: " if in_folder else ""
+        assert len(recording.problems) == 1
+        assert recording.problems[0].startswith(f"{name}the recording is damaged in 1 place: read ")
+        at = recording.at("/scan", 91.0)
+        assert at is not None
+        assert len(list(recording.samples())) == len(times)
+
+
 def test_a_path_may_be_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_bag(tmp_path / "drive.bag", messages(3))
     monkeypatch.setenv("HOME", str(tmp_path))
