@@ -15,17 +15,20 @@ OURS, LIMIT = "laser", "bare"
 
 ABOUT = """# Measured
 
-`make bench` writes this file. One run, everything on one machine: 2 cores, Chromium headless with software rendering. Absolute figures
-depend on the machine and move by a third from run to run; ratios hold.
+`make bench` writes this file. One run, everything on one machine: 2 cores, Chromium headless with software rendering.
+Absolute figures depend on the machine and move by a third from run to run; ratios hold.
 
-A scan of 1040 rays carries a number in its ranges (bits of 43 rays at 3 or 5 m, each range off by up to 2 cm as with a real scanner). After
-every animation frame the page reads it back from the pixels of the widget's canvases, or, of libraries that draw SVG, from the places of
-the elements: "painted" means the same for all. Where each bit is drawn is learned from scans that differ in that bit alone. Latency is from
-the call of `update` in the kernel to the end of the frame that shows the scan, by the machine's one clock, over the scans that were
-painted. Scans are handed over by a running cell. Bytes are those of all websocket messages that reach the page, at 10 Hz, per scan.
-CPU is that of the kernel's whole process, at 40 Hz, per `update`. Flooded means as many updates as the library takes; its newest scan counts
-as never shown after {patience:.0f} s. Imports are timed in fresh processes that have ipykernel, ipywidgets and NumPy loaded. Every
-library starts in a fresh kernel and page, {repeats} times in turn; figures are medians.
+- A scan of 1040 rays carries a number in its ranges: bits of 43 rays at 3 or 5 m, each range off by up to 2 cm, as it
+  is with real scanners. After every animation frame the page reads the number back from the pixels of the canvases, or,
+  of libraries that draw SVG, from the places of the elements. Where a bit is drawn is learned from scans that differ in
+  that bit alone. So "painted" means the same for all.
+- Scans are handed over by a running cell. Latency is from the call of `update` in the kernel to the end of the frame
+  that shows the scan, by the machine's one clock, over the scans that were painted.
+- Bytes are those of all websocket messages that reach the page, per scan, at 10 Hz. CPU is that of the kernel's whole
+  process, per `update`, at 40 Hz.
+- Flooded: as many updates as the library takes. Its newest scan counts as never shown after {patience:.0f} s.
+- Imports are timed in fresh processes that have loaded ipykernel, ipywidgets and NumPy.
+- Every library starts in a fresh kernel and page, {repeats} times, in turn. Figures are medians of these.
 
 {versions}
 """

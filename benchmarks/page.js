@@ -162,7 +162,7 @@ window.bench = (() => {
     return numbers ? { x: Number(numbers[0]), y: Number(numbers[1]) } : null;
   }
 
-  const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
+  const distance = (a, b) => (a && b ? Math.hypot(a.x - b.x, a.y - b.y) : Infinity);
 
   // The number of a view; null when what it shows is none.
   function decode(isLit) {

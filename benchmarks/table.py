@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from math import isnan
 
-from .measure import Endurance, Figures, Four
+from .measure import Endurance, Four
 
 COLUMNS = {
     "first_paint": "cell to first paint, ms",

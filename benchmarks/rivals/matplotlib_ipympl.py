@@ -2,9 +2,9 @@ import matplotlib
 
 matplotlib.use("module://ipympl.backend_nbagg")
 
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
-from ..scan import RANGE_MAX, points  # noqa: E402
+from ..scan import RANGE_MAX, points
 
 NAME = "matplotlib + ipympl"
 

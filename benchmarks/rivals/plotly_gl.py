@@ -1,4 +1,4 @@
-import plotly.graph_objects as go
+from plotly.graph_objects import FigureWidget, Scattergl
 
 from ..scan import RANGE_MAX, points
 
@@ -14,7 +14,7 @@ MARKER = {"color": "red", "size": 3, "symbol": "square"}
 
 def make_with(trace, ranges):
     x, y = points(ranges)
-    figure = go.FigureWidget(data=[trace(x=x, y=y, mode="markers", marker=MARKER)], layout=LAYOUT)
+    figure = FigureWidget(data=[trace(x=x, y=y, mode="markers", marker=MARKER)], layout=LAYOUT)
 
     def update(ranges):
         with figure.batch_update():
@@ -24,4 +24,4 @@ def make_with(trace, ranges):
 
 
 def make(ranges):
-    return make_with(go.Scattergl, ranges)
+    return make_with(Scattergl, ranges)

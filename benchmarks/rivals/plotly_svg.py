@@ -1,4 +1,4 @@
-import plotly.graph_objects as go
+from plotly.graph_objects import Scatter
 
 from .plotly_gl import make_with
 
@@ -7,4 +7,4 @@ SVG = ".scatterlayer .point"
 
 
 def make(ranges):
-    return make_with(go.Scatter, ranges)
+    return make_with(Scatter, ranges)
