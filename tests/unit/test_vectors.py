@@ -1,0 +1,59 @@
+"""The cases of tests/vectors, which the front end's tests read too: both halves classify, count and index the same."""
+
+from __future__ import annotations
+
+import base64
+import json
+from math import degrees, radians
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robowidgets import LaserWidget, Scan
+
+VECTORS = json.loads((Path(__file__).parents[1] / "vectors" / "scan.json").read_text(encoding="utf-8"))
+ROUNDED = 1e-3
+"""Degrees: headers give their angles in few digits."""
+
+
+def to_scan(case: dict[str, Any]) -> Scan:
+    ranges = [float(v) for v in case.get("ranges", [case.get("fill", 0)] * case.get("count", 0))]
+    for index, value in case.get("differ", {}).items():
+        ranges[int(index)] = float(value)
+    return Scan(
+        ranges=ranges,
+        angle_min=case["angle_min"],
+        angle_increment=float(case["angle_increment"]),
+        range_min=case["range_min"],
+        range_max=case["range_max"],
+        intensities=[float(v) for v in case.get("intensities", [])],
+        stamp_ns=case.get("stamp_ns"),
+    )
+
+
+@pytest.mark.parametrize("case", VECTORS["scans"], ids=lambda case: case["name"])
+class TestScan:
+    def test_is_classified_and_counted(self, case: dict[str, Any]) -> None:
+        scan = to_scan(case)
+        assert list(scan.counts.values()) == case["counts"]
+        assert scan.validity.tolist() == case.get("validity", scan.validity.tolist())
+        nearest = scan.nearest()
+        assert (nearest and nearest.index) == case["nearest"]
+
+    def test_is_indexed_by_angle(self, case: dict[str, Any]) -> None:
+        scan = to_scan(case)
+        for index, angle in case.get("angles", {}).items():
+            off = degrees(scan.angles[int(index)]) - angle
+            assert (off + 180) % 360 - 180 == pytest.approx(0, abs=ROUNDED)
+        for angle, index in case.get("at", []):
+            ray = scan.at(radians(angle))
+            assert (ray and ray.index) == index, f"at {angle} degrees"
+
+
+def test_a_frame_is_packed_byte_by_byte() -> None:
+    case = VECTORS["frame"]
+    laser = LaserWidget()
+    laser.update(to_scan(case))
+    assert base64.b64encode(laser.get_state()["_frame"]).decode() == case["base64"]
+    laser.close()
