@@ -173,7 +173,7 @@ class TestLimits:
     @pytest.mark.parametrize(
         ("given", "said"),
         [
-            ({"linear.q": 1}, r"limits: no axis 'linear.q'; did you mean 'linear.\w'\? The axes are: linear.x, linear.y"),
+            ({"linear.q": 1}, r"limits: no axis 'linear.q'; did you mean 'linear.\w'\? The axes are: linear.x"),
             ({3: 1}, r"limits: no axis 3"),
             (1, r"limits: expected a dictionary of limits by axis, like \{'linear.x': \(-0.2, 0.5\)\}; got 1"),
         ],
