@@ -23,9 +23,6 @@ import robowidgets
 
 from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, encode
 
-LIMIT = 1.2
-"""How many times as long as rosbags alone ours may take."""
-
 DATA = Path(os.environ.get("ROBOWIDGETS_DATA") or Path(__file__).parents[2] / "shared" / "data")
 FILES = {
     "good/turtlebot3_gazebo_mcap": ("/scan", "/odom", "/cmd_vel"),
