@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from ..samples import Scan, Speed, Touch
@@ -18,6 +19,11 @@ def get(message: Any, path: str, default: Any = MISSING) -> Any:
         if value is MISSING:
             return default
     return value
+
+
+def reader(message: Any) -> Callable[[str, Any], Any]:
+    """A function of a name and a default that gives a field of this message; for many fields far quicker than `get`."""
+    return message.get if isinstance(message, Mapping) else partial(getattr, message)
 
 
 def has(message: Any, *names: str) -> bool:
@@ -39,6 +45,8 @@ def stamp_ns(message: Any, path: str = "header.stamp") -> int | None:
     rospy says ``secs`` and ``nsecs``, ROS 2 and rosbags ``sec`` and ``nanosec``.
     """
     stamp = get(message, path, None)
+    if stamp is None:
+        return None
     seconds = get(stamp, "sec", get(stamp, "secs", 0))
     nanoseconds = get(stamp, "nanosec", get(stamp, "nsecs", 0))
     try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sized
+from collections.abc import Callable, Sized
 from math import degrees, isfinite, pi
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ..samples import Scan
 from ..samples.scan import number
-from .fields import MISSING, describe, frame_id, get, stamp_ns, unwrap
+from .fields import MISSING, describe, frame_id, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 _LONGEST_SCAN = 60.0
@@ -29,27 +29,28 @@ def to_scan(message: Any) -> Scan:
     message = unwrap(message)
     if isinstance(message, Scan):
         return message
-    missing = [name for name in _NEEDED if get(message, name) is MISSING]
+    read = reader(message)
+    given = {name: read(name, MISSING) for name in _NEEDED}
+    missing = [name for name, value in given.items() if value is MISSING]
     if missing:
         raise TypeError(
             f"expected a message like sensor_msgs/LaserScan, with {', '.join(_NEEDED)}; got {describe(message)} "
             f"(missing: {', '.join(missing)})"
         )
-    increment = get(message, "angle_increment")
+    ranges, angle_min, increment, range_min, range_max = given.values()
     if increment is None:
         increment = float("nan")
-    ranges = get(message, "ranges")
-    angle_min, intensities = get(message, "angle_min"), get(message, "intensities", None)
+    intensities = read("intensities", None)
     return Scan(
         ranges=ranges,
         angle_min=angle_min,
         angle_increment=increment,
-        range_min=get(message, "range_min"),
-        range_max=get(message, "range_max"),
+        range_min=range_min,
+        range_max=range_max,
         intensities=np.empty(0, np.float32) if intensities is None else intensities,
         stamp_ns=stamp_ns(message),
         frame_id=frame_id(message),
-        notes=(*_about_angles(message, _count(ranges), angle_min, increment), *_about_times(message)),
+        notes=(*_about_angles(read("angle_max", None), _count(ranges), angle_min, increment), *_about_times(read)),
     )
 
 
@@ -59,9 +60,8 @@ def _count(ranges: Any) -> int:
     return len(ranges)
 
 
-def _about_angles(message: Any, count: int, angle_min: Any, increment: Any) -> tuple[str, ...]:
-    """What the header says of the angles where the array says otherwise."""
-    stated = get(message, "angle_max", None)
+def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> tuple[str, ...]:
+    """What the header's angle_max says of the angles where the array says otherwise."""
     if stated is None or count < 2:
         return ()
     first, step = number("angle_min", angle_min), number("angle_increment", increment)
@@ -84,11 +84,11 @@ def _about_angles(message: Any, count: int, angle_min: Any, increment: Any) -> t
     )
 
 
-def _about_times(message: Any) -> tuple[str, ...]:
+def _about_times(read: Callable[[str, Any], Any]) -> tuple[str, ...]:
     """Times that no scanner can have; they are not used."""
     notes = []
     for name in ("time_increment", "scan_time"):
-        value = get(message, name, 0.0)
+        value = read(name, 0.0)
         if value is None:
             continue
         seconds = number(name, value)

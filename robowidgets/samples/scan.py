@@ -264,8 +264,11 @@ def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
     """A read-only float32 copy of a one-dimensional array."""
     try:
         given = np.asarray(values)
-        with np.errstate(over="ignore"):
-            array = given.astype(np.float32) if given.dtype.kind in "fiuO" else None
+        if given.dtype is _FLOAT32:  # as scanners send it: nothing to guard against
+            array = given.copy()
+        else:
+            with np.errstate(over="ignore"):
+                array = given.astype(np.float32) if given.dtype.kind in "fiuO" else None
     except (TypeError, ValueError, OverflowError):
         array = None
     if array is None:
