@@ -23,6 +23,9 @@ MESSAGES_PER_SECOND = 240
 BYTES_PER_SECOND = 20_000_000
 """Of all widgets together. A page takes no more."""
 
+REST = INTERVAL / 4
+"""Seconds between the end of a send and the next of the same widget, at least, however late the first one was."""
+
 BURST = 0.05
 """Seconds of budget that may be spent at once after a rest."""
 
@@ -94,6 +97,7 @@ class Pacer:
             for sender in waiting:
                 with self._condition:
                     marked = self._due.pop(sender, None) is not None
+                    self._earliest[sender] = self._clock() + INTERVAL
                 if marked:
                     self._send(sender)
         finally:
@@ -138,8 +142,9 @@ class Pacer:
         sender = min(self._due, key=self._due.__getitem__)
         if self._due[sender] > now:
             return None
-        # Out of the table before it is sent: what comes meanwhile marks it again.
-        del self._due[sender]
+        # Out of the table before it is sent: what comes meanwhile marks it again. The pace is kept from beat to beat:
+        # the milliseconds by which a busy cell delays this thread must not add up.
+        self._earliest[sender] = self._due.pop(sender) + INTERVAL
         return sender
 
     def _wait(self) -> float | None:
@@ -156,9 +161,9 @@ class Pacer:
             size = 0
         now = self._clock()
         with self._condition:
-            self._earliest[sender] = now + INTERVAL
+            self._earliest[sender] = max(self._earliest[sender], now + REST)
             if sender in self._due:
-                self._due[sender] = max(self._due[sender], now + INTERVAL)
+                self._due[sender] = max(self._due[sender], self._earliest[sender])
             self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
 
 
