@@ -12,6 +12,7 @@ import {
   toShort,
   toValueText,
 } from "../../robowidgets/js/speed/words.ts";
+import { toSpeed, vectors } from "./speed.ts";
 
 const NONE = [NaN, NaN, NaN, NaN, NaN, NaN];
 const SETTINGS = {
@@ -39,31 +40,34 @@ function summary(measured: number[], planar = false): string {
   );
 }
 
-/** A frame as Python packs it, at an odd offset in a larger buffer, as binary traits arrive. */
-function frame(there: number, numbers: number[]): DataView {
-  const view = new DataView(new ArrayBuffer(5 + 8 * 30), 5);
-  for (const [i, value] of [7, 30, 0, there, 2, 0, ...numbers].entries()) view.setFloat64(8 * i, value, true);
-  return view;
+/** The frame as Python packs it, at an odd offset in a larger buffer, as binary traits arrive. */
+function frame(): DataView {
+  const packed = Buffer.from(vectors.frame.base64, "base64");
+  const bytes = new Uint8Array(packed.length + 5);
+  bytes.set(packed, 5);
+  return new DataView(bytes.buffer, 5);
 }
 
-const COUNTED = Array.from({ length: 24 }, (_, i) => i + 0.5);
-
-test("a frame is the speeds measured and commanded, and the peaks", () => {
-  const decoded = decodeSpeeds(frame(3, COUNTED));
-  assert.deepEqual(decoded, {
-    sequence: 7,
+test("a frame is the speeds measured and commanded, and the peaks, as Python packed them", () => {
+  const { measured, commanded, least, greatest, sequence, resets } = vectors.frame;
+  assert.deepEqual(decodeSpeeds(frame()), {
+    sequence,
     rate: 30,
-    measured: [0.5, 1.5, 2.5, 3.5, 4.5, 5.5],
-    commanded: [6.5, 7.5, 8.5, 9.5, 10.5, 11.5],
-    least: [12.5, 13.5, 14.5, 15.5, 16.5, 17.5],
-    greatest: [18.5, 19.5, 20.5, 21.5, 22.5, 23.5],
-    resets: 2,
+    measured: measured.map(toSpeed),
+    commanded: commanded.map(toSpeed),
+    least: least.map(toSpeed),
+    greatest: greatest.map(toSpeed),
+    resets,
   });
 });
 
 test("what has not come yet is null, and not NaN", () => {
-  assert.deepEqual(decodeSpeeds(frame(1, COUNTED)).commanded, null);
-  assert.deepEqual(decodeSpeeds(frame(2, COUNTED)).measured, null);
+  const bytes = frame();
+  const there = 24;
+  bytes.setFloat64(there, 1, true);
+  assert.equal(decodeSpeeds(bytes).commanded, null);
+  bytes.setFloat64(there, 2, true);
+  assert.equal(decodeSpeeds(bytes).measured, null);
 });
 
 test("numbers have two decimals, and more where all limits are small", () => {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import logging
 import struct
 import threading
@@ -26,6 +28,7 @@ TWIST = {
     "linear": {"x": 0.5, "y": 0.0, "z": 0.0},
     "angular": {"x": 0.0, "y": 0.0, "z": -0.25},
 }
+VECTORS = json.loads((Path(__file__).parents[1] / "vectors" / "speed.json").read_text(encoding="utf-8"))
 STAMPED = {"header": {"stamp": {"sec": 3, "nanosec": 4}, "frame_id": "base_link"}, "twist": TWIST}
 
 
@@ -104,6 +107,18 @@ class TestUpdate:
         assert speed.commanded is not None
 
 
+def test_a_frame_is_packed_byte_by_byte(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = VECTORS["frame"]
+    first, measured, commanded = ([float(v) for v in case[key]] for key in ("first", "measured", "commanded"))
+    speed = SpeedWidget()
+    monkeypatch.setattr(SpeedWidget, "rate", 30.0)
+    speed.update(Speed(first[:3], first[3:], 5))
+    speed.reset_peaks()
+    speed.update(Speed(measured[:3], measured[3:], 7))
+    speed.command(Speed(commanded[:3], commanded[3:], 6))
+    assert base64.b64encode(speed.get_state()["_frame"]).decode() == case["base64"]
+
+
 class TestLimits:
     def test_they_are_one_and_one_by_default(self) -> None:
         speed = SpeedWidget()
@@ -129,10 +144,11 @@ class TestLimits:
         speed.limits = {"linear.x": 0.6}
         assert speed.over_limits == {}
 
-    def test_rounding_is_not_past_them(self) -> None:
-        speed = SpeedWidget(linear_limits=(0, 0.22))
-        speed.update(linear=np.array([0.22, -1e-9, 0.2201], np.float32))
-        assert list(speed.over_limits) == ["linear.z"]
+    @pytest.mark.parametrize(("value", "limits", "state"), VECTORS["limits"])
+    def test_a_speed_is_past_them_by_more_than_rounding(self, value: Any, limits: Any, state: str) -> None:
+        speed = SpeedWidget(linear_limits=limits)
+        speed.update(linear=(float(value), 0, 0))
+        assert (speed.over_limits == {"linear.x": float(value)}) == (state in ("over", "under"))
 
     def test_they_cannot_be_changed_unseen(self) -> None:
         speed = SpeedWidget(limits={"linear.x": 0.5})
