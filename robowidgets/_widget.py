@@ -60,6 +60,9 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     footer = traitlets.Bool(True, help="Whether counts stand below the picture.").tag(sync=True)
     paused = traitlets.Bool(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
 
+    live = True
+    """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
+
     _css = bundle("robowidgets.css")
     _frame = bytes_trait(echo_update=False)
     _held = bytes_trait(echo_update=False)
@@ -129,7 +132,9 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
 
     @property
     def rate(self) -> float:
-        """Samples per second over the last seconds in which some came; NaN while nothing can be said."""
+        """Samples per second over the last seconds in which some came; NaN while none can be said."""
+        if not self.live:
+            return float("nan")
         with self._storing:
             return self._meter.rate
 

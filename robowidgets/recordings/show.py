@@ -88,9 +88,14 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.recording.close()
 
     def _widgets(self) -> ipywidgets.Box:
+        """Lasers in the wide column, the rest one under the other beside them, or below where room is short."""
         for view in self.views:
-            view.widget.layout = ipywidgets.Layout(flex="1 1 340px", min_width="min(100%, 300px)", margin="4px")
-        return ipywidgets.Box([view.widget for view in self.views], layout=_WIDE)
+            view.widget.live = False
+        widgets = [view.widget for view in self.views]
+        lasers = [widget for widget in widgets if isinstance(widget, LaserWidget)]
+        others = [widget for widget in widgets if widget not in lasers]
+        columns = [_column(lasers, "3 1 460px"), _column(others, "2 1 340px")]
+        return ipywidgets.Box([column for column in columns if column.children], layout=_WIDE)
 
     def _on_slide(self, _change: Any) -> None:
         seconds = self.slider.value
@@ -109,6 +114,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _apart(self) -> bool:
         """Whether playing and slider are at different times: the finer steps of the slider do not count."""
         return bool(abs(self._play.value * TICK - self.slider.value) > 0.6 * TICK)
+
+
+def _column(widgets: Sequence[ipywidgets.Widget], flex: str) -> ipywidgets.VBox:
+    layout = ipywidgets.Layout(flex=flex, min_width="min(100%, 300px)", margin="0 4px")
+    return ipywidgets.VBox(list(widgets), layout=layout)
 
 
 def _views(recording: Recording, topics: Iterable[Topic]) -> tuple[View, ...]:
