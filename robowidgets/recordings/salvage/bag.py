@@ -174,17 +174,19 @@ def _next_frame(data: Stretch, start: int, barred: frozenset[int]) -> int | None
 
 
 def _fields(raw: bytes) -> dict[str, bytes] | None:
-    """The ``name=value`` fields of a header; None when it is not made up of such fields."""
+    """The ``name=value`` fields of a header; None when it is not made up of a few such fields."""
     fields: dict[str, bytes] = {}
     pos = 0
-    while pos < len(raw):
+    for _ in range(_MAX_FIELDS):
+        if pos >= len(raw):
+            break
         size = _uint(raw[pos : pos + 4])
         name, equals, value = raw[pos + 4 : pos + 4 + size].partition(b"=")
-        pos += 4 + size
-        if not equals or pos > len(raw) or len(fields) == _MAX_FIELDS:
+        if not equals:
             return None
         fields[_text(name)] = value
-    return fields
+        pos += 4 + size
+    return fields if pos == len(raw) else None
 
 
 def _uint(raw: bytes) -> int:

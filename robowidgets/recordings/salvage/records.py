@@ -9,7 +9,7 @@ from typing import NamedTuple
 from .stretch import Stretch
 
 MAX_PLACES = 10_000
-MAX_TEXT = 1 << 24
+MAX_TEXT = 1 << 22
 
 
 class Frame(NamedTuple):

@@ -10,8 +10,7 @@ from typing import Protocol
 
 from ..source import RecordingError
 
-_SMALL_WINDOW = 1 << 12
-_LARGE_WINDOW = 1 << 20
+WINDOW = 1 << 16
 
 
 class Stretch(Protocol):
@@ -75,14 +74,11 @@ class FileStretch:
 def find(data: Stretch, pattern: re.Pattern[bytes], length: int, start: int) -> Iterator[int]:
     """Offsets at which a pattern of at most ``length`` bytes matches, from ``start`` on.
 
-    The pattern is a lookahead, so that matches may overlap. None is found where fewer bytes than that are left. Windows
-    grow as the search goes on: cheap where the next match is near, fast where it is far.
+    The pattern is a lookahead, so that matches may overlap. None is found where fewer bytes than that are left.
     """
-    window = _SMALL_WINDOW
     while start + length <= data.size:
-        raw = data.read(start, window)
+        raw = data.read(start, WINDOW)
         if len(raw) < length:
             return
         yield from (start + match.start() for match in pattern.finditer(raw))
         start += len(raw) - length + 1
-        window = min(2 * window, _LARGE_WINDOW)

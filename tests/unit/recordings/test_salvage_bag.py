@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from robowidgets.recordings.salvage.bag import open_bag
+from robowidgets.recordings.salvage.stretch import FileStretch
 from robowidgets.recordings.source import RecordingError
 
 from .written import START_NS, STEP_NS, messages, read, write_bag
@@ -243,3 +244,27 @@ def test_messages_of_a_topic_that_is_not_named_are_told(tmp_path: Path) -> None:
     source = open_bag(path)
     assert [channel.topic for channel in source.channels] == ["/scan"]
     assert "left out 33 messages of topics that the file does not name" in source.problems
+
+
+def test_a_disk_that_fails_is_told_and_what_was_read_before_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held = messages()
+    path = write_bag(tmp_path / "card.bag", held, chunk=1 << 20)
+    broken = path.read_bytes().index(held[50][2])
+    whole = FileStretch.read
+
+    def read_until(self: FileStretch, offset: int, size: int) -> bytes:
+        if offset >= broken:
+            raise OSError(5, "Input/output error")
+        return whole(self, offset, size)
+
+    monkeypatch.setattr(FileStretch, "read", read_until)
+    source = open_bag(path)
+    assert read(source) == held[:50]
+    assert source.problems == (
+        "the disk could not read the file to its end (Input/output error): read 50 messages, up to 2.5 s",
+    )
+    broken = 0
+    with pytest.raises(RecordingError, match=r"^card\.bag: the disk could not read it: Input/output error$"):
+        read(source)

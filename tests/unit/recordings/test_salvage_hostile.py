@@ -17,7 +17,7 @@ from robowidgets.recordings.source import RecordingError
 from .written import MCAP_END, MCAP_MAGIC, mcap_head, mcap_messages, messages, record, write_bag
 
 HUGE = 1 << 40
-SECONDS = 10
+SECONDS = 5
 
 
 def bag_record(body_size: int, **fields: bytes) -> bytes:
@@ -54,6 +54,24 @@ def test_a_length_in_the_file_is_no_reason_to_take_memory(tmp_path: Path, name: 
         tracemalloc.stop()
 
 
+@pytest.mark.parametrize("name", ["schema.mcap", "topic.bag"])
+def test_a_text_that_fills_the_file_is_not_held(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    with path.open("wb") as file:
+        if path.suffix == ".bag":
+            file.write(b"#ROSBAG V2.0\n" + bag_record(1 << 26, op=b"\x07", conn=bytes(4), topic=b"/scan"))
+        else:
+            file.write(MCAP_MAGIC + struct.pack("<BQ", 0x03, 1 << 26))
+        file.truncate(file.tell() + (1 << 26))
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecordingError):
+            open_file(path)
+        assert tracemalloc.get_traced_memory()[1] < 1 << 24
+    finally:
+        tracemalloc.stop()
+
+
 def test_what_grows_a_thousandfold_is_decompressed_up_to_a_limit() -> None:
     raw, whole = inflate.inflate("bz2", bz2.compress(bytes(8_000_000)), limit=1_000_000)
     assert (len(raw), whole) == (1_000_000, False)
@@ -71,7 +89,7 @@ FLOODS: dict[str, Callable[[], bytes]] = {
     "zeros.mcap": lambda: bytes(1_000_000),
     "ones.mcap": lambda: b"\xff" * 1_000_000,
     "decoys.bag": lambda: flood(struct.pack("<II", 4000, 9) + b"op=\x02"),
-    "fields.bag": lambda: flood(struct.pack("<II", 4000, 4) + b"op=\x02"),
+    "fields.bag": lambda: flood(struct.pack("<I", 8) + b"ver=" + struct.pack("<I", 12 * 300)),
     "small.bag": lambda: flood(bag_record(0, op=b"\x02", conn=bytes(4), time=bytes(8)) + b"\xff" * 9),
     "zeros.bag": lambda: bytes(1_000_000),
     "ones.bag": lambda: b"\xff" * 1_000_000,

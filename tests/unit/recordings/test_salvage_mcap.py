@@ -171,6 +171,16 @@ def test_a_wrong_length_costs_one_message(tmp_path: Path) -> None:
     assert source.problems == ("the recording is damaged in 1 place: read 99 messages, up to 5.0 s",)
 
 
+def test_what_looks_like_a_record_within_a_damaged_one_is_not_taken_for_one(tmp_path: Path) -> None:
+    held = messages(20)
+    held[7] = ("/scan", held[7][1], b"before" + mcap_messages(messages(1, size=32)) + b"behind" * 9)
+    path = write(tmp_path / "x.mcap", mcap_head(), mcap_messages(held), MCAP_END)
+    raw = bytearray(path.read_bytes())
+    raw[raw.index(held[7][2]) - 31] = 0
+    path.write_bytes(raw)
+    assert read(open_mcap(path)) == held[:7] + held[8:]
+
+
 def test_a_hole_costs_the_messages_in_it_and_no_others(tmp_path: Path) -> None:
     held = messages()
     path = write(tmp_path / "x.mcap", mcap_head(), mcap_messages(held), MCAP_END)

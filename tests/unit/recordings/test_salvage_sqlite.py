@@ -128,6 +128,24 @@ def test_a_message_whose_end_is_lost_costs_itself_alone(tmp_path: Path, untouche
     assert len(saved) >= 35
 
 
+def test_a_page_that_is_named_twice_gives_no_message_twice(tmp_path: Path, untouched: None) -> None:
+    held = messages(500)
+    path = write_old(tmp_path / "twice.db3", held)
+    with closing(sqlite3.connect(path)) as connection:
+        (page,) = connection.execute("SELECT rootpage FROM sqlite_master WHERE name = 'messages'").fetchone()
+    raw = bytearray(path.read_bytes())
+    root = (page - 1) * 4096
+    cells = [root + int.from_bytes(raw[at : at + 2], "big") for at in range(root + 12, root + 32, 2)]
+    assert raw[root] == 5
+    raw[cells[6] : cells[6] + 4] = raw[cells[2] : cells[2] + 4]
+    path.write_bytes(raw)
+    source = open_sqlite(path)
+    saved = read(source)
+    assert len(saved) == len(set(saved))
+    assert 485 <= len(saved) < 500
+    assert len(source.problems) == 1
+
+
 @pytest.mark.parametrize("ending", ["-wal", "-journal"])
 def test_what_a_killed_recorder_left_beside_the_file_is_taken_in(tmp_path: Path, ending: str) -> None:
     held = messages()
