@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from copy import copy
+from dataclasses import replace
 
-from ..samples import Touch
+from ..samples import Touch, TouchMode
 from ..touch_tracker import TouchTracker
 from .recording import Recording
 
@@ -27,6 +28,10 @@ class TouchHistory:
         # Each knows all that was said before its time. The last is where the last look ended.
         self._times = [self._start_ns]
         self._trackers = [TouchTracker()]
+        first = next(recording.samples(topic), None)
+        if first and isinstance(first.sample, Touch) and first.sample.mode is not TouchMode.PRESENCE:
+            # Which sensors there are is known before they speak.
+            self._trackers[0].apply(replace(first.sample, touched={}), self._start_ns)
         self._here = (self._start_ns, self._trackers[0])
 
     def at(self, time_ns: int) -> TouchTracker:

@@ -20,16 +20,21 @@ moment = (bump - recording.start_ns) / 1e9 + 0.3
 laser = LaserWidget(title="/scan", view_range="data")
 speed = SpeedWidget(title="/odom", planar=True)
 touch = TouchWidget(title="/bumper")
-for m in recording.samples(["/odom", "/cmd_vel", "/bumper"], start=0, end=moment):
-    {"/odom": speed.update, "/cmd_vel": speed.command, "/bumper": touch.update}[m.topic](m.sample)
+for m in recording.samples("/bumper", end=moment):
+    touch.update(m)
+fastest = max(recording.samples("/odom"), key=lambda m: abs(m.sample.angular[2]))
+speed.command(recording.at("/cmd_vel", (fastest.time_ns - recording.start_ns) / 1e9))
+speed.update(fastest)
 laser.update(recording.at("/scan", moment))
+player = recording.show()
+player.seek(moment)
 laser.pinned = laser.scan.nearest().index
 """
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
-    nb = notebook([WIDGETS, "laser", "speed", "touch", "recording.show()"], scale=2, theme=theme)
+    nb = notebook([WIDGETS, "laser", "speed", "touch", "player"], scale=2, theme=theme)
     nb.resize(680)
     nb.widget(1).locator(".rw-freeze").click()
     nb.python("for i in range(37): laser.update(laser.scan)")

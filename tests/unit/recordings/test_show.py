@@ -13,7 +13,7 @@ from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
 from robowidgets.recordings import Recording, open
 from robowidgets.recordings.show import Player
 from robowidgets.recordings.touch_history import TouchHistory
-from robowidgets.touch_tracker import TouchTracker
+from robowidgets.touch_tracker import TouchSensor, TouchTracker
 
 from . import robot
 
@@ -74,9 +74,9 @@ def test_every_widget_shows_the_time_of_the_slider_forth_and_back(player: Player
         assert speed.speed.linear[0] == i / 100  # type: ignore[attr-defined]
         commanded = speed.commanded.linear[0]  # type: ignore[attr-defined]
         assert commanded == i / 100 if i >= 50 else isnan(commanded)
-        expected = {6.55: (TouchState.TOUCHED, 2), 2.95: (TouchState.TOUCHED, 1), 9.9: (TouchState.FREE, 2), 0.0: None}
+        expected = {6.55: (TouchState.TOUCHED, 2), 2.95: (TouchState.TOUCHED, 1), 9.9: (TouchState.FREE, 2), 0.0: (TouchState.UNKNOWN, 0)}
         told = touch.states.get("left"), touch.touches.get("left")  # type: ignore[attr-defined]
-        assert told == (expected[seconds] or (None, None))
+        assert told == expected[seconds]
 
 
 def test_before_the_first_message_of_a_topic_nothing_of_later_is_shown(player: Player) -> None:
@@ -156,7 +156,9 @@ class TestATouchHistory:
         with open(data / "good" / "neato_fsm") as recording:
             history = TouchHistory(recording, "/bump")
             start_ns = recording.start_ns or 0
-            for seconds in (0.0, 21.9, 22.0, 25.0, 10.0, 32.2, 22.3, 24.0, 0.05):
+            before = history.at(start_ns).states(start_ns)
+            assert before == dict.fromkeys(self.expected(recording, start_ns + S), TouchSensor())
+            for seconds in (21.9, 22.0, 25.0, 10.0, 32.2, 22.3, 24.0, 1.0):
                 time_ns = start_ns + round(seconds * S)
                 assert history.at(time_ns).states(time_ns) == self.expected(recording, time_ns), seconds
 
