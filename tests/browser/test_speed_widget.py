@@ -35,7 +35,7 @@ planar = widget((0.18, 0, 0), (0, 0, 1.2), planar=True, linear_limits=0.22, angu
 planar.update(linear=(0.1, 0, 0), angular=(0, 0, -0.4))
 planar.command(linear=(0.15, 0, 0), angular=(0, 0, -0.5))
 odd = widget((nan, inf, -12.5), (0.5, 2.345, 1.0), hold_peaks=True,
-             limits={"linear.x": (-0.2, 0.5), "angular.y": (-0.5, 2)})
+             limits={"linear.x": (-0.2, 0.5), "angular.y": (-0.5, 2), "angular.z": (-0.25, 1.25)})
 odd.command(linear=(0.6, 3, 0), angular=(nan, 0, -1.1))
 slow = widget((0.012, -0.0034, 0), (0.02, 0, -0.05), linear_limits=(0, 0.02), angular_limits=0.05)
 fast = widget((123.456, 12345.678, -0.1), (0, -1e9, 3.14159), linear_limits=(-10, 130), angular_limits=3.2)
