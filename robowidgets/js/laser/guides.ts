@@ -19,7 +19,9 @@ function divide(count: number, whole: number): number[] {
 export function rayIndices(sweep: Sweep, count: number): number[] {
   if (sweep.count === 0 || count === 0) return [];
   if (count === 1) return [Math.floor((sweep.count - 1) / 2)];
-  const step = isFullCircle(sweep) ? sweep.count / count : (sweep.count - 1) / (count - 1);
+  const step = isFullCircle(sweep)
+    ? (2 * Math.PI) / Math.abs(sweep.angleIncrement) / count
+    : (sweep.count - 1) / (count - 1);
   return [...new Set(Array.from({ length: count }, (_, i) => Math.min(sweep.count - 1, Math.round(i * step))))];
 }
 
@@ -176,7 +178,8 @@ export function arcLabels(
       !covered.some((box) => overlaps(label.box, box)) &&
       !placed.some((other) => overlaps(label.box, other.box));
     const within = angles.filter(inSweep);
-    const candidates = [...(before ? [before.angle] : []), ...within.filter(isClear), ...within].map(toLabel);
+    const stay = before && inSweep(before.angle) ? [before.angle] : [];
+    const candidates = [...stay, ...within.filter(isClear), ...within].map(toLabel);
     const found = candidates.find(free);
     if (found) placed.push(found);
   }

@@ -86,6 +86,7 @@ export function indexAt(sweep: Sweep, angle: number): number {
   const ahead = angleIncrement < 0 ? angleMin - angle : angle - angleMin;
   const turned = ((ahead % TURN) + TURN) % TURN;
   const index = Math.round(turned / step);
-  if (index < count) return index;
-  return TURN - turned <= step / 2 ? 0 : -1;
+  const [toRay, toFirst] = [Math.abs(turned - index * step), TURN - turned];
+  if (index < count && toRay <= toFirst) return index;
+  return toFirst <= step / 2 ? 0 : -1;
 }

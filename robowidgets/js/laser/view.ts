@@ -13,7 +13,7 @@ import { placePopup } from "./popup_place.ts";
 import type { Box, Point } from "./projection.ts";
 import { type Scan, takeCensus } from "./scan.ts";
 import { Scene } from "./scene.ts";
-import { describeRay, whyEmpty } from "./words.ts";
+import { describeRay, toRays, whyEmpty } from "./words.ts";
 import { stepRange } from "./zoom.ts";
 
 const SETTINGS = ["arc_count", "arc_distances", "ray_count", "view_range", "forward", "marks", "color_by_intensity"];
@@ -118,7 +118,7 @@ export class LaserView {
     const scan = this.#stream.shown;
     const census = scan ? takeCensus(scan) : EMPTY;
     const { theme } = this.#card;
-    const rays = scan ? `${scan.count} ${scan.count === 1 ? "ray" : "rays"}` : "";
+    const rays = scan ? toRays(scan.count) : "";
     const rate = scan && this.#stream.live && Number.isFinite(scan.rate) ? `${toFixed(scan.rate, 1)} Hz` : "";
     this.#card.update([getAbout(this.#model).frame_id ?? "", rays, rate], "scan");
     setText(this.#empty, whyEmpty(scan, census));

@@ -12,6 +12,11 @@ import {
   type Validity,
 } from "./scan.ts";
 
+/** "1 ray", "1040 rays". */
+export function toRays(count: number): string {
+  return `${toCount(count)} ${count === 1 ? "ray" : "rays"}`;
+}
+
 /** What each class is called: in the legend, and by Python's trait `marks`. */
 export const CLASSES: { kind: Validity; name: string; word: string; explained: string }[] = [
   { kind: READING, name: "reading", word: "readings", explained: "a distance within the limits" },
@@ -47,11 +52,11 @@ export function whyEmpty(scan: Scan | null, { counts }: Census): string {
   if (present.length === 1 && only) {
     const sample = scan.ranges[0] as number;
     const value = only.kind === OUTSIDE_LIMITS ? `${toFixed(sample, 3)} m, ` : "";
-    const who = scan.count === 1 ? "the one ray says" : `all ${toCount(scan.count)} rays say`;
+    const who = scan.count === 1 ? "the one ray says" : `all ${toRays(scan.count)} say`;
     const same = only.kind !== OUTSIDE_LIMITS || scan.ranges.every((range) => range === sample);
     return same
       ? `no readings: ${who} ${value}${meaningOf(sample, scan)}`
-      : `no readings: all ${toCount(scan.count)} rays are ${meaningOf(sample, scan)}`;
+      : `no readings: all ${toRays(scan.count)} are ${meaningOf(sample, scan)}`;
   }
   return `no readings: ${present.map(({ kind, word }) => `${toCount(counts[kind])} ${word}`).join(", ")}`;
 }
@@ -72,7 +77,7 @@ export function describeRay(scan: Scan, index: number): RayWords {
       expression,
       distance: "\u2014",
       angle: "",
-      details: `this scan has ${toCount(scan.count)} rays`,
+      details: `this scan has ${toRays(scan.count)}`,
       side: "",
     };
   }

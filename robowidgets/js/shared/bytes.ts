@@ -8,6 +8,11 @@ export function toBytes(value: unknown): DataView | null {
   return null;
 }
 
+/** A copy of a stretch of bytes, which may start at any offset of a larger buffer; a typed array may not. */
+export function copyOf({ buffer, byteOffset }: DataView, start: number, length: number): ArrayBuffer {
+  return buffer.slice(byteOffset + start, byteOffset + start + length) as ArrayBuffer;
+}
+
 /** Reads little-endian numbers one after the other. */
 export class Reader {
   #at = 0;
@@ -30,16 +35,12 @@ export class Reader {
     return Array.from({ length: count }, () => this.float64());
   }
 
-  /** A copy, because the bytes may start at any offset and a typed array may not. */
   float32s(count: number): Float32Array {
-    const start = this.#bytes.byteOffset + this.#at;
-    this.#at += 4 * count;
-    return new Float32Array(this.#bytes.buffer.slice(start, start + 4 * count) as ArrayBuffer);
+    return new Float32Array(this.bytes(4 * count));
   }
 
-  uint8s(count: number): Uint8Array {
-    const start = this.#bytes.byteOffset + this.#at;
+  bytes(count: number): ArrayBuffer {
     this.#at += count;
-    return new Uint8Array(this.#bytes.buffer.slice(start, start + count) as ArrayBuffer);
+    return copyOf(this.#bytes, this.#at - count, count);
   }
 }

@@ -93,7 +93,8 @@ export class Card {
     this.#title.hidden = !getString(this.#model, "title");
     setText(this.#facts, facts.filter(Boolean).join(" · "));
     this.#facts.title = this.#facts.textContent ?? "";
-    const lines = error ? [`${error} Showing the last good ${noun}.`, ...notes] : notes;
+    const kept = this.#stream.shown ? ` Showing the last good ${noun}.` : "";
+    const lines = error ? [error + kept, ...notes] : notes;
     this.#notice.hidden = lines.length === 0;
     this.#notice.classList.toggle("rw-error", Boolean(error));
     setText(this.#notice, lines.join(" · "));

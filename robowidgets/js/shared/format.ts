@@ -18,10 +18,10 @@ export function toShortMetres(value: number): string {
   return `${toFixed(value, 3).replace(/\.?0+$/, "")} m`;
 }
 
-/** Radians as degrees within ±180 with one decimal: "28.8°". */
+/** Radians as degrees within ±180 with one decimal: "28.8°". What float32 lost of 28.75 must not make it "28.7°". */
 export function toDegrees(radians: number): string {
-  const turned = Math.abs(radians) > Math.PI + 1e-6 ? Math.atan2(Math.sin(radians), Math.cos(radians)) : radians;
-  return `${toFixed((turned * 180) / Math.PI, 1)}°`;
+  const degrees = Math.round((radians * 180_000) / Math.PI) / 1000;
+  return `${toFixed(Math.abs(degrees) > 180 ? degrees - 360 * Math.round(degrees / 360) : degrees, 1)}°`;
 }
 
 /** A whole number in groups of three: "12 480". */

@@ -1,4 +1,4 @@
-import { type Reader, toBytes } from "./bytes.ts";
+import { copyOf, type Reader, toBytes } from "./bytes.ts";
 import { type Model, onChange, put } from "./model.ts";
 
 /** What the head of every frame says. */
@@ -13,6 +13,10 @@ export interface Frame {
 export function readHead(reader: Reader): Frame {
   const [sequence = 0, rate = NaN] = reader.float64s(3);
   return { sequence, rate };
+}
+
+function sequenceOf(bytes: DataView | null): number {
+  return bytes?.getFloat64(0, true) ?? 0;
 }
 
 const STALE_MS = 2000;
@@ -59,15 +63,14 @@ export class Stream<F extends Frame> {
 
   /** How many samples have come since the frozen one. */
   get since(): number {
-    const newest = toBytes(this.#model.get("_frame"));
-    const shown = this.#shownBytes();
-    if (!newest || !shown) return 0;
-    return Math.max(0, newest.getFloat64(0, true) - shown.getFloat64(0, true));
+    return Math.max(0, sequenceOf(this.#bytes("_frame")) - sequenceOf(this.#shownBytes()));
   }
 
   toggle(): void {
     const paused = !this.paused;
-    put(this.#model, { _held: (paused && toBytes(this.#model.get("_frame"))) || NOTHING, paused });
+    const held = paused && this.#bytes("_frame");
+    // A copy, because hosts send the whole buffer under a view.
+    put(this.#model, { _held: held ? new DataView(copyOf(held, 0, held.byteLength)) : NOTHING, paused });
   }
 
   /** Calls back on every change, until the signal ends it. */
@@ -77,8 +80,11 @@ export class Stream<F extends Frame> {
   }
 
   #shownBytes(): DataView | null {
-    const newest = toBytes(this.#model.get("_frame"));
-    return this.paused ? (toBytes(this.#model.get("_held")) ?? this.#heldHere) : newest;
+    return this.paused ? (this.#bytes("_held") ?? this.#heldHere) : this.#bytes("_frame");
+  }
+
+  #bytes(name: "_frame" | "_held"): DataView | null {
+    return toBytes(this.#model.get(name));
   }
 
   #onFrame(): void {
@@ -94,7 +100,7 @@ export class Stream<F extends Frame> {
 
   #onPaused(): void {
     // Python says "paused" a moment before it says what it holds.
-    this.#heldHere = this.paused ? toBytes(this.#model.get("_frame")) : null;
+    this.#heldHere = this.paused ? this.#bytes("_frame") : null;
     this.#tell();
   }
 

@@ -22,7 +22,7 @@ type Row = [name: string, state: TouchState, touches: number, seconds: number | 
 export function decodeTouch(bytes: DataView): Touch {
   const reader = new Reader(bytes);
   const head = readHead(reader);
-  const rows: Row[] = JSON.parse(new TextDecoder().decode(reader.uint8s(reader.left)));
+  const rows: Row[] = JSON.parse(new TextDecoder().decode(reader.bytes(reader.left)));
   return { ...head, sensors: rows.map(([name, state, touches, seconds]) => ({ name, state, touches, seconds })) };
 }
 

@@ -1,0 +1,63 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../../robowidgets/js/shared/format.ts";
+
+test("a minus is a real minus, and zero has none", () => {
+  assert.equal(toFixed(-1.5, 2), "\u22121.50");
+  for (const value of [0, -0, -0.004, -1e-12]) assert.equal(toFixed(value, 2), "0.00");
+  assert.equal(toFixed(-0.006, 2), "\u22120.01");
+});
+
+test("decimals stay, so that numbers stand in columns", () => {
+  assert.deepEqual(
+    [1, 10.5, 2.345].map((value) => toFixed(value, 2)),
+    ["1.00", "10.50", "2.35"],
+  );
+  assert.equal(toFixed(3, 0), "3");
+});
+
+test("what is no finite number is said in words", () => {
+  assert.equal(toFixed(Number.NaN, 2), "NaN");
+  assert.equal(toFixed(Infinity, 2), "+inf");
+  assert.equal(toFixed(-Infinity, 2), "\u2212inf");
+});
+
+test("metres come in full and short", () => {
+  assert.equal(toMetres(2.5), "2.50 m");
+  const short = [6, 4.5, 100, 1200, 0.05, 0.125, 1.0004, 10.1, 0].map(toShortMetres);
+  assert.deepEqual(short, ["6 m", "4.5 m", "100 m", "1200 m", "0.05 m", "0.125 m", "1 m", "10.1 m", "0 m"]);
+});
+
+test("angles lie within half a turn, with one decimal", () => {
+  const degrees = [0, 28.75, -28.75, 90, 180, -180, 270, -270, 359.9, 360, 541, -0.04].map((d) =>
+    toDegrees((d * Math.PI) / 180),
+  );
+  const minus = "\u2212";
+  assert.deepEqual(degrees, [
+    "0.0°",
+    "28.8°",
+    `${minus}28.8°`,
+    "90.0°",
+    "180.0°",
+    `${minus}180.0°`,
+    `${minus}90.0°`,
+    "90.0°",
+    `${minus}0.1°`,
+    "0.0°",
+    `${minus}179.0°`,
+    "0.0°",
+  ]);
+});
+
+test("what float32 adds and takes is not shown", () => {
+  assert.equal(toDegrees(Math.fround(Math.PI)), "180.0°");
+  const angleMin = Math.fround((-130 * Math.PI) / 180);
+  const angleIncrement = Math.fround((0.25 * Math.PI) / 180);
+  assert.equal(toDegrees(angleMin + 635 * angleIncrement), "28.8°", "the paper's Figure 3");
+});
+
+test("large counts come in groups of three", () => {
+  const space = "\u202f";
+  const counts = [0, 12, 999, 1040, 12480, 1000000].map(toCount);
+  assert.deepEqual(counts, ["0", "12", "999", `1${space}040`, `12${space}480`, `1${space}000${space}000`]);
+});

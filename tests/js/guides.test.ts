@@ -1,0 +1,239 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import {
+  type ArcLabel,
+  arcDistances,
+  arcLabels,
+  labelBox,
+  Occupancy,
+  overlaps,
+  rayIndices,
+  thinLabels,
+} from "../../robowidgets/js/laser/guides.ts";
+import { type Projection, toPixel } from "../../robowidgets/js/laser/projection.ts";
+import { angleOf, indexAt, type Sweep } from "../../robowidgets/js/laser/scan.ts";
+import { BOXES, circle, DEGREE, layOut, near, randoms, SWEEPS, sweepOf } from "./laser.ts";
+
+test("arcs divide the view in equal parts, the last at its edge", () => {
+  assert.deepEqual(arcDistances([], 4, 10), [2.5, 5, 7.5, 10]);
+  assert.deepEqual(arcDistances([], 1, 5.6), [5.6]);
+  assert.deepEqual(arcDistances([], 0, 10), []);
+  for (const count of [3, 7, 50]) assert.equal(arcDistances([], count, 5.6).length, count, "rounding loses none");
+});
+
+test("arcs asked for stand where they were asked for, as far as the view reaches", () => {
+  assert.deepEqual(arcDistances([4, 0.5, 12], 7, 10), [0.5, 4]);
+  assert.deepEqual(arcDistances([10], 7, 10), [10]);
+  const asked = [3, 1, 2];
+  arcDistances(asked, 0, 10);
+  assert.deepEqual(asked, [3, 1, 2], "the trait itself is left alone");
+});
+
+test("lines divide the swept angle in equal parts, ends included", () => {
+  assert.deepEqual(rayIndices(sweepOf(180, 181), 5), [0, 45, 90, 135, 180]);
+  assert.deepEqual(rayIndices(sweepOf(270, 1081), 2), [0, 1080]);
+  assert.deepEqual(rayIndices(sweepOf(260, 1040), 9), [0, 130, 260, 390, 520, 649, 779, 909, 1039]);
+});
+
+test("on a full circle the ends meet, so that one line stands for both", () => {
+  for (const sweep of [circle(), circle(360, 0), SWEEPS["360 degrees clockwise"] as Sweep]) {
+    assert.deepEqual(rayIndices(sweep, 4), [0, 90, 180, 270]);
+    assert.deepEqual(rayIndices(sweep, 8), [0, 45, 90, 135, 180, 225, 270, 315]);
+  }
+});
+
+test("a repeated end ray leaves the parts of a circle equal", () => {
+  assert.deepEqual(rayIndices(sweepOf(360, 361), 4), [0, 90, 180, 270]);
+  assert.deepEqual(
+    rayIndices(sweepOf(360, 361), 360),
+    Array.from({ length: 360 }, (_, i) => i),
+  );
+});
+
+test("one line stands in the middle, none where none is asked for or there is no ray", () => {
+  assert.deepEqual(rayIndices(sweepOf(180, 181), 1), [90]);
+  assert.deepEqual(rayIndices(sweepOf(180, 181), 0), []);
+  assert.deepEqual(rayIndices({ angleMin: 0, angleIncrement: 0.1, count: 0 }, 9), []);
+});
+
+test("more lines than rays is each ray once", () => {
+  assert.deepEqual(rayIndices(sweepOf(60, 5), 360), [0, 1, 2, 3, 4]);
+  assert.deepEqual(rayIndices(circle(4), 360), [0, 1, 2, 3]);
+  assert.deepEqual(rayIndices(sweepOf(0, 1), 9), [0]);
+});
+
+test("a line's label says angle over index", () => {
+  const { labels } = layOut(sweepOf(180, 181), BOXES[0], 10, "up", 5);
+  assert.deepEqual(
+    labels.map(({ lines }) => lines),
+    [
+      ["\u221290.0°", "[0]"],
+      ["\u221245.0°", "[45]"],
+      ["0.0°", "[90]"],
+      ["45.0°", "[135]"],
+      ["90.0°", "[180]"],
+    ],
+  );
+});
+
+test("labels are thinned until none overlaps, and the first stays", () => {
+  for (const sweep of Object.values(SWEEPS)) {
+    for (const box of BOXES) {
+      for (const rayCount of [1, 2, 9, 24, 90, 360]) {
+        const { projection, labels } = layOut(sweep, box, 10, "up", rayCount);
+        const kept = thinLabels(projection, labels);
+        assert.equal(kept[0], labels[0]);
+        const boxes = kept.map((label) => labelBox(projection, label));
+        for (const [i, one] of boxes.entries()) {
+          for (const other of boxes.slice(i + 1)) assert.ok(!overlaps(one, other));
+        }
+      }
+    }
+  }
+});
+
+test("labels that do not overlap all stay", () => {
+  const { projection, labels } = layOut(circle(), BOXES[2], 10, "up", 8);
+  assert.deepEqual(thinLabels(projection, labels), labels);
+});
+
+test("boxes overlap when they share more than an edge, with the margin asked for", () => {
+  const box = { x: 10, y: 10, width: 10, height: 10 };
+  assert.equal(overlaps(box, { x: 20, y: 10, width: 5, height: 5 }), false);
+  assert.equal(overlaps(box, { x: 20, y: 10, width: 5, height: 5 }, 2), true);
+  assert.equal(overlaps(box, { x: 19, y: 19, width: 50, height: 50 }), true);
+  assert.equal(overlaps(box, { x: 12, y: 12, width: 1, height: 1 }), true);
+  assert.equal(overlaps(box, { x: 12, y: 21, width: 1, height: 1 }), false);
+});
+
+test("occupied is what was marked, and what lies outside the picture is forgotten", () => {
+  const occupied = new Occupancy(100, 50);
+  for (const [x, y] of [
+    [-1, 5],
+    [5, -1],
+    [500, 5],
+    [5, 500],
+    [Number.NaN, 5],
+  ] as const)
+    occupied.mark(x, y);
+  assert.equal(occupied.count({ x: -50, y: -50, width: 1000, height: 1000 }), 0);
+  occupied.mark(30, 20);
+  occupied.mark(30.5, 20.5);
+  assert.equal(occupied.count({ x: 28, y: 18, width: 10, height: 10 }), 1);
+  assert.equal(occupied.count({ x: 50, y: 18, width: 10, height: 10 }), 0);
+  occupied.mark(99, 49);
+  assert.equal(occupied.count({ x: 0, y: 0, width: 100, height: 50 }), 2);
+});
+
+const WIDTH = 40;
+
+interface Picture {
+  sweep: Sweep;
+  projection: Projection;
+  arcs: { distance: number; width: number }[];
+  lines: number[];
+  box: (typeof BOXES)[number];
+}
+
+function picture(sweep: Sweep, box = BOXES[2] as (typeof BOXES)[number]): Picture {
+  const { projection } = layOut(sweep, box);
+  const lines = rayIndices(sweep, 9).map((index) => angleOf(sweep, index));
+  return {
+    sweep,
+    projection,
+    arcs: arcDistances([], 4, 10).map((distance) => ({ distance, width: WIDTH })),
+    lines,
+    box,
+  };
+}
+
+const label = (p: Picture, occupied = new Occupancy(p.box.width, p.box.height), previous: ArcLabel[] = []) =>
+  arcLabels(p.projection, p.sweep, p.arcs, p.lines, occupied, [], previous);
+
+test("in an empty picture every arc is labelled, inside it and inside the swept angle", () => {
+  for (const [name, sweep] of Object.entries(SWEEPS)) {
+    const p = picture(sweep);
+    const labels = label(p);
+    assert.deepEqual(
+      labels.map(({ distance }) => distance),
+      [2.5, 5, 7.5, 10],
+      name,
+    );
+    for (const { distance, angle, box } of labels) {
+      const corners = [box.x, box.x + box.width].flatMap((x) => [box.y, box.y + box.height].map((y) => ({ x, y })));
+      const arc = toPixel(p.projection, distance, angle);
+      const pixels = (distance / 10) * p.projection.radius;
+      for (const { x, y } of corners) {
+        const along =
+          (x - p.projection.centerX) * (arc.x - p.projection.centerX) +
+          (y - p.projection.centerY) * (arc.y - p.projection.centerY);
+        assert.ok(along / pixels <= pixels - 1, name);
+      }
+      if (sweep.count > 1) assert.notEqual(indexAt(sweep, angle), -1, name);
+    }
+  }
+});
+
+test("labels stand left of forward", () => {
+  for (const sweep of [circle(), circle(360, 0), SWEEPS["360 degrees clockwise"] as Sweep, sweepOf(270, 1081)]) {
+    for (const { angle } of label(picture(sweep))) {
+      const turned = Math.atan2(Math.sin(angle), Math.cos(angle));
+      assert.ok(turned > 0 && turned < 0.6, `${turned}`);
+    }
+  }
+});
+
+test("no label stands on a reading, on another, or on what covers the picture", () => {
+  const random = randoms(7);
+  for (const sweep of Object.values(SWEEPS)) {
+    const p = picture(sweep);
+    for (let round = 0; round < 20; round++) {
+      const occupied = new Occupancy(p.box.width, p.box.height);
+      const dots = Array.from({ length: sweep.count }, (_, i) =>
+        toPixel(p.projection, 10 * random() ** 0.5, angleOf(sweep, i)),
+      );
+      for (const { x, y } of dots) occupied.mark(x, y);
+      const covered = [{ x: random() * 600, y: random() * 400, width: 200, height: 80 }];
+      const labels = arcLabels(p.projection, p.sweep, p.arcs, p.lines, occupied, covered, []);
+      for (const [i, { box }] of labels.entries()) {
+        for (const { x, y } of dots) assert.ok(!overlaps(box, { x, y, width: 0, height: 0 }));
+        for (const other of [...labels.slice(i + 1).map((l) => l.box), ...covered]) assert.ok(!overlaps(box, other));
+      }
+    }
+  }
+});
+
+test("a label stays where it was as long as that place is free", () => {
+  const p = picture(sweepOf(270, 1081));
+  const first = label(p);
+  const blocking = new Occupancy(p.box.width, p.box.height);
+  for (const { box } of first) blocking.mark(box.x + box.width / 2, box.y + box.height / 2);
+  const second = label(p, blocking, first);
+  assert.equal(second.length, 4);
+  for (const [i, { angle }] of second.entries()) assert.notEqual(angle, first[i]?.angle);
+  const third = label(p, undefined, second);
+  assert.deepEqual(
+    third.map(({ angle }) => angle),
+    second.map(({ angle }) => angle),
+    "it does not jump back",
+  );
+});
+
+test("where the sweep no longer reaches, a label does not stay", () => {
+  const before = label(
+    picture(circle()),
+    undefined,
+    [10, 7.5, 5, 2.5].map((distance) => ({
+      distance,
+      angle: 150 * DEGREE,
+      box: { x: 0, y: 0, width: 0, height: 0 },
+    })),
+  );
+  assert.ok(before.every(({ angle }) => near(angle, 150 * DEGREE)));
+  for (const { angle } of label(picture(sweepOf(60, 61)), undefined, before)) assert.ok(Math.abs(angle) < 30 * DEGREE);
+});
+
+test("an arc close to the robot goes without", () => {
+  const p = { ...picture(circle()), arcs: [{ distance: 0.1, width: WIDTH }] };
+  assert.deepEqual(label(p), []);
+});

@@ -1,0 +1,135 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import {
+  angleOf,
+  classify,
+  decodeScan,
+  indexAt,
+  isFullCircle,
+  NO_MEASUREMENT,
+  NOTHING_IN_RANGE,
+  OUTSIDE_LIMITS,
+  READING,
+  type Scan,
+  TOO_CLOSE,
+  takeCensus,
+} from "../../robowidgets/js/laser/scan.ts";
+import { DEGREE, near, scanOf } from "./laser.ts";
+
+type Value = number | "nan" | "inf" | "-inf";
+
+interface Case {
+  name: string;
+  angle_min: number;
+  angle_increment: Value;
+  range_min: number;
+  range_max: number;
+  ranges?: Value[];
+  count?: number;
+  fill?: Value;
+  differ?: Record<string, Value>;
+  validity?: number[];
+  counts: number[];
+  nearest: number | null;
+  full_circle: boolean;
+  angles?: Record<string, number>;
+  at?: [number, number | null][];
+}
+
+interface Vectors {
+  scans: Case[];
+  frame: Case & { intensities: Value[]; base64: string };
+}
+
+const vectors: Vectors = JSON.parse(readFileSync(new URL("../vectors/scan.json", import.meta.url), "utf8"));
+
+function toNumber(value: Value): number {
+  const words = { nan: Number.NaN, inf: Infinity, "-inf": -Infinity };
+  return typeof value === "number" ? value : words[value];
+}
+
+/** What Python would send: limits rounded to float32, and no increment where there is none. */
+function toScan(given: Case): Scan {
+  const values = given.ranges ?? Array.from({ length: given.count ?? 0 }, () => given.fill ?? 0);
+  const ranges = values.map(toNumber);
+  for (const [index, value] of Object.entries(given.differ ?? {})) ranges[Number(index)] = toNumber(value);
+  return scanOf(ranges, {
+    angleMin: given.angle_min,
+    angleIncrement: toNumber(given.angle_increment) || 0,
+    rangeMin: Math.fround(given.range_min),
+    rangeMax: Math.fround(given.range_max),
+  });
+}
+
+for (const given of vectors.scans) {
+  test(`as in Python: ${given.name}`, () => {
+    const scan = toScan(given);
+    const classes = Array.from(scan.ranges, (range) => classify(range, scan.rangeMin, scan.rangeMax));
+    if (given.validity) assert.deepEqual(classes, given.validity);
+    assert.deepEqual(takeCensus(scan), { counts: given.counts, nearest: given.nearest ?? -1 });
+    assert.equal(isFullCircle(scan), given.full_circle);
+    for (const [index, degrees] of Object.entries(given.angles ?? {})) {
+      const off = angleOf(scan, Number(index)) / DEGREE - degrees;
+      assert.ok(near(((off + 540) % 360) - 180, 0, 1e-3), `ray ${index} is off by ${off} degrees`);
+    }
+    for (const [degrees, index] of given.at ?? []) {
+      assert.equal(indexAt(scan, degrees * DEGREE), index ?? -1, `at ${degrees} degrees`);
+    }
+  });
+}
+
+test("a frame that Python packed is read to the byte, wherever it starts", () => {
+  const { frame } = vectors;
+  const bytes = Buffer.from(frame.base64, "base64");
+  for (const offset of [0, 1, 4, 6]) {
+    const buffer = new Uint8Array(offset + bytes.length + 3);
+    buffer.set(bytes, offset);
+    const scan = decodeScan(new DataView(buffer.buffer, offset, bytes.length));
+    assert.equal(scan.sequence, 1);
+    assert.ok(Number.isNaN(scan.rate));
+    assert.deepEqual(
+      [scan.angleMin, scan.angleIncrement, scan.rangeMin, scan.rangeMax, scan.count],
+      [frame.angle_min, frame.angle_increment, frame.range_min, frame.range_max, 5],
+    );
+    assert.deepEqual([...scan.ranges], frame.ranges?.map(toNumber));
+    assert.deepEqual([...scan.intensities], frame.intensities.map(toNumber));
+  }
+});
+
+test("a frame without intensities has none", () => {
+  const bytes = new DataView(new ArrayBuffer(24 + 40 + 8));
+  bytes.setFloat64(24 + 32, 2, true);
+  const scan = decodeScan(bytes);
+  assert.equal(scan.ranges.length, 2);
+  assert.equal(scan.intensities.length, 0);
+});
+
+test("the five classes are asked for in REP-117's order", () => {
+  const cases: [number, number, number, number][] = [
+    [1, 0.1, 5, READING],
+    [0.1, 0.1, 5, READING],
+    [5, 0.1, 5, READING],
+    [-Infinity, 0.1, 5, TOO_CLOSE],
+    [Infinity, 0.1, 5, NOTHING_IN_RANGE],
+    [Number.NaN, 0.1, 5, NO_MEASUREMENT],
+    [0, 0.1, 5, OUTSIDE_LIMITS],
+    [5.0001, 0.1, 5, OUTSIDE_LIMITS],
+    [-1, 0.1, 5, OUTSIDE_LIMITS],
+    [0, 0, 5, READING],
+  ];
+  for (const [range, low, high, kind] of cases) assert.equal(classify(range, low, high), kind, `${range}`);
+});
+
+test("whole turns make no difference to which ray an angle meets", () => {
+  const scan = scanOf([1, 2, 3]);
+  for (const turns of [-2, -1, 0, 1, 3]) {
+    assert.equal(indexAt(scan, 0.5 + turns * 2 * Math.PI), 2);
+    assert.equal(indexAt({ ...scan, angleMin: 0.5, angleIncrement: -0.5 }, 0.5 + turns * 2 * Math.PI), 0);
+  }
+});
+
+test("a lone ray without a step is met from everywhere, so that a pointer can meet it at all", () => {
+  const one = scanOf([10.47], { angleMin: 0.3, angleIncrement: 0 });
+  for (const angle of [0.3, 0, 3, -3]) assert.equal(indexAt(one, angle), 0);
+});
