@@ -85,6 +85,7 @@ export class Card {
    * @param noun one sample, in words: "scan"
    */
   update(facts: string[], noun: string): void {
+    this.#theme ??= applyTheme(this.root);
     const { error, notes = [] } = getAbout(this.#model);
     const { paused, since } = this.#stream;
     this.#header.hidden = !getFlag(this.#model, "header");

@@ -109,8 +109,6 @@ export class SpeedView {
     });
     const shown = groups.flatMap(({ axes }) => axes);
     const hidden = groups.flatMap((group) => group.hidden);
-    // Sets the theme, too, which the style sheet needs.
-    void this.#card.theme;
     this.#layOut(planar);
     this.#drawCard(speeds, summarize(shown, hidden));
     for (const [g, view] of this.#groups.entries()) {

@@ -65,8 +65,6 @@ export class TouchView {
     const sensors = select(touch?.sensors ?? [], (this.#model.get("sensors") as string[]) ?? []);
     const { dialect = "", mode, still = false } = getAbout(this.#model) as TouchAbout;
     const paced = this.#stream.live && mode !== "event" && touch && Number.isFinite(touch.rate);
-    // Sets the theme, too, which the style sheet needs.
-    void this.#card.theme;
     this.#card.update([dialect, modeWord(mode), paced ? `${toFixed(touch.rate, 1)} Hz` : ""], "states");
     this.#footer.update(sensors);
     this.#empty.hidden = sensors.length > 0;
