@@ -41,17 +41,21 @@ window.bench = (() => {
   const isRed = (pixels, at) =>
     pixels[at] > 150 && pixels[at + 1] < 110 && pixels[at + 2] < 110 && pixels[at + 3] > 150;
 
-  function pixelsOf(canvas) {
+  // Copies a canvas to where it can be read: one copy per frame, because of WebGL each waits for the whole picture.
+  function copy(canvas) {
     const { width, height } = canvas;
-    if (scratch.canvas.width < width || scratch.canvas.height < height) Object.assign(scratch.canvas, { width, height });
+    if (scratch.canvas.width < width) scratch.canvas.width = width;
+    if (scratch.canvas.height < height) scratch.canvas.height = height;
     scratch.clearRect(0, 0, width, height);
     scratch.drawImage(canvas, 0, 0);
-    return scratch.getImageData(0, 0, width, height);
   }
 
   function redOf(canvas) {
-    const { width, height, data } = canvas.width && canvas.height ? pixelsOf(canvas) : new ImageData(1, 1);
+    const { width, height } = canvas;
     const mask = new Uint8Array(width * height);
+    if (!mask.length) return { width, mask };
+    copy(canvas);
+    const { data } = scratch.getImageData(0, 0, width, height);
     for (let i = 0; i < mask.length; i++) mask[i] = isRed(data, 4 * i);
     return { width, mask };
   }
@@ -87,14 +91,13 @@ window.bench = (() => {
       this.#probes[2 * bit + 1] = middleOf(one, zero);
     }
 
-    // One copy per canvas: of WebGL each costs a wait for the whole picture.
     read() {
       const lit = [];
       for (const [index, canvas] of this.#canvases.entries()) {
         if (!this.#probes.some((probe) => probe.canvas === index)) continue;
-        const { width, data } = pixelsOf(canvas);
+        copy(canvas);
         for (const [i, probe] of this.#probes.entries()) {
-          if (probe.canvas === index) lit[i] = isRed(data, 4 * (probe.y * width + probe.x));
+          if (probe.canvas === index) lit[i] = isRed(scratch.getImageData(probe.x, probe.y, 1, 1).data, 0);
         }
       }
       return (i) => lit[i];
