@@ -22,54 +22,45 @@ const ZOOM: Record<string, -1 | 1> = { "+": -1, "=": -1, "-": 1, _: 1 };
 const SCROLL_PAUSE_MS = 250;
 const WHEEL_STEP = 40;
 
+type Listen = <K extends keyof HTMLElementEventMap>(type: K, callback: (event: HTMLElementEventMap[K]) => void) => void;
+
 export function watchGestures(element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
+  const on: Listen = (type, callback) => element.addEventListener(type, callback, { signal, passive: false });
   const toPoint = (event: MouseEvent): Point => {
     const { left, top } = element.getBoundingClientRect();
     return { x: event.clientX - left, y: event.clientY - top };
   };
-  element.addEventListener(
-    "pointermove",
-    (event) => {
-      if (event.pointerType !== "touch") gestures.onHover(toPoint(event));
-    },
-    { signal },
-  );
-  element.addEventListener("pointerleave", () => gestures.onHover(null), { signal });
-  element.addEventListener("click", (event) => gestures.onPick(toPoint(event)), { signal });
-  element.addEventListener(
-    "keydown",
-    (event) => {
-      if (event.ctrlKey || event.altKey || event.metaKey) return;
-      const [walk, zoom] = [WALK[event.key], ZOOM[event.key]];
-      if (walk) gestures.onWalk(walk);
-      else if (zoom) gestures.onZoom(zoom);
-      else return;
-      event.preventDefault();
-    },
-    { signal },
-  );
-  watchWheel(element, gestures, signal);
+  on("pointermove", (event) => {
+    if (event.pointerType !== "touch") gestures.onHover(toPoint(event));
+  });
+  on("pointerleave", () => gestures.onHover(null));
+  on("click", (event) => gestures.onPick(toPoint(event)));
+  on("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const [walk, zoom] = [WALK[event.key], ZOOM[event.key]];
+    if (walk) gestures.onWalk(walk);
+    else if (zoom) gestures.onZoom(zoom);
+    else return;
+    event.preventDefault();
+  });
+  watchWheel(on, element, gestures, signal);
 }
 
 /** The wheel zooms, unless it was already scrolling the page when the picture came under the pointer. */
-function watchWheel(element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
+function watchWheel(on: Listen, element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
   let pointed = false;
   let scrolled = -Infinity;
   let turned = 0;
-  element.addEventListener(
-    "pointermove",
-    (event) => {
-      pointed ||= event.movementX !== 0 || event.movementY !== 0;
-    },
-    { signal },
-  );
-  element.addEventListener(
-    "pointerleave",
-    () => {
-      pointed = false;
-    },
-    { signal },
-  );
+  on("pointermove", (event) => {
+    pointed ||= event.movementX !== 0 || event.movementY !== 0;
+  });
+  on("pointerdown", () => {
+    pointed = true;
+    scrolled = -Infinity;
+  });
+  on("pointerleave", () => {
+    pointed = false;
+  });
   window.addEventListener(
     "wheel",
     (event) => {
@@ -77,20 +68,15 @@ function watchWheel(element: HTMLElement, gestures: Gestures, signal: AbortSigna
     },
     { signal, passive: true, capture: true },
   );
-  element.addEventListener(
-    "wheel",
-    (event) => {
-      const focused = element.contains(document.activeElement);
-      if (!focused && (!pointed || event.timeStamp - scrolled < SCROLL_PAUSE_MS)) {
-        scrolled = event.timeStamp;
-        return;
-      }
-      event.preventDefault();
-      turned += event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 20 : 1);
-      if (Math.abs(turned) < WHEEL_STEP) return;
-      gestures.onZoom(turned < 0 ? -1 : 1);
-      turned = 0;
-    },
-    { signal, passive: false },
-  );
+  on("wheel", (event) => {
+    if (!pointed || event.timeStamp - scrolled < SCROLL_PAUSE_MS) {
+      scrolled = event.timeStamp;
+      return;
+    }
+    event.preventDefault();
+    turned += event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 20 : 1);
+    if (Math.abs(turned) < WHEEL_STEP) return;
+    gestures.onZoom(turned < 0 ? -1 : 1);
+    turned = 0;
+  });
 }

@@ -38,8 +38,6 @@ export class Card {
     this.#model = model;
     this.#stream = stream;
     this.root = make("div", `rw-card rw-${kind}`);
-    // JupyterLab would take space and arrow keys for the notebook.
-    this.root.dataset.lmSuppressShortcuts = "true";
     this.controls = make("span", "rw-controls");
     this.picture = make("div", "rw-picture");
     this.picture.tabIndex = 0;
@@ -60,6 +58,7 @@ export class Card {
     watchTheme(onTheme, signal);
     onChange(model, ["title", "header", "footer"], redraw, signal);
     this.picture.addEventListener("keydown", (event) => this.#onKey(event), { signal });
+    window.addEventListener("keydown", (event) => this.#keep(event), { signal, capture: true });
     this.picture.setAttribute("aria-label", `${kind} widget`);
   }
 
@@ -119,6 +118,16 @@ export class Card {
     this.#freezeText.dataset.words = words;
     const parts = words.split(/[<>]/).map((part, i) => make("span", i % 2 ? "rw-word" : "rw-number", part));
     this.#freezeText.replaceChildren(...parts.filter((part) => part.textContent));
+  }
+
+  /**
+   * Keeps plain keys from JupyterLab, which would take them for the notebook: "x" cuts the cell. It asks the focused
+   * element, before any parent, when the event passes the document. Saving and running a cell stay its own.
+   */
+  #keep({ key, ctrlKey, altKey, metaKey }: KeyboardEvent): void {
+    const { activeElement: focused } = document;
+    if (!this.root.contains(focused)) return;
+    focused?.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || altKey || metaKey || key === "Enter"));
   }
 
   #onKey(event: KeyboardEvent): void {
