@@ -1,0 +1,179 @@
+"""A laser widget on show: the pixels of its picture, and where the rays of a known scan stand in them."""
+
+from __future__ import annotations
+
+import base64
+import io
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import cos, hypot, radians, sin
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Locator, Page
+
+SETUP = """
+import numpy as np
+from robowidgets import LaserWidget
+inf, nan = float("inf"), float("nan")
+
+def fan(changed={}, **more):
+    '''19 rays from right (-90 degrees, 2 m) to left (+90 degrees, 3 m), those between at 1.52 to 1.84 m.'''
+    ranges = np.array([2.0, *(1.5 + 0.02 * np.arange(1, 18)), 3.0])
+    for index, value in changed.items():
+        ranges[index] = value
+    return {"ranges": ranges, "angle_min": -np.pi / 2, "angle_increment": np.pi / 18, "range_min": 0.6,
+            "range_max": 4.0, "header": {"frame_id": "laser"}, **more}
+
+laser = LaserWidget(title="/scan")
+"""
+FAN = [(metres, 10.0 * i - 90) for i, metres in enumerate([2.0, *(1.5 + 0.02 * i for i in range(1, 18)), 3.0])]
+"""The same rays: metres and degrees."""
+
+LIGHT = {"area": (237, 240, 242), "line": (211, 217, 224), "reading": (217, 45, 32), "ink": (27, 31, 36)}
+DARK = {"area": (31, 37, 43), "line": (57, 66, 76), "reading": (255, 107, 94), "ink": (240, 243, 246)}
+"""Colours of the picture, as the style sheet has them."""
+
+SECONDS = 10
+_TURNS = {"up": 90, "left": 180, "down": -90, "right": 0}
+_READ = """(card) => {
+    const layers = [...card.querySelectorAll(".rw-layer")];
+    const { width, height } = layers[0].getBoundingClientRect();
+    const background = getComputedStyle(card).backgroundColor;
+    return { width, height, background, urls: layers.map((layer) => layer.toDataURL()) };
+}"""
+_LISTEN = """() => {
+    const { prototype } = CanvasRenderingContext2D;
+    const { fillText, clearRect } = prototype;
+    prototype.fillText = function (text, ...place) {
+        this.canvas.words = [...(this.canvas.words ?? []), text];
+        fillText.call(this, text, ...place);
+    };
+    prototype.clearRect = function (...box) {
+        this.canvas.words = [];
+        clearRect.apply(this, box);
+    };
+}"""
+
+
+def eventually(look: Callable[[], Any], expected: Any) -> None:
+    """Look again and again until what is seen is what is expected."""
+    deadline = time.monotonic() + SECONDS
+    while (seen := look()) != expected and time.monotonic() < deadline:
+        pass
+    assert seen == expected, f"expected {expected!r}, saw {seen!r}"
+
+
+def layers(card: Locator) -> list[str]:
+    """The pixels of both canvases, to be compared."""
+    urls: list[str] = card.evaluate(_READ)["urls"]
+    return urls
+
+
+def listen(page: Page) -> None:
+    """From now on, keep the words that canvases of a page show, for `words`."""
+    page.evaluate(_LISTEN)
+
+
+def words(card: Locator) -> set[str]:
+    """The words that stand in the picture now, since `listen`."""
+    return set(card.evaluate("(card) => [...card.querySelectorAll('.rw-layer')].flatMap((layer) => layer.words)"))
+
+
+class Picture:
+    """The pixels of a laser view at one moment. Places are in CSS pixels from its upper left corner."""
+
+    def __init__(self, card: Locator) -> None:
+        read = card.evaluate(_READ)
+        self.width, self.height = read["width"], read["height"]
+        base, self._top = (Image.open(io.BytesIO(base64.b64decode(url.partition(",")[2]))) for url in read["urls"])
+        self.ratio = base.width / self.width
+        paper = Image.new("RGBA", base.size, read["background"])
+        seen = Image.alpha_composite(Image.alpha_composite(paper, base.convert("RGBA")), self._top.convert("RGBA"))
+        self._seen = np.asarray(seen)[..., :3].astype(int)
+        self.paper = tuple(np.asarray(paper)[0, 0, :3].tolist())
+
+    def colour(self, x: float, y: float) -> tuple[int, ...]:
+        """What a person sees there."""
+        return tuple(self._seen[int(y * self.ratio), int(x * self.ratio)].tolist())
+
+    def around(self, x: float, y: float) -> set[tuple[int, ...]]:
+        """The colours within a pixel of a place."""
+        row, column = int(y * self.ratio), int(x * self.ratio)
+        return {tuple(c) for c in self._seen[row - 1 : row + 2, column - 1 : column + 2].reshape(-1, 3).tolist()}
+
+    def count(self, colour: tuple[int, ...]) -> int:
+        """How many pixels have a colour."""
+        return int((self._seen == colour).all(axis=-1).sum())
+
+    def dots(self, colour: tuple[int, ...] = LIGHT["reading"]) -> list[tuple[float, float]]:
+        """The middles of the dots of a colour on the upper canvas."""
+        top = np.asarray(self._top.convert("RGBA")).astype(int)
+        painted = (np.abs(top[..., :3] - colour).max(axis=-1) <= 12) & (top[..., 3] > 24)
+        left = set(zip(*(axis.tolist() for axis in np.nonzero(painted)), strict=True))
+        found = []
+        while left:
+            island, edge = [], [left.pop()]
+            while edge:
+                row, column = edge.pop()
+                island.append((column + 0.5, row + 0.5, top[row, column, 3]))
+                around = {(row + i, column + j) for i in (-1, 0, 1) for j in (-1, 0, 1)} & left
+                left -= around
+                edge += around
+            x, y, weight = np.array(island, float).T
+            found.append((float(np.average(x, weights=weight)), float(np.average(y, weights=weight))))
+        return [(x / self.ratio, y / self.ratio) for x, y in found]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the scanner stands in a picture, and how metres and degrees become CSS pixels."""
+
+    x: float
+    y: float
+    scale: float
+    turn: float
+
+    def at(self, metres: float, degrees: float) -> tuple[float, float]:
+        direction = radians(degrees + self.turn)
+        return self.x + metres * self.scale * cos(direction), self.y - metres * self.scale * sin(direction)
+
+
+def locate(
+    card: Locator,
+    rays: Sequence[tuple[float, float]] = FAN,
+    forward: str = "up",
+    colour: tuple[int, ...] = LIGHT["reading"],
+) -> Place:
+    """Where a known scan stands: the outermost dots tell, and every other must be where that puts it.
+
+    Args:
+        rays: metres and degrees of every reading; there are no others.
+    """
+    turn = _TURNS[forward]
+    wanted = Place(0, 0, 1, turn)
+    metric = [wanted.at(*ray) for ray in rays]
+    axis = int(
+        max(y for _, y in metric) - min(y for _, y in metric) > max(x for x, _ in metric) - min(x for x, _ in metric)
+    )
+
+    def look() -> int:
+        nonlocal dots
+        dots = Picture(card).dots(colour)
+        return len(dots)
+
+    dots: list[tuple[float, float]] = []
+    eventually(look, len(rays))
+    low, high = (
+        min(range(len(rays)), key=lambda i: metric[i][axis]),
+        max(range(len(rays)), key=lambda i: metric[i][axis]),
+    )
+    first, last = min(dots, key=lambda dot: dot[axis]), max(dots, key=lambda dot: dot[axis])
+    scale = (last[axis] - first[axis]) / (metric[high][axis] - metric[low][axis])
+    place = Place(first[0] - metric[low][0] * scale, first[1] - metric[low][1] * scale, scale, turn)
+    for ray in rays:
+        x, y = place.at(*ray)
+        assert min(hypot(x - dot[0], y - dot[1]) for dot in dots) < 0.75, f"no dot at {ray}"
+    return place
