@@ -3,7 +3,7 @@ import { Card } from "../shared/card.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
 import { toFixed, toShortMetres } from "../shared/format.ts";
 import { getAbout, type Model, onChange, put } from "../shared/model.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { onceAFrame, spaced } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
@@ -17,6 +17,8 @@ import { describeRay, toRays, whyEmpty } from "./words.ts";
 import { stepRange } from "./zoom.ts";
 
 const SETTINGS = ["arc_count", "arc_distances", "ray_count", "view_range", "forward", "marks", "color_by_intensity"];
+/** Between two texts that follow the scans. Nobody reads faster, and laying out text takes longer than drawing dots. */
+const READING_MS = 100;
 const EMPTY = { counts: [0, 0, 0, 0, 0] as [number, number, number, number, number], nearest: -1 };
 
 /** One view of a laser widget: it wires the card, the scene, the legend, the pop-ups and the gestures together. */
@@ -32,12 +34,15 @@ export class LaserView {
   readonly #range = make("span", "rw-range");
   readonly #fit: HTMLButtonElement;
   readonly #redraw: () => void;
+  readonly #tell: () => void;
   #size: Size = { width: 0, height: 0 };
+  #rate = "";
 
   constructor(model: Model, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
     this.#model = model;
     this.#stream = stream;
     this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#tell = spaced(() => this.#drawTexts(), READING_MS, signal);
     this.#card = new Card(element, "laser", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
     this.#scene = new Scene(model, picture);
@@ -118,17 +123,28 @@ export class LaserView {
     const scan = this.#stream.shown;
     const census = scan ? takeCensus(scan) : EMPTY;
     const { theme } = this.#card;
-    const rays = scan ? toRays(scan.count) : "";
-    const rate = scan && this.#stream.live && Number.isFinite(scan.rate) ? `${toFixed(scan.rate, 1)} Hz` : "";
-    this.#card.update([getAbout(this.#model).frame_id ?? "", rays, rate], "scan");
+    this.#tell();
+    this.#drawCard(scan);
     setText(this.#empty, whyEmpty(scan, census));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];
     this.#scene.draw(scan, this.#size, this.#card.noticeHeight, covered, theme);
     setText(this.#range, toShortMetres(this.#scene.viewRange));
     this.#fit.setAttribute("aria-pressed", String(this.#model.get("view_range") === "data"));
-    this.#legend.update(scan, census, (this.#model.get("marks") as string[]) ?? []);
     this.#drawPopups(scan);
+  }
+
+  #drawCard(scan: Scan | null): void {
+    const rays = scan ? toRays(scan.count) : "";
+    this.#card.update([getAbout(this.#model).frame_id ?? "", rays, this.#rate], "scan");
+  }
+
+  /** What changes with every scan. */
+  #drawTexts(): void {
+    const scan = this.#stream.shown;
+    this.#rate = scan && this.#stream.live && Number.isFinite(scan.rate) ? `${toFixed(scan.rate, 1)} Hz` : "";
+    this.#drawCard(scan);
+    this.#legend.update(scan, scan ? takeCensus(scan) : EMPTY, (this.#model.get("marks") as string[]) ?? []);
   }
 
   #drawPopups(scan: Scan | null): void {

@@ -10,3 +10,22 @@ export function onceAFrame(draw: () => void, signal: AbortSignal): () => void {
     });
   };
 }
+
+/** Calls at once, and again after `ms` at the earliest; who asked meanwhile is heard then. */
+export function spaced(call: () => void, ms: number, signal: AbortSignal): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let asked = false;
+  signal.addEventListener("abort", () => clearTimeout(timer));
+  const run = () => {
+    asked = false;
+    timer = setTimeout(() => {
+      timer = undefined;
+      if (asked) run();
+    }, ms);
+    call();
+  };
+  return () => {
+    asked = true;
+    if (timer === undefined && !signal.aborted) run();
+  };
+}
