@@ -1,0 +1,71 @@
+"""Saved and exported notebooks show the widgets' last state without a kernel, and still answer a pointer."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from playwright.sync_api import Locator, Page, expect
+
+from .laser import FAN, SETUP, locate
+from .notebook import Notebook
+
+WIDGETS = f"""{SETUP}
+from robowidgets import SpeedWidget, TouchWidget
+from ipywidgets.embed import embed_minimal_html
+
+laser.update(**fan())
+speed = SpeedWidget(title="/odom", planar=True)
+speed.update(linear=(0.62, 0, 0), angular=(0, 0, -1.24))
+touch = TouchWidget(title="/bumper")
+for bumper, state in ((0, 1), (0, 0), (1, 1)):
+    touch.update({{"bumper": bumper, "state": state}})
+"""
+FROZEN = """
+frozen = LaserWidget(title="/frozen")
+frozen.update(**fan())
+frozen.paused = True
+frozen.pinned = 4
+frozen.update(**fan({9: 0.9}))
+display(laser, frozen, speed, touch)
+"""
+
+
+def shows(page: Page) -> None:
+    """Check all that a person sees and does on the exported widgets."""
+    laser, frozen = page.locator(".rw-laser").first, page.locator(".rw-laser").last
+    expect(laser.locator(".rw-nearest")).to_have_text("nearest 1.52 m at −80.0° [1]")
+    place, popup = locate(laser), laser.locator(".rw-popup:visible")
+    expect(popup).to_have_count(0)
+    hover(laser, *place.at(*FAN[6]))
+    expect(popup.locator(".rw-popup-expression")).to_have_text("ranges[6]")
+    hover(laser, *place.at(*FAN[12]))
+    expect(popup.locator(".rw-popup-expression")).to_have_text("ranges[12]")
+    laser.get_by_role("button", name="Zoom in (+)").click()
+    expect(laser.locator(".rw-range")).to_have_text("3 m")
+    expect(frozen.locator(".rw-freeze")).to_have_text("Frozen · 1 since")
+    expect(frozen.locator(".rw-popup:visible .rw-popup-expression")).to_have_text("ranges[4]")
+    frozen.locator(".rw-freeze").click()
+    expect(frozen.locator(".rw-nearest")).to_have_text("nearest 0.90 m at 0.0° [9]")
+
+    speed, touch = page.locator(".rw-speed"), page.locator(".rw-touch")
+    expect(speed.locator(".rw-value")).to_contain_text(["0.62", "0.00", "−1.24"])
+    expect(touch.locator(".rw-tile")).to_contain_text(["free", "touched", "unknown"])
+
+
+def hover(card: Locator, x: float, y: float) -> None:
+    card.locator(".rw-picture").hover(position={"x": x, "y": y})
+
+
+def test_exported_pages_show_the_last_state_without_a_kernel(
+    notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
+) -> None:
+    nb = notebook([WIDGETS, FROZEN])
+    nb.widget(1).locator(".rw-picture").hover()
+    nb.python("embed_minimal_html('embedded.html', views=[laser, frozen, speed, touch], drop_defaults=False)")
+    saved = nb.save()
+    subprocess.run([sys.executable, "-m", "nbconvert", "--to", "html", saved], check=True)
+    shows(static_page(nb.lab.files / "embedded.html"))
+    shows(static_page(saved.with_suffix(".html")))

@@ -1,0 +1,114 @@
+"""What a laser widget keeps: over two views, a reload, a kernel's restart, a bad message and its own end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from playwright.sync_api import Locator, expect
+
+from .laser import FAN, SETUP, eventually, layers, locate
+from .notebook import Notebook
+
+FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
+THREAD = "import threading\nthread = threading.Thread(target=laser.update, args=[{}])\nthread.start(); thread.join()"
+
+
+def cards(nb: Notebook) -> list[Locator]:
+    return [nb.widget(index).locator(".rw-card") for index in (0, 1)]
+
+
+def says(card: Locator, nearest: str, freeze: str) -> None:
+    expect(card.locator(".rw-nearest")).to_have_text(f"nearest {nearest}")
+    expect(card.locator(".rw-freeze")).to_have_text(freeze)
+
+
+def test_two_views_and_a_reloaded_page_show_the_same(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([FIRST, "laser"], height=1400)
+    nb.resize(500, height=1400)
+    first, second = cards(nb)
+    place = locate(first)
+    assert locate(second) == place
+    spot = {"x": place.at(*FAN[4])[0], "y": place.at(*FAN[4])[1]}
+    second.locator(".rw-picture").click(position=spot)
+    second.locator(".rw-freeze").click()
+    second.get_by_role("button", name="Zoom in (+)").click()
+    nb.python("laser.update(**fan({9: 0.9}))")
+    for card in (first, second):
+        says(card, "1.52 m at −80.0° [1]", "Frozen · 1 since")
+        expect(card.locator(".rw-popup:visible .rw-popup-expression")).to_have_text("ranges[4]")
+        expect(card.locator(".rw-range")).to_have_text("3 m")
+    eventually(lambda: layers(first) == layers(second), True)
+    eventually(lambda: nb.python("laser.paused"), "True")
+    held = layers(first)
+    first.locator(".rw-picture").hover(position=spot)
+    eventually(lambda: nb.python("laser.hovered"), "4")
+
+    nb.reload()
+    first, second = cards(nb)
+    for card in (first, second):
+        says(card, "1.52 m at −80.0° [1]", "Frozen · 1 since")
+        expect(card.locator(".rw-popup:visible")).to_have_count(1)
+        eventually(lambda card=card: layers(card), held)
+    assert nb.python("print(f'{laser.scan.ranges[9]:.2f}')") == "1.68\n"
+    eventually(lambda: nb.python("laser.hovered is None"), "True")
+    nb.python("laser.pinned = None")
+    for card in (first, second):
+        expect(card.locator(".rw-popup:visible"), "nobody points").to_have_count(0)
+    first.locator(".rw-freeze").click()
+    for card in (first, second):
+        says(card, "0.90 m at 0.0° [9]", "Freeze")
+    nb.python("laser.update(**fan({9: 0.8}))")
+    for card in (first, second):
+        says(card, "0.80 m at 0.0° [9]", "Freeze")
+
+    nb.reload()
+    for card in cards(nb):
+        says(card, "0.80 m at 0.0° [9]", "Freeze")
+
+
+def test_after_a_restart_the_cells_run_again_and_a_closed_widget_goes(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([FIRST, "laser"])
+    nb.restart_kernel()
+    first, second = cards(nb)
+    first.locator(".rw-freeze").click()
+    second.locator(".rw-picture").click()
+    for card in (first, second):
+        says(card, "1.52 m at −80.0° [1]", "Frozen · 0 since")
+        expect(card.locator(".rw-popup:visible")).to_have_count(1)
+    nb.run_all()
+    for card in cards(nb):
+        says(card, "1.52 m at −80.0° [1]", "Freeze")
+    nb.python("laser.update(**fan({9: 0.9}))")
+    first, second = cards(nb)
+    says(first, "0.90 m at 0.0° [9]", "Freeze")
+    first.locator(".rw-freeze").click()
+    says(second, "0.90 m at 0.0° [9]", "Frozen · 0 since")
+    nb.python("laser.close()")
+    for index in (0, 1):
+        expect(nb.output(index).locator(".rw-card")).to_have_count(0)
+    nb.python("laser.update(**fan())\nlaser.paused = False")
+
+
+def test_a_bad_message_in_a_thread_is_told_and_the_last_good_picture_stays(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([FIRST])
+    nb.resize(700)
+    card = nb.widget(0).locator(".rw-card")
+    notice = card.locator(".rw-notice")
+    nb.python(THREAD.format("{'linear': 1}"))
+    expect(notice).to_contain_text("linear")
+    expect(notice).to_contain_text("Showing the last good scan.")
+    says(card, "1.52 m at −80.0° [1]", "Freeze")
+    locate(card)
+    nb.python(THREAD.format("fan(range_max=0.5)"))
+    expect(notice).to_contain_text("range_max: expected metres above range_min (0.6), got 0.5; are the two swapped?")
+    locate(card)
+    box, picture = notice.bounding_box(), card.locator(".rw-picture").bounding_box()
+    assert box is not None
+    assert picture is not None
+    assert box["width"] == picture["width"]
+    assert box["height"] < 60
+    nb.python("laser.update(**fan({9: 0.9}))")
+    expect(notice).to_be_hidden()
+    says(card, "0.90 m at 0.0° [9]", "Freeze")

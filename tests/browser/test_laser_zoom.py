@@ -1,0 +1,94 @@
+"""How far a laser's picture reaches, as a person sets it by wheel, buttons, keys and from Python, in JupyterLab."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from playwright.sync_api import Locator, expect
+
+from .laser import FAN, LIGHT, SETUP, Picture, eventually, listen, locate, words
+from .notebook import Notebook
+
+FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
+SCROLLED = "() => document.querySelector('.jp-Notebook .jp-WindowedPanel-outer').scrollTop"
+
+
+def reaches(card: Locator, metres: str) -> None:
+    expect(card.locator(".rw-range")).to_have_text(f"{metres} m")
+
+
+def test_wheel_buttons_keys_fit_and_python_zoom(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([FIRST], run=False)
+    listen(nb.page)
+    nb.run_all()
+    nb.resize(700)
+    card = nb.widget(0).locator(".rw-card")
+    picture, mouse, keys = card.locator(".rw-picture"), nb.page.mouse, nb.page.keyboard
+    closer, farther = (card.get_by_role("button", name=name) for name in ("Zoom in (+)", "Zoom out (−)"))
+    far = locate(card).scale
+    reaches(card, "4")
+    for turn, metres, scale in ((-100, "3", 1.33), (100, "4", 1.0), (100, "4", 1.0)):
+        picture.hover()
+        mouse.move(400, 500, steps=3)  # a mouse on its way, as the wheel's own test of it asks
+        mouse.wheel(0, turn)
+        reaches(card, metres)
+        mouse.move(5, 5)
+        assert abs(locate(card).scale / far - scale) < 0.1
+    closer.click()
+    reaches(card, "3")
+    farther.click()
+    reaches(card, "4")
+    eventually(lambda: nb.python("laser.view_range"), "4.0")
+    picture.focus()
+    for key, metres in (("+", "3"), ("=", "2.5"), ("-", "3"), ("-", "4"), ("-", "4")):
+        keys.press(key)
+        reaches(card, metres)
+
+    fit = card.locator(".rw-fit")
+    nb.python("laser.update(**fan(range_max=60.0)); laser.view_range = 'sensor'")
+    reaches(card, "60")
+    fit.click()
+    reaches(card, "4")
+    expect(fit).to_have_attribute("aria-pressed", "true")
+    eventually(lambda: nb.python("laser.view_range"), "'data'")
+    locate(card)
+    nb.python("laser.update(**fan({18: 3.2}, range_max=60.0))")
+    expect(card.locator(".rw-nearest")).to_be_visible()
+    locate(card, [*FAN[:18], (3.2, 90)])
+    reaches(card, "4")
+    fit.click()
+    reaches(card, "60")
+    expect(fit).to_have_attribute("aria-pressed", "false")
+
+    nb.python("laser.view_range = 1.55; laser.update(**fan())")
+    reaches(card, "1.55")
+    eventually(lambda: "17 beyond 1.55 m" in words(card), True)
+    seen = Picture(card)
+    assert len(seen.dots()) == 2 + 17 + 1, "dots, arrow heads at the edge, and one that explains them"
+    assert seen.count(LIGHT["reading"]) > 17 * 4
+    closer.click()
+    reaches(card, "1.5")
+    eventually(lambda: "19 beyond 1.5 m" in words(card), True)
+
+
+def test_a_wheel_that_scrolls_the_notebook_does_not_zoom(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([FIRST, "laser", "laser"])
+    nb.resize(700)
+    card = nb.widget(1).locator(".rw-card")
+    picture, mouse = card.locator(".rw-picture"), nb.page.mouse
+    for clicked in (False, True):
+        reaches(card, "4")
+        if clicked:
+            picture.click()
+        nb.page.evaluate("() => { document.querySelector('.jp-Notebook .jp-WindowedPanel-outer').scrollTop = 0; }")
+        mouse.move(400, 200, steps=3)
+        turns = 0
+        while turns < 5:
+            before = nb.page.evaluate(SCROLLED)
+            mouse.wheel(0, 60)
+            eventually(lambda before=before: nb.page.evaluate(SCROLLED) > before, True)
+            turns += picture.evaluate("(picture) => picture.matches(':hover')")
+        reaches(card, "4")
+    picture.click()
+    mouse.wheel(0, -100)
+    reaches(card, "3")
