@@ -4,13 +4,12 @@ import {
   type ArcLabel,
   arcDistances,
   arcLabels,
-  labelBox,
   Occupancy,
   overlaps,
   rayIndices,
   thinLabels,
 } from "../../robowidgets/js/laser/guides.ts";
-import { type Projection, toPixel } from "../../robowidgets/js/laser/projection.ts";
+import { type Projection, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
 import { angleOf, indexAt, type Sweep } from "../../robowidgets/js/laser/scan.ts";
 import { BOXES, circle, DEGREE, layOut, near, randoms, SWEEPS, sweepOf } from "./laser.ts";
 
@@ -83,7 +82,7 @@ test("labels are thinned until none overlaps, and the first stays", () => {
         const { projection, labels } = layOut(sweep, box, 10, "up", rayCount);
         const kept = thinLabels(projection, labels);
         assert.equal(kept[0], labels[0]);
-        const boxes = kept.map((label) => labelBox(projection, label));
+        const boxes = kept.map((label) => rimBox(projection, label));
         for (const [i, one] of boxes.entries()) {
           for (const other of boxes.slice(i + 1)) assert.ok(!overlaps(one, other));
         }

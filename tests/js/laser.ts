@@ -1,7 +1,7 @@
 import { type RayLabel, rayIndices, rayLabels } from "../../robowidgets/js/laser/guides.ts";
 import type { Projection } from "../../robowidgets/js/laser/projection.ts";
 import { FORWARD, fit, sweepRim } from "../../robowidgets/js/laser/projection.ts";
-import type { Scan, Sweep } from "../../robowidgets/js/laser/scan.ts";
+import { classify, type Scan, type Sweep, takeCensus } from "../../robowidgets/js/laser/scan.ts";
 
 export const DEGREE = Math.PI / 180;
 
@@ -45,16 +45,21 @@ export const BOXES = [
   { x: 0, y: 0, width: 1200, height: 300 },
 ];
 
-export function scanOf(ranges: number[], more: Partial<Scan> = {}): Scan {
+export function scanOf(values: number[], more: Partial<Scan> = {}): Scan {
+  const ranges = Float32Array.from(values);
+  const { rangeMin = Math.fround(0.1), rangeMax = 30 } = more;
+  const kinds = Array.from(ranges, (range) => classify(range, rangeMin, rangeMax));
   return {
     sequence: 1,
     rate: Number.NaN,
     angleMin: -0.5,
     angleIncrement: 0.5,
     count: ranges.length,
-    rangeMin: Math.fround(0.1),
-    rangeMax: 30,
-    ranges: Float32Array.from(ranges),
+    rangeMin,
+    rangeMax,
+    ranges,
+    kinds,
+    ...takeCensus(ranges, kinds),
     intensities: new Float32Array(0),
     ...more,
   };

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { labelBox, Occupancy, overlaps, thinLabels } from "../../robowidgets/js/laser/guides.ts";
+import { Occupancy, overlaps, thinLabels } from "../../robowidgets/js/laser/guides.ts";
 import { crosses, placePopup } from "../../robowidgets/js/laser/popup_place.ts";
-import { type Box, type Point, toPixel } from "../../robowidgets/js/laser/projection.ts";
+import { type Box, type Point, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
 import { angleOf } from "../../robowidgets/js/laser/scan.ts";
 import { BOXES, layOut, randoms, SWEEPS } from "./laser.ts";
 
@@ -25,13 +25,13 @@ for (const [name, sweep] of Object.entries(SWEEPS)) {
   for (const box of BOXES) {
     test(`${name}, ${box.width} x ${box.height}: in the box and off the ray, for every ray`, () => {
       const { projection, labels } = layOut(sweep, box);
-      const labelBoxes = thinLabels(projection, labels).map((label) => labelBox(projection, label));
+      const labelBoxes = thinLabels(projection, labels).map((label) => rimBox(projection, label));
       const center = { x: projection.centerX, y: projection.centerY };
       const random = randoms(11);
       const occupied = new Occupancy(box.width, box.height + box.y);
       const ends = Array.from({ length: sweep.count }, (_, i) => toPixel(projection, 10 * random(), angleOf(sweep, i)));
       for (const { x, y } of ends) occupied.mark(x, y);
-      const step = Math.max(1, Math.floor(sweep.count / 90));
+      const step = Math.max(1, Math.floor(sweep.count / 40));
       for (let i = 0; i < sweep.count; i += step) {
         for (const end of [ends[i] as Point, toPixel(projection, 10, angleOf(sweep, i))]) {
           for (const size of sizesIn(box)) {

@@ -1,7 +1,5 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Scan } from "../../robowidgets/js/laser/scan.ts";
-import { takeCensus } from "../../robowidgets/js/laser/scan.ts";
 import { CLASSES, describeRay, meaningOf, sideOf, whyEmpty } from "../../robowidgets/js/laser/words.ts";
 import { DEGREE, scanOf } from "./laser.ts";
 
@@ -14,7 +12,7 @@ const scan = scanOf([2, -Infinity, Infinity, Number.NaN, 0.05, 61], {
 
 test("each value means something", () => {
   assert.deepEqual(
-    [...scan.ranges].map((range) => meaningOf(range, scan)),
+    scan.kinds.map((_, index) => meaningOf(scan, index)),
     [
       "",
       `${MINUS}inf: closer than 0.1 m`,
@@ -50,7 +48,7 @@ test("a ray without a reading is told with what its value means", () => {
   );
   assert.deepEqual(
     told.map(({ details }) => details),
-    [1, 2, 3, 4].map((index) => meaningOf(scan.ranges[index] as number, scan)),
+    [1, 2, 3, 4].map((index) => meaningOf(scan, index)),
   );
   assert.deepEqual(
     told.map(({ side }) => side),
@@ -94,26 +92,25 @@ test("sides are the robot's", () => {
 });
 
 test("a picture without readings says why", () => {
-  const why = (one: Scan | null) => whyEmpty(one, one ? takeCensus(one) : { counts: [0, 0, 0, 0, 0], nearest: -1 });
   const all = (value: number, count = 360) =>
-    why(
+    whyEmpty(
       scanOf(
         Array.from({ length: count }, () => value),
         { rangeMin: Math.fround(0.12), rangeMax: 3.5 },
       ),
     );
-  assert.equal(why(null), "waiting for a scan");
-  assert.equal(why(scanOf([])), "this scan is empty: it has no rays");
-  assert.equal(why(scan), "");
+  assert.equal(whyEmpty(null), "waiting for a scan");
+  assert.equal(whyEmpty(scanOf([])), "this scan is empty: it has no rays");
+  assert.equal(whyEmpty(scan), "");
   assert.equal(all(Infinity), "no readings: all 360 rays say +inf: nothing within 3.5 m");
   assert.equal(all(-Infinity), `no readings: all 360 rays say ${MINUS}inf: closer than 0.12 m`);
   assert.equal(all(Number.NaN), "no readings: all 360 rays say NaN: no measurement");
   assert.equal(all(0), "no readings: all 360 rays say 0.000 m, outside the limits 0.12 m to 3.5 m");
   assert.equal(all(Infinity, 1), "no readings: the one ray says +inf: nothing within 3.5 m");
   assert.equal(all(9, 1), "no readings: the one ray says 9.000 m, outside the limits 0.12 m to 3.5 m");
-  assert.equal(why(scanOf([0, 99, 0.05])), "no readings: all 3 rays are outside the limits 0.1 m to 30 m");
+  assert.equal(whyEmpty(scanOf([0, 99, 0.05])), "no readings: all 3 rays are outside the limits 0.1 m to 30 m");
   assert.equal(
-    why(scanOf([0, 99, Infinity, Number.NaN, -Infinity])),
+    whyEmpty(scanOf([0, 99, Infinity, Number.NaN, -Infinity])),
     "no readings: 2 outside, 1 nothing, 1 none, 1 too close",
   );
 });

@@ -1,7 +1,7 @@
 import { toFixed } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import { arcFont } from "./draw_area.ts";
-import { classify, READING, type Scan } from "./scan.ts";
+import { READING, type Scan } from "./scan.ts";
 import { VIRIDIS } from "./viridis.ts";
 
 export type Domain = [number, number];
@@ -10,8 +10,7 @@ export type Domain = [number, number];
 export function intensityDomain(scan: Scan, previous: Domain | null): Domain | null {
   let [low, high] = [Infinity, -Infinity];
   for (const [i, value] of scan.intensities.entries()) {
-    if (!Number.isFinite(value)) continue;
-    if (classify(scan.ranges[i] as number, scan.rangeMin, scan.rangeMax) !== READING) continue;
+    if (scan.kinds[i] !== READING || !Number.isFinite(value)) continue;
     low = Math.min(low, value);
     high = Math.max(high, value);
   }

@@ -1,42 +1,32 @@
 import type { Theme } from "../shared/theme.ts";
-import { labelBox, type RayLabel } from "./guides.ts";
-import { type Projection, toPixel } from "./projection.ts";
-import { angleOf, isFullCircle, type Sweep } from "./scan.ts";
+import type { RayLabel } from "./guides.ts";
+import { type Projection, rimBox, toPixel } from "./projection.ts";
+import { angleOf, isFullCircle, type Limits, type Sweep } from "./scan.ts";
 
-export interface Limits {
-  rangeMin: number;
-  rangeMax: number;
-}
-
-/** Traces a stretch of circle from the first to the last ray, in either direction. */
+/** Traces a stretch of circle from the first to the last ray, or back. */
 function traceArc(
   context: CanvasRenderingContext2D,
-  projection: Projection,
+  { centerX, centerY, radius, viewRange, forward }: Projection,
   sweep: Sweep,
   range: number,
   back = false,
 ) {
-  const radius = (range / projection.viewRange) * projection.radius;
-  const toCanvas = (angle: number) => -(angle + projection.forward);
-  const [first, last] = [toCanvas(angleOf(sweep, 0)), toCanvas(angleOf(sweep, Math.max(0, sweep.count - 1)))];
-  const clockwise = sweep.angleIncrement >= 0;
-  if (isFullCircle(sweep)) {
-    context.arc(projection.centerX, projection.centerY, radius, first, first + (back ? -2 : 2) * Math.PI, back);
-  } else if (back) {
-    context.arc(projection.centerX, projection.centerY, radius, last, first, !clockwise);
-  } else {
-    context.arc(projection.centerX, projection.centerY, radius, first, last, clockwise);
-  }
+  const sign = Math.sign(sweep.angleIncrement);
+  const turned = isFullCircle(sweep) ? 2 * Math.PI * sign : angleOf(sweep, sweep.count - 1) - angleOf(sweep, 0);
+  // A canvas turns the other way: its y points down.
+  const first = -(angleOf(sweep, 0) + forward);
+  const [from, to] = back ? [first - turned, first] : [first, first - turned];
+  context.arc(centerX, centerY, (range / viewRange) * radius, from, to, sign > 0 !== back);
 }
 
 /** The detection area: what the scanner can see, from range_min to range_max over the swept angle, to scale. */
 export function drawArea(
   context: CanvasRenderingContext2D,
   projection: Projection,
-  sweep: Sweep,
-  { rangeMin, rangeMax }: Limits,
+  sweep: Sweep & Limits,
   theme: Theme,
 ): void {
+  const { rangeMin, rangeMax } = sweep;
   const far = Math.min(rangeMax, projection.viewRange);
   if (sweep.count === 0 || rangeMin >= far) return;
   if (sweep.count === 1) {
@@ -45,12 +35,13 @@ export function drawArea(
   }
   context.beginPath();
   traceArc(context, projection, sweep, far);
-  if (isFullCircle(sweep)) context.closePath();
-  const inner = toPixel(projection, rangeMin, angleOf(sweep, sweep.count - 1));
-  if (isFullCircle(sweep)) context.moveTo(...start(projection, sweep, rangeMin));
-  else context.lineTo(inner.x, inner.y);
+  // Where a circle closes there is no edge; elsewhere the canvas joins the two arcs with one.
+  if (isFullCircle(sweep)) {
+    const { x, y } = toPixel(projection, rangeMin, angleOf(sweep, 0));
+    context.moveTo(x, y);
+  }
   traceArc(context, projection, sweep, rangeMin, true);
-  context.closePath();
+  if (!isFullCircle(sweep)) context.closePath();
   context.fillStyle = theme.area;
   context.fill("evenodd");
   context.strokeStyle = theme.line;
@@ -58,31 +49,24 @@ export function drawArea(
   context.stroke();
 }
 
-function start(projection: Projection, sweep: Sweep, range: number): [number, number] {
-  const { x, y } = toPixel(projection, range, angleOf(sweep, 0));
-  return [x, y];
-}
-
 /** The range arcs and the radial lines. */
 export function drawGuides(
   context: CanvasRenderingContext2D,
   projection: Projection,
-  sweep: Sweep,
-  { rangeMin, rangeMax }: Limits,
-  arcs: number[],
+  sweep: Sweep & Limits,
+  arcs: { distance: number }[],
   rays: number[],
   theme: Theme,
 ): void {
   context.strokeStyle = theme.line;
   context.lineWidth = 1;
-  for (const distance of arcs) {
-    if (distance <= rangeMin || distance > rangeMax) continue;
+  for (const { distance } of arcs) {
     context.beginPath();
     traceArc(context, projection, sweep, distance);
     context.stroke();
   }
-  const far = Math.min(rangeMax, projection.viewRange);
-  for (const index of rays) drawLine(context, projection, angleOf(sweep, index), rangeMin, far, theme.line, 1);
+  const far = Math.min(sweep.rangeMax, projection.viewRange);
+  for (const index of rays) drawLine(context, projection, angleOf(sweep, index), sweep.rangeMin, far, theme.line, 1);
 }
 
 export function drawLine(
@@ -113,7 +97,7 @@ export function drawRayLabels(
   context.textAlign = "center";
   context.textBaseline = "middle";
   for (const label of labels) {
-    const box = labelBox(projection, label);
+    const box = rimBox(projection, label);
     const x = box.x + label.halfWidth;
     context.font = angleFont(theme);
     context.fillStyle = theme.ink;

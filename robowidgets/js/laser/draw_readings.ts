@@ -5,7 +5,6 @@ import { type ArcLabel, type Occupancy, overlaps } from "./guides.ts";
 import { type Box, type Projection, toDirection } from "./projection.ts";
 import {
   angleOf,
-  classify,
   NO_MEASUREMENT,
   NOTHING_IN_RANGE,
   OUTSIDE_LIMITS,
@@ -50,7 +49,7 @@ export function drawReadings(
   context.fillStyle = color;
   for (let i = 0; i < scan.count; i++) {
     const range = scan.ranges[i] as number;
-    const kind = classify(range, scan.rangeMin, scan.rangeMax);
+    const kind = scan.kinds[i] as Validity;
     const { x: ux, y: uy } = toDirection(angleOf(scan, i), projection.forward);
     if (kind === READING && range <= projection.viewRange) {
       const x = projection.centerX + ux * range * scale;

@@ -1,6 +1,6 @@
 import { toDegrees } from "../shared/format.ts";
-import { type Box, type Projection, RIM_MARKS, type Rim, toDirection } from "./projection.ts";
-import { angleOf, isFullCircle, type Sweep } from "./scan.ts";
+import { type Box, type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
+import { angleFrom, angleOf, isFullCircle, type Sweep, spanOf } from "./scan.ts";
 
 /** Distances of the range arcs in metres: those asked for, or `count` that divide the view in equal parts. */
 export function arcDistances(asked: number[], count: number, viewRange: number): number[] {
@@ -52,15 +52,6 @@ export function rayLabels(
   });
 }
 
-export function labelBox({ centerX, centerY, radius }: Projection, label: Rim): Box {
-  return {
-    x: centerX + label.direction.x * (radius + label.gap) - label.halfWidth,
-    y: centerY + label.direction.y * (radius + label.gap) - label.halfHeight,
-    width: 2 * label.halfWidth,
-    height: 2 * label.halfHeight,
-  };
-}
-
 export function overlaps(a: Box, b: Box, margin = 0): boolean {
   return (
     a.x < b.x + b.width + margin &&
@@ -74,7 +65,7 @@ export function overlaps(a: Box, b: Box, margin = 0): boolean {
 export function thinLabels(projection: Projection, labels: RayLabel[]): RayLabel[] {
   let kept = labels;
   while (kept.length > 1) {
-    const boxes = kept.map((label) => labelBox(projection, label));
+    const boxes = kept.map((label) => rimBox(projection, label));
     const clash = boxes.some((box, i) => boxes.slice(i + 1).some((other) => overlaps(box, other, 2)));
     if (!clash) break;
     kept = kept.filter((_, i) => i % 2 === 0);
@@ -149,10 +140,10 @@ export function arcLabels(
   previous: ArcLabel[],
 ): ArcLabel[] {
   const placed: ArcLabel[] = [];
-  const spread = isFullCircle(sweep) ? 2 * Math.PI : Math.abs(sweep.angleIncrement) * Math.max(0, sweep.count - 1);
-  const from = Math.min(angleOf(sweep, 0), angleOf(sweep, Math.max(0, sweep.count - 1)));
-  const preferred = preferredAngle(from, spread);
-  const angles = Array.from({ length: CANDIDATES }, (_, i) => from + ((i + 0.5) / CANDIDATES) * spread).sort(
+  const [from, to] = spanOf(sweep);
+  const left = angleFrom(from, LEFT_OF_FORWARD);
+  const preferred = left < to ? left : (from + to) / 2;
+  const angles = Array.from({ length: CANDIDATES }, (_, i) => from + ((i + 0.5) / CANDIDATES) * (to - from)).sort(
     (a, b) => Math.abs(a - preferred) - Math.abs(b - preferred),
   );
   for (const { distance, width } of arcs) {
@@ -170,7 +161,7 @@ export function arcLabels(
     // Half the label's width must lie inside the swept angle; clear of the radial lines is better.
     const needed = (width / 2 + 3) / pixels;
     const inSweep = (angle: number) =>
-      isFullCircle(sweep) || spread < 2 * needed || (angle - from > needed && from + spread - angle > needed);
+      isFullCircle(sweep) || to - from < 2 * needed || (angle - from > needed && to - angle > needed);
     const isClear = (angle: number) =>
       lines.every((line) => Math.abs(Math.sin((angle - line) / 2)) * 2 * pixels > width / 3);
     const free = (label: ArcLabel) =>
@@ -184,11 +175,4 @@ export function arcLabels(
     if (found) placed.push(found);
   }
   return placed;
-}
-
-/** Left of forward, counted as the sweep counts; the middle of a sweep that does not reach there. */
-function preferredAngle(from: number, spread: number): number {
-  const turns = Math.ceil((from - LEFT_OF_FORWARD) / (2 * Math.PI));
-  const angle = LEFT_OF_FORWARD + turns * 2 * Math.PI;
-  return angle < from + spread ? angle : from + spread / 2;
 }

@@ -1,29 +1,21 @@
 import { make, setText } from "../shared/dom.ts";
 import { toCount, toDegrees, toMetres } from "../shared/format.ts";
 import { type Model, put } from "../shared/model.ts";
-import { angleOf, type Census, READING, type Scan } from "./scan.ts";
+import { angleOf, READING, type Scan, type Validity } from "./scan.ts";
 import { CLASSES } from "./words.ts";
-
-const SYMBOLS: Record<string, string> = {
-  reading: "\u25A0",
-  outside_limits: "\u25CB",
-  nothing_in_range: "\u2502",
-  no_measurement: "\u00D7",
-  too_close: "\u25BE",
-};
 
 /** The counts of the five classes, each of which switches its marks on and off, and the nearest reading. */
 export class Legend {
-  readonly #items: { name: string; item: HTMLElement; count: HTMLElement; kind: number }[];
+  readonly #items: { name: string; item: HTMLElement; count: HTMLElement; kind: Validity }[];
   readonly #nearest = make("span", "rw-nearest");
 
   constructor(footer: HTMLElement, model: Model, signal: AbortSignal) {
     const counts = make("span", "rw-counts");
-    this.#items = CLASSES.map(({ kind, name, word, explained }) => {
+    this.#items = CLASSES.map(({ kind, name, symbol, word, explained }) => {
       const item = make(kind === READING ? "span" : "button", `rw-class rw-class-${name}`);
       item.title = kind === READING ? explained : `${explained}. Click: marks on or off`;
       const count = make("b", "");
-      item.append(make("span", "rw-symbol", SYMBOLS[name]), count, make("span", "rw-class-word", word));
+      item.append(make("span", "rw-symbol", symbol), count, make("span", "rw-class-word", word));
       if (item instanceof HTMLButtonElement) {
         item.type = "button";
         item.addEventListener("click", () => toggleMark(model, name), { signal });
@@ -34,12 +26,13 @@ export class Legend {
     footer.append(counts, this.#nearest);
   }
 
-  update(scan: Scan | null, { counts, nearest }: Census, shown: string[]): void {
+  update(scan: Scan | null, shown: string[]): void {
     for (const { name, item, count, kind } of this.#items) {
-      setText(count, toCount(counts[kind as 0]));
+      setText(count, toCount(scan?.counts[kind] ?? 0));
       if (kind !== READING) item.setAttribute("aria-pressed", String(shown.includes(name)));
     }
     const parts: (string | HTMLElement)[] = [];
+    const nearest = scan?.nearest ?? -1;
     if (scan && nearest >= 0) {
       parts.push("nearest ", make("b", "", toMetres(scan.ranges[nearest] as number)), " at ");
       parts.push(make("b", "", toDegrees(angleOf(scan, nearest))), " ", make("b", "rw-index", `[${nearest}]`));

@@ -1,5 +1,5 @@
 import { fromPixel, type Point, type Projection, toDirection } from "./projection.ts";
-import { angleOf, classify, indexAt, READING, type Scan } from "./scan.ts";
+import { angleOf, indexAt, READING, type Scan } from "./scan.ts";
 
 const NEAR = 9;
 const ROBOT = 8;
@@ -14,8 +14,7 @@ export function pick(projection: Projection, scan: Scan, point: Point): number {
   let least = NEAR;
   for (let i = 0; i < scan.count; i++) {
     const distance = scan.ranges[i] as number;
-    if (Math.abs(distance - range) * scale > least) continue;
-    if (classify(distance, scan.rangeMin, scan.rangeMax) !== READING) continue;
+    if (scan.kinds[i] !== READING || Math.abs(distance - range) * scale > least) continue;
     const { x, y } = toDirection(angleOf(scan, i), projection.forward);
     const dx = projection.centerX + x * distance * scale - point.x;
     const dy = projection.centerY + y * distance * scale - point.y;

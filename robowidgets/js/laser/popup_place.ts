@@ -21,17 +21,8 @@ export function placePopup(
   labels: Box[],
 ): Point {
   const { width, height } = size;
-  const left = box.x + MARGIN;
-  const top = box.y + MARGIN;
-  const right = Math.max(left, box.x + box.width - width - MARGIN);
-  const bottom = Math.max(top, box.y + box.height - height - MARGIN);
-  const clamp = ({ x, y }: Point) => ({ x: Math.min(right, Math.max(left, x)), y: Math.min(bottom, Math.max(top, y)) });
-  const xs = [to.x - width - GAP, to.x + GAP, to.x - width / 2];
-  const ys = [to.y - height - GAP, to.y + GAP, to.y - height / 2];
-  const near = xs.flatMap((x) => ys.map((y) => ({ x, y })));
-  const shifts = [-1, 0, 1].flatMap((x) => [-1, 0, 1].map((y) => ({ x: x * width * 0.6, y: y * height * 0.8 })));
-  const around = near.flatMap(({ x, y }) => shifts.map((shift) => clamp({ x: x + shift.x, y: y + shift.y })));
-  const corners = [left, right].flatMap((x) => [top, bottom].map((y) => ({ x, y })));
+  const xs = steps(to.x, width, box.x, box.width);
+  const ys = steps(to.y, height, box.y, box.height);
   const cost = ({ x, y }: Point) => {
     const place = { x, y, width, height };
     const crossed = crosses(from, to, { x: x - 3, y: y - 3, width: width + 6, height: height + 6 });
@@ -44,7 +35,17 @@ export function placePopup(
       away
     );
   };
-  return [...around, ...corners].reduce((best, place) => (cost(place) < cost(best) ? place : best));
+  const places = xs.flatMap((x) => ys.map((y) => ({ x, y })));
+  const costs = places.map(cost);
+  return places[costs.indexOf(Math.min(...costs))] ?? to;
+}
+
+/** Where a side of the pop-up may begin: before, over and behind a point, and at both ends of the box. */
+function steps(at: number, size: number, start: number, length: number): number[] {
+  const last = Math.max(start + MARGIN, start + length - size - MARGIN);
+  return [-99, -1.6, -1, -0.5, 0, 0.6, 99].map((part) =>
+    Math.min(last, Math.max(start + MARGIN, at + part * size + GAP * Math.sign(part + 0.5))),
+  );
 }
 
 /** Whether a line from a to b touches a box. */

@@ -1,5 +1,5 @@
 import type { Size } from "../shared/canvas.ts";
-import { angleOf, isFullCircle, type Sweep } from "./scan.ts";
+import { angleFrom, type Sweep, spanOf } from "./scan.ts";
 
 export interface Point {
   x: number;
@@ -8,12 +8,16 @@ export interface Point {
 
 export interface Box extends Point, Size {}
 
-/** Where the scanner stands in the picture, and how metres become pixels. */
-export interface Projection {
+/** Where the scanner stands in the picture. */
+export interface Center {
   centerX: number;
   centerY: number;
   /** Pixels from the scanner to the edge of the view. */
   radius: number;
+}
+
+/** How metres become pixels. */
+export interface Projection extends Center {
   /** Metres from the scanner to the edge of the view. */
   viewRange: number;
   /** Picture angle of the robot's forward, radians counter-clockwise from the right. */
@@ -38,14 +42,13 @@ export function toPixel(projection: Projection, range: number, angle: number): P
   return { x: projection.centerX + length * x, y: projection.centerY + length * y };
 }
 
-/** Distance in metres and angle in (-pi, pi] of a point of the picture. */
+/** Distance in metres and angle in radians, give or take whole turns, of a point of the picture. */
 export function fromPixel(projection: Projection, point: Point): { range: number; angle: number } {
   const dx = point.x - projection.centerX;
   const dy = point.y - projection.centerY;
-  const angle = Math.atan2(-dy, dx) - projection.forward;
   return {
     range: (Math.hypot(dx, dy) / projection.radius) * projection.viewRange,
-    angle: Math.atan2(Math.sin(angle), Math.cos(angle)),
+    angle: Math.atan2(-dy, dx) - projection.forward,
   };
 }
 
@@ -59,14 +62,9 @@ export interface Rim {
 
 /** The rim of the swept area without labels: its ends, and where it crosses the picture's axes. */
 export function sweepRim(sweep: Sweep, forward: number): Rim[] {
-  const quarters = Array.from({ length: 4 }, (_, i) => (i * Math.PI) / 2 - forward);
-  const ends = [angleOf(sweep, 0), angleOf(sweep, Math.max(0, sweep.count - 1))];
-  const [from, to] = [Math.min(...ends), Math.max(...ends)];
-  const crossed = quarters.filter((quarter) => {
-    const turns = Math.ceil((from - quarter) / (2 * Math.PI));
-    return isFullCircle(sweep) || quarter + turns * 2 * Math.PI <= to;
-  });
-  return [...ends, ...crossed].map((angle) => ({
+  const [from, to] = spanOf(sweep);
+  const quarters = [0, 1, 2, 3].map((i) => angleFrom(from, (i * Math.PI) / 2 - forward));
+  return [from, to, ...quarters.filter((quarter) => quarter <= to)].map((angle) => ({
     direction: toDirection(angle, forward),
     gap: 0,
     halfWidth: RIM_MARKS,
@@ -79,31 +77,37 @@ export const RIM_MARKS = 8;
 const ROBOT = 16;
 const MARGIN = 6;
 
+/** The box of something at the rim. */
+export function rimBox({ centerX, centerY, radius }: Center, { direction, gap, halfWidth, halfHeight }: Rim): Box {
+  return {
+    x: centerX + direction.x * (radius + gap) - halfWidth,
+    y: centerY + direction.y * (radius + gap) - halfHeight,
+    width: 2 * halfWidth,
+    height: 2 * halfHeight,
+  };
+}
+
 /** The largest radius, and the centre, with which the scanner and everything at the rim fit the box. */
-export function fit(rim: Rim[], box: Box): { radius: number; centerX: number; centerY: number } {
-  const extent = (radius: number) => {
-    const bounds = { left: -ROBOT, right: ROBOT, top: -ROBOT, bottom: ROBOT };
-    for (const { direction, gap, halfWidth, halfHeight } of rim) {
-      const x = direction.x * (radius + gap);
-      const y = direction.y * (radius + gap);
-      bounds.left = Math.min(bounds.left, x - halfWidth);
-      bounds.right = Math.max(bounds.right, x + halfWidth);
-      bounds.top = Math.min(bounds.top, y - halfHeight);
-      bounds.bottom = Math.max(bounds.bottom, y + halfHeight);
-    }
-    return bounds;
+export function fit(rim: Rim[], box: Box): Center {
+  const extent = (radius: number): Box => {
+    const boxes = rim.map((one) => rimBox({ centerX: 0, centerY: 0, radius }, one));
+    const x = Math.min(-ROBOT, ...boxes.map((one) => one.x));
+    const y = Math.min(-ROBOT, ...boxes.map((one) => one.y));
+    const width = Math.max(ROBOT, ...boxes.map((one) => one.x + one.width)) - x;
+    const height = Math.max(ROBOT, ...boxes.map((one) => one.y + one.height)) - y;
+    return { x, y, width, height };
   };
   let [low, high] = [10, Math.max(10, box.width + box.height)];
   for (let i = 0; i < 30; i++) {
     const middle = (low + high) / 2;
-    const { left, right, top, bottom } = extent(middle);
-    if (right - left <= box.width - 2 * MARGIN && bottom - top <= box.height - 2 * MARGIN) low = middle;
+    const { width, height } = extent(middle);
+    if (width <= box.width - 2 * MARGIN && height <= box.height - 2 * MARGIN) low = middle;
     else high = middle;
   }
-  const { left, right, top, bottom } = extent(low);
+  const { x, y, width, height } = extent(low);
   return {
     radius: low,
-    centerX: box.x + (box.width - (right - left)) / 2 - left,
-    centerY: box.y + (box.height - (bottom - top)) / 2 - top,
+    centerX: box.x + (box.width - width) / 2 - x,
+    centerY: box.y + (box.height - height) / 2 - y,
   };
 }

@@ -16,11 +16,17 @@ export interface Sweep {
   count: number;
 }
 
-/** One scan as it comes from Python; metres and radians. */
-export interface Scan extends Frame, Sweep {
+/** Metres within which a range is a reading. */
+export interface Limits {
   rangeMin: number;
   rangeMax: number;
+}
+
+/** One scan as it comes from Python; metres and radians. */
+export interface Scan extends Frame, Sweep, Limits, Census {
   ranges: Float32Array;
+  /** Class of each ray. */
+  kinds: Validity[];
   /** As long as ranges, or empty. */
   intensities: Float32Array;
 }
@@ -30,9 +36,23 @@ export function decodeScan(bytes: DataView): Scan {
   const head = readHead(reader);
   const [angleMin = 0, angleIncrement = 0, rangeMin = 0, rangeMax = 0, count = 0] = reader.float64s(5);
   const ranges = reader.float32s(count);
+  const kinds = Array.from(ranges, (range) => classify(range, rangeMin, rangeMax));
   const intensities = reader.float32s(reader.left / 4);
-  return { ...head, angleMin, angleIncrement, rangeMin, rangeMax, count, ranges, intensities };
+  return {
+    ...head,
+    angleMin,
+    angleIncrement,
+    rangeMin,
+    rangeMax,
+    count,
+    ranges,
+    kinds,
+    intensities,
+    ...takeCensus(ranges, kinds),
+  };
 }
+
+const TURN = 2 * Math.PI;
 
 export function angleOf(sweep: Sweep, index: number): number {
   return sweep.angleMin + index * sweep.angleIncrement;
@@ -54,28 +74,32 @@ export interface Census {
   nearest: number;
 }
 
-export function takeCensus(scan: Scan): Census {
+export function takeCensus(ranges: Float32Array, kinds: Validity[]): Census {
   const counts: Census["counts"] = [0, 0, 0, 0, 0];
   let nearest = -1;
-  let least = Infinity;
-  for (let i = 0; i < scan.count; i++) {
-    const range = scan.ranges[i] as number;
-    const kind = classify(range, scan.rangeMin, scan.rangeMax);
+  for (const [i, kind] of kinds.entries()) {
     counts[kind]++;
-    if (kind === READING && range < least) {
-      least = range;
-      nearest = i;
-    }
+    if (kind === READING && !((ranges[i] as number) >= (ranges[nearest] as number))) nearest = i;
   }
   return { counts, nearest };
 }
-
-const TURN = 2 * Math.PI;
 
 /** Whether the rays close a full circle. */
 export function isFullCircle({ angleIncrement, count }: Sweep): boolean {
   const step = Math.abs(angleIncrement);
   return count > 1 && step * count > TURN - step / 2;
+}
+
+/** The angles between which the rays lie, the smaller first; a full turn where they close a circle. */
+export function spanOf(sweep: Sweep): [number, number] {
+  const ends = [angleOf(sweep, 0), angleOf(sweep, Math.max(0, sweep.count - 1))];
+  const from = Math.min(...ends);
+  return [from, isFullCircle(sweep) ? from + TURN : Math.max(...ends)];
+}
+
+/** The same direction as an angle, at the first turn that is not below another. */
+export function angleFrom(from: number, angle: number): number {
+  return angle + Math.ceil((from - angle) / TURN) * TURN;
 }
 
 /** The index of the ray closest to an angle; -1 when the angle is not swept. */

@@ -1,6 +1,6 @@
 import { Layer, type Size } from "../shared/canvas.ts";
 import { toCount, toShortMetres } from "../shared/format.ts";
-import { getNumber, getString, type Model } from "../shared/model.ts";
+import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { colorScale, type Domain, drawColorScale, intensityDomain, SCALE_HEIGHT } from "./color.ts";
 import {
@@ -18,15 +18,14 @@ import {
   type ArcLabel,
   arcDistances,
   arcLabels,
-  labelBox,
   Occupancy,
   type RayLabel,
   rayIndices,
   rayLabels,
   thinLabels,
 } from "./guides.ts";
-import { type Box, FORWARD, fit, type Point, type Projection, sweepRim, toPixel } from "./projection.ts";
-import { angleOf, classify, OUTSIDE_LIMITS, READING, type Scan, type Sweep } from "./scan.ts";
+import { type Box, FORWARD, fit, type Point, type Projection, rimBox, sweepRim, toPixel } from "./projection.ts";
+import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "./scan.ts";
 import { CLASSES } from "./words.ts";
 import { resolveRange, type ViewRange } from "./zoom.ts";
 
@@ -38,6 +37,9 @@ const PLACEHOLDER = {
   rangeMin: 0.1,
   rangeMax: 10,
 };
+
+const SETTINGS = ["view_range", "arc_count", "ray_count", "arc_distances", "forward"];
+type Settings = [range: ViewRange, arcCount: number, rayCount: number, arcDistances: number[], forward: string];
 
 /** The two canvases of one view: beneath, what changes seldom; above, the readings. */
 export class Scene {
@@ -52,10 +54,9 @@ export class Scene {
   #baseKey = "";
   #fitted = 0;
   #domain: Domain | null = null;
-  #arcs: number[] = [];
+  #arcs: { distance: number; width: number }[] = [];
   #rays: number[] = [];
   #arcLabels: ArcLabel[] = [];
-  #arcWidths: number[] = [];
 
   constructor(model: Model, parent: HTMLElement) {
     this.#model = model;
@@ -91,8 +92,7 @@ export class Scene {
     }
     const sweep = scan ?? PLACEHOLDER;
     const lines = this.#rays.map((index) => angleOf(sweep, index));
-    const arcs = this.#arcs.map((distance, i) => ({ distance, width: this.#arcWidths[i] ?? 0 }));
-    this.#arcLabels = arcLabels(this.projection, sweep, arcs, lines, this.occupied, covered, this.#arcLabels);
+    this.#arcLabels = arcLabels(this.projection, sweep, this.#arcs, lines, this.occupied, covered, this.#arcLabels);
     drawArcLabels(context, this.#arcLabels, theme);
   }
 
@@ -101,8 +101,7 @@ export class Scene {
     const { context } = this.#top;
     const end = this.endOf(scan, index);
     const angle = angleOf(scan, index);
-    const isReading = classify(scan.ranges[index] as number, scan.rangeMin, scan.rangeMax) === READING;
-    context.setLineDash(isReading ? [] : [4, 4]);
+    context.setLineDash(scan.kinds[index] === READING ? [] : [4, 4]);
     drawLine(context, this.projection, angle, 0, this.#visible(scan, index), theme.pointer, 1.5);
     context.setLineDash([]);
     context.beginPath();
@@ -118,26 +117,19 @@ export class Scene {
   }
 
   #visible(scan: Scan, index: number): number {
-    const range = scan.ranges[index] as number;
-    const edge = Math.min(scan.rangeMax, this.viewRange);
-    const kind = classify(range, scan.rangeMin, scan.rangeMax);
-    if (kind === READING) return Math.min(range, this.viewRange);
-    if (kind === OUTSIDE_LIMITS) return Math.min(Math.max(0, range), this.viewRange);
-    return edge;
+    const kind = scan.kinds[index];
+    const isMeasured = kind === READING || kind === OUTSIDE_LIMITS;
+    return Math.min(isMeasured ? Math.max(0, scan.ranges[index] as number) : scan.rangeMax, this.viewRange);
   }
 
   #drawBase(scan: Scan | null, size: Size, theme: Theme): void {
-    const model = this.#model;
+    const [range, ...settings] = SETTINGS.map((name) => this.#model.get(name)) as Settings;
+    const [arcCount, rayCount, asked, forward] = settings;
     const { angleMin, angleIncrement, count, rangeMin, rangeMax } = scan ?? PLACEHOLDER;
-    const sweep: Sweep = { angleMin, angleIncrement, count };
-    const viewRange = resolveRange(model.get("view_range") as ViewRange, scan, this.#fitted);
-    this.#fitted = model.get("view_range") === "data" ? viewRange : 0;
-    const [arcCount, rayCount] = [getNumber(model, "arc_count"), getNumber(model, "ray_count")];
-    const asked = (model.get("arc_distances") as number[]) ?? [];
-    const forward = getString(model, "forward");
-    const limits = { rangeMin, rangeMax };
-    const look = [window.devicePixelRatio, theme];
-    const key = JSON.stringify([sweep, limits, viewRange, arcCount, rayCount, asked, forward, this.box, size, look]);
+    const sweep = { angleMin, angleIncrement, count, rangeMin, rangeMax };
+    const viewRange = resolveRange(range, scan, this.#fitted);
+    this.#fitted = range === "data" ? viewRange : 0;
+    const key = JSON.stringify([sweep, viewRange, settings, this.box, size, window.devicePixelRatio, theme]);
     if (key === this.#baseKey) return;
     this.#baseKey = key;
 
@@ -147,13 +139,14 @@ export class Scene {
     const labels = rayLabels(sweep, this.#rays, turn, (lines) => measure(context, theme, lines));
     const rim = [...sweepRim(sweep, turn), ...labels];
     this.projection = { ...fit(rim, this.box), viewRange, forward: turn };
-    this.#arcs = arcDistances(asked, arcCount, viewRange).filter((d) => d > rangeMin && d <= rangeMax * (1 + 1e-6));
     context.font = arcFont(theme);
-    this.#arcWidths = this.#arcs.map((distance) => context.measureText(toShortMetres(distance)).width + 6);
+    this.#arcs = arcDistances(asked, arcCount, viewRange)
+      .filter((distance) => count && distance > rangeMin && distance <= rangeMax * (1 + 1e-6))
+      .map((distance) => ({ distance, width: context.measureText(toShortMetres(distance)).width + 6 }));
     const kept: RayLabel[] = thinLabels(this.projection, labels);
-    this.labelBoxes = kept.map((label) => labelBox(this.projection, label));
-    drawArea(context, this.projection, sweep, limits, theme);
-    drawGuides(context, this.projection, sweep, limits, this.#arcs, this.#rays, theme);
+    this.labelBoxes = kept.map((label) => rimBox(this.projection, label));
+    drawArea(context, this.projection, sweep, theme);
+    drawGuides(context, this.projection, sweep, this.#arcs, this.#rays, theme);
     drawRayLabels(context, this.projection, kept, theme);
     drawRobot(context, this.projection, theme);
   }

@@ -11,7 +11,7 @@ import { pick } from "./pick.ts";
 import { Popup } from "./popup.ts";
 import { placePopup } from "./popup_place.ts";
 import type { Box, Point } from "./projection.ts";
-import { type Scan, takeCensus } from "./scan.ts";
+import type { Scan } from "./scan.ts";
 import { Scene } from "./scene.ts";
 import { describeRay, toRays, whyEmpty } from "./words.ts";
 import { stepRange } from "./zoom.ts";
@@ -19,7 +19,6 @@ import { stepRange } from "./zoom.ts";
 const SETTINGS = ["arc_count", "arc_distances", "ray_count", "view_range", "forward", "marks", "color_by_intensity"];
 /** Between two texts that follow the scans. Nobody reads faster, and laying out text takes longer than drawing dots. */
 const READING_MS = 100;
-const EMPTY = { counts: [0, 0, 0, 0, 0] as [number, number, number, number, number], nearest: -1 };
 
 /** One view of a laser widget: it wires the card, the scene, the legend, the pop-ups and the gestures together. */
 export class LaserView {
@@ -121,11 +120,10 @@ export class LaserView {
   #draw(): void {
     if (this.#size.width === 0) return;
     const scan = this.#stream.shown;
-    const census = scan ? takeCensus(scan) : EMPTY;
     const { theme } = this.#card;
     this.#tell();
     this.#drawCard(scan);
-    setText(this.#empty, whyEmpty(scan, census));
+    setText(this.#empty, whyEmpty(scan));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];
     this.#scene.draw(scan, this.#size, this.#card.noticeHeight, covered, theme);
@@ -144,7 +142,7 @@ export class LaserView {
     const scan = this.#stream.shown;
     this.#rate = scan && this.#stream.live && Number.isFinite(scan.rate) ? `${toFixed(scan.rate, 1)} Hz` : "";
     this.#drawCard(scan);
-    this.#legend.update(scan, scan ? takeCensus(scan) : EMPTY, (this.#model.get("marks") as string[]) ?? []);
+    this.#legend.update(scan, (this.#model.get("marks") as string[]) ?? []);
   }
 
   #drawPopups(scan: Scan | null): void {

@@ -1,8 +1,6 @@
 import { toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../shared/format.ts";
 import {
   angleOf,
-  type Census,
-  classify,
   NO_MEASUREMENT,
   NOTHING_IN_RANGE,
   OUTSIDE_LIMITS,
@@ -18,17 +16,35 @@ export function toRays(count: number): string {
 }
 
 /** What each class is called: in the legend, and by Python's trait `marks`. */
-export const CLASSES: { kind: Validity; name: string; word: string; explained: string }[] = [
-  { kind: READING, name: "reading", word: "readings", explained: "a distance within the limits" },
-  { kind: OUTSIDE_LIMITS, name: "outside_limits", word: "outside", explained: "a distance outside the limits" },
-  { kind: NOTHING_IN_RANGE, name: "nothing_in_range", word: "nothing", explained: "+inf: nothing in range" },
-  { kind: NO_MEASUREMENT, name: "no_measurement", word: "none", explained: "NaN: no measurement" },
-  { kind: TOO_CLOSE, name: "too_close", word: "too close", explained: "\u2212inf: too close to measure" },
+export const CLASSES: { kind: Validity; name: string; symbol: string; word: string; explained: string }[] = [
+  { kind: READING, name: "reading", symbol: "\u25A0", word: "readings", explained: "a distance within the limits" },
+  {
+    kind: OUTSIDE_LIMITS,
+    name: "outside_limits",
+    symbol: "\u25CB",
+    word: "outside",
+    explained: "a distance outside the limits",
+  },
+  {
+    kind: NOTHING_IN_RANGE,
+    name: "nothing_in_range",
+    symbol: "\u2502",
+    word: "nothing",
+    explained: "+inf: nothing in range",
+  },
+  { kind: NO_MEASUREMENT, name: "no_measurement", symbol: "\u00D7", word: "none", explained: "NaN: no measurement" },
+  {
+    kind: TOO_CLOSE,
+    name: "too_close",
+    symbol: "\u25BE",
+    word: "too close",
+    explained: "\u2212inf: too close to measure",
+  },
 ];
 
-/** What a range without a reading means; nothing for a reading. */
-export function meaningOf(range: number, { rangeMin, rangeMax }: Scan): string {
-  switch (classify(range, rangeMin, rangeMax)) {
+/** What a ray without a reading means; nothing for a reading. */
+export function meaningOf({ kinds, rangeMin, rangeMax }: Scan, index: number): string {
+  switch (kinds[index]) {
     case READING:
       return "";
     case TOO_CLOSE:
@@ -43,20 +59,20 @@ export function meaningOf(range: number, { rangeMin, rangeMax }: Scan): string {
 }
 
 /** Why a scan shows no reading, in one sentence; nothing when it shows some. */
-export function whyEmpty(scan: Scan | null, { counts }: Census): string {
+export function whyEmpty(scan: Scan | null): string {
   if (!scan) return "waiting for a scan";
+  const { counts } = scan;
   if (scan.count === 0) return "this scan is empty: it has no rays";
   if (counts[READING] > 0) return "";
   const present = CLASSES.filter(({ kind }) => counts[kind] > 0);
   const [only] = present;
   if (present.length === 1 && only) {
     const sample = scan.ranges[0] as number;
-    const value = only.kind === OUTSIDE_LIMITS ? `${toFixed(sample, 3)} m, ` : "";
-    const who = scan.count === 1 ? "the one ray says" : `all ${toRays(scan.count)} say`;
-    const same = only.kind !== OUTSIDE_LIMITS || scan.ranges.every((range) => range === sample);
-    return same
-      ? `no readings: ${who} ${value}${meaningOf(sample, scan)}`
-      : `no readings: all ${toRays(scan.count)} are ${meaningOf(sample, scan)}`;
+    const isOutside = only.kind === OUTSIDE_LIMITS;
+    const isSame = !isOutside || scan.ranges.every((range) => range === sample);
+    const who = scan.count === 1 ? "the one ray says" : `all ${toRays(scan.count)} ${isSame ? "say" : "are"}`;
+    const value = isOutside && isSame ? `${toFixed(sample, 3)} m, ` : "";
+    return `no readings: ${who} ${value}${meaningOf(scan, 0)}`;
   }
   return `no readings: ${present.map(({ kind, word }) => `${toCount(counts[kind])} ${word}`).join(", ")}`;
 }
@@ -84,7 +100,7 @@ export function describeRay(scan: Scan, index: number): RayWords {
   const range = scan.ranges[index] as number;
   const angle = angleOf(scan, index);
   const intensity = scan.intensities[index];
-  const parts = [meaningOf(range, scan)];
+  const parts = [meaningOf(scan, index)];
   const isReading = parts[0] === "";
   if (isReading) parts[0] = `x ${toFixed(range * Math.cos(angle), 2)}  y ${toFixed(range * Math.sin(angle), 2)}`;
   if (intensity !== undefined) parts.push(`intensity ${toFixed(intensity, Number.isInteger(intensity) ? 0 : 2)}`);

@@ -1,17 +1,8 @@
-/** The colours of the picture, as the style sheet gives them for light or dark. */
-export interface Theme {
-  ink: string;
-  muted: string;
-  line: string;
-  area: string;
-  background: string;
-  reading: string;
-  pointer: string;
-  touch: string;
-  font: string;
-  dark: boolean;
-  mono: string;
-}
+/** What the style sheet gives as `--rw-` variables, for light or dark. */
+const NAMES = ["ink", "muted", "line", "area", "reading", "pointer", "mono"] as const;
+
+/** The colours and fonts of the picture. */
+export type Theme = Record<(typeof NAMES)[number] | "background" | "font", string> & { dark: boolean };
 
 function isDark(): boolean {
   const { body, documentElement: root } = document;
@@ -28,19 +19,12 @@ function isDark(): boolean {
 export function applyTheme(element: HTMLElement): Theme {
   element.dataset.rwTheme = isDark() ? "dark" : "light";
   const style = getComputedStyle(element);
-  const read = (name: string) => style.getPropertyValue(`--rw-${name}`).trim();
+  const read = NAMES.map((name) => [name, style.getPropertyValue(`--rw-${name}`).trim()]);
   return {
-    ink: read("ink"),
-    muted: read("muted"),
-    line: read("line"),
-    area: read("area"),
+    ...(Object.fromEntries(read) as Record<(typeof NAMES)[number], string>),
     background: style.backgroundColor,
-    reading: read("reading"),
-    pointer: read("pointer"),
-    touch: read("touch"),
     font: style.fontFamily,
     dark: element.dataset.rwTheme === "dark",
-    mono: read("mono"),
   };
 }
 
