@@ -61,7 +61,7 @@ class AxisLimits(traitlets.TraitType[Any, Any]):
         for axis in value:
             if axis not in AXES:
                 near = difflib.get_close_matches(str(axis), AXES, n=1)
-                hint = f"; did you mean {near[0]!r}?" if near else ""
+                hint = f"; did you mean {near[0]!r}?" if near else "."
                 raise traitlets.TraitError(f"{self.name}: no axis {axis!r}{hint} The axes are: {', '.join(AXES)}")
         return MappingProxyType(
             {axis: _to_pair(f"{self.name}[{axis!r}]", pair, unit_of(axis)) for axis, pair in value.items()}

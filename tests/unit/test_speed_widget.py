@@ -190,7 +190,7 @@ class TestLimits:
         ("given", "said"),
         [
             ({"linear.q": 1}, r"limits: no axis 'linear.q'; did you mean 'linear.\w'\? The axes are: linear.x"),
-            ({3: 1}, r"limits: no axis 3"),
+            ({3: 1}, r"limits: no axis 3\. The axes are: linear.x"),
             (1, r"limits: expected a dictionary of limits by axis, like \{'linear.x': \(-0.2, 0.5\)\}; got 1"),
         ],
     )  # fmt: skip
