@@ -74,7 +74,12 @@ def test_every_widget_shows_the_time_of_the_slider_forth_and_back(player: Player
         assert speed.speed.linear[0] == i / 100  # type: ignore[attr-defined]
         commanded = speed.commanded.linear[0]  # type: ignore[attr-defined]
         assert commanded == i / 100 if i >= 50 else isnan(commanded)
-        expected = {6.55: (TouchState.TOUCHED, 2), 2.95: (TouchState.TOUCHED, 1), 9.9: (TouchState.FREE, 2), 0.0: (TouchState.UNKNOWN, 0)}
+        expected = {
+            6.55: (TouchState.TOUCHED, 2),
+            2.95: (TouchState.TOUCHED, 1),
+            9.9: (TouchState.FREE, 2),
+            0.0: (TouchState.UNKNOWN, 0),
+        }
         told = touch.states.get("left"), touch.touches.get("left")  # type: ignore[attr-defined]
         assert told == expected[seconds]
 
