@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
-from importlib import import_module
+from asyncio import Future
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 
@@ -25,6 +27,7 @@ def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
     told = [
         f"--ServerApp.root_dir={notebook.parent}",
         f"--LabApp.default_url=/lab/tree/{quote(notebook.name)}",
+        f"--LabApp.workspaces_dir={notebook.parent / '.workspaces'}",  # the person's own tabs stay out of it
         "--ServerApp.ip=127.0.0.1",
         "--Application.log_level=WARN",
     ]
@@ -37,7 +40,28 @@ def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
     return told
 
 
-def run(notebook: Path, port: int | None, browser: bool) -> None:
-    """Run JupyterLab until it is stopped. It makes a new random token, which it prints with its address."""
+def run(notebook: Path, port: int | None, browser: bool, say: Callable[[str], None]) -> None:
+    """Run the notebook's cells, then JupyterLab with the notebook open, until it is stopped.
+
+    JupyterLab makes a new random token, which it prints with its address. `say` takes lines for the person who waits.
+    """
     os.environ.pop("JUPYTER_TOKEN", None)
-    import_module("jupyterlab.labapp").LabApp.launch_instance(arguments(notebook, port, browser))
+    from jupyterlab.labapp import LabApp
+
+    from ._first_run import run_cells
+
+    server = LabApp.initialize_server(arguments(notebook, port, browser))
+    server.web_app.settings["page_config_hook"] = _without_announcements
+
+    def show(ran: Future[None]) -> None:
+        server.start_app()
+        ran.result()  # raises what the run did not foresee, for the log
+
+    server.io_loop.add_future(server.io_loop.asyncio_loop.create_task(run_cells(server, notebook, say)), show)
+    server.start_ioloop()
+
+
+def _without_announcements(_handler: Any, page_config: dict[str, Any]) -> dict[str, Any]:
+    """No question about news over the notebook, and no look at the web for new releases."""
+    disabled = [*page_config["disabledExtensions"], "@jupyterlab/apputils-extension:announcements"]
+    return page_config | {"disabledExtensions": disabled}

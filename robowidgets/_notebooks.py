@@ -34,11 +34,12 @@ def copy_shipped(folder: Path) -> Path:
 def write_for(recording: Path, folder: Path) -> Path:
     """A notebook in a folder that opens a recording and shows it."""
     name = re.sub(r"[^\w-]+", "-", recording.stem, flags=re.ASCII).strip("-") or "recording"
+    opened = f"recording = robowidgets.open({str(recording)!r})"
     cells = [
-        _cell("markdown", "open", "# A recording\n\nRun the cells one by one with shift and enter."),
-        _cell("code", "table", f"import robowidgets\n\nrecording = robowidgets.open({str(recording)!r})\nrecording"),
-        _cell("markdown", "look", "The widgets that fit its topics, with a slider through time:"),
-        _cell("code", "show", "recording.show()"),
+        _cell("markdown", "look", "# A recording\n\nThe widgets that fit its topics, with a slider through its time:"),
+        _cell("code", "show", f"import robowidgets\n\n{opened}\nrecording.show()"),
+        _cell("markdown", "topics", "All its topics:"),
+        _cell("code", "table", "recording"),
     ]
     kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
     notebook = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}

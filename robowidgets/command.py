@@ -58,8 +58,13 @@ def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace
     if not _lab.is_installed():
         raise NoLabError
     notebook = make_notebook(Path(tempfile.mkdtemp(prefix="robowidgets-")))
-    print(f"Opening {notebook} in JupyterLab. It is yours to change; save it elsewhere to keep it. Ctrl-C ends it.")
-    _lab.run(notebook, arguments.port, arguments.browser)
+    _say(f"Opening {notebook} in JupyterLab. It is yours to change; save it elsewhere to keep it. Ctrl-C ends it.")
+    _say("First its cells are run, so that their widgets are there and live when the page opens ...")
+    _lab.run(notebook, arguments.port, arguments.browser, _say)
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,9 +1,10 @@
-"""The command, as a person uses it: type it, open the address it prints, run the notebook, see the robot."""
+"""The command, as a person uses it: type it, open the address it prints, see the robot, and move through time."""
 
 from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,11 +15,13 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from ..conftest import ROOT
+from .chromium import shoot
 from .console import Console
 from .server import FOREIGN, OWN_FOLDERS
 
 SAMPLE = ROOT / "robowidgets" / "data" / "sample.mcap"
-WIDGETS = 3
+# What the canvases of an element hold, as one text.
+PICTURE = "card => [...card.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/lab/tree/\S+\?token=\w+")
 
 
@@ -48,20 +51,57 @@ def robowidgets(tmp_path: Path) -> Iterator[Callable[..., str]]:
         process.communicate(timeout=30)
 
 
-@pytest.mark.parametrize("words", [["demo"], ["open", SAMPLE]], ids=["demo", "open"])
-def test_the_command_leads_to_a_notebook_that_shows_the_robot(
+def open_page(browser: Browser, pages: list[tuple[Page, Console]], address: str) -> Page:
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    pages.append((page, Console(page)))
+    page.goto(address)
+    return page
+
+
+@pytest.mark.parametrize("command", ["demo", "open"])
+def test_the_command_leads_to_a_page_that_shows_the_robot_live_with_no_cell_run_by_hand(
     robowidgets: Callable[..., str],
     browser: Browser,
     pages: list[tuple[Page, Console]],
-    words: list[str | Path],
+    command: str,
+    tmp_path: Path,
 ) -> None:
-    page = browser.new_page()
-    pages.append((page, Console(page)))
-    page.goto(robowidgets(*words))
-    expect(page.locator("#jp-main-statusbar").get_by_text("| Idle")).to_be_visible(timeout=60_000)
-    page.get_by_role("menuitem", name="Run", exact=True).click()
-    page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
-    raised = page.locator('[data-mime-type="application/vnd.jupyter.error"], [data-mime-type$=".stderr"]')
-    for nth in range(WIDGETS):
-        expect(page.locator(".rw-card").nth(nth).or_(raised).first).to_be_visible(timeout=60_000)
-        assert raised.all_text_contents() == []
+    words: list[str | Path] = [command]
+    if command == "open":
+        words.append(tmp_path / 'it\'s a "drive".mcap')
+        shutil.copyfile(SAMPLE, words[1])
+    page = open_page(browser, pages, robowidgets(*words))
+
+    laser, speed, touch = (page.locator(".rw-card").nth(nth) for nth in range(3))
+    expect(laser).to_contain_text(re.compile(r"/scan.*nearest \d\.\d\d m", re.DOTALL), timeout=60_000)
+    expect(speed).to_contain_text(re.compile(r"/odom.*0\.00.*within limits", re.DOTALL))
+    expect(touch).to_contain_text(re.compile(r"/bumper.*3\s*unknown", re.DOTALL))
+    shoot(page.locator("#main"), f"command-{command}")
+
+    before = laser.evaluate(PICTURE)
+    assert before.startswith("data:image/png")
+    handle = page.locator(".noUi-handle").first
+    start, track = handle.bounding_box(), page.locator(".noUi-target").first.bounding_box()
+    assert start
+    assert track
+    page.mouse.move(start["x"] + start["width"] / 2, start["y"] + start["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(track["x"] + track["width"] / 2, start["y"] + start["height"] / 2, steps=5)
+    page.mouse.up()
+    expect(page.locator(".widget-readout").first).to_have_text(re.compile(r"^(28|29|30)\.\d\d$"))
+    expect(touch).to_contain_text(re.compile(r"[1-9] touches"))
+    page.wait_for_function(
+        f"before => ({PICTURE})(document.querySelector('.rw-card')) !== before", arg=before, timeout=10_000
+    )
+
+
+def test_nothing_stands_before_the_widgets_and_the_tabs_of_the_person_stay_as_they_are(
+    robowidgets: Callable[..., str], browser: Browser, pages: list[tuple[Page, Console]], tmp_path: Path
+) -> None:
+    page = open_page(browser, pages, robowidgets("demo"))
+    with page.expect_request(lambda request: request.method == "PUT" and "/lab/api/workspaces" in request.url) as saved:
+        expect(page.locator(".rw-card").first).to_be_visible(timeout=60_000)
+    assert saved.value.response()
+    assert not (tmp_path / "jupyter_config_dir" / "lab" / "workspaces").exists()
+    assert page.locator(".jp-Dialog, .Toastify__toast").all_text_contents() == []
+    expect(page.locator(".jp-Notification-Status-Text")).to_have_text("0")

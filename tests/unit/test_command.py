@@ -31,7 +31,7 @@ def one_line(capsys):
 def lab(monkeypatch):
     """What JupyterLab would be started with, instead of starting it."""
     started = []
-    monkeypatch.setattr(_lab, "run", lambda *arguments: started.append(arguments))
+    monkeypatch.setattr(_lab, "run", lambda *arguments: started.append(arguments[:3]))
     return started
 
 
@@ -140,6 +140,15 @@ def test_a_demo_opens_the_browser_at_a_port_of_jupyterlabs_choice(lab):
     assert not [argument for argument in told if "port" in argument or "browser" in argument]
 
 
+def test_the_terminal_says_what_takes_the_time_and_what_went_wrong(monkeypatch, capsys):
+    monkeypatch.setattr(_lab, "run", lambda *arguments: arguments[-1]("A cell failed."))
+    main(["demo"])
+    opening, running, failed = capsys.readouterr().out.splitlines()
+    assert "tour.ipynb in JupyterLab" in opening
+    assert running.startswith("First its cells are run")
+    assert failed == "A cell failed."
+
+
 def test_open_writes_a_notebook_for_the_file(lab):
     assert main(["open", os.path.relpath(robowidgets.SAMPLE)]) == 0
     written = lab[0][0]
@@ -147,8 +156,8 @@ def test_open_writes_a_notebook_for_the_file(lab):
     notebook = nbformat.read(written, as_version=nbformat.NO_CONVERT)
     nbformat.validate(notebook)
     assert [cell.source for cell in notebook.cells if cell.cell_type == "code"] == [
-        f"import robowidgets\n\nrecording = robowidgets.open({str(robowidgets.SAMPLE)!r})\nrecording",
-        "recording.show()",
+        f"import robowidgets\n\nrecording = robowidgets.open({str(robowidgets.SAMPLE)!r})\nrecording.show()",
+        "recording",
     ]
 
 
@@ -169,9 +178,10 @@ def test_a_path_of_any_characters_reaches_the_program_unchanged(name, tmp_path):
     written = _notebooks.write_for(Path("/a b") / name, tmp_path)
     assert written.parent == tmp_path
     source = json.loads(written.read_text("utf-8"))["cells"][1]["source"]
-    (call,) = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
-    assert ast.literal_eval(call.args[0]) == f"/a b/{name}"
-    assert len(ast.parse(source).body) == 3
+    _, opened, _ = ast.parse(source).body
+    assert isinstance(opened, ast.Assign)
+    assert isinstance(opened.value, ast.Call)
+    assert ast.literal_eval(opened.value.args[0]) == f"/a b/{name}"
 
 
 def test_notebooks_are_found_in_a_checkout_and_in_an_installed_package(monkeypatch, tmp_path):
@@ -189,7 +199,7 @@ def test_notebooks_are_found_in_a_checkout_and_in_an_installed_package(monkeypat
 @pytest.mark.parametrize(
     ("command", "notebook"), [(["demo"], "tour.ipynb"), (["open", robowidgets.SAMPLE], "sample.ipynb")]
 )
-def test_jupyterlab_serves_the_notebook_on_this_machine_to_who_has_the_token(command, notebook, tmp_path):
+def test_jupyterlab_serves_the_notebook_already_run_on_this_machine_to_who_has_the_token(command, notebook, tmp_path):
     own = {name: str(tmp_path / name) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR")}
     environment = os.environ | own | {"JUPYTER_TOKEN": "guessed", "TMPDIR": str(tmp_path)}
     log = tmp_path / "log"
@@ -207,7 +217,13 @@ def test_jupyterlab_serves_the_notebook_on_this_machine_to_who_has_the_token(com
         assert server["url"].startswith("http://127.0.0.1:")
         assert len(server["token"]) >= 32
         assert Path(server["root_dir"]).parent == tmp_path
-        assert fetch(server, f"api/contents/{notebook}", server["token"])["type"] == "notebook"
+        cells = fetch(server, f"api/contents/{notebook}", server["token"])["content"]["cells"]
+        code = [cell for cell in cells if cell["cell_type"] == "code"]
+        run = [cell for cell in code if cell["metadata"].get("tags") != ["live"]]
+        assert [cell["execution_count"] for cell in run] == list(range(1, len(run) + 1))
+        assert all(cell["metadata"]["trusted"] for cell in run)
+        assert len(code) - len(run) == (command == ["demo"])
+        assert [session["path"] for session in fetch(server, "api/sessions", server["token"])] == [notebook]
         for token in ("", "guessed"):
             with pytest.raises(HTTPError, match="403"):
                 fetch(server, f"api/contents/{notebook}", token)

@@ -1,0 +1,171 @@
+"""Notebooks run in a real server of JupyterLab before anybody opens them."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import nbformat
+import pytest
+
+KERNEL = {"name": "python3", "display_name": "Python 3", "language": "python"}
+LIVE = {"tags": ["live"]}
+NOTEBOOKS = {
+    "whole": ["import ipywidgets; ipywidgets.IntSlider(7)", "print('only when you look')", "print('end')"],
+    "failing": ["print('begin')", "1 / 0", "print('never')"],
+    "long": ["print('begin')", "import time; time.sleep(1000)", "print('never')"],
+    "dying": ["print('begin')", "import os; os._exit(1)", "print('never')"],
+    "asking": ["input()"],
+    "foreign": ["print('never')"],
+}
+# Runs every notebook of a folder in one server, and prints what came of it.
+RUN_ALL = """
+import json, sys
+from pathlib import Path
+import nbformat
+from jupyterlab.labapp import LabApp
+from robowidgets import _first_run, _lab
+
+_first_run.CELL_SECONDS = 5
+folder = Path(sys.argv[1])
+server = LabApp.initialize_server(_lab.arguments(folder / "whole.ipynb", 0, False))
+
+async def answer(session):
+    client = server.kernel_manager.get_kernel(session["kernel"]["id"]).client()
+    client.start_channels()
+    await client.wait_for_ready(timeout=30)
+    reply = await client.execute_interactive("done = True", timeout=30)
+    client.stop_channels()
+    return reply["content"]["status"]
+
+async def run_all():
+    for notebook in sorted(folder.glob("*.ipynb")):
+        said = []
+        await _first_run.run_cells(server, notebook, said.append)
+        trusted = server.contents_manager.notary.check_signature(nbformat.read(notebook, as_version=4))
+        sessions = [s for s in await server.session_manager.list_sessions() if s["path"] == notebook.name]
+        answers = [await answer(session) for session in sessions if notebook.stem != "dying"]
+        print(json.dumps([notebook.stem, said, trusted, answers]))
+        for session in sessions:
+            await server.session_manager.delete_session(session["id"])
+
+server.io_loop.run_sync(run_all)
+"""
+OPEN = """
+import sys
+from pathlib import Path
+from robowidgets import _lab
+_lab.run(Path(sys.argv[1]), 0, False, print)
+"""
+
+
+def write(file, sources, kernel=KERNEL):
+    cells = [nbformat.v4.new_code_cell(source) for source in sources]
+    if file.stem == "whole":
+        cells[1].metadata.update(LIVE)
+    nbformat.write(nbformat.v4.new_notebook(cells=cells, metadata={"kernelspec": kernel}), file)
+
+
+def environment(folder):
+    own = ("JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "IPYTHONDIR")
+    return os.environ | {name: str(folder / name) for name in own}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """What came of each notebook: its cells, what was said, whether it is trusted, what its kernels answer."""
+    folder = tmp_path_factory.mktemp("notebooks")
+    for name, sources in NOTEBOOKS.items():
+        write(folder / f"{name}.ipynb", sources, KERNEL | ({"name": "cobol"} if name == "foreign" else {}))
+    done = subprocess.run(
+        [sys.executable, "-c", RUN_ALL, str(folder)],
+        env=environment(folder),
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return {
+        name: (nbformat.read(folder / f"{name}.ipynb", as_version=4), said, trusted, answers)
+        for name, said, trusted, answers in map(json.loads, done.stdout.splitlines())
+    }
+
+
+def texts(notebook):
+    return [[output.get("text", output.output_type) for output in cell.outputs] for cell in notebook.cells]
+
+
+def test_a_notebook_holds_what_its_cells_show_and_the_state_of_its_widgets(run):
+    notebook, said, trusted, answers = run["whole"]
+    nbformat.validate(notebook)
+    view = notebook.cells[0].outputs[0].data["application/vnd.jupyter.widget-view+json"]
+    states = notebook.metadata.widgets["application/vnd.jupyter.widget-state+json"].state
+    assert states[view.model_id].state.value == 7
+    assert texts(notebook)[2] == ["end\n"]
+    assert said == []
+    assert trusted
+    assert answers == ["ok"]
+
+
+def test_a_cell_that_is_worth_nothing_when_nobody_looks_is_left_alone(run):
+    cell = run["whole"][0].cells[1]
+    assert (cell.execution_count, cell.outputs) == (None, [])
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("failing", "A cell raised ZeroDivisionError: division by zero."),
+        ("long", "A cell took more than 5 seconds and was stopped."),
+        ("dying", "The kernel failed: Kernel died."),
+    ],
+)
+def test_what_goes_wrong_is_said_and_what_was_shown_before_is_kept(run, name, reason):
+    notebook, said, trusted, answers = run[name]
+    assert said == [f"{reason} The rest is left for you to run."]
+    assert texts(notebook) == [["begin\n"], ["error"] if name == "failing" else [], []]
+    assert trusted
+    assert answers == ([] if name == "dying" else ["ok"])
+
+
+def test_a_cell_that_asks_for_input_does_not_wait_for_it(run):
+    (line,) = run["asking"][1]
+    assert line.startswith("A cell raised StdinNotImplementedError")
+
+
+def test_a_kernel_that_is_not_there_is_said(run):
+    notebook, said, _, answers = run["foreign"]
+    assert said == ["The kernel failed: No such kernel named cobol. The rest is left for you to run."]
+    assert texts(notebook) == [[]]
+    assert answers == []
+
+
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
+def test_it_can_be_stopped_while_a_cell_runs(sent, tmp_path):
+    begun = tmp_path / "begun"
+    write(tmp_path / "n.ipynb", [f"open({str(begun)!r}, 'w').close(); import time; time.sleep(1000)"])
+    log = tmp_path / "log"
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            [sys.executable, "-c", OPEN, str(tmp_path / "n.ipynb")],
+            env=environment(tmp_path),
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+        )
+    try:
+        deadline = time.monotonic() + 60
+        while not begun.exists():
+            assert process.poll() is None, log.read_text()
+            assert time.monotonic() < deadline, log.read_text()
+            time.sleep(0.05)
+        process.send_signal(sent)
+        assert process.wait(30) == 0
+        assert "http://127.0.0.1" not in log.read_text()
+    finally:
+        process.kill()
+        process.wait()
