@@ -137,9 +137,9 @@ def test_clicks_and_keys_pin_and_walk_and_the_notebook_keeps_still(notebook: Cal
             button.focus()
         for key in ("d", "d", "x", "a", "b", "m", "y", "c", "v", "z", "Shift+m", "0", "0", "j", "k", "Shift+k"):
             keys.press(key)
-    picture.focus()
     keys.press("ArrowRight")
     says(popup, *of(1))
+    picture.focus()
     keys.press("Escape")
     expect(popup).to_have_count(0)
     assert nb.page.evaluate(CELLS) == cells, "no key reached the notebook"

@@ -35,14 +35,16 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
   });
   on("pointerleave", () => gestures.onHover(null));
   on("click", (event) => gestures.onPick(toPoint(event)));
-  on("keydown", (event) => {
+  const onKey = (event: KeyboardEvent) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const [walk, zoom] = [WALK[event.key], ZOOM[event.key]];
     if (walk) gestures.onWalk(walk);
     else if (zoom) gestures.onZoom(zoom);
     else return;
     event.preventDefault();
-  });
+  };
+  // Who froze the picture by its button walks on without a click into the picture.
+  element.parentElement?.addEventListener("keydown", onKey, { signal });
   watchWheel(on, element, gestures, signal);
 }
 

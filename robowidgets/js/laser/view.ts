@@ -95,7 +95,8 @@ export class LaserView {
 
   onZoom(direction: -1 | 1): void {
     const rangeMax = this.#stream.shown?.rangeMax ?? this.#scene.viewRange;
-    put(this.#model, { view_range: stepRange(this.#scene.viewRange, direction, rangeMax) });
+    const range = stepRange(this.#scene.viewRange, direction, rangeMax);
+    put(this.#model, { view_range: range === rangeMax ? "sensor" : range });
   }
 
   #onFit(): void {
