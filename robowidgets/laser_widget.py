@@ -16,10 +16,12 @@ from .samples import Scan, Validity
 from .samples.scan import MAX_RAYS
 
 _GEOMETRY = struct.Struct("<5d")
+_FLOAT = np.dtype("<f4")
 _FIELDS = (
     "ranges", "angle_min", "angle_max", "angle_increment", "range_min", "range_max", "intensities", "header",
     "time_increment", "scan_time",
 )  # fmt: skip
+_KNOWN = frozenset(_FIELDS)
 _MARKS = tuple(kind.name.lower() for kind in Validity if kind is not Validity.READING)
 
 FARTHEST = 100_000
@@ -150,12 +152,13 @@ class LaserWidget(RobotWidget[Scan]):
 
     def _pack(self, sample: Scan) -> bytes:
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, len(sample))
-        return head + sample.ranges.astype("<f4").tobytes() + sample.intensities.astype("<f4").tobytes()
+        values = (array.astype(_FLOAT, copy=False).tobytes() for array in (sample.ranges, sample.intensities))
+        return b"".join((head, *values))
 
     def _unpack(self, frame: bytes) -> Scan:
         _, _, stamp_ns = HEAD.unpack_from(frame)
         angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, HEAD.size)
-        values = np.frombuffer(frame, "<f4", offset=HEAD.size + _GEOMETRY.size)
+        values = np.frombuffer(frame, _FLOAT, offset=HEAD.size + _GEOMETRY.size)
         return Scan(
             ranges=values[: int(count)],
             angle_min=angle_min,
@@ -195,8 +198,8 @@ def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
     if message is None and not fields:
         raise TypeError(f"update() needs a message, or: {', '.join(_FIELDS)}")
     if message is None:
-        unknown = _listed(name for name in fields if name not in _FIELDS)
-        if unknown:
+        if not fields.keys() <= _KNOWN:
+            unknown = _listed(name for name in fields if name not in _KNOWN)
             raise TypeError(f"update() has no field {unknown}; it takes a message, or: {', '.join(_FIELDS)}")
         return fields
     if fields:
