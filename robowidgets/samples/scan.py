@@ -244,6 +244,8 @@ def _within_half_turn(angle: float) -> float:
 
 def number(name: str, value: Any) -> float:
     """A float, NaN and inf included; TypeError when it is no number."""
+    if type(value) is float:
+        return value
     if isinstance(value, (str, bytes, bool)):
         raise TypeError(f"{name}: expected a number, got {value!r}")
     try:
