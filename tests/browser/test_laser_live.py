@@ -82,6 +82,18 @@ def test_frozen_by_button_key_or_python_the_picture_holds_still(notebook: Callab
         nb.page.mouse.move(5, 5)
         expect(popup).to_have_count(0)
 
+    empty = nb.append("empty = LaserWidget(paused=True)\nempty")
+    nb.run(empty)
+    words = nb.widget(empty).locator(".rw-empty")
+    expect(words).to_have_text("waiting for a scan")
+    nb.python("empty.update(**fan())")
+    is_frozen(nb.widget(empty), 1)
+    expect(words).to_have_text("frozen before the first scan")
+    assert nb.python("print(empty.scan)") == "None\n"
+    nb.python("empty.paused = False")
+    expect(words).to_be_hidden()
+    locate(nb.widget(empty))
+
 
 def test_a_busy_cell_is_seen_frozen_pointed_at_and_zoomed(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([FIRST])

@@ -124,7 +124,7 @@ export class LaserView {
     const { theme } = this.#card;
     this.#tell();
     this.#drawCard(scan);
-    setText(this.#empty, whyEmpty(scan));
+    setText(this.#empty, scan || !this.#stream.since ? whyEmpty(scan) : "frozen before the first scan");
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];
     this.#scene.draw(scan, this.#size, this.#card.noticeHeight, covered, theme);
