@@ -73,12 +73,12 @@ def test_wheel_buttons_keys_fit_and_python_zoom(notebook: Callable[..., Notebook
 
 
 def test_a_wheel_that_scrolls_the_notebook_does_not_zoom(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST, "laser", "laser"])
+    nb = notebook([f"{FIRST}.view_range = 2.0\nlaser", "laser", "laser"])
     nb.resize(700)
     card = nb.widget(1).locator(".rw-card")
     picture, mouse = card.locator(".rw-picture"), nb.page.mouse
     for clicked in (False, True):
-        reaches(card, "4")
+        reaches(card, "2")
         if clicked:
             picture.click()
         nb.page.evaluate("() => { document.querySelector('.jp-Notebook .jp-WindowedPanel-outer').scrollTop = 0; }")
@@ -89,7 +89,7 @@ def test_a_wheel_that_scrolls_the_notebook_does_not_zoom(notebook: Callable[...,
             mouse.wheel(0, 60)
             eventually(lambda before=before: nb.page.evaluate(SCROLLED) > before, True)
             turns += picture.evaluate("(picture) => picture.matches(':hover')")
-        reaches(card, "4")
+        reaches(card, "2")
     picture.click()
     mouse.wheel(0, -100)
-    reaches(card, "3")
+    reaches(card, "1.5")
