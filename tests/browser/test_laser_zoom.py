@@ -93,3 +93,15 @@ def test_a_wheel_that_scrolls_the_notebook_does_not_zoom(notebook: Callable[...,
     picture.click()
     mouse.wheel(0, -100)
     reaches(card, "1.5")
+
+
+def test_a_wheel_that_has_nothing_left_to_zoom_scrolls_the_notebook(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([f"{FIRST}", "laser", "laser"])
+    nb.resize(700)
+    card, mouse = nb.widget(0).locator(".rw-card"), nb.page.mouse
+    card.locator(".rw-picture").hover()
+    mouse.move(400, 300, steps=3)
+    reaches(card, "4")
+    mouse.wheel(0, 60)
+    eventually(lambda: nb.page.evaluate(SCROLLED) > 0, True)
+    reaches(card, "4")

@@ -7,6 +7,8 @@ export interface Gestures {
   /** Walks to another ray: "next", "previous", "first", "last" or "none". */
   onWalk(to: string): void;
   onZoom(direction: -1 | 1): void;
+  /** Whether there is anything left to zoom; else the wheel is the page's. */
+  canZoom(direction: -1 | 1): boolean;
 }
 
 const WALK: Record<string, string> = {
@@ -52,6 +54,7 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
 function watchWheel(on: Listen, element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
   let pointed = false;
   let scrolled = -Infinity;
+  let zoomed = -Infinity;
   let turned = 0;
   on("pointermove", (event) => {
     pointed ||= event.movementX !== 0 || event.movementY !== 0;
@@ -75,10 +78,13 @@ function watchWheel(on: Listen, element: HTMLElement, gestures: Gestures, signal
       scrolled = event.timeStamp;
       return;
     }
+    const direction = event.deltaY < 0 ? -1 : 1;
+    if (!gestures.canZoom(direction) && event.timeStamp - zoomed > SCROLL_PAUSE_MS) return;
+    zoomed = event.timeStamp;
     event.preventDefault();
     turned += event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 20 : 1);
     if (Math.abs(turned) < WHEEL_STEP) return;
-    gestures.onZoom(turned < 0 ? -1 : 1);
+    gestures.onZoom(direction);
     turned = 0;
   });
 }

@@ -94,9 +94,20 @@ export class LaserView {
   }
 
   onZoom(direction: -1 | 1): void {
-    const rangeMax = this.#stream.shown?.rangeMax ?? this.#scene.viewRange;
-    const range = stepRange(this.#scene.viewRange, direction, rangeMax);
-    put(this.#model, { view_range: range === rangeMax ? "sensor" : range });
+    const range = this.#zoomed(direction);
+    put(this.#model, { view_range: range === this.#rangeMax ? "sensor" : range });
+  }
+
+  canZoom(direction: -1 | 1): boolean {
+    return this.#zoomed(direction) !== this.#scene.viewRange;
+  }
+
+  get #rangeMax(): number {
+    return this.#stream.shown?.rangeMax ?? this.#scene.viewRange;
+  }
+
+  #zoomed(direction: -1 | 1): number {
+    return stepRange(this.#scene.viewRange, direction, this.#rangeMax);
   }
 
   #onFit(): void {
