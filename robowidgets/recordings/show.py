@@ -25,8 +25,10 @@ TICK = 0.1
 _NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 1.0, notes=("no scan up to this time of the recording",))
 _NO_SPEED = Speed((nan, nan, nan), (nan, nan, nan))
 _EARLY = 0.1
+_STEPS = 100
 
 _WIDE = ipywidgets.Layout(display="flex", flex_flow="row wrap", align_items="flex-start", width="100%")
+_CARD = "764px"
 _ORDER = ("laser", "speed", "touch")
 
 
@@ -62,9 +64,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.views = _views(recording, [t for t in recording.topics if t.widget and (not topics or t.name in topics)])
         self._seeking = threading.Lock()
         self.slider = ipywidgets.FloatSlider(
-            value=_first_look(recording, self.views),
-            max=max(recording.duration, TICK),
-            step=0.01,
+            value=_step(_first_look(recording, self.views)),
+            max=_step(max(recording.duration, TICK)),
+            step=1 / _STEPS,
             description="Time (s)",
             layout=ipywidgets.Layout(flex="1 1 200px", width="auto"),
         )
@@ -72,13 +74,13 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._play.observe(self._on_play, "value")
         self.slider.observe(self._on_slide, "value")
         controls = ipywidgets.Box([self._play, self.slider], layout=_WIDE)
-        lines = [ipywidgets.HTML(escape(line)) for line in recording.problems]
-        super().__init__([*lines, *([controls] if recording.duration else []), self._widgets()])
+        self._problems = ipywidgets.HTML()
+        super().__init__([self._problems, *([controls] if recording.duration else []), self._widgets()])
         self._on_slide(None)
 
     def seek(self, seconds: float) -> None:
-        """Show a time, in seconds from the start of the recording."""
-        self.slider.value = seconds
+        """Show a time, in seconds from the start of the recording, to the next hundredth: the slider's step."""
+        self.slider.value = _step(seconds)
 
     def close(self) -> None:
         """Take it off the page and close the recording."""
@@ -94,7 +96,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         widgets = [view.widget for view in self.views]
         lasers = [widget for widget in widgets if isinstance(widget, LaserWidget)]
         others = [widget for widget in widgets if widget not in lasers]
-        columns = [_column(lasers, "3 1 460px"), _column(others, "2 1 340px")]
+        columns = [_column(lasers, "2 1 460px", max_width=_CARD), _column(others, "1 1 340px")]
         return ipywidgets.Box([column for column in columns if column.children], layout=_WIDE)
 
     def _on_slide(self, _change: Any) -> None:
@@ -104,8 +106,15 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             for view in self.views:
                 for seek in view.seeks.values():
                     seek(seconds)
+            self._tell_problems()
         if self._apart():
             self._play.value = round(seconds / TICK)
+
+    def _tell_problems(self) -> None:
+        """Some are found only where they lie, on the way through the recording."""
+        lines = [f"⚠ {escape(line)}" for line in self.recording.problems]
+        self._problems.value = "<br>".join(lines)
+        self._problems.layout.display = None if lines else "none"
 
     def _on_play(self, _change: Any) -> None:
         if self._apart():
@@ -116,8 +125,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         return bool(abs(self._play.value * TICK - self.slider.value) > 0.6 * TICK)
 
 
-def _column(widgets: Sequence[ipywidgets.Widget], flex: str) -> ipywidgets.VBox:
-    layout = ipywidgets.Layout(flex=flex, min_width="min(100%, 300px)", margin="0 4px")
+def _column(widgets: Sequence[ipywidgets.Widget], flex: str, **limits: str) -> ipywidgets.VBox:
+    layout = ipywidgets.Layout(flex=flex, min_width="min(100%, 300px)", margin="0 4px", **limits)
     return ipywidgets.VBox(list(widgets), layout=layout)
 
 
@@ -176,4 +185,12 @@ def _first_look(recording: Recording, views: Iterable[View]) -> float:
     """The earliest time at which every topic that starts early has something to show."""
     firsts = (next(recording.samples(topic), None) for view in views for topic in view.seeks)
     seconds = [(first.time_ns - (recording.start_ns or 0)) / 1e9 for first in firsts if first]
-    return max((s for s in seconds if s <= _EARLY * recording.duration), default=0.0)
+    return max((s for s in seconds if s <= _EARLY * recording.duration), default=min(seconds, default=0.0))
+
+
+def _step(seconds: float) -> float:
+    """The slider's step at a time or next after it, where what was measured at that time is on show.
+
+    The page rounds a value between two steps, perhaps to the one before.
+    """
+    return ceil(round(seconds * _STEPS, 8)) / _STEPS

@@ -137,13 +137,48 @@ def test_the_neato_bumps_where_it_bumped(data: Path) -> None:
 )
 def test_what_is_wrong_stands_above(data: Path, name: str, line: str) -> None:
     with shown(data / name) as player:
-        assert player.children[0].value.startswith(line)
+        assert player.children[0].value.startswith(f"⚠ {line}")
 
 
 def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Recording, "problems", ("/<b>: <script>",))
     with shown(path) as player:
-        assert player.children[0].value == "/&lt;b&gt;: &lt;script&gt;"
+        assert player.children[0].value == "⚠ /&lt;b&gt;: &lt;script&gt;"
+
+
+def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path) -> None:
+    with shown(robot.write(tmp_path / "drive", bad_scan_at=40)) as player:
+        told = player.children[0]
+        assert (told.value, told.layout.display) == ("", "none")
+        player.seek(4.0)
+        assert told.value.startswith("⚠ /scan: messages that cannot be shown are left out, the first at 4.00 s")
+        assert told.layout.display is None
+
+
+def test_a_time_between_two_steps_of_the_slider_is_shown_at_the_next(path: Path) -> None:
+    with shown(path) as player:
+        for seconds, step in ((3.1999, 3.2), (3.2, 3.2), (0.57, 0.57), (1.1, 1.1), (9.991, 10.0), (99.0, 10.0)):
+            player.seek(seconds)
+            assert player.slider.value == step
+        assert player.slider.max == 10.0
+        assert player.slider.step == 0.01
+
+
+@pytest.mark.parametrize("name", ["good/tilt_laser.bag", "good/neato_fsm", "good/edmonton.log.gz"])
+def test_the_first_picture_is_still_there_when_the_page_has_rounded_its_time(data: Path, name: str) -> None:
+    with shown(data / name) as player:
+        laser = widget(player, LaserWidget)
+        rays = len(laser.scan)  # type: ignore[attr-defined]
+        assert rays > 100
+        player.slider.value = float(f"{player.slider.value:.2f}")
+        assert len(laser.scan) == rays  # type: ignore[attr-defined]
+        assert player.slider.max >= player.recording.duration
+
+
+def test_it_starts_where_the_first_topic_does_when_none_starts_early(data: Path) -> None:
+    with shown(data / "odd" / "every_ros2_type_mcap") as player:
+        assert player.slider.value == 2.1
+        assert widget(player, SpeedWidget).speed.linear[0] == 1.0  # type: ignore[attr-defined]
 
 
 class TestATouchHistory:
