@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import zlib
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path, PurePath
 
@@ -27,8 +28,10 @@ _QUICK = {
 _SALVAGED = (".bag", ".db3", ".mcap", ".zst", ".zstd", ".active")
 _GZIP = b"\x1f\x8b"
 _METADATA = "metadata.yaml"
+_OWN = re.compile(r"\d+|\.zstd?$")
 _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
 _BLOCK = 1 << 16
+_LOOKED_AT = 1 << 20
 
 
 def open_timeline(path: Path) -> Timeline:
@@ -37,17 +40,21 @@ def open_timeline(path: Path) -> Timeline:
     Raises:
         RecordingError: there is nothing, or nothing of it can be read; the text says why.
     """
-    if path.name == _METADATA:
-        path = path.parent
+    try:
+        return _open(path.parent if path.name == _METADATA else path)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from None
+
+
+def _open(path: Path) -> Timeline:
     if not path.exists():
         raise RecordingError(f"{path}: no such file or folder")
     if path.is_dir():
         return MessageTimeline(_open_folder(path))
-    try:
-        with path.open("rb") as file:
-            head = file.read(64)
-    except OSError as error:
-        raise RecordingError(f"{path.name}: cannot be opened: {error.strerror or error}") from None
+    if not path.is_file():
+        raise RecordingError(f"{path}: expected a file or a folder, got a pipe or a device")
+    with path.open("rb") as file:
+        head = file.read(64)
     if path.suffix in _SALVAGED or any(head.startswith(magic) for magic in _QUICK):
         return MessageTimeline(_open_file(path))
     return _open_log(path, head)
@@ -83,13 +90,18 @@ def _open_folder(path: Path) -> Source:
         except Exception:  # as above; whether anything is lost, the files themselves tell
             pass
     if not files:
-        held = ", ".join(sorted(entry.name for entry in path.iterdir())[:5]) or "nothing"
-        raise RecordingError(
-            f"{path.name}: no recording in this folder: expected .db3, .mcap or .bag files, got {held}"
-        )
+        held = _some(sorted(entry.name for entry in path.iterdir())) or "nothing"
+        raise RecordingError(f"{path}: no recording in this folder: expected .db3, .mcap or .bag files, got {held}")
+    if not (path / _METADATA).exists() and len({_OWN.sub("", file.name) for file in files}) > 1:
+        held = _some([file.name for file in files])
+        raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {held}")
     source = open_chain(files, _open_file)
     missing = _missing(path)
     return Chain([("", source)], problems=[missing]) if missing else source
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:5]) + (f" and {len(names) - 5:,} more" if len(names) > 5 else "")
 
 
 def _missing(path: Path) -> str:
@@ -104,18 +116,27 @@ def _missing(path: Path) -> str:
 
 
 def _open_log(path: Path, head: bytes) -> CarmenLog:
-    try:
-        text, problems = path.read_bytes(), list[str]()
-    except OSError as error:
-        raise RecordingError(f"{path.name}: cannot be read: {error.strerror or error}") from None
-    if head.startswith(_GZIP):
-        text, whole = _gunzip(text)
-        problems = [] if whole else ["the file was cut off or is damaged: read what could be decompressed"]
-    if any(word_of(line) for line in text.splitlines()):
-        return CarmenLog(text, problems)
     if not head:
         raise RecordingError(f"{path.name}: the file is empty: expected {_EXPECTED}")
-    raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {kind(bytes(text[:64]) or head)}")
+    packed = head.startswith(_GZIP)
+    with path.open("rb") as file:
+        start = file.read(_LOOKED_AT)
+        start = _gunzip(start)[0] if packed else start
+        if not any(word_of(line) for line in start.splitlines()):
+            raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {_kind(start, head)}")
+        file.seek(0)
+        text = file.read()
+    if not packed:
+        return CarmenLog(text)
+    text, whole = _gunzip(text)
+    return CarmenLog(text, [] if whole else ["the file was cut off or is damaged: read what could be decompressed"])
+
+
+def _kind(start: bytes, head: bytes) -> str:
+    """What a file is that is no CARMEN log, by its start, decompressed if it was gzipped, and by its first bytes."""
+    if not head.startswith(_GZIP) or not start:
+        return kind(head)
+    return f"{kind(start[:64])} in gzip: unpack it with gunzip"
 
 
 def _gunzip(data: bytes) -> tuple[bytes, bool]:

@@ -74,11 +74,13 @@ class FileStretch:
 def find(data: Stretch, pattern: re.Pattern[bytes], length: int, start: int) -> Iterator[int]:
     """Offsets at which a pattern of at most ``length`` bytes matches, from ``start`` on.
 
-    The pattern is a lookahead, so that matches may overlap. None is found where fewer bytes than that are left.
+    The pattern is a lookahead, so that matches may overlap, and does not match zeros alone. None is found where fewer
+    bytes than that are left.
     """
     while start + length <= data.size:
         raw = data.read(start, WINDOW)
         if len(raw) < length:
             return
-        yield from (start + match.start() for match in pattern.finditer(raw))
+        if raw.count(0) < len(raw):  # a file that was given room and never filled is zeros for gigabytes
+            yield from (start + match.start() for match in pattern.finditer(raw))
         start += len(raw) - length + 1

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from robowidgets.recordings import RecordingError, open
+from robowidgets.recordings.salvage.inflate import zstd
 
 from .written import Message, messages, write_bag, write_db3, write_indexed_mcap
 
@@ -98,6 +99,8 @@ def test_a_path_may_be_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setenv("HOME", str(tmp_path))
     with open("~/drive.bag") as recording:
         assert recording.path == tmp_path / "drive.bag"
+    with open(os.fsencode(tmp_path / "drive.bag")) as recording:  # type: ignore[arg-type]
+        assert recording.path == tmp_path / "drive.bag"
     with pytest.raises(TypeError, match=r"expected str, bytes or os\.PathLike object, not int$"):
         open(7)  # type: ignore[arg-type]
 
@@ -112,6 +115,7 @@ def test_a_path_may_be_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         ("drive.zip", b"PK\x03\x04\0\0", "got a zip archive"),
         ("drive.gz", gzip.compress(b"It rained."), "drive.gz: expected a ROS bag"),
         ("drive.gz", b"\x1f\x8b\x08nonsense", "got gzip data"),
+        ("drive.bag.gz", gzip.compress(b"#ROSBAG V2.0\n"), "got a ROS 1 bag in gzip: unpack it with gunzip"),
         (
             "drive.bag",
             b"It rained.\n",
@@ -132,6 +136,27 @@ def test_a_file_that_is_no_recording_is_named_for_what_it_is(
     assert "\n" not in str(caught.value)
 
 
+def test_a_large_file_that_is_no_log_is_not_read_to_its_end(tmp_path: Path) -> None:
+    path = tmp_path / "notes.log"
+    path.write_bytes(b"It rained.\n")
+    with path.open("r+b") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(RecordingError, match=r"got text that starts with 'It rained\.'"):
+        open(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with a name")
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "drive.bag")
+    with pytest.raises(RecordingError, match="expected a file or a folder, got a pipe or a device"):
+        open(tmp_path / "drive.bag")
+
+
+def test_a_path_that_no_disk_takes_says_so() -> None:
+    with pytest.raises(RecordingError, match="cannot be read: File name too long"):
+        open("drive" * 1000)
+
+
 def test_a_path_to_nothing_says_so(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"missing\.bag: no such file or folder"):
         open(tmp_path / "missing.bag")
@@ -143,6 +168,37 @@ def test_a_folder_without_a_recording_names_what_it_holds(tmp_path: Path) -> Non
     (tmp_path / "notes.txt").write_text("It rained.")
     with pytest.raises(RecordingError, match=r"got notes\.txt"):
         open(tmp_path)
+
+
+def test_a_folder_is_named_however_it_was_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(RecordingError, match=r"^\.: no recording in this folder"):
+        open(".")
+
+
+def test_a_folder_of_many_things_names_some(tmp_path: Path) -> None:
+    for number in range(8):
+        (tmp_path / f"{number}.txt").touch()
+    with pytest.raises(RecordingError, match=r"got 0\.txt, 1\.txt, 2\.txt, 3\.txt, 4\.txt and 3 more$"):
+        open(tmp_path)
+
+
+@pytest.mark.parametrize("other", ["kitchen.bag", "drive_1.mcap", "driven_1.bag"])
+def test_recordings_of_different_names_are_not_taken_for_one(tmp_path: Path, other: str) -> None:
+    write_bag(tmp_path / "drive_0.bag", messages(3))
+    (tmp_path / other).touch()
+    named = ", ".join(sorted(["drive_0.bag", other]))
+    with pytest.raises(RecordingError, match=f"2 recordings in this folder: open one of them: {named}$"):
+        open(tmp_path)
+
+
+def test_a_split_whose_last_file_was_not_yet_compressed_is_one_recording(tmp_path: Path) -> None:
+    held = messages(60)
+    folder = tmp_path / "split"
+    folder.mkdir()
+    (folder / "split_9.db3.zstd").write_bytes(zstd.compress(write_db3(tmp_path / "first", held[:30]).read_bytes()))
+    shutil.copy(write_db3(tmp_path / "second", held[30:]), folder / "split_10.db3")
+    assert read_count(folder) == {"/scan": 40, "/cmd_vel": 20}
 
 
 def test_a_folder_whose_files_are_all_lost_says_why(tmp_path: Path) -> None:

@@ -35,6 +35,27 @@ def test_a_pattern_is_found_once_wherever_it_lies(at: int) -> None:
     assert list(find(data, PATTERN, 3, at + 1)) == []
 
 
+@pytest.mark.parametrize("magic", [b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"])
+def test_gigabytes_that_were_never_written_are_passed_over(tmp_path: Path, magic: bytes) -> None:
+    class Once:
+        """What looks for a pattern, and may look at the start alone."""
+
+        looked_at = 0
+
+        def finditer(self, raw: bytes) -> list[re.Match[bytes]]:
+            self.looked_at += len(raw)
+            return []
+
+    path, pattern = tmp_path / "x", Once()
+    path.write_bytes(magic)
+    with path.open("r+b") as file:
+        file.truncate(1 << 28)
+    file = FileStretch(path)
+    assert list(find(file, pattern, 20, 0)) == []  # type: ignore[arg-type]
+    assert pattern.looked_at == WINDOW
+    file.close()
+
+
 def test_equal_times_keep_the_order_of_the_file() -> None:
     times = Times([5, 0] * 500, [1, 2] * 500, {1, 2})
     assert [row for row, _, _ in times.rows({1, 2}, None, None)] == [*range(1, 1000, 2), *range(0, 1000, 2)]
