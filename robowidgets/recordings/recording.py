@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from math import isfinite
+from numbers import Real
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -40,7 +41,7 @@ def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the one wo
     # Here, because it takes longer than all the rest of robowidgets, and who opens no recording need not wait for it.
     from .files import open_timeline
 
-    where = Path(os.fspath(path)).expanduser()
+    where = Path(os.fsdecode(path)).expanduser()
     return Recording(where, open_timeline(where))
 
 
@@ -145,6 +146,7 @@ class Recording:
         Raises:
             UnknownTopicError: it has no such topic, or one that no widget shows.
             RecordingError: the file is not there any more.
+            TypeError: a name is no text, but a list of them, say.
 
         Example:
             >>> recording.show("/scan", "/odom")  # doctest: +SKIP
@@ -184,6 +186,8 @@ class Recording:
         return {topic.name: topic for topic in self.topics if topic.widget}
 
     def _check(self, name: str) -> None:
+        if not isinstance(name, str):
+            raise TypeError(f"expected the name of a topic as text, got {name!r}")
         shown = self._shown()
         if name in shown:
             return
@@ -199,6 +203,9 @@ class Recording:
             raise RecordingError(f"{self.path.name} is closed: open it again")
 
     def _time_ns(self, name: str, seconds: float) -> int:
-        if not isfinite(seconds):
+        if not isinstance(seconds, Real):
+            raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
+        nanoseconds = float(seconds) * 1e9
+        if not isfinite(nanoseconds):
             raise ValueError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
-        return (self.start_ns or 0) + round(seconds * 1e9)
+        return (self.start_ns or 0) + round(nanoseconds)

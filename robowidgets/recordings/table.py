@@ -11,6 +11,7 @@ from .timeline import Topic
 _HEADS = ("topic", "type", "messages", "Hz", "widget")
 _RIGHT = (2, 3)
 _MADE_UP_BEFORE = 86_400 * 365
+_SLOWEST = 0.1
 
 
 def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int | None) -> str:
@@ -49,7 +50,8 @@ def _cells(topic: Topic) -> tuple[str, ...]:
     shown = (
         f"{topic.widget} (commanded)" if topic.commanded else topic.widget or ("unreadable" if topic.problem else "")
     )
-    return topic.name, topic.type, f"{topic.count:,}", "" if topic.rate is None else f"{topic.rate:.1f}", shown
+    rate = "" if topic.rate is None else f"{topic.rate:.1f}" if topic.rate >= _SLOWEST else f"<{_SLOWEST}"
+    return topic.name, topic.type, f"{topic.count:,}", rate, shown
 
 
 def _html_cells(tag: str, cells: Sequence[str]) -> str:

@@ -169,7 +169,18 @@ class TestErrors:
         with pytest.raises(UnknownTopicError, match=r"\(no definition of its messages\): those that can are none$"):
             Recording(Path("drive"), Written((topic,))).at("/odd", 0)
 
-    @pytest.mark.parametrize("value", [float("nan"), float("inf")])
+    def test_name_a_topic_that_is_no_text(self, recording: Recording) -> None:
+        with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan', '/odom'\]"):
+            recording.show(["/scan", "/odom"])  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match="expected the name of a topic as text, got None"):
+            recording.at(None, 1.0)  # type: ignore[arg-type]
+
+    @pytest.mark.parametrize("value", [None, "5", 1j])
+    def test_name_a_time_that_is_no_number(self, recording: Recording, value: object) -> None:
+        with pytest.raises(TypeError, match="seconds: expected seconds from the start of the recording, got"):
+            recording.at("/scan", value)  # type: ignore[arg-type]
+
+    @pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e300])
     def test_name_a_time_that_is_none(self, recording: Recording, value: float) -> None:
         with pytest.raises(ValueError, match="seconds: expected seconds from the start of the recording, got"):
             recording.at("/scan", value)
@@ -193,6 +204,8 @@ class TestItsTable:
         assert names.split() == ["topic", "type", "messages", "Hz", "widget"]
         assert rows[2].split() == ["/cmd_vel", "geometry_msgs/msg/Twist", "50", "4.9", "speed", "(commanded)"]
         assert rows[4].split() == ["/log", "std_msgs/msg/String", "1"]
+        slow = Recording(Path("drive"), Written((Topic("/map", "my_msgs/msg/Map", 2, 0.03, None, False, ""),)))
+        assert slow.info().splitlines()[2].split() == ["/map", "my_msgs/msg/Map", "2", "<0.1"]
         assert recording.info() == repr(recording)
 
     def test_tells_what_is_wrong(self) -> None:
