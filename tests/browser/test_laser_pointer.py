@@ -66,7 +66,7 @@ def test_pointing_names_the_ray_live_and_python_knows_it(notebook: Callable[...,
     says(popup, *of(11))
 
     nb.python("laser.update(**fan({11: 1.0}, intensities=np.arange(19) / 2))")
-    says(popup, "ranges[11]", "1.00 m", "20.0°", "x 0.94  y 0.34 · intensity 5.50", "left")
+    says(popup, "ranges[11]", "1.00 m", "20.0°", "x 0.94  y 0.34\nintensity 5.50", "left")
     rows = [
         ("inf", "+inf", "+inf: nothing within 4 m"),
         ("-inf", "−inf", "−inf: closer than 0.6 m"),

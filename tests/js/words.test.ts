@@ -58,7 +58,7 @@ test("a ray without a reading is told with what its value means", () => {
 
 test("an intensity is told where there is one", () => {
   const bright = { ...scan, intensities: Float32Array.of(47, 0.5, 3, Number.NaN, 1, 2) };
-  const details = [0, 1, 3].map((index) => describeRay(bright, index).details.split(" · ")[1]);
+  const details = [0, 1, 3].map((index) => describeRay(bright, index).details.split("\n")[1]);
   assert.deepEqual(details, ["intensity 47", "intensity 0.50", "intensity NaN"]);
 });
 

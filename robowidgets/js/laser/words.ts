@@ -108,7 +108,7 @@ export function describeRay(scan: Scan, index: number): RayWords {
     expression,
     distance: isReading ? toMetres(range) : Number.isFinite(range) ? `${toFixed(range, 3)} m` : toFixed(range, 0),
     angle: toDegrees(angle),
-    details: parts.join(" · "),
+    details: parts.join("\n"),
     side: sideOf(angle),
   };
 }
