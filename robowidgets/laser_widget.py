@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import traitlets
 
+from ._traits import Flag
 from ._widget import HEAD, RobotWidget, bundle
-from .messages import to_scan
+from .messages import ScanReader
 from .samples import Scan, Validity
 from .samples.scan import MAX_RAYS
 
@@ -106,7 +107,7 @@ class LaserWidget(RobotWidget[Scan]):
     forward = traitlets.Enum(("up", "left", "down", "right"), "up", help="Where forward is.").tag(sync=True)
     angle_offset = traitlets.Float(0.0, help="Radians added to every angle, within ±2 pi.")
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
-    color_by_intensity = traitlets.Bool(False, help="Whether intensities colour the dots.").tag(sync=True)
+    color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
     hovered = traitlets.Int(
         None,
         allow_none=True,
@@ -121,6 +122,10 @@ class LaserWidget(RobotWidget[Scan]):
         max=MAX_RAYS,
         help="Index of the pinned ray, or None. Python and the view write it.",
     ).tag(sync=True)
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._read = ScanReader()
+        super().__init__(**kwargs)
 
     def update(self, message: Any = None, **fields: Any) -> None:
         """Show a scan in the next animation frame.
@@ -137,7 +142,7 @@ class LaserWidget(RobotWidget[Scan]):
                 than the main one, where a callback runs, nothing is raised: the widget says it, and the log does.
         """
         try:
-            scan = to_scan(_of_fields(message, fields)).turned(self.angle_offset)
+            scan = self._read(_of_fields(message, fields)).turned(self.angle_offset)
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable, Sized
 from math import degrees, isfinite, pi
 from typing import Any
@@ -13,6 +14,9 @@ from ..samples.scan import number
 from .fields import MISSING, describe, frame_id, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
+_SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
+_NUMBERS = (float, int, np.float32, np.float64, type(None))
+_COPIED = (array, list, tuple)
 _LONGEST_SCAN = 60.0
 
 
@@ -52,6 +56,44 @@ def to_scan(message: Any) -> Scan:
         frame_id=frame_id(message),
         notes=(*_about_angles(read("angle_max", None), _count(ranges), angle_min, increment), *_about_times(read)),
     )
+
+
+class ScanReader:
+    """Makes scans of the messages of one scanner, as `to_scan` does, but checks only once what stays the same.
+
+    A scanner sends its settings with every scan, and to check them takes longer than to copy the ranges.
+    """
+
+    def __init__(self) -> None:
+        self._known: tuple[list[Any], Scan] | None = None
+
+    def __call__(self, message: Any) -> Scan:
+        """The scan in a message. Raises as `to_scan` does."""
+        message = unwrap(message)
+        if isinstance(message, Scan):
+            return message
+        read = reader(message)
+        ranges, intensities = read("ranges", None), read("intensities", None)
+        settings = [_comparable(read(name, None)) for name in _SETTINGS]
+        settings += [frame_id(message), _length(ranges), _length(intensities)]
+        if self._known is not None and settings == self._known[0]:
+            return self._known[1].again(ranges, intensities if settings[-1] else None, stamp_ns(message))
+        scan = to_scan(message)
+        # What had to be said of one scan is looked for in the next, and so is a number that it lacked.
+        self._known = None if scan.notes or None in settings[:4] else (settings, scan)
+        return scan
+
+
+def _comparable(value: Any) -> Any:
+    """A number or None; for anything else, something that is like nothing else."""
+    return value if type(value) in _NUMBERS else object()
+
+
+def _length(values: Any) -> Any:
+    """How many values there are, 0 for None; for what might not be copied, something that is like nothing else."""
+    if type(values) in _COPIED or (type(values) is np.ndarray and values.flags.writeable):
+        return len(values)
+    return object() if values is not None else 0
 
 
 def _count(ranges: Any) -> int:
