@@ -100,8 +100,9 @@ class CarmenLog:
         return partial(old_scan, range_max=range_max_of([self._lines[place] for place in self._places[word]]))
 
     def _moment(self, topic: str, place: int) -> Moment | None:
+        time_ns = self._times[place]
         try:
-            return Moment(topic, self._times[place], self._reads[topic](self._lines[place]))
+            return Moment(topic, time_ns, self._reads[topic](self._lines[place]), (time_ns - self._times[0]) / 1e9)
         except (TypeError, ValueError) as error:
             self._left_out.setdefault(topic, f"{topic}: lines that cannot be shown are left out, such as: {error}")
             return None

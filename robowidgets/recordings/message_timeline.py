@@ -128,18 +128,20 @@ class MessageTimeline:
 
     def _moment(self, channel: Channel, time_ns: int, raw: bytes) -> Moment | None:
         try:
-            return Moment(channel.topic, time_ns, self._reads[channel.id](raw))
+            return Moment(channel.topic, time_ns, self._reads[channel.id](raw), self._seconds(time_ns))
         except (RecordingError, TypeError, ValueError) as error:
             self._note(channel, time_ns, error)
             return None
 
     def _note(self, channel: Channel, time_ns: int, error: Exception) -> None:
         if channel.topic not in self._left_out:
-            seconds = (time_ns - (self.start_ns or 0)) / 1e9
             self._left_out[channel.topic] = (
-                f"{channel.topic}: messages that cannot be shown are left out, the first at {seconds:.2f} s: "
-                f"{one_line(error)}"
+                f"{channel.topic}: messages that cannot be shown are left out, the first at "
+                f"{self._seconds(time_ns):.2f} s: {one_line(error)}"
             )
+
+    def _seconds(self, time_ns: int) -> float:
+        return (time_ns - (self.start_ns or 0)) / 1e9
 
     def _stop(self, error: RecordingError) -> None:
         line = f"the file can be read no further: {one_line(error)}"

@@ -30,11 +30,15 @@ class Topic(NamedTuple):
 
 
 class Moment(NamedTuple):
-    """One sample of a recording: its topic, its time in nanoseconds since the epoch, and what was measured."""
+    """One sample of a recording: its topic, its time in nanoseconds since the epoch, and what was measured.
+
+    ``seconds`` is the same time from the start of the recording, as `Recording.at` and a player's `seek` take it.
+    """
 
     topic: str
     time_ns: int
     sample: Sample
+    seconds: float
 
 
 class Timeline(Protocol):

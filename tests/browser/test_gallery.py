@@ -15,15 +15,14 @@ import robowidgets
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget
 
 recording = robowidgets.open(robowidgets.SAMPLE)
-bump = next(m.time_ns for m in recording.samples("/bumper") if any(m.sample.touched.values()))
-moment = (bump - recording.start_ns) / 1e9 + 0.3
+moment = next(m.seconds for m in recording.samples("/bumper") if any(m.sample.touched.values())) + 0.3
 laser = LaserWidget(title="/scan", view_range="data")
 speed = SpeedWidget(title="/odom", planar=True)
 touch = TouchWidget(title="/bumper")
 for m in recording.samples("/bumper", end=moment):
     touch.update(m)
 fastest = max(recording.samples("/odom"), key=lambda m: abs(m.sample.angular[2]))
-speed.command(recording.at("/cmd_vel", (fastest.time_ns - recording.start_ns) / 1e9))
+speed.command(recording.at("/cmd_vel", fastest.seconds))
 speed.update(fastest)
 laser.update(recording.at("/scan", moment))
 player = recording.show()

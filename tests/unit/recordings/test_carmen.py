@@ -153,7 +153,7 @@ class TestALog:
 
     def test_gives_a_part_of_its_time(self) -> None:
         log = CarmenLog(self.TEXT)
-        assert [m.time_ns // S for m in self.moments(log, "ODOM", start=2 * S, stop=5 * S)] == [3]
+        assert [(m.time_ns // S, m.seconds) for m in self.moments(log, "ODOM", start=2 * S, stop=5 * S)] == [(3, 2.0)]
         assert self.moments(log, "FLASER", start=3 * S) == []
 
     def test_knows_the_last_sample_at_a_time(self) -> None:

@@ -73,6 +73,7 @@ class TestSamples:
         kinds = {m.topic: type(m.sample) for m in moments}
         assert kinds == {"/scan": Scan, "/odom": Speed, "/cmd_vel": Speed, "/bumper": Touch}
         assert isinstance(moments[0], Moment)
+        assert [m.seconds for m in moments] == seconds(moments)
 
     def test_of_one_topic_or_several(self, recording: Recording) -> None:
         assert {m.topic for m in recording.samples("/bumper")} == {"/bumper"}
@@ -133,7 +134,7 @@ class TestAt:
     def test_agrees_with_reading_all_of_it(self, recording: Recording) -> None:
         for topic in ("/scan", "/bumper"):
             for moment in recording.samples(topic):
-                assert recording.at(topic, seconds([moment])[0]).time_ns == moment.time_ns  # type: ignore[union-attr]
+                assert recording.at(topic, moment.seconds).time_ns == moment.time_ns  # type: ignore[union-attr]
 
     def test_reads_no_more_than_it_needs(self, recording: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
         timeline = recording._timeline
