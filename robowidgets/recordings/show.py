@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable, Sequence
 from html import escape
-from math import ceil, nan
+from math import ceil, isfinite, nan
 from typing import Any, NamedTuple
 
 import ipywidgets
@@ -75,11 +75,18 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.slider.observe(self._on_slide, "value")
         controls = ipywidgets.Box([self._play, self.slider], layout=_WIDE)
         self._problems = ipywidgets.HTML()
-        super().__init__([self._problems, *([controls] if recording.duration else []), self._widgets()])
+        moves = recording.duration and self.views
+        super().__init__([self._problems, *([controls] if moves else []), self._widgets()])
         self._on_slide(None)
 
     def seek(self, seconds: float) -> None:
-        """Show a time, in seconds from the start of the recording, to the next hundredth: the slider's step."""
+        """Show a time, in seconds from the start of the recording, to the next hundredth: the slider's step.
+
+        Raises:
+            ValueError: it is no time.
+        """
+        if not isfinite(seconds):
+            raise ValueError(f"seconds: expected seconds from the start of the recording, got {seconds!r}")
         self.slider.value = _step(seconds)
 
     def close(self) -> None:
@@ -184,7 +191,7 @@ def _replay(recording: Recording, topic: str, widget: TouchWidget) -> Seek:
 def _first_look(recording: Recording, views: Iterable[View]) -> float:
     """The earliest time at which every topic that starts early has something to show."""
     firsts = (next(recording.samples(topic), None) for view in views for topic in view.seeks)
-    seconds = [(first.time_ns - (recording.start_ns or 0)) / 1e9 for first in firsts if first]
+    seconds = [first.seconds for first in firsts if first]
     return max((s for s in seconds if s <= _EARLY * recording.duration), default=min(seconds, default=0.0))
 
 

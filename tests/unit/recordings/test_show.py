@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from math import isnan
+from math import isnan, nan
 from pathlib import Path
 
 import pytest
@@ -120,6 +120,10 @@ def test_it_starts_where_what_starts_early_has_something_to_show(data: Path) -> 
 def test_the_neato_bumps_where_it_bumped(data: Path) -> None:
     with shown(data / "good" / "neato_fsm", "/bump") as player:
         touch = widget(player, TouchWidget)
+        bump = next(m for m in player.recording.samples("/bump") if any(m.sample.touched.values()))  # type: ignore[union-attr]
+        player.seek(bump.seconds)
+        player.slider.value = float(f"{player.slider.value:.2f}")
+        assert TouchState.TOUCHED in touch.states.values()  # type: ignore[attr-defined]
         player.seek(21.9)
         assert set(touch.states.values()) == {TouchState.FREE}  # type: ignore[attr-defined]
         player.seek(22.0)
@@ -138,6 +142,12 @@ def test_the_neato_bumps_where_it_bumped(data: Path) -> None:
 def test_what_is_wrong_stands_above(data: Path, name: str, line: str) -> None:
     with shown(data / name) as player:
         assert player.children[0].value.startswith(f"⚠ {line}")
+
+
+def test_where_nothing_can_be_shown_there_is_no_slider(data: Path) -> None:
+    with shown(data / "odd" / "jazzy_mcap_no_laser") as player:
+        assert [type(child).__name__ for child in player.children] == ["HTML", "Box"]
+        assert player.children[1].children == ()
 
 
 def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -160,6 +170,8 @@ def test_a_time_between_two_steps_of_the_slider_is_shown_at_the_next(path: Path)
         for seconds, step in ((3.1999, 3.2), (3.2, 3.2), (0.57, 0.57), (1.1, 1.1), (9.991, 10.0), (99.0, 10.0)):
             player.seek(seconds)
             assert player.slider.value == step
+        with pytest.raises(ValueError, match="seconds: expected seconds from the start of the recording, got nan"):
+            player.seek(nan)
         assert player.slider.max == 10.0
         assert player.slider.step == 0.01
 
