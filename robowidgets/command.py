@@ -43,7 +43,7 @@ def _demo(arguments: argparse.Namespace) -> None:
 
 
 def _open(arguments: argparse.Namespace) -> None:
-    file = arguments.file.resolve()
+    file = arguments.file.absolute()
     with robowidgets.open(file):
         pass
     _in_lab(lambda folder: _notebooks.write_for(file, folder), arguments)

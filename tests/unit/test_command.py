@@ -50,11 +50,13 @@ def test_info_prints_the_table_of_a_recording(capsys):
 
 
 @pytest.mark.parametrize("command", ["info", "open"])
-@pytest.mark.parametrize("what", ["missing", "empty", "foreign", "folder"])
+@pytest.mark.parametrize("what", ["missing", "empty", "foreign", "folder", "loop"])
 def test_what_is_no_recording_is_one_line_and_1(command, what, tmp_path, capsys, lab):
     path = tmp_path / f"{what}.bag"
     if what == "folder":
         path.mkdir()
+    elif what == "loop":
+        path.symlink_to(path)
     elif what != "missing":
         path.write_bytes(b"" if what == "empty" else b"%PDF-1.7 something else" * 100)
     assert main([command, str(path)]) == 1
