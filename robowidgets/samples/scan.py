@@ -151,9 +151,7 @@ class Scan:
     def __iter__(self) -> Iterator[Ray]:
         return (self[i] for i in range(len(self)))
 
-    def again(
-        self, ranges: NDArray[np.float32], intensities: NDArray[np.float32] | None, stamp_ns: int | None
-    ) -> Scan:
+    def again(self, ranges: NDArray[np.float32], intensities: NDArray[np.float32] | None, stamp_ns: int | None) -> Scan:
         """The next sweep of the same scanner: what is not given stays as it is, and is not checked again.
 
         Args:
