@@ -60,7 +60,7 @@ class AxisLimits(traitlets.TraitType[Any, Any]):
             )
         for axis in value:
             if axis not in AXES:
-                near = difflib.get_close_matches(str(axis), AXES, n=1)
+                near = difflib.get_close_matches(str(axis).lower(), AXES, n=1)
                 hint = f"; did you mean {near[0]!r}?" if near else "."
                 raise traitlets.TraitError(f"{self.name}: no axis {axis!r}{hint} The axes are: {', '.join(AXES)}")
         return MappingProxyType(

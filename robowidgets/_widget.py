@@ -15,8 +15,10 @@ from typing import Any, Generic, TypeVar
 import anywidget
 import traitlets
 
+from ._caller import is_a_person
 from ._pacer import pacer
 from ._rate import RateMeter
+from ._traits import Flag, bytes_trait
 
 log = logging.getLogger("robowidgets")
 
@@ -43,11 +45,6 @@ def bundle(name: str) -> Any:
     return path if os.environ.get("ROBOWIDGETS_DEV") else path.read_text(encoding="utf-8")
 
 
-def bytes_trait(**tags: Any) -> Any:
-    """A trait of bytes, as the page sends them (a memoryview) or Python sets them."""
-    return traitlets.Bytes().tag(sync=True, from_json=lambda value, _: bytes(value or b""), **tags)
-
-
 class RobotWidget(anywidget.AnyWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
@@ -56,9 +53,9 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     """
 
     title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
-    header = traitlets.Bool(True, help="Whether title and controls stand above the picture.").tag(sync=True)
-    footer = traitlets.Bool(True, help="Whether counts stand below the picture.").tag(sync=True)
-    paused = traitlets.Bool(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
+    header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
+    footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
+    paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
 
     live = True
     """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
@@ -68,7 +65,14 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
 
+    def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
+        """Refuse what has no name before there is anything to clean up."""
+        if unnamed:
+            raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
+        return super().__new__(cls, **kwargs)
+
     def __init__(self, **kwargs: Any) -> None:
+        self._process = os.getpid()
         self._newest: S | None = None
         self._newest_about: dict[str, Any] = {}
         self._sequence = 0
@@ -116,17 +120,20 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
         pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
-        """Say on the widget why a message could not be shown; raise in the main thread, log in a callback's."""
+        """Say on the widget why a message could not be shown; raise where a person calls, log in a callback."""
         text = str(error)
         with self._storing:
             self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
             self._changed = True
         pacer.mark(self)
-        if threading.current_thread() is threading.main_thread():
+        if is_a_person():
             raise error from None
+        self._log_once(f"a message could not be shown: {text}")
+
+    def _log_once(self, text: str) -> None:
         if text not in self._logged and len(self._logged) < MOST_LOGGED:
             self._logged.add(text)
-            log.error("%s %s: a message could not be shown: %s", type(self).__name__, self.title, text)
+            log.error("%s %s: %s", type(self).__name__, self.title, text)
 
     # -- to the page ---------------------------------------------------------------------------------------------------
 
@@ -140,6 +147,12 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
 
     def send_newest(self) -> int:
         """Send the newest sample to the page; the pacer's call. Returns the bytes sent."""
+        if os.getpid() != self._process:
+            self._log_once(
+                "nothing reaches the page from a forked process; hand messages to the notebook's own, "
+                "through a multiprocessing.Queue, and update there"
+            )
+            return 0
         with self._sending:
             if self.comm is None:
                 return 0

@@ -138,8 +138,8 @@ class LaserWidget(RobotWidget[Scan]):
                 range_min and range_max (metres), and if there are any intensities (R).
 
         Raises:
-            TypeError: no such message, or an unknown field. ValueError: its numbers cannot be shown. In a thread other
-                than the main one, where a callback runs, nothing is raised: the widget says it, and the log does.
+            TypeError: no such message, or an unknown field. ValueError: its numbers cannot be shown. In a callback
+                (another thread; a task, timer or button of a notebook) nothing is raised; widget and log say it.
         """
         try:
             scan = self._read(_of_fields(message, fields)).turned(self.angle_offset)

@@ -10,6 +10,7 @@ from typing import Any
 import traitlets
 
 from ._limits import AxisLimits, Limits, Pair, is_past
+from ._traits import Flag
 from ._widget import HEAD, RobotWidget, bundle
 from .messages import to_speed
 from .samples import AXES, Speed
@@ -99,8 +100,8 @@ class SpeedWidget(RobotWidget[Reading]):
     limits = AxisLimits(help="(min, max) by axis, m/s and rad/s, instead of those two.").tag(
         sync=True, to_json=lambda value, _: dict(value)
     )
-    planar = traitlets.Bool(False, help="Only linear x, y and angular z. Python and the view write it.").tag(sync=True)
-    hold_peaks = traitlets.Bool(False, help="Whether least and greatest speeds are marked.").tag(sync=True)
+    planar = Flag(False, help="Only linear x, y and angular z. Python and the view write it.").tag(sync=True)
+    hold_peaks = Flag(False, help="Whether least and greatest speeds are marked.").tag(sync=True)
     _resets = traitlets.Int(0, help="How often the peaks were reset. Python and the view write it.").tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
@@ -120,8 +121,8 @@ class SpeedWidget(RobotWidget[Reading]):
                 no value.
 
         Raises:
-            TypeError: no such message, or an unknown field. ValueError: not three numbers. In a thread other than the
-                main one, where a callback runs, nothing is raised: the widget says it, and the log does.
+            TypeError: no such message, or an unknown field. ValueError: not three numbers. In a callback (another
+                thread; a task, timer or button of a notebook) nothing is raised; widget and log say it.
         """
         self._take("update", message, fields)
 
@@ -197,7 +198,9 @@ class SpeedWidget(RobotWidget[Reading]):
                 self._put_up(counts=False)
 
     def _on_show(self) -> Reading:
-        return self._unpack(self._held) if self.paused and self._held else self._reading
+        if self.paused:
+            return self._unpack(self._held) if self._held else Reading()
+        return self._reading
 
     def _pack(self, sample: Reading) -> bytes:
         measured, commanded = sample.measured, sample.commanded

@@ -85,10 +85,12 @@ class TouchWidget(RobotWidget[Touch]):
             **touched: instead of a message, sensor names with True, False or None.
 
         Raises:
-            TypeError: no such message. ValueError: a number in it has no meaning. In a thread other than the main one,
-                where a callback runs, nothing is raised: the widget says it, and the log does.
+            TypeError: no such message. ValueError: a number in it has no meaning. In a callback (another thread; a
+                task, timer or button of a notebook) nothing is raised; widget and log say it.
         """
         try:
+            if message is None and not touched:
+                raise TypeError("update() needs a message, or sensors by name, like update(left=True, right=False)")
             if message is not None and touched:
                 raise TypeError(
                     f"update() takes a message or sensors, not both; got a message and {', '.join(touched)}"
@@ -160,8 +162,8 @@ class TouchWidget(RobotWidget[Touch]):
         return time.monotonic_ns() if self._still_ns is None else self._still_ns
 
     def _on_show(self) -> dict[str, TouchSensor]:
-        if self.paused and self._held:
-            rows = json.loads(self._held[HEAD.size :])
+        if self.paused:
+            rows = json.loads(self._held[HEAD.size :]) if self._held else []
             known = {name: TouchSensor(TouchState[word.upper()], touches) for name, word, touches, _ in rows}
         else:
             with self._tracking:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from numbers import Integral
 from typing import Any
 
 from ..samples import Touch
+from .codes import is_flag
 from .dialects import DIALECTS, Sensor
 from .fields import describe, stamp_ns, type_name, unwrap
 
@@ -32,6 +34,7 @@ def to_touch(message: Any, own: Collection[str] = ()) -> Touch:
         return message
     dialect = next((d for d in DIALECTS if d.fits(message)), None)
     if dialect is None:
+        _refuse_numbers(message)
         known = ", ".join(d.types[0] for d in DIALECTS if d.types)
         raise TypeError(
             f"expected a message like one of {known}, or a mapping of sensor names to True, False or None; "
@@ -45,6 +48,18 @@ def to_touch(message: Any, own: Collection[str] = ()) -> Touch:
         stamp_ns=stamp_ns(message),
         dialect=stated if stated in dialect.types else "".join(dialect.types[:1]),
     )
+
+
+def _refuse_numbers(message: Any) -> None:
+    """TypeError for a mapping of names to 1 and 0, which are bits and codes elsewhere; other messages pass."""
+    values = message.values() if isinstance(message, Mapping) else ("",)
+    if all(value is None or is_flag(value) or isinstance(value, Integral) for value in values):
+        for name, value in message.items():
+            if value is not None and not is_flag(value):
+                raise TypeError(
+                    f"{name}: expected True, False or None in a mapping of sensor names, got {value!r}; "
+                    "bool() makes it of a number"
+                )
 
 
 def _name(sensor: Sensor, own: Collection[str]) -> str:

@@ -305,6 +305,11 @@ def test_a_number_without_a_meaning_is_an_error_and_not_a_guess(message: dict, t
             r"^contacts\[1\]: expected a contact with collision1.name and collision2.name, got a dict with",
         ),
         (ranger("far"), r"^range: expected a number, got 'far'$"),
+        (
+            {"left": None, "front": np.True_, "right": 0, "back": 1},
+            r"^right: expected True, False or None in a mapping of sensor names, got 0; bool\(\) makes it of a number$",
+        ),
+        ({"data": 1}, r"^data: expected True, False or None in a mapping of sensor names, got 1; bool\(\) makes it"),
     ],
 )
 def test_a_field_of_no_use_is_named(message: dict, text: str) -> None:
@@ -315,8 +320,7 @@ def test_a_field_of_no_use_is_named(message: dict, text: str) -> None:
 @pytest.mark.parametrize(
     ("message", "came"),
     [
-        ({"left": 1, "right": 0}, "a dict with the keys left, right"),
-        ({"data": 1}, "a dict with the keys data"),
+        ({"left": 1, "right": "off"}, "a dict with the keys left, right"),
         ({}, r"a dict with the keys \(none\)"),
         ([True, False], r"a list: '\[True, False\]'"),
         (np.zeros(2), r"a ndarray: '\[0. 0.\]'"),

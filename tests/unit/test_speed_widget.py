@@ -190,6 +190,7 @@ class TestLimits:
         ("given", "said"),
         [
             ({"linear.q": 1}, r"limits: no axis 'linear.q'; did you mean 'linear.\w'\? The axes are: linear.x"),
+            ({"Linear.X": 1}, "limits: no axis 'Linear.X'; did you mean 'linear.x'"),
             ({3: 1}, r"limits: no axis 3\. The axes are: linear.x"),
             (1, r"limits: expected a dictionary of limits by axis, like \{'linear.x': \(-0.2, 0.5\)\}; got 1"),
         ],
@@ -280,6 +281,13 @@ class TestFreezing:
         speed.update(TWIST)
         assert speed.speed is None
         assert speed.commanded == Speed((0.5, 0, 0), (0, 0, -0.25))
+
+    def test_before_the_first_speed_there_is_none_until_it_is_released(self) -> None:
+        speed = SpeedWidget(paused=True)
+        speed.update(TWIST)
+        assert (speed.speed, speed.commanded, speed.over_limits) == (None, None, {})
+        speed.paused = False
+        assert speed.speed == Speed((0.5, 0, 0), (0, 0, -0.25))
 
 
 class TestErrors:

@@ -88,6 +88,15 @@ class TestStates:
         touch.paused = False
         assert touch.states == {"left": FREE, "right": TOUCHED}
 
+    def test_are_none_while_frozen_before_the_first_message(self) -> None:
+        touch = TouchWidget(paused=True)
+        touch.update(left=True)
+        assert touch.states == {}
+        touch.sensors = ["left"]
+        assert touch.states == {"left": UNKNOWN}
+        touch.paused = False
+        assert touch.states == {"left": TOUCHED}
+
     def test_are_unknown_after_a_reset(self, touch: TouchWidget) -> None:
         touch.update(left=True, right=False)
         touch.reset()
@@ -208,7 +217,7 @@ class TestErrors:
         [
             (({"bumper": 9, "state": 1},), ValueError, r"^bumper: expected 0 \(left\), .*, got 9$"),
             ((["left"],), TypeError, r"^expected a message like one of .*; got a list: "),
-            ((), TypeError, r"^expected a message like one of .*; got a NoneType: 'None'$"),
+            ((), TypeError, r"^update\(\) needs a message, or sensors by name, like update\(left=True, right=False\)$"),
         ],
     )
     def test_are_raised_to_the_person_who_calls_and_shown(
@@ -229,6 +238,8 @@ class TestErrors:
     def test_a_state_that_is_none_is_refused_by_name(self, touch: TouchWidget) -> None:
         with pytest.raises(TypeError, match=r"got a dict with the keys left$"):
             touch.update(left="yes")
+        with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 1; "):
+            touch.update(left=1)
 
     def test_go_away_with_the_next_good_message(self, touch: TouchWidget) -> None:
         with pytest.raises(ValueError, match="got 9"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import logging
+import os
 import struct
 import sys
 import threading
@@ -15,6 +16,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import anywidget
+import numpy as np
 import pytest
 import traitlets
 
@@ -83,6 +85,11 @@ class TestNames:
             "It takes: color, footer, header, layout, paused, tabbable, title, tooltip"
         )
 
+    def test_what_has_no_name_is_refused_with_a_way_to_name_it(self) -> None:
+        with pytest.raises(TypeError) as refusal:
+            NumberWidget("/scan")
+        assert str(refusal.value) == "NumberWidget() takes keywords only, like title='/topic'; got '/scan'"
+
     def test_nothing_near_is_not_guessed(self) -> None:
         with pytest.raises(TypeError, match=r"^NumberWidget\(\) has no keyword 'xyz'\. It takes: color, footer, "):
             NumberWidget(xyz=1)
@@ -100,6 +107,13 @@ class TestNames:
             "It takes: color, footer, header, layout, paused, tabbable, title, tooltip"
         )
 
+    def test_a_comparison_of_numpy_is_a_flag(self) -> None:
+        made = NumberWidget(paused=np.float32(0.2) < 0.3)
+        assert made.paused is True
+        made.paused = np.array([0.4, 0.5]).min() < 0.3
+        assert made.paused is False
+        made.close()
+
     def test_what_a_host_lays_out_can_be_set(self) -> None:
         made = NumberWidget(layout={"width": "300px"}, title="/a")
         made.layout = {"width": "200px"}
@@ -109,6 +123,8 @@ class TestNames:
     def test_a_widget_that_could_not_be_made_leaves_no_complaint_behind(self) -> None:
         with pytest.raises(TypeError, match="no keyword"):
             NumberWidget(nothing=1)
+        with pytest.raises(TypeError, match="keywords only"):
+            NumberWidget(1)
         with pytest.raises(traitlets.TraitError, match="'paused' trait of a NumberWidget"):
             NumberWidget(paused="soon")
         gc.collect()  # pytest turns what __del__ raises into a warning, and configuration turns that into a failure
@@ -198,6 +214,34 @@ class TestToThePage:
         pacer.flush()
         assert number_in(page.state["_frame"]) == 7
         assert page.state["_about"] == {"value": 7}
+
+    @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
+    def test_from_a_forked_process_nothing_is_sent_and_the_log_says_so_once(
+        self, widget: NumberWidget, page: Page
+    ) -> None:
+        reading, writing = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                told: list[str] = []
+                _widget.log.addFilter(lambda record: told.append(record.getMessage()))
+                for value in range(3):
+                    widget.update(value)
+                    pacer.flush()
+                os.write(writing, f"{len(page.messages)} messages; {', '.join(told)}".encode())
+            finally:
+                os._exit(0)
+        os.close(writing)
+        with open(reading) as answer:
+            said = answer.read()
+        os.waitpid(child, 0)
+        assert said == (
+            "0 messages; NumberWidget : nothing reaches the page from a forked process; hand messages to the "
+            "notebook's own, through a multiprocessing.Queue, and update there"
+        )
+        widget.update(9)
+        pacer.flush()
+        assert number_in(page.state["_frame"]) == 9
 
 
 class TestRefusing:

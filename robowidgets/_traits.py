@@ -1,0 +1,22 @@
+"""Kinds of traits that all widgets use."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import traitlets
+
+
+class Flag(traitlets.Bool[Any, Any]):
+    """True or False; those of NumPy, which its comparisons give, count too."""
+
+    def validate(self, obj: Any, value: Any) -> bool:
+        """The flag as Python's own."""
+        flag: bool = super().validate(obj, bool(value) if isinstance(value, np.bool_) else value)
+        return flag
+
+
+def bytes_trait(**tags: Any) -> Any:
+    """A trait of bytes, as the page sends them (a memoryview) or Python sets them."""
+    return traitlets.Bytes().tag(sync=True, from_json=lambda value, _: bytes(value or b""), **tags)
