@@ -36,6 +36,18 @@ def test_a_person_moves_the_slider_and_every_widget_follows(notebook: Callable[.
     expect(tile).to_contain_text("touched")
 
 
+def test_the_page_rounds_no_moment_away(notebook: Callable[..., Notebook], data: Path) -> None:
+    nb = notebook([TABLE.format(path=str(data / "good" / "tilt_laser.bag")), "recording.show()"])
+    expect(nb.output(1).locator(".widget-readout")).to_have_text("0.01")
+    expect(nb.output(1).locator(".rw-card").first).to_contain_text("nearest 0.69 m at 4.3°")
+    bump = "next(m.seconds for m in recording.samples('/bump') if any(m.sample.touched.values()))"
+    nb = notebook(
+        [TABLE.format(path=str(data / "good" / "neato_fsm")), f"player = recording.show()\nplayer.seek({bump})\nplayer"]
+    )
+    expect(nb.output(1).locator(".widget-readout")).to_have_text("21.97")
+    expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
+
+
 def test_it_plays_by_itself(notebook: Callable[..., Notebook], data: Path) -> None:
     nb = notebook(
         [TABLE.format(path=str(data / "good" / "turtlebot3_gazebo.bag")), "player = recording.show()\nplayer"]
