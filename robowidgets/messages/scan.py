@@ -15,7 +15,7 @@ from .fields import MISSING, describe, frame_id, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 _SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
-_NUMBERS = (float, int, np.float32, np.float64, type(None))
+_COMPARED = frozenset((float, int, np.float32, np.float64, str, type(None)))
 _COPIED = (array, list, tuple)
 _LONGEST_SCAN = 60.0
 
@@ -65,7 +65,7 @@ class ScanReader:
     """
 
     def __init__(self) -> None:
-        self._known: tuple[list[Any], Scan] | None = None
+        self._known: tuple[list[type], list[Any], Scan] | None = None
 
     def __call__(self, message: Any) -> Scan:
         """The scan in a message. Raises as `to_scan` does."""
@@ -74,26 +74,25 @@ class ScanReader:
             return message
         read = reader(message)
         ranges, intensities = read("ranges", None), read("intensities", None)
-        settings = [_comparable(read(name, None)) for name in _SETTINGS]
+        settings = [read(name, None) for name in _SETTINGS]
         settings += [frame_id(message), _length(ranges), _length(intensities)]
-        if self._known is not None and settings == self._known[0]:
-            return self._known[1].again(ranges, intensities if settings[-1] else None, stamp_ns(message))
+        kinds = list(map(type, settings))
+        if self._known is not None:
+            known_kinds, known, like = self._known
+            if kinds == known_kinds and settings == known:
+                return like.again(ranges, intensities if settings[-1] else None, stamp_ns(message))
         scan = to_scan(message)
         # What had to be said of one scan is looked for in the next, and so is a number that it lacked.
-        self._known = None if scan.notes or None in settings[:4] else (settings, scan)
+        same = not scan.notes and _COMPARED.issuperset(kinds) and None not in settings[:4]
+        self._known = (kinds, settings, scan) if same else None
         return scan
 
 
-def _comparable(value: Any) -> Any:
-    """A number or None; for anything else, something that is like nothing else."""
-    return value if type(value) in _NUMBERS else object()
-
-
-def _length(values: Any) -> Any:
-    """How many values there are, 0 for None; for what might not be copied, something that is like nothing else."""
+def _length(values: Any) -> int | bool:
+    """How many values there are, 0 for None; False for what might be kept and not copied."""
     if type(values) in _COPIED or (type(values) is np.ndarray and values.flags.writeable):
         return len(values)
-    return object() if values is not None else 0
+    return 0 if values is None else False
 
 
 def _count(ranges: Any) -> int:
