@@ -9,16 +9,13 @@ _CELLS = "IPython.core.interactiveshell"
 
 
 def is_a_person() -> bool:
-    """Whether a call comes from a cell or a script.
+    """Whether a call comes from a cell; where there are no cells, from the main thread.
 
-    Not from another thread; and in a notebook not from the event loop, where tasks, timers and buttons run between and
-    beside the cells.
+    In a notebook the main thread also runs the event loop, with tasks, timers and buttons between and beside the cells.
     """
-    if threading.current_thread() is not threading.main_thread():
-        return False
     ipython = sys.modules.get("IPython")
     if ipython is None or ipython.get_ipython() is None:
-        return True
+        return threading.current_thread() is threading.main_thread()
     frame = sys._getframe()
     while frame.f_back is not None:
         frame = frame.f_back

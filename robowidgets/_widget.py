@@ -196,14 +196,25 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
                 stamp = getattr(sample, "stamp_ns", None) or 0
                 self._trait_values["_frame"] = HEAD.pack(sequence, rate, stamp) + self._pack(sample)
 
+    @traitlets.validate("paused")
+    def _before_paused(self, proposal: Any) -> Any:
+        """Hold the sample on show before the widget counts as frozen: another thread may read it at any moment."""
+        if proposal["value"] and not self.paused:
+            self._hold()
+        return proposal["value"]
+
     @traitlets.observe("paused")
-    def _hold(self, _change: Any) -> None:
-        """Hold the sample on show when Python froze the picture; the page does so itself when a person did."""
-        if self.paused and not self._held:
+    def _after_paused(self, _change: Any) -> None:
+        if self.paused:
+            self._hold()
+        elif self._held:
+            self._held = b""
+
+    def _hold(self) -> None:
+        """Hold the sample on show; the page does so itself when a person freezes it."""
+        if not self._held:
             self._bring_up_to_date()
             self._held = self._frame
-        elif not self.paused and self._held:
-            self._held = b""
 
 
 def _unknown(of: str, what: str, name: str, known: list[str]) -> str:

@@ -318,6 +318,12 @@ class TestFreezing:
         assert page.state["_about"] == {"value": 3}
         assert page.sent("_held") == [page.state["_held"]]
 
+    def test_what_is_held_is_there_before_the_widget_counts_as_frozen(self, widget: NumberWidget, page: Page) -> None:
+        widget.update(2)
+        widget.paused = True
+        first = next(state for state in page.history if state["paused"])
+        assert number_in(first["_held"]) == 2
+
     def test_python_releases_it(self, widget: NumberWidget, page: Page) -> None:
         widget.update(2)
         widget.paused = True

@@ -99,7 +99,7 @@ export class Stream<F extends Frame> {
   }
 
   #onPaused(): void {
-    // Python says "paused" a moment before it says what it holds.
+    // A link between widgets says "paused" alone.
     this.#heldHere = this.paused ? this.#bytes("_frame") : null;
     this.#tell();
   }
