@@ -167,8 +167,19 @@ test("in an empty picture every arc is labelled, inside it and inside the swept 
           (x - p.projection.centerX) * (arc.x - p.projection.centerX) +
           (y - p.projection.centerY) * (arc.y - p.projection.centerY);
         assert.ok(along / pixels <= pixels - 1, name);
+        assert.ok(x >= 0 && x <= p.box.width && y >= 0 && y <= p.box.height, `${name}: cut by the edge`);
       }
       if (sweep.count > 1) assert.notEqual(indexAt(sweep, angle), -1, name);
+    }
+  }
+});
+
+test("the labels of one ray are not cut by the edge, wherever it points", () => {
+  for (let degrees = -180; degrees <= 180; degrees += 5) {
+    const p = picture({ angleMin: (degrees * Math.PI) / 180, angleIncrement: 0, count: 1 });
+    for (const { box } of label(p)) {
+      assert.ok(box.x >= 0 && box.x + box.width <= p.box.width, `${degrees}`);
+      assert.ok(box.y >= 0 && box.y + box.height <= p.box.height, `${degrees}`);
     }
   }
 });
