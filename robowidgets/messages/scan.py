@@ -75,12 +75,14 @@ class ScanReader:
         read = reader(message)
         ranges, intensities = read("ranges", None), read("intensities", None)
         settings = [read(name, None) for name in _SETTINGS]
-        settings += [frame_id(message), _length(ranges), _length(intensities)]
+        header = read("header", None)
+        settings += ["" if header is None else frame_id(message), _length(ranges), _length(intensities)]
         kinds = list(map(type, settings))
         if self._known is not None:
             known_kinds, known, like = self._known
             if kinds == known_kinds and settings == known:
-                return like.again(ranges, intensities if settings[-1] else None, stamp_ns(message))
+                stamp = None if header is None else stamp_ns(message)
+                return like.again(ranges, intensities if settings[-1] else None, stamp)
         scan = to_scan(message)
         # What had to be said of one scan is looked for in the next, and so is a number that it lacked.
         same = not scan.notes and _COMPARED.issuperset(kinds) and None not in settings[:4]
