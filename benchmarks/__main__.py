@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import measure, table
+from . import measure, recordings, table
 from .rivals import NAMES
 from .stage import open_stage, versions
 
@@ -28,6 +28,8 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   process, per `update`, at 40 Hz.
 - Flooded: as many updates as the library takes. Its newest scan counts as never shown after {patience:.0f} s.
 - Imports are timed in fresh processes that have loaded ipykernel, ipywidgets and NumPy.
+- A recording is opened and its topics are listed; then it is opened and every sample is made that a widget can show
+  (of the topics that both know), where rosbags makes its messages. In one process, in turn.
 - Every library starts in a fresh kernel and page, {repeats} times, in turn. Figures are medians of these.
 
 {versions}
@@ -63,6 +65,10 @@ def main() -> None:
             parts += [f"\n## Flooded for {long:.0f} s\n", table.endurance({"first sixth": first, "last sixth": last})]
             parts += [f"\nIts newest scan was shown late by {late:.0f} ms."]
         about = {"Chromium": stage.chromium, "Python": platform.python_version(), **versions()}
+    if OURS in names:
+        print("recordings", flush=True)
+        read = recordings.compare(1000 if options.quick else 10_000, repeats + 2)
+        parts += ["\n## Recordings, beside rosbags alone\n", table.readings(read)]
     text = "\n".join(parts).format(
         patience=measure.PATIENCE,
         repeats=repeats,

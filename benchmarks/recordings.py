@@ -1,18 +1,16 @@
-"""Opening and reading a recording, as a ratio to reading the same topics of the same file through rosbags alone.
-
-`python -m benchmarks.recordings` prints it as a table. Each figure is the best of some rounds, ours and theirs in turn.
-"""
+"""Opening and decoding recordings, beside rosbags alone on the same file."""
 
 from __future__ import annotations
 
-import gc
 import os
+import tempfile
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from time import perf_counter
-from typing import NamedTuple
+from statistics import median
+from typing import Any
 
 import numpy as np
 from rosbags.highlevel import AnyReader
@@ -22,88 +20,107 @@ from rosbags.typesys import Stores, get_typestore
 import robowidgets
 
 from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, encode
+from .stage import ROOT
 
-DATA = Path(os.environ.get("ROBOWIDGETS_DATA") or Path(__file__).parents[2] / "shared" / "data")
-FILES = {
-    "good/turtlebot3_gazebo_mcap": ("/scan", "/odom", "/cmd_vel"),
-    "good/hokuyo_people.bag": ("/scan",),
-}
-SCANS = 20_000
+TYPES = get_typestore(Stores.ROS2_HUMBLE)
+SUFFIXES = (".bag", ".mcap")
 
 
-class Timing(NamedTuple):
-    """Seconds to open a file, seconds to read some topics of it, and how many messages that were."""
+@dataclass
+class Reading:
+    """One file: milliseconds to open it and list its topics, and samples per second; of rosbags, and of us."""
 
-    opened: float
-    read: float
-    count: int
-
-
-def main() -> None:
-    with long_recording() as long:
-        files = {path: topics for name, topics in FILES.items() if (path := DATA / name).exists()}
-        print(table({**files, long: ("/scan",)}))
+    open_theirs: float
+    open_ours: float
+    rate_theirs: float
+    rate_ours: float
 
 
-def table(files: dict[Path, tuple[str, ...]], rounds: int = 7) -> str:
-    """The ratios in Markdown, a line per file."""
-    lines = ["| | messages | open, ms | ratio | read, µs each | ratio |", "|---|---|---|---|---|---|"]
-    for path, topics in files.items():
-        mine, theirs = zip(
-            *((fresh(ours, path, topics), fresh(rosbags, path, topics)) for _ in range(rounds)), strict=True
-        )
-        opened, read = (min(t[i] for t in mine) for i in (0, 1))
-        ratios = opened / min(t.opened for t in theirs), read / min(t.read for t in theirs)
-        count = mine[0].count
-        figures = f"{1e3 * opened:.1f} | {ratios[0]:.2f} | {1e6 * read / count:.1f} | {ratios[1]:.2f}"
-        lines.append(f"| {path.name}: {', '.join(topics)} | {count:,} | {figures} |")
-    return "\n".join(lines)
+def compare(scans: int, repeats: int) -> dict[str, Reading]:
+    """Each file by its name: the generated one, and the real ones that are there."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder) / "scans.mcap"
+        write(made, scans)
+        files = {f"{scans:,} scans of 1040 rays (MCAP)": made, **{path.name: path for path in real()}}
+        return {name: read(path, repeats) for name, path in files.items()}
 
 
-def fresh(read: Callable[[Path, tuple[str, ...]], Timing], path: Path, topics: tuple[str, ...]) -> Timing:
-    gc.collect()
-    return read(path, topics)
+def real() -> Iterator[Path]:
+    """The recordings of others that rosbags reads: bags, MCAP files, and folders of rosbag2."""
+    folder = Path(os.environ.get("ROBOWIDGETS_DATA") or ROOT.parent / "shared" / "data") / "good"
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if path.suffix in SUFFIXES or path.is_dir():
+            yield path
 
 
-def ours(path: Path, topics: tuple[str, ...]) -> Timing:
-    began = perf_counter()
-    with robowidgets.open(path) as recording:
-        opened = perf_counter()
-        count = sum(1 for _ in recording.samples(topics))
-        return Timing(opened - began, perf_counter() - opened, count)
+def write(path: Path, scans: int) -> None:
+    """An MCAP file of scans at 40 Hz."""
+    kind = TYPES.types["sensor_msgs/msg/LaserScan"]
+    header, stamp = TYPES.types["std_msgs/msg/Header"], TYPES.types["builtin_interfaces/msg/Time"]
+    with Writer(path.with_suffix(""), version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/scan", kind.__msgtype__, typestore=TYPES)
+        for number in range(scans):
+            when = 1_700_000_000_000_000_000 + number * 25_000_000
+            message = kind(
+                header=header(stamp=stamp(*divmod(when, 1_000_000_000)), frame_id="laser"),
+                angle_min=ANGLE_MIN,
+                angle_max=-ANGLE_MIN,
+                angle_increment=ANGLE_INCREMENT,
+                time_increment=0.0,
+                scan_time=0.025,
+                range_min=RANGE_MIN,
+                range_max=RANGE_MAX,
+                ranges=encode(number),
+                intensities=np.empty(0, np.float32),
+            )
+            writer.write(connection, when, TYPES.serialize_cdr(message, kind.__msgtype__))
+    next(path.with_suffix("").glob("*.mcap")).rename(path)
 
 
-def rosbags(path: Path, topics: tuple[str, ...]) -> Timing:
-    began = perf_counter()
-    with AnyReader([path]) as reader:
-        opened = perf_counter()
-        connections = [connection for connection in reader.connections if connection.topic in topics]
-        count = 0
-        for connection, _, raw in reader.messages(connections):
-            reader.deserialize(raw, connection.msgtype)
-            count += 1
-        return Timing(opened - began, perf_counter() - opened, count)
+def read(path: Path, repeats: int) -> Reading:
+    """Both, in turn, on the topics that both understand; the median of each."""
+    with closing(open_theirs(path)) as reader, robowidgets.open(path) as recording:
+        shown = {topic.name for topic in recording.topics if topic.widget}
+        known = {c.topic for c in reader.connections if c.msgtype in reader.typestore.fielddefs}
+    topics = sorted(shown & known)
+
+    def theirs() -> int:
+        with closing(open_theirs(path)) as reader:
+            wanted = [c for c in reader.connections if c.topic in topics]
+            return sum(1 for c, _, raw in reader.messages(wanted) if reader.deserialize(raw, c.msgtype))
+
+    def ours() -> int:
+        with robowidgets.open(path) as recording:
+            return sum(1 for _ in recording.samples(topics))
+
+    times: dict[str, list[float]] = {"open_theirs": [], "open_ours": [], "all_theirs": [], "all_ours": []}
+    for _ in range(repeats):
+        times["open_theirs"].append(timed(lambda: open_theirs(path).close())[0])
+        times["open_ours"].append(timed(lambda: robowidgets.open(path).close())[0])
+        took, count = timed(theirs)
+        times["all_theirs"].append(took)
+        took, mine = timed(ours)
+        times["all_ours"].append(took)
+        if mine != count:
+            raise RuntimeError(f"{path.name}: {mine} samples of {topics}, where rosbags has {count} messages")
+    of = {name: median(values) for name, values in times.items()}
+    return Reading(
+        open_theirs=1000 * of["open_theirs"],
+        open_ours=1000 * of["open_ours"],
+        rate_theirs=count / of["all_theirs"],
+        rate_ours=count / of["all_ours"],
+    )
 
 
-@contextmanager
-def long_recording() -> Iterator[Path]:
-    """An MCAP folder of scans of 1040 rays, for as long as it is needed."""
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    types, name = store.types, "sensor_msgs/msg/LaserScan"
-    none, last = np.empty(0, np.float32), ANGLE_MIN + 1039 * ANGLE_INCREMENT
-    with TemporaryDirectory() as folder:
-        path = Path(folder, f"{SCANS} scans")
-        with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-            connection = writer.add_connection("/scan", name, typestore=store)
-            for i in range(SCANS):
-                time_ns = 1_700_000_000_000_000_000 + i * 25_000_000
-                stamp = types["builtin_interfaces/msg/Time"](*divmod(time_ns, 10**9))
-                header = types["std_msgs/msg/Header"](stamp, "laser")
-                angles = (ANGLE_MIN, last, ANGLE_INCREMENT, 0.0, 0.025, RANGE_MIN, RANGE_MAX)
-                message = types[name](header, *angles, encode(i), none)
-                writer.write(connection, time_ns, store.serialize_cdr(message, name))
-        yield path
+def open_theirs(path: Path) -> AnyReader:
+    """A reader of rosbags, opened; its definitions are in it."""
+    reader = AnyReader([path], default_typestore=TYPES)
+    reader.open()
+    return reader
 
 
-if __name__ == "__main__":
-    main()
+def timed(work: Callable[[], Any]) -> tuple[float, Any]:
+    """Seconds, and the result."""
+    start = time.perf_counter()
+    result = work()
+    return time.perf_counter() - start, result

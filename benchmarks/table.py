@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import isnan
 
 from .measure import Endurance, Four
+from .recordings import Reading
 
 COLUMNS = {
     "first_paint": "cell to first paint, ms",
@@ -89,6 +90,16 @@ def endurance(parts: Mapping[str, Endurance]) -> str:
     memories = ["page's heap, MB", "kernel, MB", "server, MB"]
     body = [[name, *map(say, vars(part).values())] for name, part in parts.items()]
     return markdown([*titles, *memories], body)
+
+
+def readings(files: Mapping[str, Reading]) -> str:
+    """Recordings; ratios are of times, so that below 1 is quicker than rosbags."""
+    head = ["", "open, ms", "rosbags", "ratio", "samples per s", "rosbags", "ratio"]
+    body = []
+    for name, r in files.items():
+        opened = [say(r.open_ours), say(r.open_theirs), f"{r.open_ours / r.open_theirs:.2f}"]
+        body.append([name, *opened, say(r.rate_ours), say(r.rate_theirs), f"{r.rate_theirs / r.rate_ours:.2f}"])
+    return markdown(head, body)
 
 
 def markdown(head: Sequence[str], body: Iterable[Sequence[str]]) -> str:
