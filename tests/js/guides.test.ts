@@ -176,8 +176,11 @@ test("in an empty picture every arc is labelled, inside it and inside the swept 
 
 test("the labels of one ray are not cut by the edge, wherever it points", () => {
   for (let degrees = -180; degrees <= 180; degrees += 5) {
-    const p = picture({ angleMin: (degrees * Math.PI) / 180, angleIncrement: 0, count: 1 });
-    for (const { box } of label(p)) {
+    const sweep = { angleMin: (degrees * Math.PI) / 180, angleIncrement: 0, count: 1 };
+    const p = { ...picture(sweep), projection: layOut(sweep, BOXES[2], 10, "up", 0).projection };
+    const labels = label({ ...p, arcs: p.arcs.map(({ distance }) => ({ distance, width: 60 })), lines: [] });
+    assert.equal(labels.length, 4);
+    for (const { box } of labels) {
       assert.ok(box.x >= 0 && box.x + box.width <= p.box.width, `${degrees}`);
       assert.ok(box.y >= 0 && box.y + box.height <= p.box.height, `${degrees}`);
     }
