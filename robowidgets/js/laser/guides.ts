@@ -118,7 +118,7 @@ export interface ArcLabel {
 }
 
 const ARC_LABEL_HEIGHT = 14;
-const CLOSEST_TO_ROBOT = 26;
+const ROBOT = 10;
 const CANDIDATES = 48;
 const LEFT_OF_FORWARD = 0.24;
 
@@ -140,6 +140,8 @@ export function arcLabels(
   previous: ArcLabel[],
 ): ArcLabel[] {
   const placed: ArcLabel[] = [];
+  const { centerX, centerY } = projection;
+  const robot = { x: centerX - ROBOT, y: centerY - ROBOT, width: 2 * ROBOT, height: 2 * ROBOT };
   const [from, to] = spanOf(sweep);
   const left = angleFrom(from, LEFT_OF_FORWARD);
   const preferred = left < to ? left : (from + to) / 2;
@@ -148,12 +150,11 @@ export function arcLabels(
   );
   for (const { distance, width } of arcs) {
     const pixels = (distance / projection.viewRange) * projection.radius;
-    if (pixels < CLOSEST_TO_ROBOT) continue;
     const toLabel = (angle: number): ArcLabel => {
       const direction = toDirection(angle, projection.forward);
       const depth = (Math.abs(direction.x) * width + Math.abs(direction.y) * ARC_LABEL_HEIGHT) / 2 + 2;
-      const x = projection.centerX + direction.x * (pixels - depth);
-      const y = projection.centerY + direction.y * (pixels - depth);
+      const x = centerX + direction.x * (pixels - depth);
+      const y = centerY + direction.y * (pixels - depth);
       const box = { x: x - width / 2, y: y - ARC_LABEL_HEIGHT / 2, width, height: ARC_LABEL_HEIGHT };
       return { distance, angle, box };
     };
@@ -166,8 +167,7 @@ export function arcLabels(
       lines.every((line) => Math.abs(Math.sin((angle - line) / 2)) * 2 * pixels > width / 3);
     const free = (label: ArcLabel) =>
       occupied.count(label.box) === 0 &&
-      !covered.some((box) => overlaps(label.box, box)) &&
-      !placed.some((other) => overlaps(label.box, other.box));
+      ![robot, ...covered, ...placed.map(({ box }) => box)].some((box) => overlaps(label.box, box));
     const within = angles.filter(inSweep);
     const stay = before && inSweep(before.angle) ? [before.angle] : [];
     const candidates = [...stay, ...within.filter(isClear), ...within].map(toLabel);

@@ -67,16 +67,13 @@ export function sweepRim(sweep: Sweep, forward: number): Rim[] {
   return [from, to, ...quarters.filter((quarter) => quarter <= to)].map((angle) => ({
     direction: toDirection(angle, forward),
     gap: 0,
-    halfWidth: to - from < NARROW ? ARC_LABEL : RIM_MARKS,
+    halfWidth: RIM_MARKS,
     halfHeight: RIM_MARKS,
   }));
 }
 
 /** Room for the marks beyond the rim, in pixels. */
 export const RIM_MARKS = 8;
-/** A sweep so narrow, in radians, that the labels of its arcs are wider than it; and half their width, in pixels. */
-const NARROW = 0.6;
-const ARC_LABEL = 32;
 const ROBOT = 16;
 const MARGIN = 6;
 
