@@ -49,7 +49,8 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
     Subclasses pack samples to bytes and back, and hand new ones to `_show`. A sample is only stored by the caller; it
-    is packed and sent by the pacer, so that any thread may update a widget at any rate.
+    is packed and sent by the pacer, so that any thread may update a widget at any rate. So are the traits that a
+    program sets, because a loop may set them at any rate too.
     """
 
     title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
@@ -79,6 +80,7 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
         self._meter = RateMeter()
         self._changed = False
         self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
+        self._unsent: set[str] = set()
         self._storing = threading.RLock()
         self._sending = threading.RLock()
         self._logged: set[str] = set()
@@ -159,10 +161,27 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
             self._bring_up_to_date()
             state = {"_frame": self._frame, "_about": self._about}
             keys = [name for name, value in state.items() if value != self._sent[name]]
-            if keys:
-                self.send_state(keys)
+            with self._storing:
+                unsent, self._unsent = self._unsent, set()
+            keys += unsent
+            try:
+                if keys:
+                    super().send_state(keys)
+            except BaseException:
+                with self._storing:
+                    self._unsent |= unsent
+                raise
             self._sent = state
             return len(self._frame) if "_frame" in keys else 0
+
+    def send_state(self, key: str | Iterable[str] | None = None) -> None:
+        """Send traits to the page, with the next sample; all of them, which a page asks for, at once."""
+        if key is None or self.comm is None:
+            super().send_state(key)
+            return
+        with self._storing:
+            self._unsent.update((key,) if isinstance(key, str) else key)
+        pacer.mark(self)
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:  # noqa: ARG002
         """The synced state, with the newest sample in it: what a new view, a reload and a saved notebook get.

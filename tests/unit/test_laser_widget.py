@@ -115,6 +115,7 @@ class TestSettings:
     def test_good_view_ranges_are_taken(self, laser: LaserWidget, page: Page, value: object) -> None:
         laser.view_range = 12.0
         laser.view_range = value
+        pacer.flush()
         assert laser.view_range == page.state["view_range"] == value
         assert type(laser.view_range) is (str if isinstance(value, str) else float)
 
@@ -151,6 +152,7 @@ class TestSettings:
         expected = (4.0,) if not hasattr(value, "__len__") else tuple(float(v) for v in value)
         laser.arc_distances = [9.0]
         laser.arc_distances = value
+        pacer.flush()
         assert laser.arc_distances == tuple(page.state["arc_distances"]) == expected
 
     def test_marks_are_those_of_the_classes_without_a_reading(self, laser: LaserWidget) -> None:
@@ -164,6 +166,7 @@ class TestSettings:
         laser.update(MESSAGE)
         for name, value in {"arc_count": 7, "ray_count": 0, "forward": "left", "marks": [], "pinned": 2}.items():
             setattr(laser, name, value)
+            pacer.flush()
             assert page.state[name] == value
 
     def test_the_page_writes_what_a_person_does(self, laser: LaserWidget, page: Page) -> None:
@@ -174,8 +177,9 @@ class TestSettings:
         assert page.sent("hovered") == [], "what the pointer does needs no echo"
 
     def test_a_ray_can_be_pinned_and_let_go(self, laser: LaserWidget, page: Page) -> None:
-        laser.pinned = 2
-        laser.pinned = None
+        for index in (2, None):
+            laser.pinned = index
+            pacer.flush()
         assert page.sent("pinned") == [2, None]
 
     def test_an_unknown_setting_is_refused_by_name(self, laser: LaserWidget) -> None:

@@ -11,6 +11,7 @@ from math import inf, nan
 from queue import Queue
 
 import pytest
+from anywidget import AnyWidget
 from traitlets import TraitError
 
 from robowidgets import Touch, TouchMode, TouchState, TouchWidget
@@ -45,7 +46,7 @@ def next_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[TouchWidget], Rows]
         if "_frame" in keys:
             queues[widget].put(widget._frame)
 
-    monkeypatch.setattr(TouchWidget, "send_state", send_state)
+    monkeypatch.setattr(AnyWidget, "send_state", send_state)
     return lambda widget: rows(queues[widget].get(timeout=5))
 
 

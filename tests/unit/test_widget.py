@@ -199,6 +199,22 @@ class TestToThePage:
         assert widget.send_newest() == 0
         assert len(page.messages) == 1
 
+    def test_traits_that_a_loop_sets_keep_to_the_pace(self, widget: NumberWidget, page: Page) -> None:
+        with pacer._turn:
+            for i in range(1000):
+                widget.color = f"color {i}"
+            widget.update(7)
+        pacer.flush()
+        wait_for(lambda: page.state["color"] == "color 999" and number_in(page.state["_frame"]) == 7, "both were there")
+        assert len(page.messages) == 1
+
+    def test_all_traits_go_at_once_to_a_page_that_asks(self, widget: NumberWidget, page: Page) -> None:
+        with pacer._turn:
+            widget.color = "blue"
+            widget.send_state()
+            assert page.state["color"] == "blue"
+            assert len(page.messages) == 1
+
     def test_what_could_not_be_sent_is_sent_the_next_time(
         self, widget: NumberWidget, page: Page, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -209,10 +225,12 @@ class TestToThePage:
             patch.setattr(page, "send", cut)
             with pacer._turn:
                 widget.update(7)
+                widget.color = "blue"
                 with pytest.raises(OSError, match="cut"):
                     widget.send_newest()
         pacer.flush()
         assert number_in(page.state["_frame"]) == 7
+        assert page.state["color"] == "blue"
         assert page.state["_about"] == {"value": 7}
 
     @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
@@ -318,11 +336,27 @@ class TestFreezing:
         assert page.state["_about"] == {"value": 3}
         assert page.sent("_held") == [page.state["_held"]]
 
-    def test_what_is_held_is_there_before_the_widget_counts_as_frozen(self, widget: NumberWidget, page: Page) -> None:
+    def test_what_is_held_is_there_before_the_widget_counts_as_frozen(
+        self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        held = []
+
+        def notice(change: dict) -> None:
+            held.append(number_in(widget._held) if widget.paused else None)
+
+        widget.update(2)
+        monkeypatch.setattr(widget, "notify_change", notice)
+        widget.paused = True
+        assert held[-1] == 2
+
+    def test_the_page_is_told_that_it_is_frozen_and_what_is_held_at_once(
+        self, widget: NumberWidget, page: Page
+    ) -> None:
         widget.update(2)
         widget.paused = True
-        first = next(state for state in page.history if state["paused"])
-        assert number_in(first["_held"]) == 2
+        pacer.flush()
+        (told,) = (message for message in page.messages if "paused" in message)
+        assert number_in(told["_held"]) == 2
 
     def test_python_releases_it(self, widget: NumberWidget, page: Page) -> None:
         widget.update(2)
@@ -344,6 +378,7 @@ class TestFreezing:
         for value in (1, 2, 3):
             widget.update(value)
             widget.paused = True
+            pacer.flush()
             assert number_in(page.state["_held"]) == value
             widget.paused = False
 
