@@ -159,7 +159,7 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
             if self.comm is None:
                 return 0
             self._bring_up_to_date()
-            state = {"_frame": self._frame, "_about": self._about}
+            state = {name: self._trait_values[name] for name in self._sent}
             keys = [name for name, value in state.items() if value != self._sent[name]]
             with self._storing:
                 unsent, self._unsent = self._unsent, set()
@@ -172,7 +172,7 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
                     self._unsent |= unsent
                 raise
             self._sent = state
-            return len(self._frame) if "_frame" in keys else 0
+            return len(state["_frame"]) if "_frame" in keys else 0
 
     def send_state(self, key: str | Iterable[str] | None = None) -> None:
         """Send traits to the page, with the next sample; all of them, which a page asks for, at once."""
