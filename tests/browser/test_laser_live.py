@@ -165,3 +165,11 @@ def test_a_flood_ends_with_the_newest(notebook: Callable[..., Notebook]) -> None
     expect(freeze_of(card)).to_have_text("Frozen · 50\u202f001 since", timeout=30_000)
     freeze_of(card).click()
     expect(card.locator(".rw-nearest")).to_have_text("nearest 0.80 m at 0.0° [9]")
+
+
+def test_a_loop_that_sets_traits_ends_with_the_newest_of_them(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([FIRST])
+    card = nb.widget(0).locator(".rw-card")
+    nb.run(nb.append("for step in range(50_000):\n    laser.title, laser.pinned = f'step {step}', step % 19"))
+    expect(card.locator(".rw-title")).to_have_text("step 49999")
+    expect(card.locator(".rw-popup-expression:visible")).to_have_text(f"ranges[{49_999 % 19}]")
