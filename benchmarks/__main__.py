@@ -44,7 +44,7 @@ def main() -> None:
     repeats, seconds, long = (1, 1.0, 6.0) if options.quick else (3, 3.0, 60.0)
     names = {name: measure.facts(name)["NAME"] for name in options.only}
 
-    imports = {name: measure.import_time(name, 2 * repeats + 1) for name in names}
+    imports = {name: measure.import_time(name, repeats + 2) for name in names}
     collected: dict[str, list[measure.Figures]] = {name: [] for name in names}
     with open_stage() as stage:
         for repeat in range(repeats):

@@ -15,7 +15,7 @@ import psutil
 from .stage import ROOT, Run, Show, Stage
 
 RIVALS = Path(__file__).with_name("rivals")
-PATIENCE = 6.0
+PATIENCE = 5.0
 """Seconds after a flood until its last scan counts as never shown."""
 
 LOADED = "import ipykernel.kernelapp, ipywidgets, numpy"

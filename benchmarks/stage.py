@@ -55,7 +55,8 @@ class Run:
     @property
     def latencies(self) -> NDArray[np.float64]:
         """Milliseconds from `update` to paint, of each scan that was painted."""
-        return self.painted[:, 0] - self.stamps[self.painted[:, 2].astype(int) - self.first]
+        sent = self.stamps[self.painted[:, 2].astype(int) - self.first]
+        return np.asarray(self.painted[:, 0] - sent)
 
 
 class Show:
