@@ -73,7 +73,6 @@ class Source:
             "last": self._number,
             "seconds": time.perf_counter() - start,
             "cpu": time.process_time() - cpu,
-            "pid": os.getpid(),
         }
         # By file: what is printed would queue behind the scans that the page has not shown yet.
         np.save("stamps.npy", stamps[first:number])

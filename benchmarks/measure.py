@@ -59,6 +59,9 @@ def compare(stage: Stage, rival: str, seconds: float) -> Figures:
         show.learn()
         slow, fast = show.run(f"pace(10, {seconds})", PATIENCE), show.run(f"pace(40, {seconds})", PATIENCE)
         flood = show.run(f"flood({2 * seconds / 3})", PATIENCE)
+    for run in (slow, fast, flood):
+        if run.unread:
+            print(f"  {run.unread} frames of {rival} said no number")
     return Figures(
         first_paint=first_paint,
         latency_10hz=quantile(slow, 50),

@@ -6,6 +6,7 @@ import importlib.metadata
 import json
 import os
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from .scan import BITS
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = Path(__file__).with_name("page.js")
+LONGEST_RUN = 120.0
 VIEW = ".jp-OutputArea-output.lm-Panel > .lm-Widget"
 
 
@@ -37,7 +39,6 @@ class Run:
     seconds: float
     cpu: float
     """Seconds of CPU that the kernel's process took, all its threads together."""
-    pid: int
     first: int
     """The number of the first scan."""
     stamps: NDArray[np.float64]
@@ -106,7 +107,10 @@ class Show:
 
     def finish(self, patience: float = 0.0) -> Run:
         """Wait until the started run has ended, and until its newest scan is shown, or patience is."""
+        deadline = time.monotonic() + LONGEST_RUN
         while not (files := list(self._folder.glob("facts-*.json"))):
+            if time.monotonic() > deadline:
+                raise RuntimeError(f"the run never ended; its cell says {self.notebook.outputs(self._cell)}")
             self._page.wait_for_timeout(50)
         facts = json.loads(files[0].read_text())
         stamps = np.load(self._folder / "stamps.npy") / 1e6
@@ -118,7 +122,6 @@ class Show:
         return Run(
             seconds=facts["seconds"],
             cpu=facts["cpu"],
-            pid=facts["pid"],
             first=facts["first"],
             stamps=stamps,
             painted=np.array([p for p in page["painted"] if facts["first"] <= p[2] <= facts["last"]]).reshape(-1, 3),
