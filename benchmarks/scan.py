@@ -28,7 +28,7 @@ _BYTES = [
     for byte in range(256)
 ]
 _REST = np.full(RAY_COUNT - BITS * RAYS_PER_BIT, NEAR, np.float32)
-_NOISE = np.random.default_rng(1).uniform(-NOISE, NOISE, (251, RAY_COUNT)).astype(np.float32)
+_NOISE: NDArray[np.float32] = np.random.default_rng(1).uniform(-NOISE, NOISE, (251, RAY_COUNT)).astype(np.float32)
 
 
 def encode(number: int) -> NDArray[np.float32]:

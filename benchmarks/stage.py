@@ -113,7 +113,7 @@ class Show:
                 raise RuntimeError(f"the run never ended; its cell says {self.notebook.outputs(self._cell)}")
             self._page.wait_for_timeout(50)
         facts = json.loads(files[0].read_text())
-        stamps = np.load(self._folder / "stamps.npy") / 1e6
+        stamps = (facts["epoch"] + np.load(self._folder / "stamps.npy").astype(np.int64)) / 1000
         shown = self._page.evaluate("([n, ms]) => bench.comes(n, ms)", [facts["last"], 1000 * patience])
         page = self._page.evaluate("bench.take()")
         if abs(page["now"] - page["wall"]) > 5:
