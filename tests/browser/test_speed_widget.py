@@ -146,6 +146,16 @@ def test_the_first_data_move_nothing(notebook: Callable[..., Notebook]) -> None:
         assert card.evaluate(PLACES) == before
 
 
+def test_frozen_before_the_first_speed_it_says_so(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SPEED])
+    card = nb.widget(0).locator(".rw-card")
+    card.locator(".rw-freeze").click()
+    nb.python("speed.update(linear=(0.5, 0, 0))")
+    expect(card.locator(".rw-empty")).to_have_text("frozen before the first speed")
+    card.locator(".rw-freeze").click()
+    expect(card.locator(".rw-empty")).to_be_hidden()
+
+
 def test_bars_go_up_and_down_to_scale_with_the_exact_number(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([SPEED])
     card = nb.widget(0)

@@ -103,7 +103,10 @@ def test_a_touch_is_seen_timed_counted_and_frozen(notebook: Callable[..., Notebo
     nb = notebook([BUMPERS, "touch"])
     widget, second = nb.widget(0), nb.widget(1)
     expect(widget.locator(".rw-empty")).to_have_text("waiting for a touch message")
+    widget.locator(".rw-freeze").click()
     nb.python("touch.update({'bumper': 0, 'state': 1})")
+    expect(widget.locator(".rw-empty")).to_have_text("frozen before the first touch message")
+    widget.locator(".rw-freeze").click()
     for view in (widget, second):
         shows(view, "left", "touched", r"\d\.\d s$")
         shows(view, "center", "unknown", "—")

@@ -1,6 +1,6 @@
 import { watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, makeIcon } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import { toFixed } from "../shared/format.ts";
 import { getAbout, getFlag, getNumber, getString, type Model, onChange, put } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
@@ -25,7 +25,7 @@ export class SpeedView {
   readonly #stream: Stream<Speeds>;
   readonly #card: Card;
   readonly #board = make("div", "rw-board");
-  readonly #empty = make("div", "rw-empty", "waiting for a speed");
+  readonly #empty = make("div", "rw-empty");
   readonly #planar: HTMLButtonElement;
   readonly #reset: HTMLButtonElement;
   readonly #legend: Legend;
@@ -135,6 +135,8 @@ export class SpeedView {
     this.#planar.setAttribute("aria-pressed", String(getFlag(model, "planar")));
     this.#reset.hidden = !getFlag(model, "hold_peaks");
     this.#empty.hidden = speeds !== null;
+    const frozen = !speeds && this.#stream.since > 0;
+    setText(this.#empty, frozen ? "frozen before the first speed" : "waiting for a speed");
     this.#board.classList.toggle("rw-commanded", Boolean(speeds?.commanded));
     this.#legend.update(Boolean(speeds?.commanded), getFlag(model, "hold_peaks"), summary);
   }

@@ -1,6 +1,6 @@
 import { type Size, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make } from "../shared/dom.ts";
+import { make, setText } from "../shared/dom.ts";
 import { toFixed } from "../shared/format.ts";
 import { type About, getAbout, type Model, onChange } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
@@ -32,7 +32,7 @@ export class TouchView {
   readonly #card: Card;
   readonly #footer: Footer;
   readonly #field = make("div", "rw-field");
-  readonly #empty = make("div", "rw-empty", "waiting for a touch message");
+  readonly #empty = make("div", "rw-empty");
   readonly #body = new Body();
   readonly #tiles = new Map<string, Tile>();
   readonly #redraw: () => void;
@@ -68,6 +68,8 @@ export class TouchView {
     this.#card.update([dialect, modeWord(mode), paced ? `${toFixed(touch.rate, 1)} Hz` : ""], "states");
     this.#footer.update(sensors);
     this.#empty.hidden = sensors.length > 0;
+    const frozen = !touch && this.#stream.since > 0;
+    setText(this.#empty, frozen ? "frozen before the first touch message" : "waiting for a touch message");
     this.#lay(sensors);
     this.#say(sensors, still ? 0 : this.#clock.elapsed, this.#clock.runs && !still);
   }
