@@ -49,8 +49,9 @@ def main() -> None:
     with open_stage() as stage:
         for repeat in range(repeats):
             for name in names:
-                print(f"{names[name]}, {repeat + 1} of {repeats}", flush=True)
                 collected[name].append(measure.compare(stage, name, seconds))
+                said = ", ".join(f"{column} {value:.2f}" for column, value in vars(collected[name][-1]).items())
+                print(f"{names[name]}, {repeat + 1} of {repeats}: {said}", flush=True)
         rows = {
             names[name]: {**vars(measure.middle(figures)), "imports": imports[name]}
             for name, figures in collected.items()

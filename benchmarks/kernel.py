@@ -43,13 +43,13 @@ class Source:
             update(encode(number))
 
     def pace(self, hz: float, seconds: float) -> None:
-        """Hand over scans at a rate. The steps vary by a quarter, so that they meet every phase of the display."""
+        """Hand over scans at a rate. The steps vary by a tenth, so that they meet every phase of the display."""
         wander = random.Random(1)
         due = time.perf_counter()
 
         def wait() -> None:
             nonlocal due
-            due += wander.uniform(0.75, 1.25) / hz
+            due += wander.uniform(0.9, 1.1) / hz
             time.sleep(max(0.0, due - time.perf_counter()))
 
         self._run(round(hz * seconds), float("inf"), wait)

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from dataclasses import dataclass, fields
 from pathlib import Path
-from statistics import median
+from statistics import mean, median
 
 import numpy as np
 import psutil
@@ -24,7 +24,7 @@ LOADED = "import ipykernel.kernelapp, ipywidgets, numpy"
 
 @dataclass
 class Figures:
-    """One library in one fresh kernel and page. Milliseconds, but for counts and bytes; NaN: never."""
+    """One library in one fresh kernel and page. Milliseconds, but for counts and bytes; infinite: never."""
 
     first_paint: float
     latency_10hz: float
@@ -37,6 +37,8 @@ class Figures:
     flooded_painted: float
     flooded_latency: float
     flooded_late: float
+    flooded_shown: float
+    """1 when the last scan was shown in the end, else 0; of several repeats, the part."""
 
 
 def facts(rival: str) -> dict[str, str]:
@@ -74,12 +76,13 @@ def compare(stage: Stage, rival: str, seconds: float) -> Figures:
         flooded_painted=painted_within(flood) / flood.seconds,
         flooded_latency=quantile(flood, 50),
         flooded_late=late(flood),
+        flooded_shown=float(flood.newest_shown),
     )
 
 
 def quantile(run: Run, percent: float) -> float:
     """A percentile of the latencies."""
-    return float(np.percentile(run.latencies, percent)) if len(run.painted) else float("nan")
+    return float(np.percentile(run.latencies, percent)) if len(run.painted) else float("inf")
 
 
 def painted_within(run: Run) -> int:
@@ -89,13 +92,16 @@ def painted_within(run: Run) -> int:
 
 
 def late(run: Run) -> float:
-    """Milliseconds from the last `update` until its scan was on show everywhere; NaN if it never was."""
-    return float(run.painted[-1, 0] - run.stamps[-1]) if run.newest_shown else float("nan")
+    """Milliseconds from the last `update` until its scan was on show everywhere; infinite if it never was."""
+    return float(run.painted[-1, 0] - run.stamps[-1]) if run.newest_shown else float("inf")
 
 
 def middle(repeats: list[Figures]) -> Figures:
     """The median of each figure."""
-    return Figures(*(float(np.median([getattr(r, field.name) for r in repeats])) for field in fields(Figures)))
+    of = {field.name: [getattr(r, field.name) for r in repeats] for field in fields(Figures)}
+    figures = Figures(**{name: median(values) for name, values in of.items()})
+    figures.flooded_shown = mean(of["flooded_shown"])
+    return figures
 
 
 def import_time(rival: str, repeats: int) -> float:
