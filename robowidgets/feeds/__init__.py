@@ -1,0 +1,1 @@
+"""Live data of a running robot, whatever it speaks."""
