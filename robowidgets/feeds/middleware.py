@@ -58,7 +58,7 @@ class Middleware(Protocol):
     def unsubscribe(self, topic: str) -> None:
         """Hand on no more messages of a topic."""
 
-    def publish(self, topic: str, type: str, message: Mapping[str, Any]) -> None:
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """Publish a message, given as its fields; FeedError when the middleware cannot.
 
         What is published before there is a connection is dropped, never kept: it may be a speed.
