@@ -1,0 +1,57 @@
+"""Trying again, with growing pauses, until it works or nobody wants it any more."""
+
+from __future__ import annotations
+
+import random
+import threading
+
+FIRST = 0.5
+"""Seconds of the first pause."""
+
+LONGEST = 8.0
+"""Seconds that no pause exceeds."""
+
+JITTER = 0.1
+"""Share by which a pause may be shorter: a hundred that lost the same robot must not all come back at once."""
+
+
+class Again:
+    """The pauses between attempts: half a second, then twice as long each time, up to eight.
+
+    An adapter tells `Listener.on_lost` the pause that comes next, and then waits::
+
+        while not again.closed:
+            try:
+                ...  # connect; again.worked() once it did; read until the connection ends
+            except OSError as error:
+                listener.on_lost(str(error), pause := again.next_pause())
+                again.wait(pause)
+
+    Any thread may call `close`.
+    """
+
+    def __init__(self) -> None:
+        self._closed = threading.Event()
+        self._pause = FIRST
+
+    @property
+    def closed(self) -> bool:
+        """Whether nobody wants another attempt."""
+        return self._closed.is_set()
+
+    def next_pause(self) -> float:
+        """Seconds to wait before the next attempt."""
+        pause, self._pause = self._pause, min(2 * self._pause, LONGEST)
+        return pause * random.uniform(1 - JITTER, 1)
+
+    def worked(self) -> None:
+        """Start with the short pause again, the next time that it is lost."""
+        self._pause = FIRST
+
+    def wait(self, seconds: float) -> bool:
+        """Wait, in a thread of one's own; returns at once when it is closed. Says whether to try again."""
+        return not self._closed.wait(seconds)
+
+    def close(self) -> None:
+        """End every wait, now and later; doing it again does nothing."""
+        self._closed.set()
