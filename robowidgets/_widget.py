@@ -65,6 +65,9 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     _frame = bytes_trait(echo_update=False)
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
+    _source = traitlets.Dict(help="What a feed says of its topic, in plain text: topic, type, words.").tag(
+        sync=True, echo_update=False
+    )
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
         """Refuse what has no name before there is anything to clean up."""
