@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator
 
+from .._kinds import Widget, is_command, is_standard, widget_by_shape, widget_by_type
 from ..messages.touch import to_touch
-from .kinds import is_command, is_standard, widget_by_shape, widget_by_type
 from .quick import ScanReader, SpeedReader
 from .ros_types import ENCODINGS, RosTypes, one_line
 from .source import Channel, RecordingError, Source
-from .timeline import Moment, Sample, Topic, Widget
+from .timeline import Moment, Sample, Topic
 
 Read = Callable[[bytes], Sample]
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..messages import to_scan, to_speed
 from ..samples import Scan, Speed
-from .kinds import Shape
+from .._kinds import Shape
 from .salvage.inflate import plain
 
 Decode = Callable[[bytes], Any]

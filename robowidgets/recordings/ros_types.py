@@ -13,8 +13,8 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from .._kinds import Shape
 from .definitions import definitions
-from .kinds import Shape
 from .salvage.inflate import plain
 from .source import Channel, RecordingError
 

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import ipywidgets
 import numpy as np
 
-from ..laser_widget import LaserWidget
+from .._layout import WIDE, columns
+from .._picks import Pick, picks
 from ..samples import Scan, Speed
-from ..speed_widget import SpeedWidget
 from ..touch_widget import TouchWidget
 from .recording import Recording
 from .timeline import Topic
@@ -26,10 +26,6 @@ _NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 1.0, notes=("no scan up 
 _NO_SPEED = Speed((nan, nan, nan), (nan, nan, nan))
 _EARLY = 0.1
 _STEPS = 100
-
-_WIDE = ipywidgets.Layout(display="flex", flex_flow="row wrap", align_items="flex-start", width="100%")
-_CARD = "764px"
-_ORDER = ("laser", "speed", "touch")
 
 
 Seek = Callable[[float], None]
@@ -73,7 +69,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._play = ipywidgets.Play(max=ceil(recording.duration / TICK), interval=round(1000 * TICK))
         self._play.observe(self._on_play, "value")
         self.slider.observe(self._on_slide, "value")
-        controls = ipywidgets.Box([self._play, self.slider], layout=_WIDE)
+        controls = ipywidgets.Box([self._play, self.slider], layout=WIDE)
         self._problems = ipywidgets.HTML()
         moves = recording.duration and self.views
         super().__init__([self._problems, *([controls] if moves else []), self._widgets()])
@@ -101,10 +97,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         for view in self.views:
             view.widget.live = False
         widgets = [view.widget for view in self.views]
-        lasers = [widget for widget in widgets if isinstance(widget, LaserWidget)]
-        others = [widget for widget in widgets if widget not in lasers]
-        columns = [_column(lasers, "2 1 460px", max_width=_CARD), _column(others, "1 1 340px")]
-        return ipywidgets.Box([column for column in columns if column.children], layout=_WIDE)
+        return ipywidgets.Box(columns(widgets), layout=WIDE)
 
     def _on_slide(self, _change: Any) -> None:
         seconds = self.slider.value
@@ -132,36 +125,20 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         return bool(abs(self._play.value * TICK - self.slider.value) > 0.6 * TICK)
 
 
-def _column(widgets: Sequence[ipywidgets.Widget], flex: str, **limits: str) -> ipywidgets.VBox:
-    layout = ipywidgets.Layout(flex=flex, min_width="min(100%, 300px)", margin="0 4px", **limits)
-    return ipywidgets.VBox(list(widgets), layout=layout)
-
-
 def _views(recording: Recording, topics: Iterable[Topic]) -> tuple[View, ...]:
-    """Lasers, then speeds, then touches. The first commanded speed goes to the measured ones, if there are any."""
-    ordered = sorted(topics, key=lambda topic: _ORDER.index(str(topic.widget)))
-    measured = [topic for topic in ordered if topic.widget == "speed" and not topic.commanded]
-    command = next((topic.name for topic in ordered if topic.commanded), "") if measured else ""
-    return tuple(_view(recording, topic, command) for topic in ordered if topic.name != command)
+    return tuple(_view(recording, pick) for pick in picks(topics))
 
 
-def _view(recording: Recording, topic: Topic, command: str) -> View:
-    name = topic.name
-    if topic.widget == "laser":
-        laser = LaserWidget(title=name)
-        return View(laser, {name: _newest(recording, name, laser.update, _NO_SCAN)})
-    if topic.widget == "touch":
-        touch = TouchWidget(title=name)
-        return View(touch, {name: _replay(recording, name, touch)})
-    if topic.commanded or not command:
-        speed = SpeedWidget(title=name)
-        return View(speed, {name: _newest(recording, name, speed.update, _NO_SPEED)})
-    speed = SpeedWidget(title=name, command_title=command)
-    seeks = {
-        name: _newest(recording, name, speed.update, _NO_SPEED),
-        command: _newest(recording, command, speed.command, _NO_SPEED),
-    }
-    return View(speed, seeks)
+def _view(recording: Recording, pick: Pick) -> View:
+    widget, name = pick.make(), pick.topic
+    if pick.widget == "laser":
+        return View(widget, {name: _newest(recording, name, widget.update, _NO_SCAN)})
+    if pick.widget == "touch":
+        return View(widget, {name: _replay(recording, name, widget)})
+    seeks = {name: _newest(recording, name, widget.update, _NO_SPEED)}
+    if pick.command:
+        seeks[pick.command] = _newest(recording, pick.command, widget.command, _NO_SPEED)
+    return View(widget, seeks)
 
 
 def _newest(recording: Recording, topic: str, update: Callable[[Any], None], nothing: Any) -> Seek:

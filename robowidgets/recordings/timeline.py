@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from typing import Literal, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
+from .._kinds import Widget
 from ..samples import Scan, Speed, Touch
 
 Sample = Scan | Speed | Touch
-Widget = Literal["laser", "speed", "touch"]
 
 
 class Topic(NamedTuple):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
-from ..messages.touch import TOUCH_TYPES
-from .timeline import Widget
+from .messages.touch import TOUCH_TYPES
+
+Widget = Literal["laser", "speed", "touch"]
 
 Shape = Mapping[str, Any]
 """Field names to ``"float32"``, ``"float32[]"``, or the shape of the message in them."""
