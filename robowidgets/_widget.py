@@ -117,11 +117,10 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
         Unless it counts, it stays the sample that came before, only known better.
         """
         with self._storing:
-            self._newest, self._newest_about = sample, about
+            # Past __setattr__, which takes longer than all the rest.
+            self.__dict__.update(_newest=sample, _newest_about=about, _sequence=self._sequence + counts, _changed=True)
             if counts:
-                self._sequence += 1
                 self._meter.arrive(time.monotonic())
-            self._changed = True
         pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
@@ -165,16 +164,17 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
             state = {name: self._trait_values[name] for name in self._sent}
             keys = [name for name, value in state.items() if value != self._sent[name]]
             with self._storing:
-                unsent, self._unsent = self._unsent, set()
+                unsent = tuple(self._unsent)
+                self._unsent.clear()
             keys += unsent
             try:
                 if keys:
                     super().send_state(keys)
             except BaseException:
                 with self._storing:
-                    self._unsent |= unsent
+                    self._unsent.update(unsent)
                 raise
-            self._sent = state
+            self._sent.update(state)
             return len(state["_frame"]) if "_frame" in keys else 0
 
     def send_state(self, key: str | Iterable[str] | None = None) -> None:

@@ -157,7 +157,7 @@ class LaserWidget(RobotWidget[Scan]):
 
     def _pack(self, sample: Scan) -> bytes:
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, len(sample))
-        values = (array.astype(_FLOAT, copy=False).tobytes() for array in (sample.ranges, sample.intensities))
+        values = (array.astype(_FLOAT, copy=False).data for array in (sample.ranges, sample.intensities))
         return b"".join((head, *values))
 
     def _unpack(self, frame: bytes) -> Scan:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Sized
+from collections.abc import Callable, KeysView, Mapping, Sized
 from math import degrees, isfinite, pi
+from operator import attrgetter, itemgetter
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ _SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
 _COMPARED = frozenset((float, int, np.float32, np.float64, str, type(None)))
 _COPIED = (array, list, tuple)
 _LONGEST_SCAN = 60.0
+_KEYED = (dict, Mapping)
+_NOTHING: dict[str, Any] = {}
 
 
 def to_scan(message: Any) -> Scan:
@@ -65,36 +68,70 @@ class ScanReader:
     """
 
     def __init__(self) -> None:
-        self._known: tuple[list[type], list[Any], Scan] | None = None
+        self._known: _Known | None = None
 
     def __call__(self, message: Any) -> Scan:
         """The scan in a message. Raises as `to_scan` does."""
         message = unwrap(message)
         if isinstance(message, Scan):
             return message
-        read = reader(message)
-        ranges, intensities = read("ranges", None), read("intensities", None)
-        settings = [read(name, None) for name in _SETTINGS]
-        header = read("header", None)
-        settings += ["" if header is None else frame_id(message), _length(ranges), _length(intensities)]
-        kinds = list(map(type, settings))
-        if self._known is not None:
-            known_kinds, known, like = self._known
-            if kinds == known_kinds and settings == known:
-                stamp = None if header is None else stamp_ns(message)
-                return like.again(ranges, intensities if settings[-1] else None, stamp)
+        if self._known is not None and (scan := self._known.next(message)) is not None:
+            return scan
         scan = to_scan(message)
-        # What had to be said of one scan is looked for in the next, and so is a number that it lacked.
-        same = not scan.notes and _COMPARED.issuperset(kinds) and None not in settings[:4]
-        self._known = (kinds, settings, scan) if same else None
+        known = _Known(message, scan)
+        self._known = known if known.is_usual else None
         return scan
 
 
-def _length(values: Any) -> int | bool:
-    """How many values there are, 0 for None; False for what might be kept and not copied."""
+class _Known:
+    """A message that was read, to tell whether another differs from it in its values and its stamp alone."""
+
+    def __init__(self, message: Any, scan: Scan) -> None:
+        read = reader(message)
+        there = [name for name in _SETTINGS if read(name, MISSING) is not MISSING]
+        self._scan = scan
+        self._form = type(message)
+        self._fields = frozenset(_fields(message))
+        self._settings_of = itemgetter(*there) if isinstance(message, Mapping) else attrgetter(*there)
+        self._settings = self._settings_of(message)
+        self._kinds = list(map(type, self._settings))
+        self._lengths = (_length(read("ranges", None)), _length(read("intensities", None)))
+        self._has_header = read("header", None) is not None
+
+    @property
+    def is_usual(self) -> bool:
+        """Whether the next may be like it: what had to be said of one, or was missing, is looked for in the next."""
+        comparable = _COMPARED.issuperset(self._kinds) and None not in self._settings[: len(_NEEDED) - 1]
+        return comparable and not self._scan.notes and -1 not in self._lengths
+
+    def next(self, message: Any) -> Scan | None:
+        """The scan in a message that differs in values and stamp alone; None for any other message."""
+        if type(message) is not self._form or _fields(message) != self._fields:
+            return None
+        settings = self._settings_of(message)
+        if list(map(type, settings)) != self._kinds or settings != self._settings:
+            return None
+        read = reader(message)
+        ranges, intensities = read("ranges", None), read("intensities", None)
+        if (_length(ranges), _length(intensities)) != self._lengths:
+            return None
+        if self._has_header and frame_id(message) != self._scan.frame_id:
+            return None
+        stamp = stamp_ns(message) if self._has_header else None
+        return self._scan.again(ranges, intensities if self._lengths[1] else None, stamp)
+
+
+def _fields(message: Any) -> KeysView[str]:
+    """The names in a message that may be different in another of the same type."""
+    named = message if isinstance(message, _KEYED) else getattr(message, "__dict__", _NOTHING)
+    return named.keys()
+
+
+def _length(values: Any) -> int:
+    """How many values there are, 0 for None; -1 for what might be kept and not copied."""
     if type(values) in _COPIED or (type(values) is np.ndarray and values.flags.writeable):
         return len(values)
-    return 0 if values is None else False
+    return 0 if values is None else -1
 
 
 def _count(ranges: Any) -> int:

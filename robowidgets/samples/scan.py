@@ -288,7 +288,7 @@ def _as_many(name: str, values: NDArray[np.float32], count: int) -> NDArray[np.f
 
 
 def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array
 
 

@@ -325,7 +325,7 @@ class TestThreads:
         pacer = Pacer()
         deadly, sender = Deadly(), Sender()
         pacer.mark(deadly)
-        wait_for(lambda: deadly.sent and not pacer._thread.is_alive(), "the thread was dead")
+        wait_for(lambda: deadly.sent and pacer._thread is None, "the thread was dead")
         pacer.mark(sender)
         wait_for(lambda: sender.sent, "a new thread sent it")
 
@@ -338,7 +338,7 @@ class TestThreads:
         holds, leave = threading.Event(), threading.Event()
 
         def hold() -> None:
-            with pacer._condition:
+            with pacer._lock:
                 holds.set()
                 leave.wait(20)
 
