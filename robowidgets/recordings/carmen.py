@@ -8,6 +8,7 @@ from functools import partial
 from heapq import merge
 
 from .carmen_clock import steady
+from .carmen_feed import CarmenFeed
 from .carmen_lines import (
     ESTIMATE,
     NEW_SCANS,
@@ -84,6 +85,10 @@ class CarmenLog:
         places = self._places.get(topic, [])
         end = bisect_left(places, bisect_right(self._times, time_ns))
         return next(filter(None, (self._moment(topic, place) for place in reversed(places[:end]))), None)
+
+    def feed(self, topic: str) -> CarmenFeed:
+        """See `Timeline`."""
+        return CarmenFeed(topic, self._places.get(topic, []), lambda place: self._moment(topic, place))
 
     def close(self) -> None:
         """See `Timeline`: the file is closed already."""

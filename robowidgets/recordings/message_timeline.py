@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator
+from typing import Any
 
 from .._kinds import Widget, is_command, is_standard, widget_by_shape, widget_by_type
 from ..messages.touch import to_touch
+from .columns import TouchColumns, scan_columns, speed_columns
 from .quick import ScanReader, SpeedReader
+from .raw_feed import RawFeed
 from .ros_types import ENCODINGS, RosTypes, one_line
 from .source import Channel, RecordingError, Source
 from .timeline import Moment, Sample, Topic
@@ -74,9 +77,21 @@ class MessageTimeline:
             stop, look = begin, 4 * look
         return None
 
+    def feed(self, topic: str) -> RawFeed[Any]:
+        """See `Timeline`."""
+        channels = self._shown[topic]
+        columns = {channel.id: self._columns(channel) for channel in channels}
+        return RawFeed(self._source, channels, columns, self._note, self._stop)
+
     def close(self) -> None:
         """See `Timeline`."""
         self._source.close()
+
+    def _columns(self, channel: Channel) -> Any:
+        read = self._reads[channel.id]
+        if isinstance(read, ScanReader):
+            return scan_columns(read)
+        return speed_columns(read) if isinstance(read, SpeedReader) else TouchColumns(read)  # type: ignore[arg-type]
 
     def _understand(self, channel: Channel) -> tuple[Widget | None, str]:
         """The widget for a channel, whose reader is made, and why it cannot be read."""

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from struct import Struct
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._kinds import Shape
 from ..messages import to_scan, to_speed
 from ..samples import Scan, Speed
-from .._kinds import Shape
 from .salvage.inflate import plain
 
 Decode = Callable[[bytes], Any]
@@ -25,6 +25,22 @@ _STAMP = Struct("<iI")
 _STAMP_AT, _STAMP_END = 4, 12
 _SIX = Struct("<6d")
 _FLOAT = np.dtype("<f4")
+
+
+class Alike(NamedTuple):
+    """What later messages share with the one that was read in full last.
+
+    ``size``: bytes of the message. ``fixed``: the parts that are the same, and what stands there. ``numbers``: where
+    the ranges lie, or the six numbers of a twist. ``more``: where intensities lie, if there are any. ``stamped``:
+    whether it starts with a header. ``sample``: what the message was.
+    """
+
+    size: int
+    fixed: tuple[tuple[slice, bytes], ...]
+    numbers: slice
+    more: slice | None
+    stamped: bool
+    sample: Any
 
 
 class ScanReader:
@@ -54,6 +70,14 @@ class ScanReader:
         scan = to_scan(message)
         self._learn(raw, message, scan)
         return scan
+
+    @property
+    def alike(self) -> Alike | None:
+        """What the message that was read in full last has to share with others; None when it has no fixed places."""
+        if self._like is None:
+            return None
+        more = _bytes(*self._intensities) if self._intensities else None
+        return Alike(self._size, self._fixed, _bytes(*self._ranges), more, True, self._like)
 
     def _learn(self, raw: bytes, message: Any, scan: Scan) -> None:
         self._like = None
@@ -96,6 +120,13 @@ class SpeedReader:
         self._learn(raw, speed)
         return speed
 
+    @property
+    def alike(self) -> Alike | None:
+        """See `ScanReader.alike`."""
+        if self._like is None:
+            return None
+        return Alike(self._size, self._fixed, slice(self._at, self._at + _SIX.size), None, self._stamped, self._like)
+
     def _learn(self, raw: bytes, speed: Speed) -> None:
         self._like = None
         if self._doubles is None:
@@ -109,6 +140,10 @@ class SpeedReader:
         self._like, self._size, self._at = speed, len(raw), at
         parts = (slice(0, self._lead), slice(start, tail))
         self._fixed = tuple((part, raw[part]) for part in parts if raw[part])
+
+
+def _bytes(count: int, offset: int) -> slice:
+    return slice(offset, offset + _FLOAT.itemsize * count)
 
 
 def _stamp_ns(raw: bytes) -> int | None:

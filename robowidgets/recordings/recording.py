@@ -8,14 +8,22 @@ from math import isfinite
 from numbers import Real
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
+from .._kinds import Widget
+from .memory import Memory
+from .scan_series import Scans
 from .source import RecordingError
+from .speed_series import Speeds
+from .store import Store
 from .table import as_html, as_text, heading
 from .timeline import Moment, Timeline, Topic
+from .touch_series import Touches
 
 if TYPE_CHECKING:
     from .show import Player
+
+AnySeries = TypeVar("AnySeries", Scans, Speeds, Touches)
 
 
 class UnknownTopicError(RecordingError, KeyError):
@@ -59,6 +67,8 @@ class Recording:
         self._path = path
         self._timeline = timeline
         self._closed = False
+        self._memory = Memory()
+        self._series: dict[str, Scans | Speeds | Touches] = {}
 
     @property
     def path(self) -> Path:
@@ -135,6 +145,58 @@ class Recording:
         self._check_open()
         return self._timeline.last(topic, self._time_ns("seconds", seconds))
 
+    @property
+    def memory(self) -> int:
+        """Bytes that `scans`, `speeds` and `touches` may hold at most of what they decoded; 1 GiB, settable.
+
+        An array that would be larger is refused, with an error that says what to do.
+
+        Raises:
+            TypeError: it is set to what is no whole number.
+            ValueError: it is set to 0 or less.
+        """
+        return self._memory.limit
+
+    @memory.setter
+    def memory(self, limit: int) -> None:
+        self._memory.limit = limit
+
+    def scans(self, topic: str | None = None) -> Scans:
+        """The scans of a topic as columns: times, ranges (N, R), intensities, geometry.
+
+        Args:
+            topic: may be left out where there is just one of them.
+
+        Raises:
+            UnknownTopicError: there is no such topic with scans; or none was named, and there is not just one.
+            RecordingError: it is closed.
+        """
+        return self._columns(topic, "laser", Scans)
+
+    def speeds(self, topic: str | None = None) -> Speeds:
+        """The speeds of a topic as columns: times, linear (N, 3), angular (N, 3).
+
+        Args:
+            topic: may be left out where just one is measured, or there is just one.
+
+        Raises:
+            UnknownTopicError: as `scans`.
+            RecordingError: it is closed.
+        """
+        return self._columns(topic, "speed", Speeds)
+
+    def touches(self, topic: str | None = None) -> Touches:
+        """The touches of a topic as columns: times, and the state of each sensor (N, L).
+
+        Args:
+            topic: may be left out where there is just one of them.
+
+        Raises:
+            UnknownTopicError: as `scans`.
+            RecordingError: it is closed.
+        """
+        return self._columns(topic, "touch", Touches)
+
     def show(self, *topics: str) -> Player:
         """The widgets that fit its topics, with a slider through its time, for the page.
 
@@ -163,6 +225,7 @@ class Recording:
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
         self._closed = True
+        self._series.clear()
         self._timeline.close()
 
     def __enter__(self) -> Recording:
@@ -184,6 +247,33 @@ class Recording:
 
     def _shown(self) -> dict[str, Topic]:
         return {topic.name: topic for topic in self.topics if topic.widget}
+
+    def _columns(self, topic: str | None, widget: Widget, kind: type[AnySeries]) -> AnySeries:
+        name = self._only(widget) if topic is None else topic
+        self._check(name)
+        if (shown := self._shown()[name].widget) != widget:
+            there = ", ".join(self._named(widget)) or "none"
+            raise UnknownTopicError(f"{self.path.name}: {name!r} is a topic of {shown}: those of {widget} are {there}")
+        self._check_open()
+        series = self._series.get(name)
+        if not isinstance(series, kind):
+            series = kind(Store(self._timeline.feed(name), self._memory), self.start_ns or 0)
+            self._series[name] = series
+        return series
+
+    def _only(self, widget: Widget) -> str:
+        """The one topic of a kind; of speeds, the one that is measured."""
+        names = self._named(widget)
+        measured = [name for name in names if not self._shown()[name].commanded]
+        for some in (names, measured):
+            if len(some) == 1:
+                return some[0]
+        if not names:
+            raise UnknownTopicError(f"{self.path.name} has no topic of {widget}")
+        raise UnknownTopicError(f"{self.path.name} has several topics of {widget}, name one: {', '.join(names)}")
+
+    def _named(self, widget: Widget) -> list[str]:
+        return [name for name, topic in self._shown().items() if topic.widget == widget]
 
     def _check(self, name: str) -> None:
         if not isinstance(name, str):

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from .._kinds import Widget
 from ..samples import Scan, Speed, Touch
+
+if TYPE_CHECKING:
+    from .store import Feed
 
 Sample = Scan | Speed | Touch
 
@@ -65,6 +68,9 @@ class Timeline(Protocol):
 
     def last(self, topic: str, time_ns: int) -> Moment | None:
         """The last sample of a topic at or before a time; None when there is none."""
+
+    def feed(self, topic: str) -> Feed[Any]:
+        """The chunks of columns of a topic that a widget shows."""
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""

@@ -1,0 +1,16 @@
+"""A bar for what takes longer than a second, in a notebook and in a terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+SHOWN_AFTER = 1.0
+"""Seconds."""
+
+
+def progress(total: int, what: str, unit: str = " messages") -> Any:
+    """A tqdm bar that stays hidden for the first second and goes away at the end; to be used in a ``with``."""
+    # Here, because it costs more than all the rest, and most of what is asked of a recording needs no bar.
+    from tqdm.auto import tqdm
+
+    return tqdm(total=total, desc=what, unit=unit, unit_scale=True, delay=SHOWN_AFTER, leave=False)

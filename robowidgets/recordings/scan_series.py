@@ -1,0 +1,184 @@
+"""Scans as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..samples import Scan
+from .chunks import ScanChunk
+from .rows import chunks_of, filled
+from .series import Rows, Series
+from .source import RecordingError
+from .store import Store
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class Scans(Series[Scan]):
+    """The scans of a topic as columns; see `Series` for how to pick some of them.
+
+    A scanner may change its number of rays; then ``ranges`` is no one array, and `groups` has one series for each.
+
+    Example:
+        >>> scans = recording.scans("/scan")  # doctest: +SKIP
+        >>> scans.between(20, 25).ranges[:, 212].min()  # doctest: +SKIP
+    """
+
+    def __init__(self, store: Store[ScanChunk], start_ns: int, rows: Rows | None = None) -> None:
+        self._store = store
+        self._start_ns = start_ns
+        self._rows = rows
+
+    @property
+    def topic(self) -> str:
+        """The name of the topic."""
+        name: str = self._store.feed.name
+        return name
+
+    @property
+    def stamps_ns(self) -> NDArray[np.int64]:
+        """The scanner's own times, of the first ray, in nanoseconds, shape (N,); 0 where there is none."""
+        return self._picked(self._store.stamps_ns)
+
+    @cached_property
+    def ray_counts(self) -> dict[int, int]:
+        """How many rays a scan has, to how many scans have so many, in the order in which they first come."""
+        rays, first, counts = np.unique(self._rays, return_index=True, return_counts=True)
+        return {int(rays[i]): int(counts[i]) for i in np.argsort(first)}
+
+    @property
+    def groups(self) -> tuple[Self, ...]:
+        """A series for each number of rays, in the order in which they first come."""
+        if len(self.ray_counts) < 2:
+            return (self,)
+        rows, rays = np.asarray(self.rows, np.int64), self._rays
+        return tuple(self._with(rows[rays == count]) for count in self.ray_counts)
+
+    @property
+    def ray_count(self) -> int:
+        """R, the number of rays of each scan.
+
+        Raises:
+            RecordingError: it changes.
+        """
+        if len(self.ray_counts) > 1:
+            counts = ", ".join(f"{scans:,} with {rays:,} rays" for rays, scans in self.ray_counts.items())
+            raise RecordingError(
+                f"{self.topic}: its scans are no one array, for their ray count changes: {counts}; "
+                "each kind by itself is in .groups"
+            )
+        return next(iter(self.ray_counts), 0)
+
+    @property
+    def ranges(self) -> NDArray[np.float32]:
+        """Distances in metres, shape (N, R), a row for each scan; NaN and infinities as in REP-117.
+
+        Raises:
+            RecordingError: the number of rays changes, or the array would be larger than `Recording.memory`.
+        """
+        return self._array("ranges", self.ray_count)
+
+    @property
+    def intensities(self) -> NDArray[np.float32]:
+        """In device units, shape (N, R), or (N, 0) where there are none; NaN for scans without, where others have some.
+
+        Raises:
+            RecordingError: as `ranges`.
+        """
+        rays = self.ray_count
+        sent = any(chunk.intensities.shape[1] for chunk in self.chunks())
+        return self._array("intensities", rays if sent else 0)
+
+    @property
+    def angle_min(self) -> NDArray[np.float64]:
+        """Angle of ray 0 in radians, shape (N,), as are the three that follow."""
+        return self._setting("angle_min")
+
+    @property
+    def angle_increment(self) -> NDArray[np.float64]:
+        """Radians from one ray to the next."""
+        return self._setting("angle_increment")
+
+    @property
+    def range_min(self) -> NDArray[np.float64]:
+        """Metres; see `Scan`."""
+        return self._setting("range_min")
+
+    @property
+    def range_max(self) -> NDArray[np.float64]:
+        """Metres; see `Scan`."""
+        return self._setting("range_max")
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Angle of every ray in radians, shape (R,).
+
+        Raises:
+            RecordingError: the geometry changes from scan to scan.
+        """
+        rays = self.ray_count
+        kinds = {(chunk.angle_min, chunk.angle_increment) for chunk in self.chunks()}
+        if len(kinds) > 1:
+            raise RecordingError(
+                f"{self.topic}: its scans share no angles, for their geometry changes ({len(kinds)} kinds): "
+                "see .angle_min and .angle_increment, or the angles of each scan"
+            )
+        angle_min, increment = next(iter(kinds), (0.0, 0.0))
+        return np.asarray(angle_min + np.arange(rays) * increment, np.float64)
+
+    def chunks(self) -> Iterator[ScanChunk]:
+        """The columns piece by piece, each of scans with the same number of rays and the same geometry.
+
+        ``start`` of a piece counts within this series. One piece at a time is held, so that any recording fits.
+        """
+        yield from chunks_of(self._store, self._rows)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Times, ranges and intensities, by name."""
+        times = {"times_ns": self.times_ns, "seconds": self.seconds, "stamps_ns": self.stamps_ns}
+        return {**times, "ranges": self.ranges, "intensities": self.intensities}
+
+    @property
+    def _all_times(self) -> NDArray[np.int64]:
+        return self._store.times_ns
+
+    @property
+    def _rays(self) -> NDArray[np.int64]:
+        places = self._store.places
+        every = np.repeat([place.rays for place in places], [place.rows for place in places]).astype(np.int64)
+        return self._picked(every)
+
+    def _with(self, rows: Rows) -> Self:
+        return type(self)(self._store, self._start_ns, rows)
+
+    def _sample(self, row: int) -> Scan:
+        return next(self._store.chunks(row, row + 1)).sample(0)
+
+    def _samples(self) -> Iterator[tuple[int, Scan]]:
+        for chunk in self.chunks():
+            for i, time_ns in enumerate(chunk.times_ns.tolist()):
+                yield time_ns, chunk.sample(i)
+
+    def _setting(self, name: str) -> NDArray[np.float64]:
+        parts = [np.full(len(chunk), getattr(chunk, name)) for chunk in self.chunks()]
+        return np.concatenate([np.empty(0), *parts])
+
+    def _array(self, name: str, rays: int) -> NDArray[np.float32]:
+        return filled(
+            self._store,
+            self.chunks(),
+            (len(self), rays),
+            np.dtype(np.float32),
+            lambda chunk: getattr(chunk, name) if getattr(chunk, name).shape[1] == rays else np.float32(np.nan),
+            f"{self.topic}: the array of all {name}",
+        )
+
+    def _title(self) -> str:
+        rays = " or ".join(f"{count:,}" for count in self.ray_counts)
+        return f"{super()._title()}{f' of {rays} rays' if rays else ''}"

@@ -1,0 +1,211 @@
+"""The samples of a topic as columns: what scans, speeds and touches have in common."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
+from numbers import Real
+from operator import index as as_index
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import tables
+from .clocks import about_clock
+from .source import RecordingError
+from .timeline import Moment, Sample
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+Rows = Sequence[int] | NDArray[np.int64]
+Taken = TypeVar("Taken", bound=Sample)
+
+
+class Series(ABC, Generic[Taken]):
+    """Samples of one topic, each with its time, in the order in which they were recorded.
+
+    By number: ``series[3]`` is a `Moment` (its ``sample``, ``time_ns`` and ``seconds``), ``series[10:20]`` a shorter
+    series. By time, in seconds from the start of the recording: ``series.at(21.96)`` is the nearest sample,
+    ``series.between(2.0, 5.0)`` a shorter series. Where the recorder's clock went back, the order stays that of
+    arrival, and both still go by the time that each sample bears: ``between`` may take from several stretches, and of
+    samples equally near ``at`` gives the one that came first.
+
+    Nothing is read until it is needed; then the topic is read once from start to end, with a progress bar if that takes
+    longer than a second, and what was decoded last is kept, within `Recording.memory`.
+    """
+
+    _rows: Rows | None
+    _start_ns: int
+
+    @property
+    @abstractmethod
+    def topic(self) -> str:
+        """The name of the topic."""
+
+    @property
+    @abstractmethod
+    def _all_times(self) -> NDArray[np.int64]:
+        """Log times of all rows, not only of those in this series."""
+
+    @abstractmethod
+    def _with(self, rows: Rows) -> Self:
+        """The same with other rows of all."""
+
+    @abstractmethod
+    def _sample(self, row: int) -> Taken:
+        """The sample in one row of all."""
+
+    @abstractmethod
+    def _samples(self) -> Iterator[tuple[int, Taken]]:
+        """Log time and sample of every row of this series."""
+
+    @abstractmethod
+    def columns(self) -> Mapping[str, NDArray[Any]]:
+        """Its columns by name, as `to_numpy` gives them."""
+
+    @property
+    def rows(self) -> Rows:
+        """The numbers of its samples among all of the topic: a range, or an array."""
+        return range(len(self._all_times)) if self._rows is None else self._rows
+
+    @property
+    def times_ns(self) -> NDArray[np.int64]:
+        """When each was recorded, in nanoseconds since the epoch, shape (N,)."""
+        return _frozen(self._picked(self._all_times))
+
+    @property
+    def seconds(self) -> NDArray[np.float64]:
+        """The same from the start of the recording, in seconds, shape (N,)."""
+        return _frozen((self.times_ns - self._start_ns) / 1e9)
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What is wrong with the clock of its times, one line each: going back, standing still, jumping."""
+        return about_clock(self.times_ns, self._start_ns)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @overload
+    def __getitem__(self, which: slice) -> Self: ...
+    @overload
+    def __getitem__(self, which: int) -> Moment: ...
+    def __getitem__(self, which: int | slice) -> Self | Moment:
+        if isinstance(which, slice):
+            return self._with(self.rows[which])
+        try:
+            number = as_index(which)
+        except TypeError:
+            raise TypeError(
+                f"{self.topic}: expected a number or a slice of numbers, got {which!r}; "
+                "by time there are at(seconds) and between(start, end)"
+            ) from None
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"{self.topic}: number {number}, and there are {len(self):,}")
+        row = int(self.rows[number])
+        return self._moment(int(self._all_times[row]), self._sample(row))
+
+    def __iter__(self) -> Iterator[Moment]:
+        return (self._moment(time_ns, sample) for time_ns, sample in self._samples())
+
+    def at(self, seconds: float) -> Moment:
+        """The sample nearest to a time; of two equally near ones the first.
+
+        Args:
+            seconds: seconds from the start of the recording.
+
+        Raises:
+            TypeError: it is no number.
+            ValueError: it is no time.
+            RecordingError: there is no sample.
+        """
+        time_ns = self._time_ns("seconds", seconds)
+        times = self.times_ns
+        if not times.size:
+            raise RecordingError(f"{self.topic}: there is no sample, so none is nearest to {seconds!r} s")
+        return self[int(np.abs(times - time_ns).argmin())]
+
+    def between(self, start: float | None = None, end: float | None = None) -> Self:
+        """Those recorded from ``start`` up to, not including, ``end``: seconds from the start of the recording.
+
+        Args:
+            start: None for the start of the recording.
+            end: None for its end, included.
+
+        Raises:
+            TypeError: a time is no number.
+            ValueError: a time is infinite or NaN.
+        """
+        times = self.times_ns
+        inside = np.ones(len(times), bool)
+        if start is not None:
+            inside &= times >= self._time_ns("start", start)
+        if end is not None:
+            inside &= times < self._time_ns("end", end)
+        found = np.flatnonzero(inside)
+        if found.size and found[-1] - found[0] == found.size - 1:
+            return self._with(self.rows[int(found[0]) : int(found[-1]) + 1])
+        return self._with(np.asarray(self.rows, np.int64)[found])
+
+    def to_numpy(self) -> dict[str, NDArray[Any]]:
+        """Its columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
+        return dict(self.columns())
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame: a row for each sample, by seconds from the start.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        return tables.to_pandas(self.columns())
+
+    def to_polars(self) -> Any:
+        """A polars DataFrame: a row for each sample, its ranges as an array.
+
+        Raises:
+            ImportError: polars is not installed.
+        """
+        return tables.to_polars(self.columns())
+
+    def to_arrow(self) -> Any:
+        """An Arrow table: a row for each sample, its ranges as a list of fixed size.
+
+        Raises:
+            ImportError: pyarrow is not installed.
+        """
+        return tables.to_arrow(self.columns())
+
+    def __repr__(self) -> str:
+        times = self.seconds
+        span = f", {times.min():.2f} to {times.max():.2f} s" if times.size else ""
+        return "\n".join((f"{self._title()}{span}", *(f"! {line}" for line in self.problems)))
+
+    def _title(self) -> str:
+        return f"{type(self).__name__} of {self.topic}: {len(self):,}"
+
+    def _picked(self, column: NDArray[Any]) -> NDArray[Any]:
+        if self._rows is None:
+            return column
+        if isinstance(self._rows, range):
+            rows = self._rows
+            stop = rows.stop if rows.stop >= 0 else None
+            return np.asarray(column[rows.start : stop : rows.step] if rows else column[:0])
+        return np.asarray(column[np.asarray(self._rows)])
+
+    def _moment(self, time_ns: int, sample: Sample) -> Moment:
+        return Moment(self.topic, time_ns, sample, (time_ns - self._start_ns) / 1e9)
+
+    def _time_ns(self, name: str, seconds: float) -> int:
+        if isinstance(seconds, bool) or not isinstance(seconds, Real):
+            raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
+        if not isfinite(seconds) or abs(seconds) > 2**62 / 1e9:
+            raise ValueError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
+        return self._start_ns + round(float(seconds) * 1e9)
+
+
+def _frozen(column: NDArray[Any]) -> NDArray[Any]:
+    column.flags.writeable = False
+    return column
