@@ -58,7 +58,8 @@ class Pacer:
 
     def reset(self) -> None:
         """Begin anew with nothing marked: a forked process has the locks, but not the threads that hold them."""
-        self._lock = threading.Lock()
+        # Held, it may be asked for again: the collector closes widgets at any moment, which forgets them here.
+        self._lock = threading.RLock()
         # Rung by letting it go: a lock alone costs a caller less than half of what a condition does.
         self._bell = threading.Lock()
         self._bell.acquire()

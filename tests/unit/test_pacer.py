@@ -240,6 +240,20 @@ class TestForget:
         assert sender.sent == []
         assert len(other.sent) == 2
 
+    def test_the_collector_may_ask_for_it_in_the_middle_of_a_mark(self) -> None:
+        collected = Sender()
+
+        class Pressed(Sender):
+            def __hash__(self) -> int:
+                pacer.forget(collected)
+                return 1
+
+        pacer = ByHand()
+        thread = threading.Thread(target=pacer.mark, args=(Pressed(pacer._clock),), daemon=True)
+        thread.start()
+        thread.join(20)
+        assert not thread.is_alive()
+
     def test_a_sender_that_was_sent_is_not_kept_alive(self) -> None:
         pacer = ByHand()
         sender = Sender(pacer._clock)
