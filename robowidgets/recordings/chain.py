@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import partial
 from heapq import merge
 from pathlib import Path
 
+from .pages import Page, Raws, pages_of
 from .source import Channel, RecordingError, Source
 
 
@@ -52,6 +54,14 @@ class Chain:
         each = (self._of(source, wanted, start_ns, stop_ns) for source in self._sources)
         return merge(*each, key=lambda message: message[1])
 
+    def pages(self, channels: Collection[Channel]) -> Iterator[Page]:
+        """See `pages.Paged`: those of one source after the other."""
+        wanted = {channel.id: channel for channel in channels}
+        for source in self._sources:
+            mine = self._known(source, wanted)
+            for page in pages_of(source, [channel for channel in source.channels if channel.id in mine]):
+                yield partial(_renamed, page, mine)
+
     def close(self) -> None:
         """Close every source; doing it again does nothing."""
         for source in self._sources:
@@ -63,11 +73,15 @@ class Chain:
     def _of(
         self, source: Source, wanted: dict[int, Channel], start_ns: int | None, stop_ns: int | None
     ) -> Iterator[tuple[Channel, int, bytes]]:
-        mine = {channel.id: wanted.get(self._ids[_same(channel)]) for channel in source.channels}
-        asked = [channel for channel in source.channels if mine[channel.id]]
+        mine = self._known(source, wanted)
+        asked = [channel for channel in source.channels if channel.id in mine]
         for channel, time_ns, data in source.messages(asked, start_ns, stop_ns):
-            if known := mine[channel.id]:
-                yield known, time_ns, data
+            yield mine[channel.id], time_ns, data
+
+    def _known(self, source: Source, wanted: dict[int, Channel]) -> dict[int, Channel]:
+        """By the ids of a source, the channels that are wanted of it."""
+        ours = {channel.id: self._ids[_same(channel)] for channel in source.channels}
+        return {theirs: wanted[number] for theirs, number in ours.items() if number in wanted}
 
 
 def open_chain(paths: Sequence[Path], open_one: Callable[[Path], Source]) -> Source:
@@ -93,6 +107,10 @@ def _attempt(path: Path, open_one: Callable[[Path], Source]) -> Source | str:
         return open_one(path)
     except RecordingError as error:
         return str(error)
+
+
+def _renamed(page: Page, channels: dict[int, Channel]) -> list[Raws]:
+    return [raws._replace(channel=channels[raws.channel.id]) for raws in page()]
 
 
 def _same(channel: Channel) -> Channel:

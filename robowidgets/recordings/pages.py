@@ -9,7 +9,6 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .salvage.inflate import ZSTD_MAGIC, plain
 from .source import Channel, Source
 
 PAGE_BYTES = 1 << 22
@@ -48,15 +47,14 @@ def pages_of(source: Source, channels: Collection[Channel]) -> Iterator[Page]:
 
 
 def pack(messages: Iterable[tuple[Channel, int, bytes]]) -> list[Raws]:
-    """Messages side by side in a buffer, those of one channel after the other; unpacked, if packed each by itself."""
+    """Messages side by side in a buffer, those of one channel after the other."""
     packed = []
     for _, run in groupby(messages, key=lambda message: message[0].id):
         held = list(run)
-        raws = [plain(raw) if raw.startswith(ZSTD_MAGIC) else raw for _, _, raw in held]
-        ends = np.cumsum([len(raw) for raw in raws], dtype=np.int64)
+        ends = np.cumsum([len(raw) for _, _, raw in held], dtype=np.int64)
         times = np.array([time_ns for _, time_ns, _ in held], np.int64)
         starts = np.concatenate((np.zeros(1, np.int64), ends[:-1]))
-        packed.append(Raws(held[0][0], times, b"".join(raws), starts, ends))
+        packed.append(Raws(held[0][0], times, b"".join([raw for _, _, raw in held]), starts, ends))
     return packed
 
 

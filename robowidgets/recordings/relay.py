@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
+from typing import Any
 
+from .pages import Page
 from .source import Channel, Source
 
 
@@ -43,6 +45,11 @@ class Relay:
             except Exception:  # whatever rosbags stumbles over, the reader made for damage has the word
                 self._patient = self._open_patient()
         yield from self._resume(self._patient, channels, latest, stop_ns, given)
+
+    def pages(self, channels: Collection[Channel]) -> Iterable[Page] | None:
+        """See `pages.Paged`: those of the quick source, as long as nothing went wrong."""
+        ask: Any = getattr(self._quick, "pages", None)
+        return ask(channels) if ask and self._patient is None else None
 
     def close(self) -> None:
         """See `Source`."""

@@ -11,23 +11,29 @@ from typing import Any
 
 from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
 from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag1.reader import decompressors
 from rosbags.rosbag2.reader import DirectoryReader
 from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
+from .chunk_pages import BagPage, McapPage
+from .pages import Page
 from .source import Channel, RecordingError
+
+ById = dict[int, Channel]
+Pages = list[Page] | None
 
 _NEVER = 2**63 - 1
 
 
 def open_bag(path: Path) -> RosSource:
     """A ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
-    return RosSource(BagReader(path), lambda reader: (reader.start_time, reader.end_time))
+    return RosSource(BagReader(path), lambda reader: (reader.start_time, reader.end_time), _bag_pages)
 
 
 def open_mcap(path: Path) -> RosSource:
     """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError when there is no index."""
-    source = RosSource(McapReader(path), _times)
+    source = RosSource(McapReader(path), _times, _mcap_pages)
     if not source.indexed:
         source.close()
         raise RecordingError("without an index rosbags reads messages in one way only, from the start to the end")
@@ -43,15 +49,18 @@ def open_sqlite(path: Path) -> RosSource:
 def open_folder(path: Path) -> RosSource:
     """A folder with a ``metadata.yaml``. Raises as `open_bag`."""
     _check(path)
-    return RosSource(DirectoryReader(path), _times)
+    return RosSource(DirectoryReader(path), _times, _folder_pages)
 
 
 class RosSource:
     """A `Source` that rosbags reads."""
 
-    def __init__(self, reader: Any, times: Callable[[Any], tuple[int, int]]) -> None:
+    def __init__(
+        self, reader: Any, times: Callable[[Any], tuple[int, int]], pages: Callable[[Any, ById], Pages] | None = None
+    ) -> None:
         reader.open()
         self._reader = reader
+        self._pages = pages
         self._open = True
         self.problems: tuple[str, ...] = ()
         self._connections = {c.id: c for c in reader.connections}
@@ -76,11 +85,46 @@ class RosSource:
             for connection, time_ns, raw in self._reader.messages(connections, start_ns, stop_ns):
                 yield asked[connection.id], time_ns, raw
 
+    def pages(self, channels: Collection[Channel]) -> Pages:
+        """See `pages.Paged`."""
+        return self._pages(self._reader, {channel.id: channel for channel in channels}) if self._pages else None
+
     def close(self) -> None:
         """See `Source`."""
         if self._open:
             self._open = False
             self._reader.close()
+
+
+def _mcap_pages(reader: McapReader, channels: ById) -> Pages:
+    wanted = [chunk for chunk in reader.chunks if any(chunk.channel_count.get(number) for number in channels)]
+    wanted.sort(key=lambda chunk: chunk.chunk_start_offset)
+    path = Path(str(reader.path))
+    return [McapPage(path, chunk.chunk_start_offset, chunk.chunk_length, channels) for chunk in wanted]
+
+
+def _bag_pages(reader: BagReader, channels: ById) -> Pages:
+    names = {function: name for name, function in decompressors.items()}
+    path = Path(str(reader.path))
+    infos = sorted(reader.chunk_infos, key=lambda info: info.pos)
+    wanted = [info.pos for info in infos if any(info.connection_counts.get(number) for number in channels)]
+    chunks = [reader.chunks[at] for at in wanted]
+    return [
+        BagPage(path, chunk.datapos, chunk.datasize, names[chunk.decompressor].replace("none", ""), channels)
+        for chunk in chunks
+    ]
+
+
+def _folder_pages(reader: DirectoryReader, channels: ById) -> Pages:
+    mcaps = [storage for storage in reader.storages if isinstance(storage, McapReader) and storage.chunks]
+    if len(mcaps) < len(reader.storages) or reader.metadata.compression_mode == "message":
+        return None
+    named = {(channel.topic, channel.type): channel for channel in channels.values()}
+    pages: list[Page] = []
+    for storage in mcaps:
+        known = ((c.id, named.get((c.topic, c.msgtype))) for c in storage.connections)
+        pages += _mcap_pages(storage, {number: channel for number, channel in known if channel}) or []
+    return pages
 
 
 def _check(path: Path) -> None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from array import array
 from collections import OrderedDict
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
+from functools import partial
 from threading import Lock
 from typing import NamedTuple
 
+from ..pages import PAGE_BYTES, Page, Raws, pack
 from ..source import Channel, RecordingError
 from .inflate import inflate
 from .records import Damage
@@ -88,10 +90,24 @@ class SavedFile:
             data = self._read(self._found.where[row], self._found.offsets[row], self._found.sizes[row])
             yield wanted[channel], time_ns, data
 
+    def pages(self, channels: Collection[Channel]) -> Iterator[Page]:
+        """See `pages.Paged`."""
+        wanted = {channel.id: channel for channel in channels}
+        for rows in self._times.stretches(wanted, self._found.sizes, PAGE_BYTES):
+            yield partial(self._page, rows, wanted)
+
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
         self._file.close()
         self._raw.clear()
+
+    def _page(self, rows: Sequence[int], wanted: dict[int, Channel]) -> list[Raws]:
+        found = self._found
+        return pack(
+            (wanted[found.channels[row]], found.times[row], self._read(found.where[row], found.offsets[row], size))
+            for row in rows
+            for size in (found.sizes[row],)
+        )
 
     def _read(self, chunk: int, offset: int, size: int) -> bytes:
         try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,6 +52,14 @@ class Times:
         wanted = first + np.flatnonzero(np.isin(self._channels[first:stop], list(channels)))
         for at in wanted:
             yield int(self._order[at]), int(self._channels[at]), int(self._times[at])
+
+    def stretches(self, channels: Collection[int], sizes: Sequence[int], most: int) -> Iterator[list[int]]:
+        """The rows of the messages of some channels, in the order of the file, in parts of about so many bytes."""
+        rows = np.sort(self._order[np.isin(self._channels, list(channels))])
+        parts = np.cumsum(np.asarray(sizes, np.int64)[rows]) // most
+        for part in np.split(rows, np.flatnonzero(np.diff(parts)) + 1):
+            if part.size:
+                yield part.tolist()
 
     def _before(self, time_ns: int) -> int:
         """How many messages were logged before a time."""
