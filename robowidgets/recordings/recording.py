@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import isfinite
 from numbers import Real
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .._kinds import Widget
 from .memory import Memory
@@ -16,12 +16,17 @@ from .scan_series import Scans
 from .source import RecordingError
 from .speed_series import Speeds
 from .store import Store
+from .stretch import Stretch
 from .table import as_html, as_text, heading
 from .timeline import Moment, Timeline, Topic
 from .touch_series import Touches
 
 if TYPE_CHECKING:
+    from .conditions import Condition
+    from .function import Instant
+    from ..scanogram_widget import ScanogramWidget
     from .show import Player
+    from .spans import Spans
 
 AnySeries = TypeVar("AnySeries", Scans, Speeds, Touches)
 
@@ -122,7 +127,7 @@ class Recording:
         """
         names = [topics] if isinstance(topics, str) else list(topics) if topics is not None else list(self._shown())
         for name in names:
-            self._check(name)
+            self.check(name)
         times = (
             None if seconds is None else self._time_ns(name, seconds)
             for name, seconds in (("start", start), ("end", end))
@@ -141,7 +146,7 @@ class Recording:
             UnknownTopicError: it has no such topic, or one that no widget shows.
             RecordingError: it is closed.
         """
-        self._check(topic)
+        self.check(topic)
         self._check_open()
         return self._timeline.last(topic, self._time_ns("seconds", seconds))
 
@@ -197,6 +202,45 @@ class Recording:
         """
         return self._columns(topic, "touch", Touches)
 
+    def scanogram(self, topic: str | None = None) -> ScanogramWidget:
+        """All its scans in one picture, with speed and touch under them: see `ScanogramWidget.of`."""
+        # Here, so that who only reads recordings needs no page.
+        from ..scanogram_widget import ScanogramWidget
+
+        return ScanogramWidget.of(self, topic)
+
+    def find(self, condition: Condition | Callable[[Instant], Any], topics: str | Iterable[str] | None = None) -> Spans:
+        """From when to when a condition holds, as a table.
+
+        A condition is one of `robowidgets.conditions`, several of them joined by ``&``, ``|`` and ``~``, or a function
+        of one moment: of an `Instant` with the ``scan``, ``speed`` and ``touch`` of the same time, each the last up to
+        then. Where a function asks for a sample and there is none yet, nothing is known and nothing found.
+
+        What holds at a sample goes on holding until the next one says otherwise. Conditions look at whole columns while
+        both cores read and decompress the file; a function is called in this process, one moment after the other, while
+        the file is read ahead on the other core, so it may be a lambda and need not be pure Python that can be pickled.
+        An interrupt (stop the cell, Ctrl-C) ends the search: what was found up to there is given, and says so.
+
+        Args:
+            condition: what to look for.
+            topics: those that a function may look at; None: all that a widget shows.
+
+        Raises:
+            TypeError: it is no condition.
+            ValueError: a condition asks for a touch sensor that there is not.
+            UnknownTopicError: a condition needs a topic that there is not.
+            RecordingError: the recording is closed; or the function failed, and at which time.
+
+        Example:
+            >>> recording.find(lambda moment: moment.touch.touched["left"] and moment.speed.linear[0] > 0.1)
+            ... # doctest: +SKIP
+        """
+        # Here, so that who only reads samples waits for none of it.
+        from .find import find
+
+        self._check_open()
+        return find(self, condition, topics)
+
     def show(self, *topics: str) -> Player:
         """The widgets that fit its topics, with a slider through its time, for the page.
 
@@ -236,6 +280,13 @@ class Recording:
     ) -> None:
         self.close()
 
+    def __getitem__(self, which: slice | Sequence[float]) -> Stretch:
+        """The samples of a stretch of time: ``recording[2:5]`` in seconds, or ``recording[scanogram.selection]``."""
+        return Stretch(self, which)
+
+    def __iter__(self) -> Iterator[Moment]:
+        return self.samples()
+
     def __repr__(self) -> str:
         return self.info()
 
@@ -250,7 +301,7 @@ class Recording:
 
     def _columns(self, topic: str | None, widget: Widget, kind: type[AnySeries]) -> AnySeries:
         name = self._only(widget) if topic is None else topic
-        self._check(name)
+        self.check(name)
         if (shown := self._shown()[name].widget) != widget:
             there = ", ".join(self._named(widget)) or "none"
             raise UnknownTopicError(f"{self.path.name}: {name!r} is a topic of {shown}: those of {widget} are {there}")
@@ -275,7 +326,13 @@ class Recording:
     def _named(self, widget: Widget) -> list[str]:
         return [name for name, topic in self._shown().items() if topic.widget == widget]
 
-    def _check(self, name: str) -> None:
+    def check(self, name: str) -> None:
+        """Nothing, if it has a topic of this name that a widget shows.
+
+        Raises:
+            UnknownTopicError: it has not.
+            TypeError: the name is no text.
+        """
         if not isinstance(name, str):
             raise TypeError(f"expected the name of a topic as text, got {name!r}")
         shown = self._shown()

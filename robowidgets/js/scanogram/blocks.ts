@@ -1,0 +1,133 @@
+import type { Span } from "./axis.ts";
+import { type Block, type Detail, NO_SCAN, type Speeds, toRange, type Whole } from "./data.ts";
+import { firstWhere } from "./search.ts";
+
+/** Bytes of details that a page keeps, the whole not counted. */
+const KEPT_BYTES = 48_000_000;
+
+/** One ray at one moment, as well as the page knows it. */
+export interface Place {
+  index: number;
+  /** Of how many scans, and of how many rays, this is the nearest. */
+  scans: number;
+  rays: number;
+  /** Number of the first of these scans, and its time in seconds; when the last one ends. */
+  scan: number;
+  time: number;
+  end: number;
+  code: number;
+  /** Metres; NaN where the code says it all. */
+  range: number;
+  /** Whether the range is the very number that was measured. */
+  exact: boolean;
+}
+
+/** What the page knows of the scans: the whole coarsely, and parts finely. */
+export class Blocks {
+  readonly #whole: Whole;
+  #details: Detail[] = [];
+
+  constructor(whole: Whole) {
+    this.#whole = whole;
+  }
+
+  add(detail: Detail): void {
+    if (detail.sequence !== this.#whole.sequence) return;
+    this.#details = [detail, ...this.#details.filter((old) => !isWithin(old, detail))];
+    let bytes = 0;
+    this.#details = this.#details.filter(({ block }) => {
+      bytes += 16 * block.starts.length + 2 * block.codes.length + 4 * block.ranges.length;
+      return bytes <= KEPT_BYTES;
+    });
+  }
+
+  /** All blocks, the finest first, the whole last. */
+  get all(): Block[] {
+    const details = this.#details.map(({ block }) => block).filter(({ starts }) => starts.length > 0);
+    return [...details.sort((a, b) => a.size - b.size || b.ranges.length - a.ranges.length), this.#whole.block];
+  }
+
+  /** The finest block that knows all of a span. */
+  over(span: Span): Block {
+    return this.all.find((block) => covers(block, span)) ?? this.#whole.block;
+  }
+
+  /** Whether Python could tell more of what is on show in so many columns. */
+  wants(span: Span, columns: number): boolean {
+    const block = this.over(span);
+    if (block.size === 1 && block.ranges.length) return false;
+    const seen = firstWhere(block.starts, (start) => start >= span[1]) - firstWhere(block.ends, (end) => end > span[0]);
+    const isWhole = span[1] - span[0] >= this.#whole.duration * 0.999;
+    return block.size === 1 ? !isWhole : seen < columns;
+  }
+
+  /** The speeds in a span, as finely as they are known. */
+  speedsIn(span: Span): Speeds | null {
+    const fine = this.#details.find(
+      (detail) => detail.speeds && detail.span[0] <= span[0] && detail.span[1] >= span[1],
+    );
+    return fine?.speeds ?? this.#whole.speed?.speeds ?? null;
+  }
+
+  /** The ray of an index at a time; null where there is no scan. */
+  at(time: number, index: number): Place | null {
+    const { sweep } = this.#whole;
+    for (const block of this.all) {
+      const cell = cellAt(block, time);
+      if (cell < 0) continue;
+      const ray = Math.floor(index / block.rayStep);
+      const code = block.codes[cell * block.rays + ray] ?? NO_SCAN;
+      if (code === NO_SCAN) continue;
+      const exact = block.ranges.length > 0;
+      const scan = block.first + cell * block.size;
+      return {
+        index: ray * block.rayStep,
+        scans: Math.min(block.size, this.#whole.scanCount - scan),
+        rays: Math.min(block.rayStep, sweep.count - ray * block.rayStep),
+        scan,
+        time: block.starts[cell] as number,
+        end: block.ends[cell] as number,
+        code,
+        range: exact
+          ? (block.ranges[cell * block.rays + ray] as number)
+          : code < NO_SCAN - 4
+            ? toRange(code, sweep)
+            : NaN,
+        exact,
+      };
+    }
+    return null;
+  }
+
+  /** The start of the scan so many further on than the one at a time; as far as the page knows them. */
+  step(time: number, by: number): number {
+    const block = this.over([time, time]);
+    const at = firstWhere(block.starts, (start) => start > time + 1e-9) - 1;
+    const onTheWay = by < 0 && (block.starts[at] ?? time) < time - 1e-9 ? by + 1 : by;
+    return block.starts[Math.min(block.starts.length - 1, Math.max(0, at + onTheWay))] ?? time;
+  }
+
+  /** How many scans start in a span, and whether that is exact. */
+  count([start, end]: Span): { scans: number; exact: boolean } {
+    const block = this.over([start, end]);
+    const [first, stop] = [start, end].map((time) => firstWhere(block.starts, (other) => other >= time - 1e-9));
+    const scans = Math.min(this.#whole.scanCount, ((stop ?? 0) - (first ?? 0)) * block.size);
+    return { scans, exact: block.size === 1 };
+  }
+}
+
+/** The number of the cell at a time; -1 where there is none. */
+export function cellAt({ starts, ends }: Block, time: number): number {
+  const cell = firstWhere(starts, (start) => start > time) - 1;
+  return cell >= 0 && ((ends[cell] as number) > time || ends[cell] === starts[cell]) ? cell : -1;
+}
+
+export function covers({ starts, ends }: Block, [start, end]: Span): boolean {
+  return starts.length > 0 && (starts[0] as number) <= start && (ends.at(-1) as number) >= end;
+}
+
+function isWithin({ block }: Detail, { block: other }: Detail): boolean {
+  if (!block.starts.length || block.size < other.size) return !block.starts.length;
+  if (block.size === other.size && block.ranges.length && !other.ranges.length) return false;
+  return covers(other, [block.starts[0] as number, block.ends.at(-1) as number]);
+}

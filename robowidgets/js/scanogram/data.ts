@@ -1,0 +1,179 @@
+import { copyOf } from "../shared/bytes.ts";
+import type { Frame } from "../shared/stream.ts";
+
+/** Cells in a row: each is of `size` scans, and holds a code for each ray (or for each few neighbours). */
+export interface Block {
+  size: number;
+  /** Number of the first scan. */
+  first: number;
+  rayStep: number;
+  /** Rays of a cell. */
+  rays: number;
+  /** Seconds at which each cell starts and ends. */
+  starts: Float64Array;
+  ends: Float64Array;
+  /** Cell after cell, ray after ray. */
+  codes: Uint16Array;
+  /** The ranges themselves, where they are known; else empty. */
+  ranges: Float32Array;
+}
+
+/** Stretches of speed: when each starts, and by axis the least and the greatest in it. */
+export interface Speeds {
+  starts: Float64Array;
+  least: Float32Array[];
+  greatest: Float32Array[];
+}
+
+export interface Sweep {
+  angleMin: number;
+  angleIncrement: number;
+  count: number;
+  rangeMin: number;
+  rangeMax: number;
+}
+
+/** All that the page gets at once; seconds and metres. */
+export interface Whole extends Frame {
+  sweep: Sweep;
+  scanCount: number;
+  duration: number;
+  /** Usual seconds from scan to scan. */
+  pause: number;
+  /** How many rays there are of each class, numbered as in Python. */
+  counts: number[];
+  colors: [number, number];
+  block: Block;
+  speed: { title: string; axes: string[]; limits: [number, number][]; gap: number; speeds: Speeds } | null;
+  touch: { title: string; sensors: string[]; count: number; spans: Touch[] } | null;
+}
+
+export interface Touch {
+  start: number;
+  end: number;
+  sensor: string;
+}
+
+/** What the page asked for. */
+export interface Detail {
+  /** Of the frame that it belongs to. */
+  sequence: number;
+  span: [number, number];
+  block: Block;
+  speeds: Speeds | null;
+}
+
+/** The order of codes: the least of several is shown. Python has the same numbers. */
+export const FARTHEST = 65_000;
+export const TOO_CLOSE = 65_531;
+export const OUTSIDE_LIMITS = 65_532;
+export const NO_MEASUREMENT = 65_533;
+export const NOTHING_IN_RANGE = 65_534;
+export const NO_SCAN = 65_535;
+
+const HEAD = 24;
+const KINDS = { f8: Float64Array, f4: Float32Array, u2: Uint16Array };
+type Numbers = Float64Array | Float32Array | Uint16Array;
+type Facts = Record<string, unknown> & { arrays: [string, keyof typeof KINDS, number][] };
+type Unpacked = { facts: Facts; arrays: Map<string, Numbers> };
+
+export function decodeWhole(bytes: DataView): Whole {
+  const { facts, arrays } = unpack(bytes, HEAD);
+  const sweep: Sweep = {
+    angleMin: Number(facts.angle_min),
+    angleIncrement: Number(facts.angle_increment),
+    count: Number(facts.ray_count),
+    rangeMin: Number(facts.range_min),
+    rangeMax: Number(facts.range_max),
+  };
+  const speed = facts.speed as Omit<NonNullable<Whole["speed"]>, "speeds"> | undefined;
+  const touch = facts.touch as Omit<NonNullable<Whole["touch"]>, "spans"> | undefined;
+  const speeds = toSpeeds(arrays);
+  return {
+    sequence: bytes.getFloat64(0, true),
+    rate: NaN,
+    sweep,
+    scanCount: Number(facts.scan_count),
+    duration: Number(facts.duration),
+    pause: Number(facts.pause),
+    counts: facts.counts as number[],
+    colors: facts.colors as [number, number],
+    block: toBlock(facts, arrays, sweep),
+    speed: speed && speeds ? { ...speed, speeds } : null,
+    touch: touch ? { ...touch, spans: toTouches(arrays.get("touches"), touch.sensors) } : null,
+  };
+}
+
+export function decodeDetail(bytes: DataView, sweep: Sweep): Detail {
+  const { facts, arrays } = unpack(bytes, 0);
+  return {
+    sequence: Number(facts.sequence),
+    span: facts.span as [number, number],
+    block: toBlock(facts, arrays, sweep),
+    speeds: toSpeeds(arrays),
+  };
+}
+
+/** The least code of several is shown of them, as in Python. */
+export function toCode(range: number, { rangeMin, rangeMax }: Sweep): number {
+  if (rangeMin <= range && range <= rangeMax) {
+    return Math.floor(((range - rangeMin) * FARTHEST) / (rangeMax - rangeMin));
+  }
+  if (range === -Infinity) return TOO_CLOSE;
+  if (range === Infinity) return NOTHING_IN_RANGE;
+  return Number.isNaN(range) ? NO_MEASUREMENT : OUTSIDE_LIMITS;
+}
+
+/** Metres of the code of a reading. */
+export function toRange(code: number, { rangeMin, rangeMax }: Sweep): number {
+  return rangeMin + ((code + 0.5) * (rangeMax - rangeMin)) / FARTHEST;
+}
+
+function unpack(bytes: DataView, at: number): Unpacked {
+  const length = bytes.getUint32(at, true);
+  const text = new TextDecoder().decode(copyOf(bytes, at + 4, length));
+  const facts = JSON.parse(text) as Facts;
+  let next = at + 4 + length;
+  const arrays = new Map<string, Numbers>();
+  for (const [name, kind, count] of facts.arrays) {
+    const Kind = KINDS[kind];
+    arrays.set(name, new Kind(copyOf(bytes, next, count * Kind.BYTES_PER_ELEMENT)));
+    next += count * Kind.BYTES_PER_ELEMENT;
+  }
+  return { facts, arrays };
+}
+
+function toBlock(facts: Facts, arrays: Unpacked["arrays"], sweep: Sweep): Block {
+  const starts = arrays.get("starts") as Float64Array;
+  const cells = arrays.get("cells");
+  const ranges = cells instanceof Float32Array ? cells : new Float32Array();
+  const codes = cells instanceof Uint16Array ? cells : Uint16Array.from(ranges, (range) => toCode(range, sweep));
+  return {
+    size: 2 ** Number(facts.level),
+    first: Number(facts.first),
+    rayStep: Number(facts.ray_step),
+    rays: starts.length ? codes.length / starts.length : 0,
+    starts,
+    ends: arrays.get("ends") as Float64Array,
+    codes,
+    ranges,
+  };
+}
+
+function toSpeeds(arrays: Unpacked["arrays"]): Speeds | null {
+  const starts = arrays.get("speed_starts") as Float64Array | undefined;
+  const values = arrays.get("speeds") as Float32Array | undefined;
+  if (!starts || !values) return null;
+  const count = starts.length;
+  const rows = count ? values.length / count : 0;
+  const row = (i: number) => values.subarray(i * count, (i + 1) * count);
+  const pick = (offset: number) => Array.from({ length: rows / 2 }, (_, axis) => row(2 * axis + offset));
+  return { starts, least: pick(0), greatest: pick(1) };
+}
+
+function toTouches(spans: Numbers | undefined, sensors: string[]): Touch[] {
+  return Array.from({ length: (spans?.length ?? 0) / 3 }, (_, i) => {
+    const [start = 0, end = 0, sensor = 0] = spans?.subarray(3 * i, 3 * i + 3) ?? [];
+    return { start, end, sensor: sensors[sensor] ?? "" };
+  });
+}

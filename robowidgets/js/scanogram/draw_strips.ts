@@ -1,0 +1,154 @@
+import type { Theme } from "../shared/theme.ts";
+import { type TimeAxis, toX } from "./axis.ts";
+import type { Speeds, Touch, Whole } from "./data.ts";
+import { textFont } from "./draw_axes.ts";
+import type { Band } from "./layout.ts";
+import { firstWhere } from "./search.ts";
+
+const ROUNDING = 1e-6;
+const LETTERS: Record<string, string> = { "linear.x": "x", "linear.y": "y", "angular.z": "yaw" };
+
+type Speed = NonNullable<Whole["speed"]>;
+
+/** Whether a speed lies outside its limits by more than rounding, as in Python. */
+export function isPast(value: number, [low, high]: [number, number]): boolean {
+  return value < low - ROUNDING * Math.max(1, -low) || value > high + ROUNDING * Math.max(1, high);
+}
+
+/** The speed at the ends of a strip: the greatest there is, with the limit where it is not far off. */
+export function reachOf(speed: Speed, axis: number): number {
+  const { least, greatest } = speed.speeds;
+  let most = 0;
+  for (const values of [least[axis], greatest[axis]]) {
+    for (const value of values ?? []) if (Math.abs(value) > most) most = Math.abs(value);
+  }
+  const limit = Math.max(...(speed.limits[axis] ?? [0]).map(Math.abs));
+  return (most > limit / 2 ? Math.max(most, limit) : most) || 1;
+}
+
+/** One axis of the speed: a line from the least to the greatest at each place; red and marked where past a limit. */
+export function drawSpeed(
+  context: CanvasRenderingContext2D,
+  axis: TimeAxis,
+  band: Band,
+  speed: Speed,
+  speeds: Speeds,
+  number: number,
+  theme: Theme,
+): void {
+  const limits = speed.limits[number] ?? [-1, 1];
+  const reach = reachOf(speed, number);
+  const half = band.height / 2;
+  const toY = (value: number) => band.top + half - (value / reach) * (half - 1);
+  const { left, width } = axis;
+  drawLabel(context, band, left, LETTERS[speed.axes[number] ?? ""] ?? "", theme);
+  context.fillStyle = theme.line;
+  context.fillRect(left, Math.round(toY(0)), width, 1);
+  context.strokeStyle = theme.muted;
+  context.setLineDash([3, 3]);
+  for (const limit of limits.filter((value) => Math.abs(value) <= reach)) {
+    const y = Math.round(toY(limit)) + 0.5;
+    context.beginPath();
+    context.moveTo(left, y);
+    context.lineTo(left + width, y);
+    context.stroke();
+  }
+  context.setLineDash([]);
+  context.save();
+  context.beginPath();
+  context.rect(left, band.top - 6, width, band.height + 8);
+  context.clip();
+  const [least, greatest] = [speeds.least[number], speeds.greatest[number]];
+  if (least && greatest) drawLine(context, axis, speed.gap, speeds.starts, least, greatest, limits, toY, theme);
+  context.restore();
+}
+
+function drawLine(
+  context: CanvasRenderingContext2D,
+  axis: TimeAxis,
+  gap: number,
+  starts: Float64Array,
+  least: Float32Array,
+  greatest: Float32Array,
+  limits: [number, number],
+  toY: (value: number) => number,
+  theme: Theme,
+): void {
+  const first = Math.max(0, firstWhere(starts, (start) => start >= axis.span[0]) - 1);
+  const stop = Math.min(starts.length, firstWhere(starts, (start) => start > axis.span[1]) + 1);
+  const stretch = ((starts.at(-1) ?? 0) - (starts[0] ?? 0)) / Math.max(1, starts.length - 1);
+  const longest = Math.max(gap, 3 * stretch);
+  const over: { x: number; y: number; up: boolean }[] = [];
+  context.beginPath();
+  let before = NaN;
+  for (let i = first; i < stop; i++) {
+    const [low, high, start] = [least[i] as number, greatest[i] as number, starts[i] as number];
+    const x = toX(axis, start);
+    if (Number.isNaN(low)) {
+      before = NaN;
+      continue;
+    }
+    if (start - before < longest) context.lineTo(x, toY(low));
+    else context.moveTo(x, toY(low));
+    context.lineTo(x, toY(high) + (low === high ? 0.01 : 0));
+    before = start;
+    if (isPast(high, limits)) over.push({ x, y: toY(high), up: true });
+    if (isPast(low, limits)) over.push({ x, y: toY(low), up: false });
+  }
+  context.strokeStyle = theme.ink;
+  context.lineWidth = 1.25;
+  context.lineJoin = "round";
+  context.stroke();
+  drawOver(context, over, toY(0), theme);
+}
+
+/** Moments past a limit: a red line from zero, and a mark at the first of a row of them. */
+function drawOver(
+  context: CanvasRenderingContext2D,
+  over: { x: number; y: number; up: boolean }[],
+  zero: number,
+  theme: Theme,
+): void {
+  context.fillStyle = theme.reading;
+  let marked = -Infinity;
+  for (const { x, y, up } of over) {
+    context.fillRect(x - 0.75, Math.min(y, zero), 1.5, Math.abs(zero - y));
+    if (x - marked > 9) {
+      const [tip, base] = up ? [y - 6, y - 1] : [y + 6, y + 1];
+      context.beginPath();
+      context.moveTo(x, tip);
+      context.lineTo(x - 4, base);
+      context.lineTo(x + 4, base);
+      context.fill();
+    }
+    marked = x;
+  }
+}
+
+/** The spans in which something was touched; never too thin to be seen. */
+export function drawTouches(
+  context: CanvasRenderingContext2D,
+  axis: TimeAxis,
+  band: Band,
+  spans: Touch[],
+  theme: Theme,
+): void {
+  const { left, width, span } = axis;
+  drawLabel(context, band, left, "touch", theme);
+  context.fillStyle = theme.line;
+  context.fillRect(left, Math.round(band.top + band.height / 2), width, 1);
+  context.fillStyle = theme.touch;
+  for (const { start, end } of spans) {
+    if (end < span[0] || start > span[1]) continue;
+    const [from, to] = [Math.max(left, toX(axis, start)), Math.min(left + width, toX(axis, end))];
+    context.fillRect(Math.min(from, left + width - 2), band.top, Math.max(2, to - from), band.height);
+  }
+}
+
+function drawLabel(context: CanvasRenderingContext2D, band: Band, left: number, text: string, theme: Theme): void {
+  context.font = textFont(theme);
+  context.textAlign = "right";
+  context.textBaseline = "middle";
+  context.fillStyle = theme.muted;
+  context.fillText(text, left - 8, band.top + band.height / 2 + 0.5);
+}

@@ -1,0 +1,97 @@
+import type { Point } from "../laser/projection.ts";
+import { watchWheel } from "../shared/wheel.ts";
+
+/** What a person can do to the picture. */
+export interface Gestures {
+  onHover(point: Point | null): void;
+  onPick(point: Point): void;
+  /** A stretch dragged so far; with rays too where `rays` says so; done when the button was let go. */
+  onSelect(from: Point, to: Point, rays: boolean, done: boolean): void;
+  onPan(pixels: number): void;
+  /** A factor below 1 zooms in; around the time cursor where there is no point. */
+  onZoom(factor: number, point: Point | null): void;
+  canZoom(factor: number): boolean;
+  onReset(): void;
+  onClear(): void;
+  /** So many scans on; or to either end. */
+  onStep(by: number): void;
+}
+
+const FEW = 4;
+const STEPS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity };
+const ZOOMS: Record<string, number> = { "+": 0.5, "=": 0.5, "-": 2, _: 2 };
+const MANY = 10;
+
+type Listen = <K extends keyof HTMLElementEventMap>(type: K, callback: (event: HTMLElementEventMap[K]) => void) => void;
+
+export function watchGestures(element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
+  const on: Listen = (type, callback) => element.addEventListener(type, callback, { signal });
+  const toPoint = (event: MouseEvent): Point => {
+    const { left, top } = element.getBoundingClientRect();
+    return { x: event.clientX - left, y: event.clientY - top };
+  };
+  watchDrag(on, element, toPoint, gestures);
+  on("pointerleave", () => gestures.onHover(null));
+  on("dblclick", () => gestures.onReset());
+  on("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const [step, zoom] = [STEPS[event.key], ZOOMS[event.key]];
+    if (step !== undefined) gestures.onStep(event.shiftKey ? MANY * step : step);
+    else if (zoom !== undefined) gestures.onZoom(zoom, null);
+    else if (event.key === "0") gestures.onReset();
+    else if (event.key === "Escape") gestures.onClear();
+    else return;
+    event.preventDefault();
+  });
+  const onWheel = (event: WheelEvent): boolean => {
+    const across = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+    const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 20 : 1;
+    if (across) {
+      gestures.onPan((event.deltaX || event.deltaY) * unit);
+      return true;
+    }
+    const factor = Math.exp(Math.max(-1, Math.min(1, (event.deltaY * unit) / 400)));
+    if (!gestures.canZoom(factor)) return false;
+    gestures.onZoom(factor, toPoint(event));
+    return true;
+  };
+  watchWheel(element, onWheel, signal);
+}
+
+/** A press that moves is a drag, and a click else. */
+function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent) => Point, gestures: Gestures): void {
+  let from: Point | null = null;
+  let last: Point = { x: 0, y: 0 };
+  let kind: "none" | "select" | "rays" | "pan" = "none";
+  on("pointerdown", (event) => {
+    if (event.button > 1 || (event.target as HTMLElement).closest("button")) return;
+    from = last = toPoint(event);
+    kind = "none";
+    element.setPointerCapture(event.pointerId);
+  });
+  on("pointermove", (event) => {
+    const point = toPoint(event);
+    if (!from) {
+      if (event.pointerType !== "touch") gestures.onHover(point);
+      return;
+    }
+    if (kind === "none") {
+      if (Math.hypot(point.x - from.x, point.y - from.y) < FEW) return;
+      kind = event.altKey || event.buttons & 4 ? "pan" : event.shiftKey ? "rays" : "select";
+      gestures.onHover(null);
+    }
+    if (kind === "pan") gestures.onPan(last.x - point.x);
+    else gestures.onSelect(from, point, kind === "rays", false);
+    last = point;
+  });
+  const onEnd = (event: PointerEvent, cancelled: boolean) => {
+    if (!from) return;
+    const [start, point] = [from, toPoint(event)];
+    from = null;
+    if (cancelled) return;
+    if (kind === "none" && event.button === 0) gestures.onPick(point);
+    else if (kind !== "pan") gestures.onSelect(start, point, kind === "rays", true);
+  };
+  on("pointerup", (event) => onEnd(event, false));
+  on("pointercancel", (event) => onEnd(event, true));
+}

@@ -1,0 +1,41 @@
+import type { Size } from "../shared/canvas.ts";
+import type { Whole } from "./data.ts";
+
+/** A stretch of the picture from top to bottom. */
+export interface Band {
+  top: number;
+  height: number;
+}
+
+/** Where everything stands in the picture, in pixels. */
+export interface Layout {
+  left: number;
+  width: number;
+  scans: Band;
+  /** One for each axis of the speeds. */
+  speeds: Band[];
+  touch: Band | null;
+  /** Where the numbers of the time axis begin. */
+  bottom: number;
+  height: number;
+}
+
+const TOP = 14;
+const AXIS = 24;
+const GAP = 8;
+const SPEED = 30;
+const TOUCH = 12;
+
+export function layOut({ width, height }: Size, whole: Whole | null, notice: number): Layout {
+  const [left, right] = width < 400 ? [50, 10] : [62, 16];
+  const bottom = height - AXIS;
+  let top = bottom;
+  const take = (size: number): Band => {
+    top -= size + GAP;
+    return { top: top + GAP, height: size };
+  };
+  const touch = whole?.touch ? take(TOUCH) : null;
+  const speeds = (whole?.speed?.axes ?? []).map(() => take(SPEED)).reverse();
+  const scans = { top: TOP + notice, height: Math.max(20, top - TOP - notice) };
+  return { left, width: Math.max(20, width - left - right), scans, speeds, touch, bottom, height };
+}

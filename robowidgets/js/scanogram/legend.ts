@@ -1,0 +1,66 @@
+import { READING } from "../laser/scan.ts";
+import { CLASSES } from "../laser/words.ts";
+import { make, makeButton, setText } from "../shared/dom.ts";
+import { toMetres } from "../shared/format.ts";
+import type { Theme } from "../shared/theme.ts";
+import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, TOO_CLOSE, type Whole } from "./data.ts";
+import { classColors, distanceColors } from "./palette.ts";
+import { toShare } from "./words.ts";
+
+const CODES: Record<string, number> = {
+  too_close: TOO_CLOSE,
+  outside_limits: OUTSIDE_LIMITS,
+  no_measurement: NO_MEASUREMENT,
+  nothing_in_range: NOTHING_IN_RANGE,
+};
+
+/** Below the picture: what the colours mean, how much there is of each class, the time cursor and the selection. */
+export class Legend {
+  readonly #scale = make("span", "rw-scale");
+  readonly #near = make("b", "");
+  readonly #far = make("b", "");
+  readonly #bar = make("span", "rw-scale-bar");
+  readonly #classes = make("span", "rw-counts");
+  readonly #time = make("b", "");
+  readonly #selected = make("span", "rw-selected");
+  readonly #clear: HTMLButtonElement;
+
+  constructor(footer: HTMLElement, onClear: () => void, signal: AbortSignal) {
+    this.#clear = makeButton("rw-clear", "Clear the selection (Escape)", onClear, signal);
+    this.#clear.textContent = "\u00D7";
+    this.#scale.append(this.#near, this.#bar, this.#far);
+    const key = make("span", "rw-key");
+    key.append(this.#scale, this.#classes);
+    const state = make("span", "rw-state");
+    const cursor = make("span", "rw-cursor", "t ");
+    cursor.append(this.#time);
+    state.append(this.#selected, this.#clear, cursor);
+    footer.append(key, state);
+  }
+
+  drawKey(whole: Whole | null, [near, far]: [number, number], theme: Theme): void {
+    this.#scale.hidden = whole === null;
+    const all = (whole?.counts ?? []).reduce((sum, count) => sum + count, 0);
+    setText(this.#near, toMetres(near));
+    setText(this.#far, toMetres(far));
+    this.#bar.style.background = `linear-gradient(to right, ${distanceColors(theme.dark).join(",")})`;
+    const shown = CLASSES.filter(({ kind }) => kind !== READING && (whole?.counts[kind] ?? 0) > 0);
+    const colors = classColors(theme);
+    this.#classes.replaceChildren(
+      ...shown.map(({ kind, name, word, explained }) => {
+        const item = make("span", "rw-class");
+        item.title = explained;
+        const swatch = make("span", "rw-swatch");
+        swatch.style.background = colors[CODES[name] ?? 0] ?? "";
+        item.append(swatch, make("b", "", toShare(whole?.counts[kind] ?? 0, all)), make("span", "rw-class-word", word));
+        return item;
+      }),
+    );
+  }
+
+  drawState(time: string, selection: string): void {
+    setText(this.#time, time);
+    setText(this.#selected, selection);
+    this.#clear.hidden = !selection;
+  }
+}

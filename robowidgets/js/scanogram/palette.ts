@@ -1,0 +1,40 @@
+import { VIRIDIS } from "../laser/viridis.ts";
+import type { Theme } from "../shared/theme.ts";
+import { FARTHEST, NO_MEASUREMENT, NO_SCAN, NOTHING_IN_RANGE, OUTSIDE_LIMITS, type Sweep, TOO_CLOSE } from "./data.ts";
+
+/** How a class without a distance is painted. */
+export function classColors(theme: Theme): Record<number, string> {
+  const grays = theme.dark ? ["#262d34", "#6b7785", "#a9b4c0"] : ["#eef1f4", "#b9c2cc", "#7d8997"];
+  const [nothing = "", outside = "", none = ""] = grays;
+  return {
+    [NOTHING_IN_RANGE]: nothing,
+    [OUTSIDE_LIMITS]: outside,
+    [NO_MEASUREMENT]: none,
+    [TOO_CLOSE]: theme.reading,
+  };
+}
+
+/** From near to far. The darkest would drown in a dark page. */
+export function distanceColors(dark: boolean): string[] {
+  return dark ? VIRIDIS.slice(6) : VIRIDIS;
+}
+
+/** The colour of every code, as an ImageData holds it. */
+export function toPalette(theme: Theme, sweep: Sweep, [near, far]: [number, number]): Uint32Array {
+  const palette = new Uint32Array(65_536);
+  const colors = distanceColors(theme.dark).map(toPixel);
+  const perCode = (sweep.rangeMax - sweep.rangeMin) / FARTHEST;
+  for (let code = 0; code <= FARTHEST; code++) {
+    const part = (sweep.rangeMin + code * perCode - near) / (far - near || 1);
+    palette[code] = colors[Math.min(colors.length - 1, Math.max(0, Math.floor(part * colors.length)))] ?? 0;
+  }
+  for (const [code, color] of Object.entries(classColors(theme))) palette[Number(code)] = toPixel(color);
+  palette[NO_SCAN] = 0;
+  return palette;
+}
+
+/** "#rrggbb" as the number that a little-endian machine stores as red, green, blue, opaque. */
+function toPixel(color: string): number {
+  const [red, green, blue] = [1, 3, 5].map((at) => Number.parseInt(color.slice(at, at + 2), 16));
+  return ((255 << 24) | ((blue ?? 0) << 16) | ((green ?? 0) << 8) | (red ?? 0)) >>> 0;
+}

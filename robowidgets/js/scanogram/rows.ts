@@ -1,0 +1,42 @@
+import { ticks } from "d3-array";
+import { isFullCircle } from "../laser/scan.ts";
+import type { Sweep } from "./data.ts";
+
+const TURN = 2 * Math.PI;
+const DEGREE = Math.PI / 180;
+const STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90];
+
+/** Which ray stands in which row, from the bottom up: angles grow upwards. */
+export interface Rows {
+  /** By row: the index of the ray, and its angle in radians. */
+  indices: number[];
+  angles: number[];
+  /** By index: the row. */
+  rowOf: number[];
+}
+
+/** Rays as the scanner's angles have them; where they close a circle, forward is in the middle. */
+export function toRows({ angleMin, angleIncrement, count }: Sweep): Rows {
+  const isCircle = isFullCircle({ angleMin, angleIncrement, count });
+  const bottom = -Math.PI - Math.abs(angleIncrement) / 2;
+  const turn = (angle: number) => (isCircle ? angle - TURN * Math.floor((angle - bottom) / TURN) : angle);
+  const byIndex = Array.from({ length: count }, (_, i) => turn(angleMin + i * angleIncrement));
+  const indices = byIndex.map((_, i) => i).sort((a, b) => (byIndex[a] as number) - (byIndex[b] as number));
+  const rowOf: number[] = [];
+  for (const [row, index] of indices.entries()) rowOf[index] = row;
+  return { indices, angles: indices.map((index) => byIndex[index] as number), rowOf };
+}
+
+/** Rows with round angles, at least `apart` pixels from each other in a picture of a height. */
+export function angleTicks({ angles }: Rows, height: number, apart: number): number[] {
+  const [low = 0, high = 0] = [angles[0], angles.at(-1)];
+  if (angles.length < 2) return angles.map((_, row) => row);
+  const perDegree = (height * DEGREE) / ((high - low) * (angles.length / (angles.length - 1)));
+  const step = (STEPS.find((degrees) => degrees * perDegree >= apart) ?? 90) * DEGREE;
+  const half = (high - low) / (angles.length - 1) / 2;
+  const [first, last] = [Math.ceil((low - half) / step), Math.floor((high + half) / step)];
+  if (last < first) return [];
+  return ticks(first, last, last - first + 1).map((n) =>
+    Math.min(angles.length - 1, Math.max(0, Math.round((n * step - low) / (2 * half)))),
+  );
+}

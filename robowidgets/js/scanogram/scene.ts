@@ -1,0 +1,182 @@
+import { Layer, type Size } from "../shared/canvas.ts";
+import type { Theme } from "../shared/theme.ts";
+import { type Span, type TimeAxis, toX } from "./axis.ts";
+import type { Whole } from "./data.ts";
+import { drawAngles, drawFrame, drawTimes } from "./draw_axes.ts";
+import { drawSpeed, drawTouches } from "./draw_strips.ts";
+import { type Layout, layOut } from "./layout.ts";
+import { toRaster } from "./paint.ts";
+import { toPalette } from "./palette.ts";
+import { type Rows, toRows } from "./rows.ts";
+import type { State } from "./state.ts";
+
+const NO_ROWS: Rows = { indices: [], angles: [], rowOf: [] };
+
+/** Where a person points. */
+export interface Pointed {
+  time: number;
+  row: number;
+}
+
+/** The canvases of one view: beneath, the scans and strips; above, what a person points at and sets. */
+export class Scene {
+  layout: Layout = layOut({ width: 0, height: 0 }, null, 0);
+  axis: TimeAxis = { span: [0, 1], left: 0, width: 1 };
+  rows = NO_ROWS;
+  readonly #base: Layer;
+  readonly #top: Layer;
+  readonly #pixels = document.createElement("canvas");
+  #size: Size = { width: 0, height: 0 };
+  #whole: Whole | null = null;
+  #palette: { key: string; colors: Uint32Array } | null = null;
+
+  constructor(parent: HTMLElement) {
+    this.#base = new Layer(parent);
+    this.#top = new Layer(parent);
+  }
+
+  /** Columns of the picture on the screen. */
+  get columns(): number {
+    return Math.round(this.layout.width * (window.devicePixelRatio || 1));
+  }
+
+  measure(size: Size, whole: Whole | null, span: Span, notice: number): void {
+    this.#size = size;
+    if (whole !== this.#whole) {
+      this.#whole = whole;
+      this.rows = whole ? toRows(whole.sweep) : NO_ROWS;
+      this.#palette = null;
+    }
+    this.layout = layOut(size, whole, notice);
+    this.axis = { span, left: this.layout.left, width: this.layout.width };
+  }
+
+  drawBase(state: State, theme: Theme): void {
+    const context = this.#base.begin(this.#size);
+    const { whole, blocks } = state;
+    const { layout, axis, rows } = this;
+    context.fillStyle = theme.area;
+    if (!whole || !blocks) context.fillRect(layout.left, layout.scans.top, layout.width, layout.scans.height);
+    drawFrame(context, layout, theme);
+    if (!whole || !blocks) return;
+    const height = Math.round(layout.scans.height * (window.devicePixelRatio || 1));
+    const raster = toRaster(blocks.all, rows, axis.span, this.columns, height);
+    const palette = this.#paletteFor(whole, state.colors, theme);
+    const image = new ImageData(raster.width, raster.height);
+    const pixels = new Uint32Array(image.data.buffer);
+    for (let i = 0; i < pixels.length; i++) pixels[i] = palette[raster.codes[i] as number] as number;
+    this.#pixels.width = raster.width;
+    this.#pixels.height = raster.height;
+    this.#pixels.getContext("2d")?.putImageData(image, 0, 0);
+    context.imageSmoothingEnabled = false;
+    context.drawImage(this.#pixels, layout.left, layout.scans.top, layout.width, layout.scans.height);
+    drawAngles(context, rows, layout, theme);
+    drawTimes(context, axis, layout, theme);
+    const speeds = blocks.speedsIn(axis.span);
+    for (const [i, band] of layout.speeds.entries()) {
+      if (whole.speed && speeds) drawSpeed(context, axis, band, whole.speed, speeds, i, theme);
+    }
+    if (layout.touch && whole.touch) {
+      drawTouches(context, axis, layout.touch, whole.touch.spans, theme);
+    }
+  }
+
+  /** The selection, the time cursor, and the ray that is pointed at. */
+  drawTop(time: number, selection: number[] | null, pointed: Pointed | null, theme: Theme): void {
+    const context = this.#top.begin(this.#size);
+    if (!this.#whole) return;
+    const { layout, axis } = this;
+    const { left, width, bottom, scans } = layout;
+    context.save();
+    context.beginPath();
+    context.rect(left - 7, 0, width + 14, bottom);
+    context.clip();
+    if (selection) this.#drawSelection(context, selection, theme);
+    if (pointed) {
+      const [x, y] = [toX(axis, pointed.time), this.toY(pointed.row)];
+      context.fillStyle = theme.pointer;
+      context.fillRect(Math.round(x), scans.top, 1, bottom - scans.top);
+      context.beginPath();
+      context.arc(x, y, 4.5, 0, 2 * Math.PI);
+      context.lineWidth = 3.5;
+      context.strokeStyle = theme.background;
+      context.stroke();
+      context.lineWidth = 2;
+      context.strokeStyle = theme.pointer;
+      context.stroke();
+    }
+    const x = Math.round(toX(axis, time)) + 0.5;
+    if (x >= left - 1 && x <= left + width + 1) {
+      context.fillStyle = theme.background;
+      context.fillRect(x - 1.5, scans.top, 3, scans.height);
+      context.fillStyle = theme.ink;
+      context.fillRect(x - 0.5, scans.top - 2, 1, bottom - scans.top + 2);
+      context.beginPath();
+      context.moveTo(x, scans.top - 1);
+      context.lineTo(x - 5.5, scans.top - 9);
+      context.lineTo(x + 5.5, scans.top - 9);
+      context.fill();
+    }
+    context.restore();
+  }
+
+  /** The row at a height of the picture, from the bottom up; kept within the picture. */
+  toRow(y: number): number {
+    const { top, height } = this.layout.scans;
+    const count = this.rows.indices.length;
+    return Math.min(count - 1, Math.max(0, Math.floor((1 - (y - top) / height) * count)));
+  }
+
+  /** The middle of a row. */
+  toY(row: number): number {
+    const { top, height } = this.layout.scans;
+    return top + (1 - (row + 0.5) / this.rows.indices.length) * height;
+  }
+
+  #drawSelection(context: CanvasRenderingContext2D, selection: number[], theme: Theme): void {
+    const [start = 0, end = 0, first, stop] = selection;
+    const { left, width, scans, bottom } = this.layout;
+    const from = Math.max(left - 2, toX(this.axis, start));
+    const to = Math.min(left + width + 2, toX(this.axis, end));
+    if (to <= from) return;
+    const boxes: [number, number][] = [];
+    if (first === undefined || stop === undefined) {
+      boxes.push([scans.top, bottom - scans.top]);
+    } else {
+      for (const [low, high] of runs(this.rows, first, stop)) {
+        const top = this.toY(high) - scans.height / this.rows.indices.length / 2;
+        boxes.push([top, this.toY(low) + scans.height / this.rows.indices.length / 2 - top]);
+      }
+    }
+    for (const [top, height] of boxes) {
+      context.globalAlpha = 0.16;
+      context.fillStyle = theme.pointer;
+      context.fillRect(from, top, to - from, height);
+      context.globalAlpha = 1;
+      context.lineWidth = 3;
+      context.strokeStyle = theme.background;
+      context.strokeRect(from, top, to - from, height);
+      context.lineWidth = 1.5;
+      context.strokeStyle = theme.pointer;
+      context.strokeRect(from, top, to - from, height);
+    }
+  }
+
+  #paletteFor(whole: Whole, colors: [number, number], theme: Theme): Uint32Array {
+    const key = `${colors}${theme.dark}${theme.reading}`;
+    if (this.#palette?.key !== key) this.#palette = { key, colors: toPalette(theme, whole.sweep, colors) };
+    return this.#palette.colors;
+  }
+}
+
+/** The rows of a span of indices, as lowest and highest of each stretch: a circle may cut them in two. */
+export function runs({ rowOf }: Rows, first: number, stop: number): [number, number][] {
+  const rows = rowOf.slice(first, stop).sort((a, b) => a - b);
+  const found: [number, number][] = [];
+  for (const row of rows) {
+    const last = found.at(-1);
+    if (last && row === last[1] + 1) last[1] = row;
+    else found.push([row, row]);
+  }
+  return found;
+}

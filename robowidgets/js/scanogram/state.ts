@@ -1,0 +1,132 @@
+import { toBytes } from "../shared/bytes.ts";
+import { type Model, onChange, put } from "../shared/model.ts";
+import { spaced } from "../shared/schedule.ts";
+import type { Stream } from "../shared/stream.ts";
+import type { Span } from "./axis.ts";
+import { Blocks } from "./blocks.ts";
+import { type Detail, decodeDetail, type Whole } from "./data.ts";
+
+const ASK_MS = 120;
+const LATE_MS = 400;
+
+/** What all views of one model share: the scans as far as they are known, and the asking for more. */
+export class State {
+  readonly #model: Model;
+  readonly #stream: Stream<Whole>;
+  readonly #ask: () => void;
+  readonly #signal: AbortSignal;
+  readonly #listeners = new Set<() => void>();
+  #known: { whole: Whole; blocks: Blocks } | null = null;
+  #seen: { span: Span; columns: number } | null = null;
+  #asked = "";
+  #late: ReturnType<typeof setTimeout> | undefined;
+  /** Whether Python has been asked for finer detail, and has not answered for a while. */
+  waits = false;
+
+  constructor(model: Model, stream: Stream<Whole>, signal: AbortSignal) {
+    this.#model = model;
+    this.#stream = stream;
+    this.#signal = signal;
+    this.#ask = spaced(() => this.#askNow(), ASK_MS, signal);
+    const tell = () => this.#tell();
+    onChange(model, ["time", "selection", "view", "color_range"], tell, signal);
+    onChange(model, ["_detail"], () => this.#onDetail(), signal);
+    stream.listen(tell, signal);
+    signal.addEventListener("abort", () => clearTimeout(this.#late));
+  }
+
+  listen(callback: () => void, signal: AbortSignal): void {
+    this.#listeners.add(callback);
+    signal.addEventListener("abort", () => this.#listeners.delete(callback));
+  }
+
+  get whole(): Whole | null {
+    return this.#stream.shown;
+  }
+
+  get blocks(): Blocks | null {
+    const whole = this.whole;
+    if (!whole) return null;
+    if (this.#known?.whole !== whole) {
+      this.#known = { whole, blocks: new Blocks(whole) };
+      this.#asked = "";
+      this.#take(this.#known.blocks, whole);
+    }
+    return this.#known.blocks;
+  }
+
+  get time(): number {
+    return Number(this.#model.get("time") ?? 0);
+  }
+
+  get selection(): number[] | null {
+    return this.#model.get("selection") as number[] | null;
+  }
+
+  /** The time on show. */
+  get view(): Span {
+    const duration = this.whole?.duration ?? 1;
+    const [start, end] = (this.#model.get("view") as Span | null) ?? [0, duration];
+    return start < duration ? [start, end] : [0, duration];
+  }
+
+  get colors(): [number, number] {
+    return (this.#model.get("color_range") as [number, number] | null) ?? this.whole?.colors ?? [0, 1];
+  }
+
+  /** Sets traits on the page at once, and tells Python when it has time. */
+  set(values: { time?: number; selection?: number[] | null; view?: Span | null }): void {
+    put(this.#model, values);
+  }
+
+  /** A view shows a span in so many columns: what is missing is asked for. */
+  look(span: Span, columns: number): void {
+    this.#seen = { span, columns };
+    if (this.blocks?.wants(span, columns)) this.#ask();
+    else this.#settle();
+  }
+
+  #askNow(): void {
+    const seen = this.#seen;
+    if (!seen || !this.blocks?.wants(seen.span, seen.columns)) return;
+    const wanted = [...seen.span, seen.columns];
+    const asked = wanted.join();
+    if (asked === this.#asked) return;
+    this.#asked = asked;
+    put(this.#model, { _wanted: wanted });
+    if (this.#late === undefined && !this.waits) {
+      this.#late = setTimeout(() => {
+        this.waits = true;
+        this.#tell();
+      }, LATE_MS);
+    }
+  }
+
+  #onDetail(): void {
+    const whole = this.whole;
+    const detail = whole && this.blocks && this.#take(this.blocks, whole);
+    // An answer to an earlier question may come first; the last one ends the wait, as fine as Python makes it.
+    if (detail && this.#asked.startsWith(`${detail.span},`)) this.#settle();
+    this.#tell();
+  }
+
+  /** Takes in what Python answered, or what a reload finds of it. */
+  #take(blocks: Blocks, whole: Whole): Detail | null {
+    const bytes = toBytes(this.#model.get("_detail"));
+    if (!bytes) return null;
+    const detail = decodeDetail(bytes, whole.sweep);
+    blocks.add(detail);
+    return detail;
+  }
+
+  #settle(): void {
+    clearTimeout(this.#late);
+    this.#late = undefined;
+    this.waits = false;
+  }
+
+  #tell(): void {
+    if (this.#signal.aborted) return;
+    for (const listener of this.#listeners) listener();
+  }
+}

@@ -1,0 +1,183 @@
+import { Popup } from "../laser/popup.ts";
+import type { Point } from "../laser/projection.ts";
+import { type Size, watchSize } from "../shared/canvas.ts";
+import { Card } from "../shared/card.ts";
+import { make, makeButton } from "../shared/dom.ts";
+import { toCount } from "../shared/format.ts";
+import { type Model, onChange } from "../shared/model.ts";
+import { onceAFrame } from "../shared/schedule.ts";
+import type { Stream } from "../shared/stream.ts";
+import { moved, type Span, toSeconds, toTime, toX, zoomed } from "./axis.ts";
+import type { Whole } from "./data.ts";
+import { watchGestures } from "./gestures.ts";
+import { Legend } from "./legend.ts";
+import { placeBeside } from "./popup_place.ts";
+import { type Pointed, Scene } from "./scene.ts";
+import type { State } from "./state.ts";
+import { describePlace, describeSelection } from "./words.ts";
+
+const LATE = "finer detail when the kernel is free";
+
+/** One view of a scanogram: it wires the card, the scene, the legend, the pop-up and the gestures together. */
+export class ScanogramView {
+  readonly #state: State;
+  readonly #card: Card;
+  readonly #scene: Scene;
+  readonly #legend: Legend;
+  readonly #popup: Popup;
+  readonly #empty = make("div", "rw-empty", "waiting for scans");
+  readonly #chip = make("div", "rw-chip", LATE);
+  readonly #all: HTMLButtonElement;
+  readonly #redraw: () => void;
+  readonly #redrawTop: () => void;
+  #size: Size = { width: 0, height: 0 };
+  #pointer: Point | null = null;
+  /** A selection that is being dragged. */
+  #draft: number[] | null = null;
+
+  constructor(model: Model, element: HTMLElement, stream: Stream<Whole>, state: State, signal: AbortSignal) {
+    this.#state = state;
+    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#redrawTop = onceAFrame(() => this.#drawTop(), signal);
+    this.#card = new Card(element, "scanogram", model, stream, this.#redraw, signal, { freezes: false });
+    const { picture, footer } = this.#card;
+    this.#scene = new Scene(picture);
+    this.#legend = new Legend(footer, () => this.onClear(), signal);
+    this.#popup = new Popup(picture);
+    picture.append(this.#empty, this.#chip);
+    const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(0.5, null), signal);
+    closer.textContent = "+";
+    const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(2, null), signal);
+    farther.textContent = "\u2212";
+    this.#all = makeButton("rw-all", "Show all of it (0, double click)", () => this.onReset(), signal);
+    this.#all.textContent = "All";
+    this.#card.addControls(farther, closer, this.#all);
+    onChange(model, ["time", "selection"], this.#redrawTop, signal);
+    state.listen(this.#redraw, signal);
+    watchGestures(picture, this, signal);
+    const onSize = (size: Size) => {
+      this.#size = size;
+      this.#draw();
+    };
+    watchSize(picture, onSize, signal);
+  }
+
+  onHover(point: Point | null): void {
+    this.#pointer = point;
+    this.#redrawTop();
+  }
+
+  onPick({ x }: Point): void {
+    const { blocks } = this.#state;
+    if (!blocks) return;
+    const time = toTime(this.#scene.axis, x);
+    const place = blocks.at(time, 0);
+    // Where single scans are known, the cursor stands on one.
+    this.#state.set({ time: place?.scans === 1 ? place.time : Math.round(time * 1e4) / 1e4 });
+  }
+
+  onSelect(from: Point, to: Point, rays: boolean, done: boolean): void {
+    if (!this.#state.whole) return;
+    const times = [from, to].map(({ x }) => Math.round(toTime(this.#scene.axis, x) * 1e4) / 1e4);
+    const [start, end] = [Math.min(...times), Math.max(...times)];
+    const rows = [from, to].map(({ y }) => this.#scene.rows.indices[this.#scene.toRow(y)] ?? 0);
+    this.#draft = rays ? [start, end, Math.min(...rows), Math.max(...rows) + 1] : [start, end];
+    if (done) {
+      const selection = this.#draft;
+      this.#draft = null;
+      if (end > start) this.#state.set({ selection });
+    }
+    this.#redrawTop();
+  }
+
+  onPan(pixels: number): void {
+    const { whole, view } = this.#state;
+    if (whole) this.#look(moved(view, (pixels / this.#scene.axis.width) * (view[1] - view[0]), whole.duration));
+  }
+
+  canZoom(factor: number): boolean {
+    const { whole, view } = this.#state;
+    const length = view[1] - view[0];
+    return whole !== null && (factor < 1 ? length > whole.pause : length < whole.duration);
+  }
+
+  onZoom(factor: number, point: Point | null): void {
+    const { whole, view, time } = this.#state;
+    if (!whole) return;
+    const isSeen = time >= view[0] && time <= view[1];
+    const around = point ? toTime(this.#scene.axis, point.x) : isSeen ? time : (view[0] + view[1]) / 2;
+    this.#look(zoomed(view, factor, around, whole.duration, whole.pause));
+  }
+
+  onReset(): void {
+    this.#state.set({ view: null });
+  }
+
+  onClear(): void {
+    this.#draft = null;
+    this.#state.set({ selection: null });
+  }
+
+  onStep(by: number): void {
+    const { whole, blocks, time, view } = this.#state;
+    if (!whole || !blocks) return;
+    const next = Number.isFinite(by) ? blocks.step(time, by) : by < 0 ? 0 : whole.duration;
+    this.#state.set({ time: next });
+    if (next < view[0] || next > view[1]) {
+      this.#look(moved(view, next - (view[0] + view[1]) / 2, whole.duration));
+    }
+  }
+
+  #look(span: Span): void {
+    const duration = this.#state.whole?.duration ?? 0;
+    this.#state.set({ view: span[1] - span[0] >= duration * (1 - 1e-9) ? null : span });
+  }
+
+  #draw(): void {
+    const { whole, view, colors } = this.#state;
+    if (!this.#size.width) return;
+    const facts = whole ? [`${toCount(whole.scanCount)} scans`, `${toCount(whole.sweep.count)} rays`] : [];
+    this.#card.update([...facts, whole ? toSeconds(whole.duration, 1) : ""], "scans");
+    this.#empty.hidden = whole !== null;
+    this.#chip.hidden = !this.#state.waits;
+    this.#all.disabled = view[1] - view[0] >= (whole?.duration ?? 0);
+    const { theme } = this.#card;
+    this.#scene.measure(this.#size, whole, view, this.#card.noticeHeight);
+    this.#scene.drawBase(this.#state, theme);
+    this.#legend.drawKey(whole, colors, theme);
+    this.#state.look(view, this.#scene.columns);
+    this.#drawTop();
+  }
+
+  #drawTop(): void {
+    const { time, selection, blocks } = this.#state;
+    const shown = this.#draft ?? selection;
+    const pointed = this.#drawPopup();
+    this.#scene.drawTop(time, shown, pointed, this.#card.theme);
+    const scans = blocks?.count((shown ?? [0, 0]) as Span) ?? { scans: 0, exact: true };
+    this.#legend.drawState(toSeconds(time), shown ? describeSelection(shown, scans) : "");
+  }
+
+  /** Names what is pointed at. */
+  #drawPopup(): Pointed | null {
+    const { whole, blocks } = this.#state;
+    const point = this.#pointer;
+    const { left, width, scans, height } = this.#scene.layout;
+    const isInside = point && point.x >= left && point.x < left + width && point.y >= scans.top && point.y < height;
+    if (!whole || !blocks || !point || !isInside || point.y > scans.top + scans.height) {
+      this.#popup.hide();
+      return null;
+    }
+    const row = this.#scene.toRow(point.y);
+    const time = toTime(this.#scene.axis, point.x);
+    const place = blocks.at(time, this.#scene.rows.indices[row] ?? 0);
+    if (!place) {
+      this.#popup.hide();
+      return null;
+    }
+    const words = describePlace(place, this.#scene.rows.angles[row] ?? 0, whole.sweep);
+    const at = { x: toX(this.#scene.axis, time), y: this.#scene.toY(row) };
+    this.#popup.show(words, (size) => placeBeside(size, this.#size, at));
+    return { time, row };
+  }
+}

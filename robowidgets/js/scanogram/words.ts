@@ -1,0 +1,66 @@
+import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, TOO_CLOSE, type Validity } from "../laser/scan.ts";
+import { meaningOf, type RayWords, sideOf } from "../laser/words.ts";
+import { toCount, toDegrees, toFixed, toMetres } from "../shared/format.ts";
+import { toSeconds } from "./axis.ts";
+import type { Place } from "./blocks.ts";
+import * as codes from "./data.ts";
+
+const KINDS: Record<number, Validity> = {
+  [codes.TOO_CLOSE]: TOO_CLOSE,
+  [codes.OUTSIDE_LIMITS]: OUTSIDE_LIMITS,
+  [codes.NO_MEASUREMENT]: NO_MEASUREMENT,
+  [codes.NOTHING_IN_RANGE]: NOTHING_IN_RANGE,
+};
+const SYMBOLS: Record<number, string> = {
+  [TOO_CLOSE]: "\u2212inf",
+  [NOTHING_IN_RANGE]: "+inf",
+  [NO_MEASUREMENT]: "NaN",
+  [OUTSIDE_LIMITS]: "outside",
+};
+
+export function kindOf(code: number): Validity {
+  return KINDS[code] ?? READING;
+}
+
+/** What the pop-up says of a ray at a moment. */
+export function describePlace(place: Place, angle: number, sweep: codes.Sweep): RayWords {
+  const kind = kindOf(place.code);
+  const known = kind === OUTSIDE_LIMITS && place.exact ? `${toFixed(place.range, 3)} m` : SYMBOLS[kind];
+  const lines = [meaningOf({ kinds: [kind], ...sweep }, 0), toMoment(place), nearestOf(place)];
+  return {
+    expression: `ranges[${place.index}]`,
+    distance: kind === READING ? toMetres(place.range) : (known ?? ""),
+    angle: toDegrees(angle),
+    details: lines.filter(Boolean).join("\n"),
+    side: sideOf(angle),
+  };
+}
+
+function toMoment({ scan, scans, time }: Place): string {
+  return scans === 1 ? `${toSeconds(time)}  scan ${toCount(scan)}` : `from ${toSeconds(time)}`;
+}
+
+/** Says of how many this is one, where it is not all there is. */
+function nearestOf({ scans, rays, code }: Place): string {
+  if (scans === 1 && rays === 1) return "";
+  const parts = [scans > 1 ? `${toCount(scans)} scans` : "", rays > 1 ? `${rays} rays` : ""].filter(Boolean);
+  return `${kindOf(code) === READING ? "nearest of" : "all of"} ${parts.join(", ")}`;
+}
+
+/** A share of all rays: "9 %"; what there is hardly any of is never "0 %". */
+export function toShare(count: number, all: number): string {
+  if (count === 0 || all === 0) return "0 %";
+  const percent = (100 * count) / all;
+  if (percent < 0.1) return "< 0.1 %";
+  if (percent < 1) return `${toFixed(percent, 1)} %`;
+  return `${toFixed(count < all ? Math.min(99, percent) : 100, 0)} %`;
+}
+
+/** "selection 38.00 – 52.50 s · 73 scans" without the first word. */
+export function describeSelection(selection: number[], scans: { scans: number; exact: boolean }): string {
+  const [start = 0, end = 0, first, stop] = selection;
+  const rays = first === undefined || stop === undefined ? "" : ` · [${first}] to [${stop - 1}]`;
+  return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}${rays} · ${scans.exact ? "" : "about "}${toCount(scans.scans)} ${
+    scans.scans === 1 ? "scan" : "scans"
+  }`;
+}

@@ -1,0 +1,39 @@
+const SCROLL_PAUSE_MS = 250;
+
+/**
+ * Hands on the turns of the wheel, unless it was already scrolling the page when the picture came under the pointer.
+ *
+ * @param onWheel whether there was a use for a turn; else the page scrolls, but not at the end of a row of useful turns
+ */
+export function watchWheel(element: HTMLElement, onWheel: (event: WheelEvent) => boolean, signal: AbortSignal): void {
+  let pointed = false;
+  let scrolled = -Infinity;
+  let used = -Infinity;
+  const onMove = (event: PointerEvent) => {
+    pointed ||= event.movementX !== 0 || event.movementY !== 0;
+  };
+  const onDown = () => {
+    pointed = true;
+    scrolled = -Infinity;
+  };
+  const onLeave = () => {
+    pointed = false;
+  };
+  const onPage = (event: WheelEvent) => {
+    if (!element.contains(event.target as Node)) scrolled = event.timeStamp;
+  };
+  const onTurn = (event: WheelEvent) => {
+    if (!pointed || event.timeStamp - scrolled < SCROLL_PAUSE_MS) {
+      scrolled = event.timeStamp;
+      return;
+    }
+    if (!onWheel(event) && event.timeStamp - used > SCROLL_PAUSE_MS) return;
+    used = event.timeStamp;
+    event.preventDefault();
+  };
+  element.addEventListener("pointermove", onMove, { signal });
+  element.addEventListener("pointerdown", onDown, { signal });
+  element.addEventListener("pointerleave", onLeave, { signal });
+  window.addEventListener("wheel", onPage, { signal, passive: true, capture: true });
+  element.addEventListener("wheel", onTurn, { signal, passive: false });
+}

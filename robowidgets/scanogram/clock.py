@@ -1,0 +1,54 @@
+"""When the scans of a scanogram were, on an axis that only goes forward."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+GAP = 3.0
+"""Long pauses between two scans, after which there is a gap; a tenth of all pauses is longer than such a one."""
+
+_PAUSE = 0.1
+
+
+class Clock:
+    """Start and end of every scan in seconds; the end is where the next begins, or where a gap does.
+
+    ``pause`` is the usual time from one to the next, ``gap`` the longest without a gap. A time that goes back counts as
+    the latest before it: `notes` says so.
+
+    Args:
+        times_ns: shape (N,), in the order of arrival.
+        start_ns: what counts as 0 s.
+    """
+
+    def __init__(self, times_ns: NDArray[np.int64], start_ns: int) -> None:
+        self.starts = (np.maximum.accumulate(times_ns) - start_ns) / 1e9
+        steps = np.diff(self.starts)
+        moving = steps[steps > 0]
+        self.pause = float(np.median(moving)) if moving.size else _PAUSE
+        self.gap = GAP * float(np.quantile(moving, 0.9)) if moving.size else GAP * _PAUSE
+        follows = np.append(steps, np.inf)
+        self.ends = self.starts + np.where(follows > self.gap, self.pause, follows)
+        back = int((np.diff(times_ns) < 0).sum())
+        self.notes = (f"the clock goes back {_times(back)}: shown in the order of arrival",) if back else ()
+        if len(times_ns) > 1 and not moving.size:
+            self.notes = (f"the clock stands still: all {len(times_ns)} scans have the same time",)
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    def between(self, start: float, end: float) -> tuple[int, int]:
+        """The number of the first scan on show between two times in seconds, and of the first after it."""
+        first = int(np.searchsorted(self.ends, start, "right"))
+        return first, max(first, int(np.searchsorted(self.starts, end, "left")))
+
+    def cells(self, level: int, start: int, stop: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Start and end of the cells of a level, from one number up to, not including, another."""
+        size, count = 1 << level, len(self)
+        firsts = np.arange(start, stop) * size
+        return self.starts[firsts], self.ends[np.minimum(firsts + size, count) - 1]
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"

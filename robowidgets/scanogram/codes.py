@@ -1,0 +1,53 @@
+"""Ranges as whole numbers whose order says which of several is shown where there is room for one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Codes = NDArray[np.uint16]
+
+FARTHEST = 65_000
+"""Code of range_max; that of range_min is 0, and readings between lie evenly between."""
+
+TOO_CLOSE, OUTSIDE_LIMITS, NO_MEASUREMENT, NOTHING_IN_RANGE = 65_531, 65_532, 65_533, 65_534
+NO_SCAN = 65_535
+
+WITHOUT_READING = (TOO_CLOSE, NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS)
+"""Codes of the classes of `Validity` from TOO_CLOSE on, in its order."""
+
+
+def encode(ranges: NDArray[np.float32], range_min: float, range_max: float) -> Codes:
+    """Ranges in metres as codes of the same shape.
+
+    The least code of several rays is what is shown of them: the nearest reading; where there is none, the first of too
+    close, outside the limits, no measurement, nothing in range. So nothing near vanishes in a coarse picture.
+
+    Source: REP-117 for the classes.
+    """
+    low, high = np.float32(range_min), np.float32(range_max)
+    reading = ranges >= low
+    reading &= ranges <= high
+    with np.errstate(invalid="ignore", over="ignore"):  # what is no reading gets its code below
+        scaled = ranges - low
+        scaled *= np.float32(FARTHEST / (float(high) - float(low)))
+        codes: Codes = scaled.astype(np.uint16)
+    if not reading.all():
+        others = ~reading
+        left = ranges[others]
+        code = np.full(left.shape, OUTSIDE_LIMITS, np.uint16)
+        code[np.isnan(left)] = NO_MEASUREMENT
+        code[left == np.inf] = NOTHING_IN_RANGE
+        code[left == -np.inf] = TOO_CLOSE
+        codes[others] = code
+    return codes
+
+
+def fold(codes: Codes, count: int, axis: int = 0) -> Codes:
+    """The least of each ``count`` codes along an axis; the last may stand for fewer."""
+    if count == 1 or codes.shape[axis] == 0:
+        return codes
+    if axis == 0 and count == 2 and len(codes) % 2 == 0:
+        return np.minimum(codes[0::2], codes[1::2])
+    folded: Codes = np.minimum.reduceat(codes, range(0, codes.shape[axis], count), axis=axis)
+    return folded

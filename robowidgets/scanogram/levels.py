@@ -1,0 +1,99 @@
+"""The levels of detail: the same scans in cells of 1, 2, 4, 8 and more scans."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .codes import FARTHEST, NO_SCAN, WITHOUT_READING, Codes, encode, fold
+from .scans import Scans, Sweep
+
+BUDGET = 256 << 20
+"""Bytes that all levels together may take. What is finer is read again from where it lies."""
+
+COARSEST = 256
+"""Cells of the last level, at most."""
+
+_SAMPLED = 1 << 20
+
+
+class Levels:
+    """Scans in cells of ``2 ** level`` scans each; a cell holds the least code of each ray.
+
+    Args:
+        scans: where they lie; read once from start to end, and again where it is looked at closely.
+        sweep: what they share.
+        budget: bytes.
+
+    ``counts`` is how many rays there are of each class of `Validity`. ``histogram`` counts a share of the readings by
+    code.
+    """
+
+    def __init__(self, scans: Scans, sweep: Sweep, budget: int = BUDGET) -> None:
+        self.scans, self.sweep = scans, sweep
+        self.counts = np.zeros(1 + len(WITHOUT_READING), np.int64)
+        self.histogram = np.zeros(FARTHEST + 1, np.int64)
+        count = len(scans.times_ns)
+        self._first = 1
+        while 4 * sweep.ray_count * (count >> self._first) > budget:
+            self._first += 1
+        self._kept: list[Codes] = [self._build(max(1, count * sweep.ray_count // _SAMPLED))]
+        while len(self._kept[-1]) > COARSEST:
+            self._kept.append(fold(self._kept[-1], 2))
+
+    @property
+    def last(self) -> int:
+        """The coarsest level."""
+        return self._first + len(self._kept) - 1
+
+    def codes(self, level: int, start: int, stop: int) -> Codes:
+        """The codes of the cells from one number up to, not including, another: shape (stop - start, rays)."""
+        if level >= self._first:
+            return self._kept[level - self._first][start:stop]
+        size = 1 << level
+        return fold(self._encode(self.scans.read(start * size, stop * size)), size)
+
+    def _build(self, every: int) -> Codes:
+        """The first level that is kept; on the way, everything is counted."""
+        size = 1 << self._first
+        cells = -(-len(self.scans.times_ns) // size)
+        kept = np.full((cells, self.sweep.ray_count), NO_SCAN, np.uint16)
+        at = 0
+        for ranges in self.scans.chunks():
+            codes = self._encode(ranges)
+            self._count(codes, every)
+            ahead = min(-at % size, len(codes))
+            if ahead:
+                cell = at // size
+                np.minimum(kept[cell], codes[:ahead].min(axis=0), out=kept[cell])
+            if ahead < len(codes):
+                folded = fold(codes[ahead:], size)
+                first = (at + ahead) // size
+                kept[first : first + len(folded)] = folded
+            at += len(codes)
+        return kept
+
+    def _encode(self, ranges: NDArray[np.float32]) -> Codes:
+        return encode(ranges, self.sweep.range_min, self.sweep.range_max)
+
+    def _count(self, codes: Codes, every: int) -> None:
+        without = np.bincount(codes[codes > FARTHEST] - WITHOUT_READING[0], minlength=4)
+        self.counts[1:] += without[np.array(WITHOUT_READING) - WITHOUT_READING[0]]
+        self.counts[0] += codes.size - int(without.sum())
+        some = codes.ravel()[::every]
+        self.histogram += np.bincount(some[some <= FARTHEST], minlength=FARTHEST + 1)
+
+
+def near_and_far(levels: Levels) -> tuple[float, float]:
+    """The distances in metres between which nearly all readings lie, for a scale of colours.
+
+    The nearest counts always; of the farthest, the last hundredth is left out. The limits where there is no reading.
+    """
+    low, high = levels.sweep.range_min, levels.sweep.range_max
+    counts = levels.histogram
+    if not counts.any():
+        return low, high
+    near = int(np.flatnonzero(counts)[0])
+    far = int(np.searchsorted(np.cumsum(counts), 0.99 * counts.sum()))
+    step = (high - low) / FARTHEST
+    return low + near * step, low + (max(far, near) + 1) * step

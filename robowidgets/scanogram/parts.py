@@ -1,0 +1,87 @@
+"""What a page gets of a scanogram: the whole of it coarsely at once, and what it looks at as finely as it can show."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .clock import Clock
+from .codes import fold
+from .levels import Levels
+
+OVERVIEW_BYTES = 1_000_000
+"""Of the whole, which is sent ahead and kept in a saved notebook."""
+
+DETAIL_BYTES = 3_000_000
+"""Of one part."""
+
+MOST_RAYS = 2048
+"""Rays that a page gets of a scan; neighbours share one where there are more. No picture is so high."""
+
+MOST_COLUMNS = 8192
+_MARGIN = 0.5
+_LENGTH = struct.Struct("<I")
+
+
+class Part(NamedTuple):
+    """Cells in a row.
+
+    ``level``: each is of ``2 ** level`` scans. ``first`` is the number of the first of these scans. ``ray_step``: each
+    ray stands for so many. ``starts`` and ``ends`` are in seconds. ``cells`` has the shape (cells, rays): codes; or at
+    level 0, where there is room, the ranges themselves as float32.
+    """
+
+    level: int
+    first: int
+    ray_step: int
+    starts: NDArray[np.float64]
+    ends: NDArray[np.float64]
+    cells: NDArray[Any]
+
+    def pack(self, facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
+        """Its bytes, with more facts and arrays: see `pack`."""
+        own = {"level": self.level, "first": self.first, "ray_step": self.ray_step}
+        return pack({**facts, **own}, starts=self.starts, ends=self.ends, cells=self.cells, **arrays)
+
+
+def overview(levels: Levels, clock: Clock) -> Part:
+    """All of it, as finely as `OVERVIEW_BYTES` allow."""
+    return _part(levels, clock, 0, len(clock), 0, OVERVIEW_BYTES)
+
+
+def detail(levels: Levels, clock: Clock, start: float, end: float, columns: int) -> Part:
+    """What lies between two times in seconds and a little beside it, in at least so many cells if there are."""
+    first, stop = clock.between(start, end)
+    wanted = max(0, ((stop - first) // max(1, min(columns, MOST_COLUMNS))).bit_length() - 1)
+    margin = _MARGIN * (end - start)
+    wide = _part(levels, clock, *clock.between(start - margin, end + margin), wanted, DETAIL_BYTES)
+    return wide if wide.level == wanted else _part(levels, clock, first, stop, wanted, DETAIL_BYTES)
+
+
+def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
+    """Facts and arrays: the length of a JSON text, that text, then the arrays, little-endian one after the other.
+
+    The text holds the facts, and as ``arrays`` name, type and number of elements of each.
+    """
+    little = {name: np.ascontiguousarray(a, a.dtype.newbyteorder("<")) for name, a in arrays.items()}
+    listed = [[name, a.dtype.str[1:], a.size] for name, a in little.items()]
+    text = json.dumps({**facts, "arrays": listed}, allow_nan=False).encode()
+    return b"".join((_LENGTH.pack(len(text)), text, *(a.tobytes() for a in little.values())))
+
+
+def _part(levels: Levels, clock: Clock, first: int, stop: int, level: int, most: int) -> Part:
+    """Scans from one number up to another, at a level or the first above it that fits in so many bytes."""
+    ray_step = max(1, -(-levels.sweep.ray_count // MOST_RAYS))
+    rays = -(-levels.sweep.ray_count // ray_step)
+    while level < levels.last and 2 * rays * (((stop - first) >> level) + 2) > most:
+        level += 1
+    start, end = first >> level, -(-stop >> level)
+    starts, ends = clock.cells(level, start, end)
+    exact = level == 0 and ray_step == 1 and 4 * rays * (stop - first) <= most
+    cells = levels.scans.read(first, stop) if exact else fold(levels.codes(level, start, end), ray_step, axis=1)
+    return Part(level, start << level, ray_step, starts, ends, cells)

@@ -1,0 +1,66 @@
+"""Where the scans of a scanogram lie, and what they share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..samples import Scan
+
+CHUNK_CELLS = 1 << 18
+"""Ranges that are worked on at once: few enough to stay in the processor's cache."""
+
+
+class Sweep(NamedTuple):
+    """What all scans of a scanogram share: radians and metres as in `Scan`, and the number of rays."""
+
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    ray_count: int
+
+    @classmethod
+    def of(cls, scan: Scan) -> Sweep:
+        """That of one scan."""
+        return cls(scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, len(scan))
+
+
+class Scans(Protocol):
+    """N scans of R rays, which may lie in a file."""
+
+    @property
+    def times_ns(self) -> NDArray[np.int64]:
+        """Times in nanoseconds since the epoch, shape (N,), in the order of arrival."""
+
+    def chunks(self) -> Iterator[NDArray[np.float32]]:
+        """All ranges in metres, in arrays of shape (n, R)."""
+
+    def read(self, start: int, stop: int) -> NDArray[np.float32]:
+        """The ranges of the scans from one number up to, not including, another: shape (stop - start, R)."""
+
+
+class Held:
+    """Scans that are held in memory.
+
+    Args:
+        times_ns: shape (N,).
+        ranges: metres, shape (N, R).
+    """
+
+    def __init__(self, times_ns: NDArray[np.int64], ranges: NDArray[np.float32]) -> None:
+        self.times_ns = times_ns
+        self._ranges = ranges
+
+    def chunks(self) -> Iterator[NDArray[np.float32]]:
+        """See `Scans`."""
+        rows = max(1, CHUNK_CELLS // max(1, self._ranges.shape[1]))
+        for start in range(0, len(self._ranges), rows):
+            yield self._ranges[start : start + rows]
+
+    def read(self, start: int, stop: int) -> NDArray[np.float32]:
+        """See `Scans`."""
+        return self._ranges[start:stop]

@@ -1,0 +1,92 @@
+"""What stands under a scanogram on the same time axis: speeds, and spans in which something was touched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..samples import AXES
+from .clock import Clock
+
+MOST_SPEEDS = 4_000
+"""Stretches of the speeds that a page gets at once."""
+
+MOST_TOUCHES = 2_000
+"""Spans of touches that a page gets; more are joined where they lie closest."""
+
+_PLANAR = (AXES.index("linear.x"), AXES.index("linear.y"), AXES.index("angular.z"))
+
+
+class SpeedPart(NamedTuple):
+    """Speeds between two times: start of each stretch in seconds (M,), and its least and greatest (A, 2, M)."""
+
+    starts: NDArray[np.float64]
+    extremes: NDArray[np.float32]
+
+
+class SpeedStrip:
+    """The speeds of a robot on the ground: linear x, linear y where there is any, angular z.
+
+    Args:
+        title: the topic.
+        clock: their times.
+        values: shape (M, 6), in the order of `AXES`; NaN where there is no value.
+        limits: by axis, (min, max).
+    """
+
+    def __init__(
+        self, title: str, clock: Clock, values: NDArray[np.float64], limits: dict[str, tuple[float, float]]
+    ) -> None:
+        self.title, self.clock = title, clock
+        sideways = np.nan_to_num(values[:, _PLANAR[1]])
+        shown = [i for i in _PLANAR if AXES[i] != "linear.y" or sideways.any()]
+        self._values = np.ascontiguousarray(values[:, shown].T, np.float32)
+        self.axes = [AXES[i] for i in shown]
+        self.limits = [limits[axis] for axis in self.axes]
+
+    def part(self, start: float, end: float) -> SpeedPart:
+        """Those between two times in seconds, and one more at either end; the extremes are kept where they are many."""
+        first, stop = self.clock.between(start, end)
+        first, stop = max(0, first - 1), min(len(self.clock), stop + 1)
+        every = max(1, -(-(stop - first) // MOST_SPEEDS))
+        at = np.arange(first, stop, every)
+        values = self._values[:, first:stop]
+        if not at.size:
+            return SpeedPart(np.empty(0), np.empty((len(self.axes), 2, 0), np.float32))
+        extremes = [reduce.reduceat(values, at - first, axis=1) for reduce in (np.fmin, np.fmax)]
+        return SpeedPart(self.clock.starts[at], np.stack(extremes, axis=1))
+
+
+class TouchStrip:
+    """When something was touched.
+
+    Args:
+        title: the topic, or several.
+        sensors: their names.
+        spans: (start, end, number of the sensor), in seconds, by their start.
+    """
+
+    def __init__(self, title: str, sensors: Sequence[str], spans: NDArray[np.float64]) -> None:
+        self.title, self.sensors = title, list(sensors)
+        self.count = len(spans)
+        self.spans = _joined(spans)
+
+
+def _joined(spans: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The spans, in no more than `MOST_TOUCHES`: those of a sensor that follow each other closest become one."""
+    closeness = 0.0
+    while len(spans) > MOST_TOUCHES:
+        closeness = max(2 * closeness, 0.05)
+        kept: list[NDArray[np.float64]] = []
+        for sensor in np.unique(spans[:, 2]):
+            own = spans[spans[:, 2] == sensor]
+            ends = np.maximum.accumulate(own[:, 1])
+            firsts = np.flatnonzero(np.append(True, own[1:, 0] - ends[:-1] > closeness))
+            lasts = np.append(firsts[1:], len(own)) - 1
+            kept.append(np.column_stack((own[firsts, 0], ends[lasts], own[firsts, 2])))
+        spans = np.concatenate(kept)
+        spans = spans[np.argsort(spans[:, 0], kind="stable")]
+    return spans

@@ -1,0 +1,293 @@
+"""The scanogram: every scan of a recording in one picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import traitlets
+from numpy.typing import ArrayLike, NDArray
+
+from ._limits import Pair
+from ._spans import TimeSpan
+from ._traits import bytes_trait
+from ._widget import RobotWidget, bundle
+from .samples import AXES, Scan
+from .scanogram.clock import Clock
+from .scanogram.levels import Levels, near_and_far
+from .scanogram.parts import detail, overview
+from .scanogram.scans import Held, Scans, Sweep
+from .scanogram.strips import SpeedStrip, TouchStrip
+
+if TYPE_CHECKING:
+    from .recordings import Recording
+
+_LIMITS: dict[str, Pair] = dict.fromkeys(AXES, (-1.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What a scanogram shows: the scans in their levels of detail, and the strips under them."""
+
+    levels: Levels
+    clock: Clock
+    start_ns: int
+    duration: float
+    speed: SpeedStrip | None = None
+    touch: TouchStrip | None = None
+
+
+class ScanogramWidget(RobotWidget[Picture]):
+    """Many scans as one picture: time across, ray angle up, colour for distance, speed and touch under it.
+
+    The reader sees a column per moment and a row per ray, counter-clockwise angles above (REP-103), dark where
+    something is near. A wall approached is a band that darkens, a person who walks past is a streak. Rays that are too
+    close, see nothing, hold no measurement or lie outside the limits (REP-117) have colours of their own, counted in
+    the legend. Where there is no scan there is no colour. Where several readings share a place, the nearest is shown.
+
+    Pointing names time, index, angle and distance; a click moves the time cursor; dragging selects a span of time, with
+    shift of rays too; the wheel zooms in time down to single scans. None of it needs the kernel, but finer detail comes
+    when it is free.
+
+    Args:
+        title: what is shown, for the header; usually the topic.
+        time: the time cursor, in seconds from the start. The view writes it too.
+        selection: (start, end) in seconds from the start, end not included; with rays (start, end, first, stop), index
+            stop not included; or None. The view writes it too. ``recording[selection]`` gives its samples.
+        view: (start, end) in seconds, the time on show; None: all of it. The view writes it too.
+        color_range: (near, far) in metres, the ends of the colours; None: fit to the readings.
+        header, footer: whether they are there; without them the picture alone is fit for a paper.
+
+    Raises:
+        TypeError: an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Source: sensor_msgs/LaserScan, REP-117.
+
+    Example:
+        >>> scanogram = ScanogramWidget(title="/scan")
+        >>> scanogram.update(
+        ...     times_ns=[0, 100_000_000], ranges=[[1.0, 2.0], [1.1, 2.0]],
+        ...     angle_min=-0.5, angle_increment=1.0, range_min=0.1, range_max=4.0,
+        ... )
+        >>> scanogram.selection = (0.0, 0.1)
+    """
+
+    _esm = bundle("scanogram_widget.js")
+
+    time = traitlets.Float(0.0, help="Seconds from the start. Python and the view write it.").tag(sync=True)
+    selection = TimeSpan(rays=True, help="Seconds, and indices of rays. Python and the view write it.").tag(sync=True)
+    view = TimeSpan(help="Seconds on show; None: all. Python and the view write it.").tag(sync=True)
+    color_range = traitlets.Tuple(
+        traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True, help="Metres, near and far."
+    ).tag(sync=True)
+
+    # Nothing comes that could be frozen.
+    paused: Any = None
+    _held: Any = None
+
+    _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns that the page looks at.").tag(
+        sync=True, echo_update=False
+    )
+    _detail = bytes_trait(echo_update=False)
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._file: Recording | None = None
+        super().__init__(**kwargs)
+
+    @classmethod
+    def of(cls, recording: Recording, topic: str | None = None, **options: Any) -> ScanogramWidget:
+        """The scanogram of a recording, with its speeds and touches.
+
+        It reads the file by itself: the recording may be read on, or closed.
+
+        Args:
+            recording: where the scans are.
+            topic: name of the topic with the scans; None: the first one with scans.
+            **options: keywords of the widget.
+
+        Raises:
+            UnknownTopicError: it has no such topic, or one without scans.
+            RecordingError: the file is not there any more, or holds no scan.
+        """
+        from .recordings.scanogram import fill
+
+        widget = cls(**options)
+        fill(widget, recording, topic)
+        return widget
+
+    def update(
+        self,
+        *,
+        times_ns: ArrayLike,
+        ranges: ArrayLike,
+        angle_min: float,
+        angle_increment: float,
+        range_min: float,
+        range_max: float,
+        start_ns: int | None = None,
+    ) -> None:
+        """Show scans, instead of those before.
+
+        Args:
+            times_ns: times of N scans in nanoseconds, in the order of arrival.
+            ranges: metres, shape (N, R), kept as float32; NaN and infinities as in REP-117.
+            angle_min: radians, of ray 0.
+            angle_increment: radians from one ray to the next.
+            range_min: metres; a range from there to range_max, both included, is a reading.
+            range_max: metres.
+            start_ns: what counts as 0 s; None: the time of the first scan.
+
+        Raises:
+            TypeError: something is no number. ValueError: shapes that do not fit, no scan, or a geometry that `Scan`
+                would not take.
+        """
+        distances = _array("ranges", ranges, np.float32, 2)
+        times = _array("times_ns", times_ns, np.int64, 1)
+        if len(times) != len(distances):
+            raise ValueError(f"times_ns: expected one for each of {len(distances)} scans, got {len(times)}")
+        if not distances.size:
+            raise ValueError(f"ranges: expected at least one scan of one ray, got shape {distances.shape}")
+        scan = Scan(distances[0], angle_min, angle_increment, range_min, range_max)
+        start = int(times[0]) if start_ns is None else start_ns
+        self._put(Held(times, distances), Sweep.of(scan), start, notes=scan.notes)
+
+    def set_speeds(
+        self,
+        *,
+        times_ns: ArrayLike,
+        values: ArrayLike,
+        title: str = "",
+        limits: dict[str, Pair] | None = None,
+    ) -> None:
+        """Show speeds under the scans.
+
+        Args:
+            times_ns: times of M speeds in nanoseconds, of the clock of the scans.
+            values: shape (M, 6): linear x, y, z in m/s, angular x, y, z in rad/s; NaN where there is no value.
+            title: where they come from; usually the topic.
+            limits: by axis, (min, max), past which a speed is marked; ±1 for those left out.
+
+        Raises:
+            RuntimeError: there are no scans yet. TypeError: something is no number. ValueError: shapes do not fit.
+        """
+        picture = self._scans_first("set_speeds()")
+        times, speeds = _array("times_ns", times_ns, np.int64, 1), _array("values", values, np.float64, 2)
+        if speeds.shape != (len(times), len(AXES)) or not len(times):
+            raise ValueError(f"values: expected the shape ({max(1, len(times))}, {len(AXES)}), got {speeds.shape}")
+        strip = SpeedStrip(title, Clock(times, picture.start_ns), speeds, {**_LIMITS, **(limits or {})})
+        duration = max(picture.duration, float(strip.clock.starts[-1]))
+        self._draw(replace(picture, speed=strip, duration=duration))
+
+    def set_touches(self, spans: Iterable[tuple[float, float, str]], title: str = "") -> None:
+        """Show under the scans when something was touched.
+
+        Args:
+            spans: (start, end, name of the sensor), in seconds from the start.
+            title: where they come from; usually the topic.
+
+        Raises:
+            RuntimeError: there are no scans yet. ValueError: a span that ends before it starts.
+        """
+        picture = self._scans_first("set_touches()")
+        listed = sorted(spans)
+        for start, end, name in listed:
+            if not (isfinite(start) and isfinite(end) and start <= end):
+                raise ValueError(f"spans: expected (start, end, sensor) with start <= end, got {(start, end, name)!r}")
+        sensors = sorted({name for _, _, name in listed})
+        numbers = [(start, end, sensors.index(name)) for start, end, name in listed]
+        strip = TouchStrip(title, sensors, np.array(numbers, np.float64).reshape(-1, 3))
+        self._draw(replace(picture, touch=strip))
+
+    def close(self) -> None:
+        """Take the widget off the page."""
+        super().close()
+        if self._file is not None:
+            self._file.close()
+
+    def _put(
+        self, scans: Scans, sweep: Sweep, start_ns: int, *, duration: float = 0.0, notes: Sequence[str] = ()
+    ) -> None:
+        """Show scans from wherever they lie."""
+        clock = Clock(scans.times_ns, start_ns)
+        end = max(duration, float(clock.ends[-1]))
+        self._draw(Picture(Levels(scans, sweep), clock, start_ns, end), (*notes, *clock.notes))
+
+    def _draw(self, picture: Picture, notes: Sequence[str] | None = None) -> None:
+        about = self._newest_about if notes is None else {"notes": list(notes)}
+        self._show(picture, about)
+        self._detail = b""
+
+    def _scans_first(self, call: str) -> Picture:
+        if self._newest is None:
+            raise RuntimeError(f"{call}: there are no scans yet; call update(...) first, which sets the time axis")
+        return self._newest
+
+    def _pack(self, sample: Picture) -> bytes:
+        levels, speed, touch = sample.levels, sample.speed, sample.touch
+        arrays: dict[str, NDArray[Any]] = {}
+        facts: dict[str, Any] = {
+            **levels.sweep._asdict(),
+            "scan_count": len(sample.clock),
+            "duration": sample.duration,
+            "pause": sample.clock.pause,
+            "counts": levels.counts.tolist(),
+            "colors": near_and_far(levels),
+        }
+        if speed:
+            part = speed.part(0, sample.duration)
+            facts["speed"] = {"title": speed.title, "axes": speed.axes, "limits": speed.limits}
+            facts["speed"]["gap"] = speed.clock.gap
+            arrays |= {"speed_starts": part.starts, "speeds": part.extremes}
+        if touch:
+            facts["touch"] = {"title": touch.title, "sensors": touch.sensors, "count": touch.count}
+            arrays["touches"] = touch.spans
+        return overview(levels, sample.clock).pack(facts, **arrays)
+
+    @traitlets.observe("_wanted")
+    def _look_closer(self, change: Any) -> None:
+        """Send what the page looks at, as finely as it can show it."""
+        with self._storing:
+            picture, sequence = self._newest, self._sequence
+        if picture is None or len(change["new"]) != 3:
+            return
+        start, end, columns = change["new"]
+        arrays: dict[str, NDArray[Any]] = {}
+        if picture.speed:
+            part = picture.speed.part(start, end)
+            arrays |= {"speed_starts": part.starts, "speeds": part.extremes}
+        try:
+            cells = detail(picture.levels, picture.clock, start, end, int(columns))
+        except Exception as error:  # whatever a file does when it is read again: the coarse picture stays
+            self._refuse(error)
+            return
+        self._detail = cells.pack({"sequence": sequence, "span": [start, end]}, **arrays)
+
+    @traitlets.validate("time")
+    def _is_time(self, proposal: Any) -> float:
+        seconds = float(proposal["value"])
+        if not isfinite(seconds):
+            raise traitlets.TraitError(f"time: expected seconds from the start, got {seconds!r}")
+        return seconds
+
+    @traitlets.validate("color_range")
+    def _near_before_far(self, proposal: Any) -> Any:
+        value = proposal["value"]
+        if value is not None and not (0 <= value[0] < value[1] < np.inf):
+            raise traitlets.TraitError(
+                f"color_range: expected None or (near, far) in metres, 0 <= near < far; got {value!r}"
+            )
+        return value
+
+
+def _array(name: str, values: ArrayLike, kind: type[Any], dimensions: int) -> NDArray[Any]:
+    array = np.asarray(values)
+    if array.dtype.kind not in ("iu" if kind is np.int64 else "iuf"):
+        what = "whole numbers" if kind is np.int64 else "numbers"
+        raise TypeError(f"{name}: expected an array of {what}, got {array.dtype}")
+    if array.ndim != dimensions:
+        raise ValueError(f"{name}: expected an array of {dimensions} dimensions, got shape {array.shape}")
+    return array.astype(kind, copy=False)
