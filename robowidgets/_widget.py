@@ -45,29 +45,13 @@ def bundle(name: str) -> Any:
     return path if os.environ.get("ROBOWIDGETS_DEV") else path.read_text(encoding="utf-8")
 
 
-class RobotWidget(anywidget.AnyWidget, Generic[S]):
-    """A widget that shows the newest sample of type S.
-
-    Subclasses pack samples to bytes and back, and hand new ones to `_show`. A sample is only stored by the caller; it
-    is packed and sent by the pacer, so that any thread may update a widget at any rate. So are the traits that a
-    program sets, because a loop may set them at any rate too.
-    """
+class NamedWidget(anywidget.AnyWidget):
+    """A widget with a title, that refuses what it has no name for and logs each error once."""
 
     title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
     header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
-    footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
-    paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
-
-    live = True
-    """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
 
     _css = bundle("robowidgets.css")
-    _frame = bytes_trait(echo_update=False)
-    _held = bytes_trait(echo_update=False)
-    _about = traitlets.Dict().tag(sync=True, echo_update=False)
-    _source = traitlets.Dict(help="What a feed says of its topic, in plain text: topic, type, words.").tag(
-        sync=True, echo_update=False
-    )
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
         """Refuse what has no name before there is anything to clean up."""
@@ -76,16 +60,6 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
         return super().__new__(cls, **kwargs)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._process = os.getpid()
-        self._newest: S | None = None
-        self._newest_about: dict[str, Any] = {}
-        self._sequence = 0
-        self._meter = RateMeter()
-        self._changed = False
-        self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
-        self._unsent: set[str] = set()
-        self._storing = threading.RLock()
-        self._sending = threading.RLock()
         self._logged: set[str] = set()
         settable = [name for name in self.trait_names() if self._is_ours(name)]
         for name in kwargs:
@@ -103,7 +77,47 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
     def _is_ours(cls, name: str) -> bool:
         if name in _HOST_TRAITS:
             return True
-        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, RobotWidget))
+        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, NamedWidget))
+
+    def _log_once(self, text: str) -> None:
+        if text not in self._logged and len(self._logged) < MOST_LOGGED:
+            self._logged.add(text)
+            log.error("%s %s: %s", type(self).__name__, self.title, text)
+
+
+class RobotWidget(NamedWidget, Generic[S]):
+    """A widget that shows the newest sample of type S.
+
+    Subclasses pack samples to bytes and back, and hand new ones to `_show`. A sample is only stored by the caller; it
+    is packed and sent by the pacer, so that any thread may update a widget at any rate. So are the traits that a
+    program sets, because a loop may set them at any rate too.
+    """
+
+    footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
+    paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
+
+    live = True
+    """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
+
+    _frame = bytes_trait(echo_update=False)
+    _held = bytes_trait(echo_update=False)
+    _about = traitlets.Dict().tag(sync=True, echo_update=False)
+    _source = traitlets.Dict(help="What a feed says of its topic, in plain text: topic, type, words.").tag(
+        sync=True, echo_update=False
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._process = os.getpid()
+        self._newest: S | None = None
+        self._newest_about: dict[str, Any] = {}
+        self._sequence = 0
+        self._meter = RateMeter()
+        self._changed = False
+        self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
+        self._unsent: set[str] = set()
+        self._storing = threading.RLock()
+        self._sending = threading.RLock()
+        super().__init__(**kwargs)
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
@@ -134,11 +148,6 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
             raise error from None
         self._log_once(f"a message could not be shown: {text}")
 
-    def _log_once(self, text: str) -> None:
-        if text not in self._logged and len(self._logged) < MOST_LOGGED:
-            self._logged.add(text)
-            log.error("%s %s: %s", type(self).__name__, self.title, text)
-
     # -- to the page ---------------------------------------------------------------------------------------------------
 
     @property
@@ -162,6 +171,8 @@ class RobotWidget(anywidget.AnyWidget, Generic[S]):
                 return 0
             self._bring_up_to_date()
             state = {name: self._trait_values[name] for name in self._sent}
+            if self.led:
+                self._sent.update(state)
             keys = [name for name, value in state.items() if value != self._sent[name]]
             with self._storing:
                 unsent = tuple(self._unsent)
