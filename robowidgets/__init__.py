@@ -12,8 +12,8 @@ from .speed_widget import SpeedWidget
 from .touch_widget import TouchWidget
 
 if TYPE_CHECKING:
-    from . import simulator
-    from .recordings import Recording, RecordingError, open
+    from . import feeds, simulator
+    from .recordings import Recording, RecordingError, conditions, open
 
 __version__ = "0.1.0"
 
@@ -34,6 +34,8 @@ __all__ = [
     "TouchState",
     "TouchWidget",
     "Validity",
+    "conditions",
+    "feeds",
     "open",
     "simulator",
 ]
@@ -42,9 +44,11 @@ _LATER = {"Recording": ".recordings", "RecordingError": ".recordings", "open": "
 
 
 def __getattr__(name: str) -> Any:
-    """Recordings and the simulator are imported when they are first used: a live robot needs neither."""
-    if name == "simulator":
-        return import_module(".simulator", __name__)
+    """Feeds, recordings and the simulator are imported when they are first used: a widget needs none of them."""
+    if name in ("feeds", "simulator"):
+        return import_module(f".{name}", __name__)
+    if name == "conditions":
+        return import_module(".recordings.conditions", __name__)
     if name in _LATER:
         return getattr(import_module(_LATER[name], __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

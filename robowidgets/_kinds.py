@@ -20,6 +20,7 @@ _BY_TYPE: dict[str, Widget] = {
     "geometry_msgs/msg/TwistWithCovarianceStamped": "speed",
     "nav_msgs/msg/Odometry": "speed",
     **dict.fromkeys(TOUCH_TYPES, "touch"),
+    "robowidgets/msg/Touch": "touch",  # of our own simulator, in no message
 }
 
 _STANDARD = frozenset(

@@ -1,1 +1,24 @@
-"""Live data of a running robot, whatever it speaks."""
+"""Live data of a running robot, whatever it speaks.
+
+Each function here opens a `Feed`, which lists topics, shows them and drives the robot. What a feed needs is imported
+when it is opened.
+"""
+
+from ._drive import Driving
+from ._topics import Topic
+from .feed import Feed
+from .middleware import Advert, FeedError, Listener, Middleware
+from .recording import recording
+from .simulator import simulator
+
+__all__ = [
+    "Advert",
+    "Driving",
+    "Feed",
+    "FeedError",
+    "Listener",
+    "Middleware",
+    "Topic",
+    "recording",
+    "simulator",
+]

@@ -24,7 +24,10 @@ class Advert(NamedTuple):
 
 
 class Listener(Protocol):
-    """What a middleware tells; a feed. It may be called from any thread, returns at once and never raises."""
+    """What a middleware tells; a feed. It may be called from any thread, returns at once and never raises.
+
+    It may call the middleware back from within, so it is called without a lock that the middleware's methods take.
+    """
 
     def on_connected(self) -> None:
         """The robot can be reached, for the first time or again."""

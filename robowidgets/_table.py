@@ -1,0 +1,44 @@
+"""A table under a line of words, in text and in HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from html import escape
+
+
+def as_text(
+    head: str, heads: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[int], problems: Iterable[str]
+) -> str:
+    """In columns, for a terminal; those numbered in ``right`` end in line."""
+    all_rows = [heads, *rows]
+    widths = [max(len(row[i]) for row in all_rows) for i in range(len(heads))]
+    lines = [
+        "  ".join(
+            cell.rjust(width) if i in right else cell.ljust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in all_rows
+    ]
+    return "\n".join((head, *(f"  {line.rstrip()}" for line in lines if rows), *(f"! {line}" for line in problems)))
+
+
+def as_html(
+    head: str, heads: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[int], problems: Iterable[str]
+) -> str:
+    """In HTML. Every word of it comes from elsewhere, so none of it may be markup."""
+    body = "".join(f"<tr>{_cells('td', row, right)}</tr>" for row in rows)
+    table = f"<table><thead><tr>{_cells('th', heads, right)}</tr></thead><tbody>{body}</tbody></table>" if rows else ""
+    notes = "".join(f"<div>⚠ {escape(line)}</div>" for line in problems)
+    return f"<div><div>{escape(head)}</div>{table}{notes}</div>"
+
+
+def many(count: int, word: str) -> str:
+    """A number of things: ``1 topic``, ``1,200 messages``."""
+    return f"{count:,} {word}{'' if count == 1 else 's'}"
+
+
+def _cells(tag: str, cells: Sequence[str], right: Collection[int]) -> str:
+    return "".join(
+        f'<{tag} style="text-align:{"right" if i in right else "left"}">{escape(cell)}</{tag}>'
+        for i, cell in enumerate(cells)
+    )

@@ -1,0 +1,60 @@
+"""Whether the scans of one topic come from one scanner."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from math import degrees
+from typing import Any
+
+from ..messages.fields import reader, unwrap
+
+Shape = tuple[int, float, float]
+"""Rays, first angle and increment in radians."""
+
+FORGET = 3.0
+"""Seconds without a change after which there is one scanner again."""
+
+
+class Geometry:
+    """Watches the geometry of the scans that come; two that take turns are two publishers.
+
+    A scanner that is set up anew changes it once, and is one.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._now: Shape | None = None
+        self._before: Shape | None = None
+        self._changed_at = 0.0
+        self.words = ""
+
+    def see(self, message: Any) -> None:
+        """Take a message into account; what is no scan does not count."""
+        shape = _shape(message)
+        if shape is None:
+            return
+        if shape == self._now:
+            if self.words and self._clock() - self._changed_at > FORGET:
+                self.words = ""
+            return
+        if shape == self._before and self._now is not None and self._clock() - self._changed_at <= FORGET:
+            if not self.words:
+                first, second = sorted((shape, self._now))
+                self.words = f"two scanners take turns on this topic: {_told(first)}, and {_told(second)}"
+        elif self.words and self._before is not None:
+            self.words = ""
+        self._before, self._now, self._changed_at = self._now, shape, self._clock()
+
+
+def _shape(message: Any) -> Shape | None:
+    read = reader(unwrap(message))
+    try:
+        return len(read("ranges", None)), float(read("angle_min", None)), float(read("angle_increment", None))
+    except (TypeError, ValueError):
+        return None
+
+
+def _told(shape: Shape) -> str:
+    rays, first, step = shape
+    return f"{rays} rays from {degrees(first):.1f}° in steps of {degrees(step):.2f}°"

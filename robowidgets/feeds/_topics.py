@@ -1,0 +1,70 @@
+"""The topics that a feed knows of."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from .._kinds import Widget, is_command, widget_by_type
+from .middleware import Advert
+
+HEADS = ("topic", "type", "published", "heard", "widget")
+_MANY = 12
+
+
+class Topic(NamedTuple):
+    """A topic of a running robot.
+
+    ``type`` is written as ``sensor_msgs/msg/LaserScan``; where several are used at once they are joined by a comma, and
+    it is empty when it cannot be told. ``widget`` is the widget that shows it, None when none does. ``commanded`` marks
+    a speed that is asked for, not measured. ``offered`` says whether somebody publishes it, ``wanted`` whether somebody
+    else than we listens to it (None: it cannot be told).
+    """
+
+    name: str
+    type: str
+    widget: Widget | None
+    commanded: bool
+    offered: bool
+    wanted: bool | None
+
+
+def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
+    """By name the topics that a middleware knows of, in their order."""
+    by_name: dict[str, list[Advert]] = {}
+    for advert in adverts:
+        by_name.setdefault(advert.name, []).append(advert)
+    return {name: _topic(name, same) for name, same in by_name.items()}
+
+
+def _topic(name: str, adverts: Sequence[Advert]) -> Topic:
+    types = list(dict.fromkeys(a.type for a in adverts if a.type and a.offered)) or [a.type for a in adverts][:1]
+    widget = next((kind for kind in map(widget_by_type, types) if kind), None)
+    told = [a.wanted for a in adverts if a.wanted is not None]
+    return Topic(
+        name,
+        ", ".join(types),
+        widget,
+        widget == "speed" and is_command(name),
+        any(a.offered for a in adverts),
+        any(told) if told else None,
+    )
+
+
+def cells(topic: Topic) -> tuple[str, ...]:
+    """Its row in a table under `HEADS`."""
+    shown = f"{topic.widget} (commanded)" if topic.commanded else topic.widget or ""
+    yes_no = {True: "yes", False: "no", None: "?"}
+    return topic.name, topic.type or "?", yes_no[topic.offered], yes_no[topic.wanted], shown
+
+
+def no_such(name: str, there: Iterable[str]) -> str:
+    """Words for a topic that is not there, with what is there."""
+    names = list(there)
+    if not names:
+        return f"no topic {name} yet; there is none at all"
+    near = difflib.get_close_matches(name, names, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    rest = ", …" if len(names) > _MANY else ""
+    return f"no such topic {name}; there are {', '.join(names[:_MANY])}{rest}{hint}"

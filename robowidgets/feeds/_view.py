@@ -1,0 +1,129 @@
+"""A running robot on the page: the widgets that fit its topics, and words while there is none."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import ipywidgets
+
+from .._layout import WIDE, columns
+from .._picks import Pick, picks
+from ._topics import Topic
+from .feed import Feed
+
+
+class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """What `Feed.show` gives: a widget per topic, put up as the topics appear.
+
+    `close` takes all of it off the page; the feed stays open.
+
+    Args:
+        feed: what is shown.
+        topics: names of topics; none: all that have a widget.
+    """
+
+    def __init__(self, feed: Feed, topics: Sequence[str] = ()) -> None:
+        self.feed = feed
+        self._names = topics
+        self._known: dict[str, Topic] = {}
+        self._shown: dict[Pick, Any] = {}
+        self._turn = threading.Lock()
+        self._stale = self._busy = self._closed = False
+        self._status = ipywidgets.HTML()
+        self._columns = ipywidgets.Box([], layout=WIDE)
+        super().__init__([self._status, self._columns])
+
+    @property
+    def widgets(self) -> dict[str, Any]:
+        """The widgets on show, by topic."""
+        return {pick.topic: widget for pick, widget in self._shown.items()}
+
+    def refresh(self) -> None:
+        """Put up widgets for topics that have come, and say what is going on; the feed's call.
+
+        One thread does it at a time, without a lock; whoever comes meanwhile leaves it to that one.
+        """
+        with self._turn:
+            self._stale = True
+            if self._busy:
+                return
+            self._busy = True
+        while True:
+            with self._turn:
+                if not self._stale:
+                    self._busy = False
+                    return
+                self._stale = False
+            try:
+                self._refresh()
+            except BaseException:
+                self._busy = False
+                raise
+
+    def close(self) -> None:
+        """Take it off the page; doing it again does nothing."""
+        self.feed.forget(self)
+        self._closed = True
+        self.refresh()
+        super().close()
+
+    def _refresh(self) -> None:
+        self._known.update((t.name, t) for t in self.feed.topics if t.widget and self._wants(t.name))
+        wanted = () if self._closed else picks(self._known.values())
+        if set(wanted) != self._shown.keys():
+            self._put_up(wanted)
+        self._say()
+
+    def _wants(self, topic: str) -> bool:
+        return not self._names or topic in self._names
+
+    def _put_up(self, wanted: Sequence[Pick]) -> None:
+        for pick in self._shown.keys() - set(wanted):
+            widget = self._shown.pop(pick)
+            self.feed.disconnect(pick.topic, widget)
+            if pick.command:
+                self.feed.disconnect(pick.command, widget.command)
+            widget.close()
+        before, self._shown = self._shown, {}
+        for pick in wanted:
+            widget = before.get(pick) or pick.make()
+            self._shown[pick] = widget
+            if pick not in before:
+                self.feed.connect(pick.topic, widget)
+                if pick.command:
+                    self.feed.connect(pick.command, widget.command)
+        old, self._columns.children = self._columns.children, columns(list(self._shown.values()))
+        for column in old:
+            column.close()
+
+    def _say(self) -> None:
+        """The widgets speak for themselves; here stands what is said of topics that have none."""
+        there = {topic.name: topic for topic in self.feed.topics}
+        shown = {name for pick in self._shown for name in (pick.topic, pick.command)}
+        missing = [name for name in self._names if name not in shown]
+        if self.feed.words:
+            lines = [self.feed.words] if missing or not shown else []
+        elif missing:
+            lines = [
+                f"no widget shows {there[name].type or 'the type'} ({name})"
+                if name in there
+                else self.feed.words_of(name)
+                for name in missing
+            ]
+        elif shown:
+            lines = []
+        elif there:
+            lines = [f"no widget shows any of the topics there are: {', '.join(there)}"]
+        else:
+            lines = [f"connected to {self.feed.where}, where there is no topic yet"]
+        text = "<br>".join(escape(line) for line in lines)
+        if text != self._status.value:
+            self._status.value = text
+        self._status.layout.display = None if lines else "none"
+
+
+def _not_shown(topic: Topic) -> str:
+    return f"no widget shows {topic.name}, a {topic.type}" if topic.type else f"{topic.name} is of an unknown type"

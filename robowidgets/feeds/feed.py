@@ -1,0 +1,389 @@
+"""A running robot: its topics, the widgets that show them, and driving it."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import threading
+import time
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from .. import _table
+from .._widget import RobotWidget
+from ..speed_widget import SpeedWidget
+from ._drive import Driver, Driving, twist, type_to_send
+from ._link import Link, Target, target_of
+from ._topics import HEADS, Topic, cells, topics_of
+from .middleware import Advert, FeedError, Middleware
+
+if TYPE_CHECKING:
+    from ._view import FeedView
+
+PATIENCE = 2.0
+"""Seconds that `show` and `drive` wait for the first list of topics."""
+
+
+class Feed:
+    """What each function of `robowidgets.feeds` gives: a connection to a robot, or to what stands for one.
+
+    Printed, it is a table of the topics there are. It reconnects by itself, and says on its widgets what is going on.
+    All of it may be called from any thread. As a context manager it closes itself.
+
+    Args:
+        middleware: what connects; it is opened.
+
+    Attributes:
+        driving: how `drive` drives: topic, limits, and how long a speed holds.
+
+    Raises:
+        FeedError: it can never work; the text says why, and what to do.
+
+    Example:
+        >>> from robowidgets import LaserWidget, feeds
+        >>> laser = LaserWidget()
+        >>> with feeds.simulator() as feed:
+        ...     feed.connect("/scan", laser)
+    """
+
+    def __init__(self, middleware: Middleware) -> None:
+        self.driving = Driving()
+        self._middleware = middleware
+        self._changed = threading.Condition(threading.RLock())
+        self._links: dict[str, Link] = {}
+        self._widgets: dict[RobotWidget[Any], list[tuple[Link, Target]]] = {}
+        self._views: list[FeedView] = []
+        self._adverts: tuple[Advert, ...] = ()
+        self._there: dict[str, Topic] | None = None
+        self._down = f"connecting to {middleware.where}"
+        self._reached = self._closed = False
+        self._subscribed: set[str] = set()
+        self._subscribing = False
+        self._driver = Driver(self._send_speed, lambda: not self._down)
+        _open.add(self)
+        try:
+            middleware.open(self)
+        except BaseException:
+            _open.discard(self)
+            raise
+
+    # -- what a person uses --------------------------------------------------------------------------------------------
+
+    @property
+    def where(self) -> str:
+        """What it is connected to."""
+        return self._middleware.where
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """The topics there are now."""
+        return tuple((self._there or {}).values())
+
+    @property
+    def words(self) -> str:
+        """What a person should know of the connection; empty when all is well."""
+        return self._down
+
+    def connect(self, topic: str, *targets: Any) -> None:
+        """Hand the messages of a topic on, whether it is there yet or not.
+
+        Args:
+            topic: its name.
+            *targets: widgets, whose `update` takes the messages and which get the topic as title if they have none; or
+                functions of a message, such as `speed.command`. They are called in a thread of the feed's; an error is
+                logged.
+
+        Raises:
+            TypeError: no text, no target, or something else than a widget or a function.
+            FeedError: the feed is closed.
+        """
+        _check_name(topic)
+        found = [target_of(target) for target in targets]
+        if not found:
+            raise TypeError(f"connect({topic!r}) needs a widget, or a function of a message")
+        with self._changed:
+            self._check_open()
+            link = self._links.get(topic)
+            if link is None:
+                link = self._links[topic] = Link(topic)
+                link.listed((self._there or {}).get(topic))
+            for target in found:
+                if target in link.targets:
+                    continue
+                link.targets += (target,)
+                if target.widget is not None:
+                    self._widgets.setdefault(target.widget, []).append((link, target))
+                    _give_title(target, topic)
+            self._tell(link)
+        self._subscribe()
+
+    def disconnect(self, topic: str, *targets: Any) -> None:
+        """Hand no more messages of a topic on to these targets of `connect`; to none at all when none are named."""
+        _check_name(topic)
+        gone = [target_of(target) for target in targets]
+        with self._changed:
+            link = self._links.get(topic)
+            if link is None:
+                return
+            gone = gone or list(link.targets)
+            link.targets = tuple(target for target in link.targets if target not in gone)
+            if not link.targets:
+                del self._links[topic]
+            for target in gone:
+                self._leave(target, link)
+        self._subscribe()
+
+    def show(self, *topics: str) -> FeedView:
+        """The widgets that fit its topics, live, for the page.
+
+        It waits a moment for the first list of topics. Without names, topics that appear later get a widget too; a
+        named topic gets its own when it appears.
+
+        Args:
+            *topics: names of the topics to show; none: all that have a widget.
+
+        Raises:
+            TypeError: a name is no text, but a list of them, say.
+            FeedError: the feed is closed.
+
+        Example:
+            >>> feed.show("/scan", "/odom")  # doctest: +SKIP
+        """
+        from ._view import FeedView
+
+        for topic in topics:
+            _check_name(topic)
+        self._check_open()
+        self._wait(lambda: bool(set(topics) <= self._showable() if topics else self._showable()))
+        view = FeedView(self, topics)
+        with self._changed:
+            self._views.append(view)
+        view.refresh()
+        return view
+
+    def drive(self, linear: float = 0.0, angular: float = 0.0) -> None:
+        """Publish a speed, cut to the limits of `driving`; unless it is renewed in time, zero follows.
+
+        Args:
+            linear: forward, m/s.
+            angular: counter-clockwise, rad/s.
+
+        Raises:
+            TypeError: no number. ValueError: NaN or infinite.
+            FeedError: the robot cannot be reached or driven, or the feed is closed. Nothing is sent then.
+        """
+        driving = self.driving
+        speed = driving.within(linear, angular)
+        self._wait(lambda: not self._down and self._there is not None)
+        self._check_open()
+        if self._down:
+            raise FeedError(f"cannot drive: {self._down}")
+        self._driver.drive(*speed, driving.hold)
+
+    def stop(self) -> None:
+        """Publish zero now. Where the connection was lost while driving, zero goes out as soon as it is back.
+
+        Raises:
+            FeedError: the robot cannot be driven at all.
+        """
+        if not self._closed:
+            self._driver.stop()
+
+    def close(self) -> None:
+        """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing."""
+        with self._changed:
+            if self._closed:
+                return
+            self._closed = True
+        self._driver.close()
+        self._middleware.close()
+        with self._changed:
+            self._down = "the feed is closed"
+            self._changed.notify_all()
+            self._tell_all()
+        self._refresh_views()
+        _open.discard(self)
+
+    def __enter__(self) -> Feed:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return _table.as_text(*self._table())
+
+    def _repr_html_(self) -> str:
+        return _table.as_html(*self._table())
+
+    # -- what the middleware tells: see `Listener` ---------------------------------------------------------------------
+
+    def on_connected(self) -> None:
+        """See `Listener`."""
+        with self._changed:
+            if self._closed:
+                return
+            self._down, self._reached = "", True
+            self._changed.notify_all()
+            self._tell_all()
+        self._driver.nudge()
+        self._refresh_views()
+
+    def on_lost(self, why: str, again_in: float) -> None:
+        """See `Listener`."""
+        with self._changed:
+            if self._closed:
+                return
+            lost = "connection lost" if self._reached else f"cannot reach {self.where}"
+            self._down = f"{lost}, trying again in {again_in:.2g} s: {why}"
+            for link in self._links.values():
+                link.came = False
+            self._tell_all()
+        self._refresh_views()
+
+    def on_topics(self, topics: Sequence[Advert]) -> None:
+        """See `Listener`."""
+        with self._changed:
+            if self._closed:
+                return
+            self._adverts = tuple(topics)
+            self._there = topics_of(topics)
+            for link in self._links.values():
+                link.listed(self._there.get(link.topic))
+            self._changed.notify_all()
+            self._tell_all()
+        self._refresh_views()
+
+    def on_message(self, topic: str, message: Any) -> None:
+        """See `Listener`."""
+        link = self._links.get(topic)
+        if link is not None and not self._closed and link.take(message):
+            with self._changed:
+                self._tell(link)
+
+    def on_trouble(self, topic: str, words: str) -> None:
+        """See `Listener`."""
+        with self._changed:
+            link = self._links.get(topic)
+            if link is not None and not self._closed:
+                link.trouble = words
+                self._tell(link)
+
+    # -- within --------------------------------------------------------------------------------------------------------
+
+    def words_of(self, topic: str) -> str:
+        """What a person should know of a topic, connected or not; empty when all is well."""
+        with self._changed:
+            return self._down or (self._links.get(topic) or Link(topic)).words(self._there)
+
+    def forget(self, view: FeedView) -> None:
+        """Tell a view nothing more."""
+        with self._changed:
+            if view in self._views:
+                self._views.remove(view)
+
+    def _showable(self) -> set[str]:
+        return {topic.name for topic in self.topics if topic.widget}
+
+    def _wait(self, until: Callable[[], bool]) -> None:
+        """Wait a moment for what comes in the first moments of a feed."""
+        deadline = time.monotonic() + PATIENCE
+        with self._changed:
+            while not until() and not self._closed and (left := deadline - time.monotonic()) > 0:
+                self._changed.wait(left)
+
+    def _send_speed(self, linear: float, angular: float) -> None:
+        kind = type_to_send(self.driving.topic, self._adverts)
+        self._middleware.publish(self.driving.topic, kind, twist(kind, linear, angular))
+
+    def _subscribe(self) -> None:
+        """Ask the middleware for the topics that are connected, and no more for others.
+
+        It is called without the lock, which a thread of its own may want; by one thread at a time, so that what is
+        wanted last is what it hears last.
+        """
+        with self._changed:
+            if self._subscribing:
+                return  # that thread looks again before it leaves
+            self._subscribing = True
+        while True:
+            with self._changed:
+                changes = self._links.keys() ^ self._subscribed
+                if self._closed or not changes:
+                    self._subscribing = False
+                    return
+                topic = changes.pop()
+                wanted = topic in self._links
+                (self._subscribed.add if wanted else self._subscribed.discard)(topic)
+            (self._middleware.subscribe if wanted else self._middleware.unsubscribe)(topic)
+
+    def _leave(self, target: Target, link: Link) -> None:
+        if target.widget is None:
+            return
+        links = [pair for pair in self._widgets.pop(target.widget, []) if pair != (link, target)]
+        if links:
+            self._widgets[target.widget] = links
+        self._say(target.widget)
+
+    def _tell(self, link: Link) -> None:
+        for target in link.targets:
+            if target.widget is not None:
+                self._say(target.widget)
+
+    def _tell_all(self) -> None:
+        for widget in self._widgets:
+            self._say(widget)
+
+    def _refresh_views(self) -> None:
+        """Without the lock: a view may put up widgets, and connect them."""
+        for view in list(self._views):
+            view.refresh()
+
+    def _say(self, widget: RobotWidget[Any]) -> None:
+        links = sorted(self._widgets.get(widget, []), key=lambda pair: not pair[1].leads)
+        if not links:
+            widget._source = {}
+            return
+        first = links[0][0]
+        words = [link.words(self._there, leads=link is first) for link, _ in links]
+        told = self._down or "; ".join(dict.fromkeys(filter(None, words)))
+        widget._source = {"topic": first.topic, "type": first.type, "words": told}
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise FeedError(f"the feed of {self.where} is closed: open it again")
+
+    def _table(self) -> tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[str]]:
+        topics = self.topics
+        head = f"{self.where}: {_table.many(len(topics), 'topic')}"
+        return head, HEADS, [cells(topic) for topic in topics], (), [self._down] if self._down else []
+
+
+def _give_title(target: Target, topic: str) -> None:
+    widget = target.widget
+    if target.leads and widget is not None and not widget.title:
+        widget.title = topic
+    elif isinstance(widget, SpeedWidget) and target.hand == widget.command and not widget.command_title:
+        widget.command_title = topic
+
+
+def _check_name(topic: Any) -> None:
+    if not isinstance(topic, str):
+        raise TypeError(f"expected the name of a topic as text, got {topic!r}")
+
+
+_open: set[Feed] = set()
+"""Feeds that a process must close before it ends: a robot may be driving."""
+
+
+def _close_all() -> None:
+    for feed in list(_open):
+        feed.close()
+
+
+atexit.register(_close_all)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_open.clear)

@@ -1,0 +1,127 @@
+"""A recording, played as if it were live."""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from ..recordings import Recording, RecordingError
+from ..recordings import open as open_recording
+from ..samples.scan import finite
+from .feed import Feed
+from .middleware import Advert, FeedError, Listener
+
+log = logging.getLogger("robowidgets")
+
+_SHORTEST_ROUND = 0.1
+
+
+class Played:
+    """A recording as a `Middleware`: time passes in it, whether somebody looks or not, in a thread of its own.
+
+    Args:
+        recording: what is played; nothing else may read it meanwhile, and closing the feed closes it.
+        speed: seconds of the recording in a second.
+        loop: whether it starts anew at its end.
+    """
+
+    def __init__(self, recording: Recording, speed: float, loop: bool) -> None:
+        self._recording = recording
+        self._speed = speed
+        self._loop = loop
+        self._subscribed: frozenset[str] = frozenset()
+        self._changed = threading.Event()
+        self._closed = False
+        self._thread: threading.Thread | None = None
+
+    @property
+    def where(self) -> str:
+        """See `Middleware`."""
+        return self._recording.path.name
+
+    def open(self, listener: Listener) -> None:
+        """See `Middleware`."""
+        self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-player", daemon=True)
+        self._thread.start()
+
+    def subscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        self._subscribed |= {topic}
+        self._changed.set()
+
+    def unsubscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        self._subscribed -= {topic}
+        self._changed.set()
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
+        """See `Middleware`. It cannot."""
+        raise FeedError(f"{self.where} is a recording: it cannot be driven")
+
+    def close(self) -> None:
+        """See `Middleware`."""
+        self._closed = True
+        self._changed.set()
+        if self._thread is None:
+            self._recording.close()
+        elif self._thread is not threading.current_thread():
+            self._thread.join()
+
+    def _run(self, listener: Listener) -> None:
+        shown = {topic.name for topic in self._recording.topics if topic.widget}
+        listener.on_connected()
+        listener.on_topics([Advert(topic.name, topic.type, wanted=False) for topic in self._recording.topics])
+        try:
+            started = time.monotonic()
+            while not self._closed:
+                self._changed.clear()
+                names = self._subscribed & shown
+                ended = self._play(listener, names, started)
+                if ended and self._loop:
+                    started += max(self._recording.duration / self._speed, _SHORTEST_ROUND)
+                elif ended:
+                    for name in names:
+                        listener.on_trouble(name, f"{self.where} is at its end")
+                    self._changed.wait()
+        except RecordingError as error:
+            log.error("%s", error)
+            listener.on_lost(str(error), float("inf"))
+        finally:
+            self._recording.close()
+
+    def _play(self, listener: Listener, names: frozenset[str], started: float) -> bool:
+        """Hand on what is due from now on; whether it came to the end. It returns when other topics are wanted."""
+        now = (time.monotonic() - started) * self._speed
+        for moment in self._recording.samples(names, start=max(now, 0.0)) if names else ():
+            if self._changed.wait(max(0.0, started + moment.seconds / self._speed - time.monotonic())):
+                return False
+            listener.on_message(moment.topic, moment.sample)
+        return not self._changed.wait(max(0.0, started + self._recording.duration / self._speed - time.monotonic()))
+
+
+def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = False) -> Feed:
+    """A feed of a recording, played as if it were live.
+
+    Args:
+        path: what `robowidgets.open` takes.
+        speed: seconds of the recording in a second, above 0.
+        loop: whether it starts anew at its end.
+
+    Raises:
+        RecordingError: nothing of it can be read; the text says why.
+        TypeError: the speed is no number. ValueError: it is not finite and above 0.
+
+    Example:
+        >>> from robowidgets import SAMPLE, feeds
+        >>> with feeds.recording(SAMPLE, speed=10) as feed:
+        ...     view = feed.show()
+        >>> sorted(view.widgets)
+        ['/bumper', '/odom', '/scan']
+    """
+    if finite("speed", speed, "seconds of the recording in a second") <= 0:
+        raise ValueError(f"speed: expected seconds of the recording in a second, above 0, got {speed!r}")
+    return Feed(Played(open_recording(path), speed, loop))

@@ -1,0 +1,136 @@
+"""The built-in robot, driven in real time: a feed without any middleware."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..messages import to_speed
+from ..samples.scan import finite
+from ..simulator import Robot, World, wander
+from ._drive import TWIST
+from .feed import Feed
+from .middleware import Advert, FeedError, Listener
+
+TOPICS = (
+    Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
+    Advert("/odom", "nav_msgs/msg/Odometry", wanted=False),
+    Advert("/cmd_vel", TWIST, wanted=True),
+    Advert("/bumper", "robowidgets/msg/Touch", wanted=False),
+)
+
+LET_GO = 3.0
+"""Seconds without a speed from outside after which the robot wanders again."""
+
+_LATEST = 1.0
+_START = (0.2, -0.85, 0.5)
+
+
+class Simulated:
+    """A simulated robot as a `Middleware`: time passes for it as it does for us, in a thread of its own.
+
+    It wanders about, backs off from what it bumps into, and obeys speeds on ``/cmd_vel`` while somebody sends them.
+
+    Args:
+        robot: the robot; nothing else may use it meanwhile.
+        hz: how often a second it tells its speed and its bumpers. Scans come at the rate of its scanner, or at this one
+            if that is lower.
+    """
+
+    def __init__(self, robot: Robot, hz: float) -> None:
+        self._robot = robot
+        self._step = 1 / hz
+        self._driven: tuple[float, float] | None = None
+        self._driven_at = 0.0
+        self._subscribed: frozenset[str] = frozenset()
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def where(self) -> str:
+        """See `Middleware`."""
+        return "the simulated robot"
+
+    def open(self, listener: Listener) -> None:
+        """See `Middleware`."""
+        self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-simulator", daemon=True)
+        self._thread.start()
+
+    def subscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        self._subscribed |= {topic}
+
+    def unsubscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        self._subscribed -= {topic}
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
+        """See `Middleware`. It understands every message that holds a speed."""
+        if topic != "/cmd_vel":
+            raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
+        speed = to_speed(message)
+        self._driven_at = time.monotonic()
+        self._driven = (speed.linear[0], speed.angular[2])
+
+    def close(self) -> None:
+        """See `Middleware`."""
+        self._ended.set()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join()
+
+    def _run(self, listener: Listener) -> None:
+        listener.on_connected()
+        listener.on_topics(TOPICS)
+        ways = wander(self._robot)
+        scan = None
+        due = time.monotonic()
+        while not self._ended.wait(max(0.0, due - time.monotonic())):
+            # Where a busy cell held this thread up, lost time is made up for, but not what is long past.
+            due = max(due + self._step, time.monotonic() - _LATEST)
+            ways = self._steer(ways)
+            self._robot.step(self._step)
+            told = {"/odom": self._robot.speed(), "/cmd_vel": self._robot.command(), "/bumper": self._robot.touch()}
+            if "/scan" in self._subscribed and self._robot.scan() is not scan:
+                scan = told["/scan"] = self._robot.scan()
+            for topic in self._subscribed & told.keys():
+                listener.on_message(topic, told[topic])
+
+    def _steer(self, ways: Iterator[None]) -> Iterator[None]:
+        driven = self._driven
+        if driven is None:
+            next(ways)
+            return ways
+        if time.monotonic() - self._driven_at < LET_GO:
+            self._robot.drive(*driven)
+            return ways
+        self._driven = None
+        return wander(self._robot)
+
+
+def simulator(robot: Robot | None = None, *, hz: float = 20.0, seed: int = 1) -> Feed:
+    """A feed of the built-in robot, which needs no middleware: it wanders about a house until somebody drives it.
+
+    Its topics are /scan, /odom, /cmd_vel and /bumper.
+
+    Args:
+        robot: a robot of `robowidgets.simulator`; None: one in the hall of a house.
+        hz: steps of the robot a second, above 0, at most 1000.
+        seed: of everything random in the robot in the hall.
+
+    Raises:
+        TypeError: no such robot, or no number. ValueError: hz is out of its range.
+
+    Example:
+        >>> from robowidgets import feeds
+        >>> with feeds.simulator() as feed:
+        ...     view = feed.show()
+        >>> sorted(view.widgets)
+        ['/bumper', '/odom', '/scan']
+    """
+    if robot is not None and not isinstance(robot, Robot):
+        raise TypeError(f"robot: expected a robot of robowidgets.simulator, got {robot!r}")
+    if not 0 < finite("hz", hz, "steps a second") <= 1000:
+        raise ValueError(f"hz: expected steps a second, above 0 and at most 1000, got {hz!r}")
+    return Feed(Simulated(robot or Robot(World.rooms(), _START, seed=seed), hz))
