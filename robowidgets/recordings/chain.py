@@ -7,7 +7,7 @@ from functools import partial
 from heapq import merge
 from pathlib import Path
 
-from .pages import Page, Raws, pages_of
+from .pages import Held, Page, pages_of
 from .source import Channel, RecordingError, Source
 
 
@@ -109,8 +109,9 @@ def _attempt(path: Path, open_one: Callable[[Path], Source]) -> Source | str:
         return str(error)
 
 
-def _renamed(page: Page, channels: dict[int, Channel]) -> list[Raws]:
-    return [raws._replace(channel=channels[raws.channel.id]) for raws in page()]
+def _renamed(page: Page, channels: dict[int, Channel]) -> Held:
+    held = page()
+    return lambda: [raws._replace(channel=channels[raws.channel.id]) for raws in held()]
 
 
 def _same(channel: Channel) -> Channel:

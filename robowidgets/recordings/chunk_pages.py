@@ -1,38 +1,48 @@
-"""The raw messages in chunks of MCAP files and of ROS 1 bags, a chunk at a time."""
+"""The raw messages in chunks of MCAP files and of ROS 1 bags, a chunk at a time.
+
+The index of the file says where they lie, and every word of it is checked against the chunk.
+"""
 
 from __future__ import annotations
 
 from binascii import crc32
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from struct import Struct, error
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .pages import Raws
+from .pages import Held, Raws
 from .salvage.inflate import COMPRESSIONS, MAX_CHUNK, inflate
 from .source import Channel, RecordingError
 
-_MCAP_CHUNK = Struct("<BQQQQII")
-_MCAP_RECORD = Struct("<BQ")
-_MCAP_MESSAGE = Struct("<HIQQ")
-_U32, _U64, _TIME = Struct("<I"), Struct("<Q"), Struct("<II")
-_CHUNK, _MESSAGE = 6, 5
-_BAG_MESSAGE = 2
+_CHUNK_HEAD = Struct("<BQQQQII")
+_RECORD_HEAD = Struct("<BQ")
+_INDEX_HEAD = Struct("<BQHI")
+_U64 = Struct("<Q")
+_CHUNK, _INDEX, _MESSAGE = 6, 7, 5
+_ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
+_HEAD = np.dtype([("op", "u1"), ("size", "<u8"), ("channel", "<u2"), ("n", "<u4"), ("time", "<u8"), ("sent", "<u8")])
+_U32 = np.dtype("<u4")
+_TIME = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4")])
+_OF_MESSAGE = {b"op=\x02": None, b"conn=": 4, b"time=": 8}
 
 
 @dataclass(frozen=True)
 class McapPage:
-    """A chunk of an MCAP file. Called, it gives the messages of some channels in it, in the order of the file.
+    """A chunk of an MCAP file. Called, it reads and decompresses; what it then gives finds the messages.
 
     Args:
         path: the file.
-        start, size: where the record of the chunk lies, as the index has it.
-        channels: by their ids in the file.
+        start, size: where the record of the chunk lies, as the index has it, and the records of its own index after it.
+        channels: those that are wanted, by their ids in the file.
 
     Raises:
-        RecordingError: when it is called: the chunk is not as the index says.
+        RecordingError: when it is called, or what it gives is: the chunk is not as the index says.
     """
 
     path: Path
@@ -40,41 +50,59 @@ class McapPage:
     size: int
     channels: Mapping[int, Channel]
 
-    def __call__(self) -> list[Raws]:
-        """The messages."""
+    def __call__(self) -> Held:
+        """The messages, to be found."""
         record = read_part(self.path, self.start, self.size)
         try:
-            op, _, _, _, size, checksum, length = _MCAP_CHUNK.unpack_from(record)
-            at = _MCAP_CHUNK.size
+            op, outer, _, _, size, checksum, length = _CHUNK_HEAD.unpack_from(record)
+            at = _CHUNK_HEAD.size
             compression = record[at : at + length].decode("ascii", "replace")
             (packed,) = _U64.unpack_from(record, at + length)
         except error:
-            raise _damaged(self.path, self.start) from None
-        if op != _CHUNK:
-            raise _damaged(self.path, self.start)
+            raise self._damaged() from None
         at += length + _U64.size
-        raw = unpacked(self.path, self.start, compression, record[at : at + packed], size)
-        if checksum and crc32(raw) != checksum:
-            raise _damaged(self.path, self.start)
-        return self._messages(raw)
+        end = _RECORD_HEAD.size + outer
+        if op != _CHUNK or end > len(record) or at + packed != end:
+            raise self._damaged()
+        raw = unpacked(compression, record[at:end], size)
+        if raw is None or (checksum and crc32(raw) != checksum):
+            raise self._damaged()
+        return partial(self._messages, raw, record[end:])
 
-    def _messages(self, raw: bytes) -> list[Raws]:
-        found: list[tuple[int, int, int, int]] = []
-        at, end = 0, len(raw)
-        try:
-            while at < end:
-                op, size = _MCAP_RECORD.unpack_from(raw, at)
-                body = at + _MCAP_RECORD.size
-                at = body + size
-                if op == _MESSAGE:
-                    channel, _, time_ns, _ = _MCAP_MESSAGE.unpack_from(raw, body)
-                    if channel in self.channels:
-                        found.append((channel, time_ns, body + _MCAP_MESSAGE.size, at))
-        except error:
-            raise _damaged(self.path, self.start) from None
-        if at != end:
-            raise _damaged(self.path, self.start)
-        return runs(raw, found, self.channels)
+    def _messages(self, raw: bytes, index: bytes) -> list[Raws]:
+        entries = self._entries(index)
+        offsets = np.concatenate([np.empty(0, np.int64), *(entry["offset"].astype(np.int64) for _, entry in entries)])
+        heads = gathered(raw, offsets, _HEAD)
+        if heads is None:
+            raise self._damaged()
+        starts = offsets + _HEAD.itemsize
+        ends = offsets + _RECORD_HEAD.size + heads["size"].astype(np.int64)
+        times = np.concatenate([np.empty(0, np.uint64), *(entry["time"] for _, entry in entries)])
+        ids = np.repeat([number for number, _ in entries], [len(entry) for _, entry in entries])
+        whole = (heads["op"] == _MESSAGE) & (heads["channel"] == ids) & (heads["time"] == times)
+        if not (whole & (starts <= ends) & (ends <= len(raw)) & (times < 2**63)).all():
+            raise self._damaged()
+        return in_order(raw, ids.astype(np.int64), times.astype(np.int64), starts, ends, self.channels)
+
+    def _entries(self, index: bytes) -> list[tuple[int, NDArray[Any]]]:
+        """What the records of the chunk's own index say of the channels that are wanted."""
+        entries = []
+        at = 0
+        while at < len(index):
+            try:
+                op, size, channel, length = _INDEX_HEAD.unpack_from(index, at)
+            except error:
+                raise self._damaged() from None
+            body = at + _INDEX_HEAD.size
+            if op != _INDEX or length % _ENTRY.itemsize or body + length > len(index):
+                raise self._damaged()
+            if channel in self.channels:
+                entries.append((channel, np.frombuffer(index, _ENTRY, length // _ENTRY.itemsize, body)))
+            at += _RECORD_HEAD.size + size
+        return entries
+
+    def _damaged(self) -> RecordingError:
+        return _damaged(self.path, self.start)
 
 
 @dataclass(frozen=True)
@@ -85,6 +113,7 @@ class BagPage:
         path: the file.
         start, size: where the data of the chunk lies.
         compression: how it is packed; empty when it is not.
+        index: for each connection that is wanted, log times and offsets of its messages in the chunk.
         channels: by the numbers of connections.
     """
 
@@ -92,53 +121,84 @@ class BagPage:
     start: int
     size: int
     compression: str
+    index: Mapping[int, Sequence[tuple[int, int]]]
     channels: Mapping[int, Channel]
 
-    def __call__(self) -> list[Raws]:
-        """The messages."""
-        raw = unpacked(self.path, self.start, self.compression, read_part(self.path, self.start, self.size))
-        found: list[tuple[int, int, int, int]] = []
-        at, end = 0, len(raw)
-        try:
-            while at < end:
-                (size,) = _U32.unpack_from(raw, at)
-                head, body = at + _U32.size, at + _U32.size + size + _U32.size
-                at = body + _U32.unpack_from(raw, head + size)[0]
-                fields = _bag_fields(raw, head, head + size)
-                if fields.get(b"op") == bytes([_BAG_MESSAGE]):
-                    (number,) = _U32.unpack(fields[b"conn"])
-                    if number in self.channels:
-                        seconds, nanoseconds = _TIME.unpack(fields[b"time"])
-                        found.append((number, seconds * 1_000_000_000 + nanoseconds, body, at))
-        except (error, KeyError):
-            raise _damaged(self.path, self.start) from None
-        if at != end:
+    def __call__(self) -> Held:
+        """The messages, to be found."""
+        raw = unpacked(self.compression, read_part(self.path, self.start, self.size))
+        if raw is None:
             raise _damaged(self.path, self.start)
-        return runs(raw, found, self.channels)
+        return partial(self._messages, raw)
+
+    def _messages(self, raw: bytes) -> list[Raws]:
+        ids = np.repeat(list(self.index), [len(entries) for entries in self.index.values()]).astype(np.int64)
+        table = np.array([entry for entries in self.index.values() for entry in entries], np.int64).reshape(-1, 2)
+        times, offsets = table[:, 0], table[:, 1]
+        found = self._found(raw, ids, times, offsets)
+        if found is None:
+            raise _damaged(self.path, self.start)
+        return in_order(raw, ids, times, *found, self.channels)
+
+    def _found(self, raw: bytes, *said: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
+        """Starts and ends of the messages, if there are such as the index says."""
+        ids, times, offsets = said
+        sizes = gathered(raw, offsets, _U32)
+        if sizes is None or (sizes != sizes[:1]).any():
+            return None
+        size = int(sizes[0]) if sizes.size else 0
+        heads = gathered(raw, offsets + _U32.itemsize, np.dtype(("u1", (size,))))
+        lengths = gathered(raw, offsets + _U32.itemsize + size, _U32)
+        places = _places(heads[0].tobytes()) if heads is not None and len(heads) else {}
+        if heads is None or lengths is None or (len(heads) and len(places) < len(_OF_MESSAGE)):
+            return None
+        for name, (at, value) in places.items():
+            if (heads[:, at : at + len(name)] != np.frombuffer(name, np.uint8)).any():
+                return None
+            column = np.ascontiguousarray(heads[:, at + len(name) : at + len(name) + (value or 0)])
+            if name == b"conn=" and (column.view(_U32)[:, 0] != ids).any():
+                return None
+            if name == b"time=":
+                stamps = column.view(_TIME)[:, 0]
+                if (stamps["seconds"].astype(np.int64) * 1_000_000_000 + stamps["nanoseconds"] != times).any():
+                    return None
+        starts = offsets + 2 * _U32.itemsize + size
+        ends = starts + lengths
+        return (starts, ends) if (ends <= len(raw)).all() else None
 
 
-def _bag_fields(raw: bytes, at: int, end: int) -> dict[bytes, bytes]:
-    fields = {}
-    while at < end:
-        (size,) = _U32.unpack_from(raw, at)
-        name, _, value = raw[at + 4 : min(at + 4 + size, end)].partition(b"=")
-        fields[name] = value
-        at += 4 + size
-    return fields
+def _places(head: bytes) -> dict[bytes, tuple[int, int | None]]:
+    """Where the fields of a message's header have their names, and how long their values are."""
+    return {name: (head.find(name), value) for name, value in _OF_MESSAGE.items() if name in head}
 
 
-def runs(raw: bytes, found: list[tuple[int, int, int, int]], channels: Mapping[int, Channel]) -> list[Raws]:
-    """Messages (channel, log time, start, end) of a buffer, those that follow each other on one channel together."""
-    if not found:
-        return []
-    try:
-        table = np.array(found, np.int64)
-    except OverflowError:
-        raise RecordingError("a message bears a time that no clock has") from None
-    edges = np.flatnonzero(np.diff(table[:, 0])) + 1
+def gathered(raw: bytes, offsets: NDArray[np.int64], kind: np.dtype[Any]) -> NDArray[Any] | None:
+    """What stands at some offsets, each of a kind; None where one reaches out of the bytes."""
+    size = kind.itemsize
+    if offsets.size and (int(offsets.min()) < 0 or int(offsets.max()) + size > len(raw)):
+        return None
+    if not size:
+        return None
+    rows = np.frombuffer(raw, np.uint8)[offsets[:, None] + np.arange(size)]
+    column: NDArray[Any] = rows if kind.subdtype else rows.view(kind)[:, 0]
+    return column
+
+
+def in_order(
+    raw: bytes,
+    ids: NDArray[np.int64],
+    times: NDArray[np.int64],
+    starts: NDArray[np.int64],
+    ends: NDArray[np.int64],
+    channels: Mapping[int, Channel],
+) -> list[Raws]:
+    """Messages in the order in which they lie, those that follow each other on one channel together."""
+    order = np.argsort(starts, kind="stable")
+    edges = np.flatnonzero(np.diff(ids[order])) + 1
     return [
-        Raws(channels[int(part[0, 0])], part[:, 1].copy(), raw, part[:, 2], part[:, 3])
-        for part in np.split(table, edges)
+        Raws(channels[int(ids[part[0]])], times[part], raw, starts[part], ends[part])
+        for part in np.split(order, edges)
+        if part.size
     ]
 
 
@@ -159,21 +219,15 @@ def read_part(path: Path, start: int, size: int) -> bytes:
     return data
 
 
-def unpacked(path: Path, start: int, compression: str, data: bytes, size: int | None = None) -> bytes:
-    """A chunk's data, decompressed into no more than it claims, and no more than a chunk may have.
-
-    Raises:
-        RecordingError: it is damaged, or is not as long as it claims.
-    """
+def unpacked(compression: str, data: bytes, size: int | None = None) -> bytes | None:
+    """A chunk's data, decompressed into no more than it claims or a chunk may have; None if there is other."""
     if not compression:
         raw, whole = data, True
     elif compression not in COMPRESSIONS:
-        raise RecordingError(f"{path.name}: a chunk is compressed by {compression!r}, which nobody here can read")
+        return None
     else:
         raw, whole = inflate(compression, data, MAX_CHUNK if size is None else min(size, MAX_CHUNK))
-    if not whole or (size is not None and len(raw) != size):
-        raise _damaged(path, start)
-    return raw
+    return raw if whole and (size is None or len(raw) == size) else None
 
 
 def _damaged(path: Path, start: int) -> RecordingError:

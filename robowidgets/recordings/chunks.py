@@ -171,6 +171,16 @@ def join(chunks: list[Chunk]) -> Chunk:
     return replace(first, **columns)
 
 
+def compact(chunk: Chunk) -> Chunk:
+    """The chunk with columns of its own, read-only: not views that keep alive all the messages they were cut from."""
+    columns: Any = {}
+    for name, value in vars(chunk).items():
+        if isinstance(value, np.ndarray):
+            columns[name] = value if value.base is None else value.copy()
+            columns[name].flags.writeable = False
+    return replace(chunk, **columns)
+
+
 def single_scan(scan: Scan, time_ns: int) -> ScanChunk:
     """A chunk of one scan."""
     times, stamps = np.array([[time_ns], [scan.stamp_ns or 0]], np.int64)

@@ -142,7 +142,8 @@ def _count_alike(alike: Alike, rows: NDArray[np.uint8]) -> int:
 
 
 def _cut(rows: NDArray[np.uint8], part: slice, kind: str) -> NDArray[Any]:
-    return np.ascontiguousarray(rows[:, part]).view(kind)
+    # A view: who keeps it copies it, see `chunks.compact`.
+    return rows[:, part].view(kind)
 
 
 def _stamps(rows: NDArray[np.uint8]) -> NDArray[np.int64]:

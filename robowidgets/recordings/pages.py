@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
+from functools import partial
 from itertools import groupby
 from typing import Any, NamedTuple, Protocol
 
@@ -28,8 +29,11 @@ class Raws(NamedTuple):
     ends: NDArray[np.int64]
 
 
-Page = Callable[[], list[Raws]]
-"""Reads the messages of one page, in the order in which they came. May be called again, and in any thread."""
+Held = Callable[[], list[Raws]]
+"""Finds the messages in what was read of a page, in the order in which they came."""
+
+Page = Callable[[], Held]
+"""Reads one page. May be called again, and in any thread."""
 
 
 class Paged(Protocol):
@@ -87,9 +91,9 @@ class _Found:
         self._held: list[tuple[Channel, int, bytes]] | None = held
         self._first, self._last, self._count, self._skipped = held[0][1], held[-1][1], len(held), skipped
 
-    def __call__(self) -> list[Raws]:
+    def __call__(self) -> Held:
         held, self._held = self._held, None
-        return pack(held if held is not None else self._again())
+        return partial(pack, held if held is not None else list(self._again()))
 
     def _again(self) -> Iterator[tuple[Channel, int, bytes]]:
         messages = self._source.messages(self._channels, self._first, self._last + 1)

@@ -7,7 +7,7 @@ from typing import Generic, Protocol
 
 from .chunks import Chunk, merged
 from .columns import Note
-from .pages import Page, Raws, by_time, pages_of
+from .pages import Held, Page, Raws, by_time, pages_of
 from .source import Channel, RecordingError, Source
 
 
@@ -50,12 +50,12 @@ class RawFeed(Generic[Chunk]):
         """See `store.Feed`."""
         return (by_time if self._by_time else pages_of)(self._source, self._channels)
 
-    def decode(self, page: list[Raws]) -> list[Chunk]:
+    def decode(self, page: Held) -> list[Chunk]:
         """See `store.Feed`."""
         return merged(
             [
                 chunk
-                for raws in page
+                for raws in page()
                 for chunk in self._columns[raws.channel.id].read(
                     raws, lambda raws, i, error: self._note(raws.channel, int(raws.times[i]), error)
                 )

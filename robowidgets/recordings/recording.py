@@ -22,9 +22,9 @@ from .timeline import Moment, Timeline, Topic
 from .touch_series import Touches
 
 if TYPE_CHECKING:
+    from ..scanogram_widget import ScanogramWidget
     from .conditions import Condition
     from .function import Instant
-    from ..scanogram_widget import ScanogramWidget
     from .show import Player
     from .spans import Spans
 

@@ -5,6 +5,7 @@ This module and `ros_types` are the only ones that know rosbags.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any
@@ -100,18 +101,22 @@ def _mcap_pages(reader: McapReader, channels: ById) -> Pages:
     wanted = [chunk for chunk in reader.chunks if any(chunk.channel_count.get(number) for number in channels)]
     wanted.sort(key=lambda chunk: chunk.chunk_start_offset)
     path = Path(str(reader.path))
-    return [McapPage(path, chunk.chunk_start_offset, chunk.chunk_length, channels) for chunk in wanted]
+    return [
+        McapPage(path, chunk.chunk_start_offset, chunk.chunk_length + chunk.message_index_length, channels)
+        for chunk in wanted
+    ]
 
 
 def _bag_pages(reader: BagReader, channels: ById) -> Pages:
     names = {function: name for name, function in decompressors.items()}
     path = Path(str(reader.path))
-    infos = sorted(reader.chunk_infos, key=lambda info: info.pos)
-    wanted = [info.pos for info in infos if any(info.connection_counts.get(number) for number in channels)]
-    chunks = [reader.chunks[at] for at in wanted]
+    places: defaultdict[int, dict[int, list[tuple[int, int]]]] = defaultdict(dict)
+    for number in channels:
+        for entry in reader.indexes[number]:
+            places[entry.chunk_pos].setdefault(number, []).append((entry.time, entry.offset))
     return [
-        BagPage(path, chunk.datapos, chunk.datasize, names[chunk.decompressor].replace("none", ""), channels)
-        for chunk in chunks
+        BagPage(path, chunk.datapos, chunk.datasize, names[chunk.decompressor].replace("none", ""), index, channels)
+        for chunk, index in ((reader.chunks[at], index) for at, index in sorted(places.items()))
     ]
 
 

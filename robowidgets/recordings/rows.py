@@ -54,6 +54,26 @@ def filled(
     return array
 
 
+def whole(store: Store[Chunk], kind: np.dtype[Any], column: Callable[[Chunk], NDArray[Any]]) -> NDArray[Any] | None:
+    """One array of a column of all chunks, on the first way through the file; None where it is not to be had so.
+
+    So it is where there is no chunk, where they differ in width, or where there may be too little memory.
+    """
+    array: NDArray[Any] | None = None
+    given, fits = 0, True
+    for chunk in store.once():
+        part = column(chunk)
+        if array is None:
+            shape = (store.feed.total, part.shape[1])
+            fits = shape[0] * shape[1] * kind.itemsize <= store.memory.limit
+            array = np.empty(shape if fits else (0, 0), kind)
+        fits = fits and part.shape[1] == array.shape[1] and given + len(part) <= len(array)
+        if fits:
+            array[given : given + len(part)] = part
+        given += len(part)
+    return array[:given] if fits and array is not None else None
+
+
 def _stretches(rows: Rows) -> Iterator[tuple[int, int, int]]:
     """Start, stop and step, above 0, of stretches that together are the rows, in their order."""
     if isinstance(rows, range) and rows.step > 0:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..samples import Scan
 from .chunks import ScanChunk
-from .rows import chunks_of, filled
+from .rows import chunks_of, filled, whole
 from .series import Rows, Series
 from .source import RecordingError
 from .store import Store
@@ -82,6 +82,10 @@ class Scans(Series[Scan]):
         Raises:
             RecordingError: the number of rays changes, or the array would be larger than `Recording.memory`.
         """
+        if self._rows is None and not self._store.is_known:
+            array = whole(self._store, np.dtype(np.float32), lambda chunk: chunk.ranges)
+            if array is not None:
+                return array
         return self._array("ranges", self.ray_count)
 
     @property

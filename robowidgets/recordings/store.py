@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .ahead import read_ahead
-from .chunks import Chunk, ScanChunk
+from .chunks import Chunk, ScanChunk, compact
 from .memory import Memory
 from .progress import progress
 
@@ -104,10 +104,19 @@ class Store(Generic[Chunk]):
         """Times that the messages bear, shape (N,); 0 where they bear none."""
         return self._known().stamps[0]
 
+    @property
+    def is_known(self) -> bool:
+        """Whether all of it was read once."""
+        return self._index is not None
+
+    def once(self) -> Iterator[Chunk]:
+        """All chunks, of which none is kept: their columns are views of what was read."""
+        yield from self._walk(keep=False)
+
     def chunks(self, start: int = 0, stop: int | None = None) -> Iterator[Chunk]:
         """The chunks that hold the rows from ``start`` up to, not including, ``stop``, cut to these."""
         if self._index is None and start == 0 and stop is None:
-            yield from self._walk()
+            yield from self._walk(keep=True)
             return
         index = self._known()
         stop = len(self.times_ns) if stop is None else stop
@@ -121,31 +130,26 @@ class Store(Generic[Chunk]):
                 yield replace(part, start=place.start + first)
 
     def _page(self, index: Index, number: int) -> Any:
-        return self.memory.get((index.id, number), lambda: self._decode(index.pages[number]()))
+        return self.memory.get((index.id, number), lambda: self._compact(index.pages[number]()))
 
-    def _decode(self, page: Any) -> list[Chunk]:
-        chunks: list[Chunk] = self.feed.decode(page)
-        for chunk in chunks:
-            for value in vars(chunk).values():
-                if isinstance(value, np.ndarray):
-                    value.flags.writeable = False
-        return chunks
+    def _compact(self, page: Any) -> list[Chunk]:
+        return [compact(chunk) for chunk in self.feed.decode(page)]
 
     def _known(self) -> Index:
         if self._index is None:
-            for _ in self._walk():
+            for _ in self._walk(keep=True):
                 pass
         assert self._index is not None
         return self._index
 
-    def _walk(self) -> Iterator[Chunk]:
+    def _walk(self, keep: bool) -> Iterator[Chunk]:
         """All chunks, while it is noted where they are. Where one way breaks off, the next goes on."""
         given = 0
         with progress(self.feed.total, f"Reading {self.feed.name}") as bar:
             while True:
                 index = Index()
                 try:
-                    for chunk in self._chunks(index):
+                    for chunk in self._chunks(index, keep):
                         end = chunk.start + len(chunk)
                         if end > given:
                             known = max(given - chunk.start, 0)
@@ -159,7 +163,7 @@ class Store(Generic[Chunk]):
         index.finish()
         self._index = index
 
-    def _chunks(self, index: Index) -> Iterator[Chunk]:
+    def _chunks(self, index: Index, keep: bool) -> Iterator[Chunk]:
         def noted() -> Iterator[Callable[[], Any]]:
             for page in self.feed.pages():
                 coming.append(page)
@@ -171,16 +175,18 @@ class Store(Generic[Chunk]):
         while True:
             try:
                 page = next(results)
+                read: list[Chunk] = self._compact(page) if keep else self.feed.decode(page)
             except StopIteration:
                 return
             except Exception as error:  # whatever the reader of a damaged file stumbles over: the feed is the judge
                 raise _PageError(error) from error
             index.pages.append(coming.popleft())
             chunks = []
-            for chunk in self._decode(page):
+            for chunk in read:
                 chunks.append(replace(chunk, start=row))
                 row += len(chunk)
-            self.memory.put((index.id, len(index.pages) - 1), chunks)
+            if keep:
+                self.memory.put((index.id, len(index.pages) - 1), chunks)
             for number, chunk in enumerate(chunks):
                 index.add(number, chunk)
                 yield chunk

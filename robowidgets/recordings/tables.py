@@ -14,7 +14,7 @@ TIMES = ("times_ns", "seconds", "stamps_ns")
 
 def to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
     """A DataFrame by seconds. Of ranges one column for each ray, named by its index."""
-    pandas = _library("pandas", "to_pandas")
+    pandas = library("pandas", "to_pandas")
     index = pandas.Index(columns["seconds"], name="seconds")
     values = {name: column for name, column in columns.items() if name not in TIMES}
     if "ranges" in values:
@@ -26,7 +26,7 @@ def to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
 
 def to_polars(columns: Mapping[str, NDArray[Any]]) -> Any:
     """A DataFrame with all columns; of those of two dimensions each value is an array."""
-    polars = _library("polars", "to_polars")
+    polars = library("polars", "to_polars")
     return polars.DataFrame(
         [
             polars.Series(name, column.tolist(), dtype=polars.Boolean)
@@ -39,7 +39,7 @@ def to_polars(columns: Mapping[str, NDArray[Any]]) -> Any:
 
 def to_arrow(columns: Mapping[str, NDArray[Any]]) -> Any:
     """A table with all columns; of those of two dimensions each value is a list of fixed size."""
-    arrow = _library("pyarrow", "to_arrow")
+    arrow = library("pyarrow", "to_arrow")
 
     def array(column: NDArray[Any]) -> Any:
         if column.dtype == object:
@@ -55,7 +55,8 @@ def _filled(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     return {name: column for name, column in columns.items() if column.ndim == 1 or column.shape[1]}
 
 
-def _library(name: str, method: str) -> Any:
+def library(name: str, method: str) -> Any:
+    """A library that is only needed for one method; ImportError, with what to type, when it is missing."""
     try:
         return import_module(name)
     except ImportError as error:

@@ -107,6 +107,10 @@ class Touches(Series[Touch]):
         """The times that the messages bear, in nanoseconds, shape (N,); 0 where they bear none."""
         return self._picked(self._known.stamps_ns)
 
+    def sample(self, number: int) -> Touch:
+        """What is known of every sensor in a row, by its number."""
+        return self._sample(int(self.rows[number]))
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """Times, and True, False or None (unknown) for each sensor by its label."""
         told = np.array([_TOLD[state] for state in sorted(_TOLD)], object)

@@ -9,7 +9,7 @@ from functools import partial
 from threading import Lock
 from typing import NamedTuple
 
-from ..pages import PAGE_BYTES, Page, Raws, pack
+from ..pages import PAGE_BYTES, Held, Page, pack
 from ..source import Channel, RecordingError
 from .inflate import inflate
 from .records import Damage
@@ -101,13 +101,11 @@ class SavedFile:
         self._file.close()
         self._raw.clear()
 
-    def _page(self, rows: Sequence[int], wanted: dict[int, Channel]) -> list[Raws]:
+    def _page(self, rows: Sequence[int], wanted: dict[int, Channel]) -> Held:
         found = self._found
-        return pack(
-            (wanted[found.channels[row]], found.times[row], self._read(found.where[row], found.offsets[row], size))
-            for row in rows
-            for size in (found.sizes[row],)
-        )
+        places = ((row, found.where[row], found.offsets[row], found.sizes[row]) for row in rows)
+        messages = [(wanted[found.channels[row]], found.times[row], self._read(*place)) for row, *place in places]
+        return partial(pack, messages)
 
     def _read(self, chunk: int, offset: int, size: int) -> bytes:
         try:

@@ -1,0 +1,175 @@
+"""A condition that is a function of one moment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from heapq import merge
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any
+
+from ..samples import Scan, Speed, Touch
+from .conditions import Condition
+from .ros_types import one_line
+from .source import RecordingError
+from .steps import NO, UNKNOWN, YES, Steps, steps
+from .timeline import Sample
+
+if TYPE_CHECKING:
+    from .find import Search
+    from .recording import Recording
+
+_KINDS = {"laser": "scan", "speed": "speed", "touch": "touch"}
+_TIME = ""
+_BAR_EVERY = 500
+
+
+class NotYetError(LookupError):
+    """A topic has not said anything yet. Whatever depends on it is unknown."""
+
+
+class Instant:
+    """All that is known at one moment: of each topic the last sample up to then.
+
+    ``moment.scan``, ``moment.speed`` and ``moment.touch`` are those of the first topic of their kind (of speeds, the
+    first that is measured); ``moment["/cmd_vel"]`` is that of any topic. ``moment.seconds`` counts from the start of
+    the recording, ``moment.time_ns`` is by its clock.
+    """
+
+    def __init__(self, topics: dict[str, str | None], all_topics: list[str], start_ns: int) -> None:
+        self._topics = topics
+        self._all = all_topics
+        self._start_ns = start_ns
+        self._now = start_ns
+        self._samples: dict[str, Callable[[], Sample] | Sample] = {}
+        self._asked: set[str] = set()
+
+    @property
+    def scan(self) -> Scan:
+        """The last scan."""
+        return self._of("scan")  # type: ignore[no-any-return]
+
+    @property
+    def speed(self) -> Speed:
+        """The last measured speed."""
+        return self._of("speed")  # type: ignore[no-any-return]
+
+    @property
+    def touch(self) -> Touch:
+        """What is known of the touch sensors."""
+        return self._of("touch")  # type: ignore[no-any-return]
+
+    @property
+    def time_ns(self) -> int:
+        """Nanoseconds since the epoch."""
+        self._asked.add(_TIME)
+        return self._now
+
+    @property
+    def seconds(self) -> float:
+        """Seconds from the start of the recording."""
+        return (self.time_ns - self._start_ns) / 1e9
+
+    def __getitem__(self, topic: str) -> Any:
+        if topic not in self._all:
+            raise KeyError(f"no topic {topic!r} is looked at here: those that are: {', '.join(self._all)}")
+        self._asked.add(topic)
+        if topic not in self._samples:
+            raise NotYetError(topic)
+        sample = self._samples[topic]
+        if callable(sample):
+            sample = self._samples[topic] = sample()
+        return sample
+
+    def _of(self, kind: str) -> Any:
+        topic = self._topics.get(kind)
+        if topic is None:
+            raise AttributeError(f"the recording has no topic of a {kind} among those that are looked at")
+        return self[topic]
+
+
+class Function(Condition):
+    """Holds from each moment on at which a function returns something true.
+
+    Args:
+        function: takes an `Instant`. It is called again only when something changes that it looked at last time.
+    """
+
+    def __init__(self, function: Callable[[Instant], Any]) -> None:
+        self._function = function
+
+    def steps(self, search: Search) -> Steps:
+        """See `Condition`."""
+        recording = search.recording
+        topics = _topics(recording, search.topics)
+        instant = Instant(_by_kind(recording, topics), topics, recording.start_ns or 0)
+        times: list[int] = []
+        values: list[int] = []
+        value = UNKNOWN
+        now = instant._now
+        looked = 0
+        try:
+            for time_ns, topic, sample in merge(*(_samples(recording, t) for t in topics), key=lambda found: found[0]):
+                if time_ns > search.end_ns and search.is_cut:
+                    break
+                instant._now, instant._samples[topic] = time_ns, sample
+                if not times or topic in instant._asked or _TIME in instant._asked:
+                    value = self._call(instant)
+                times.append(time_ns)
+                values.append(value)
+                now, looked = time_ns, looked + 1
+                if looked % _BAR_EVERY == 0:
+                    search.looked_at(_BAR_EVERY)
+        except KeyboardInterrupt:
+            search.cut(now)
+        search.looked_at(looked % _BAR_EVERY)
+        return steps(times, values[: len(times)])
+
+    def _call(self, instant: Instant) -> int:
+        instant._asked.clear()
+        try:
+            return YES if self._function(instant) else NO
+        except NotYetError:
+            return UNKNOWN
+        except Exception as error:
+            seconds = (instant._now - instant._start_ns) / 1e9
+            raise RecordingError(
+                f"the condition {self} failed at {seconds:.2f} s: {type(error).__name__}: {one_line(error)}"
+            ) from error
+
+    def __str__(self) -> str:
+        return str(getattr(self._function, "__name__", type(self._function).__name__))
+
+
+def _topics(recording: Recording, asked: Any) -> list[str]:
+    if asked is None:
+        return [topic.name for topic in recording.topics if topic.widget]
+    names = [asked] if isinstance(asked, str) else list(asked)
+    for name in names:
+        recording.check(name)
+    return names
+
+
+def _by_kind(recording: Recording, topics: list[str]) -> dict[str, str | None]:
+    """The topic for each kind: the first, of speeds the first that is measured, if there is one."""
+    known = {topic.name: topic for topic in recording.topics if topic.widget}
+    found: dict[str, str | None] = {}
+    for name in sorted(topics, key=lambda name: known[name].commanded):
+        found.setdefault(_KINDS[str(known[name].widget)], name)
+    return found
+
+
+def _samples(recording: Recording, topic: str) -> Iterator[tuple[int, str, Callable[[], Sample]]]:
+    """Times that never go back, and what makes the sample of each."""
+    widget = next(known.widget for known in recording.topics if known.name == topic)
+    if widget == "touch":
+        touches = recording.touches(topic)
+        held = accumulate(touches.times_ns.tolist(), max)
+        yield from ((time_ns, topic, partial(touches.sample, i)) for i, time_ns in enumerate(held))
+        return
+    latest = 0
+    series: Any = recording.scans(topic) if widget == "laser" else recording.speeds(topic)
+    for chunk in series.chunks():
+        for i, time_ns in enumerate(chunk.times_ns.tolist()):
+            latest = max(latest, time_ns)
+            yield latest, topic, partial(chunk.sample, i)
