@@ -99,6 +99,9 @@ class RobotWidget(NamedWidget, Generic[S]):
     live = True
     """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
 
+    led = False
+    """Whether something in the page, a player, puts the samples on show there: then none are sent."""
+
     _frame = bytes_trait(echo_update=False)
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
