@@ -1,4 +1,4 @@
-"""The command ``robowidgets``: a tour, a recording in JupyterLab, a recording's table."""
+"""The command ``robowidgets``: a tour, a recording in JupyterLab, what is in a recording and when it happened."""
 
 from __future__ import annotations
 
@@ -10,25 +10,24 @@ from pathlib import Path
 
 import robowidgets
 
-from . import _lab, _notebooks
+from . import _lab, _notebooks, _questions
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Do what the arguments say.
 
     Returns:
-        0 when it is done; 1 when it could not be done, after one line on stderr that says why. Arguments that make no
-        sense exit with 2.
+        0 when it is done; 1 when it could not be done, after one line on stderr that says why. ``find`` is as grep: 1
+        when nothing was found, 2 when it could not look. Arguments that make no sense exit with 2.
     """
     arguments = _parser().parse_args(argv)
     try:
-        arguments.do(arguments)
-    except (robowidgets.RecordingError, NoLabError, OSError) as error:
+        return int(arguments.do(arguments) or 0)
+    except (robowidgets.RecordingError, _questions.QuestionError, NoLabError, OSError) as error:
         print(f"robowidgets: {error}", file=sys.stderr)
-        return 1
+        return int(arguments.failed)
     except KeyboardInterrupt:
         return 130
-    return 0
 
 
 class NoLabError(Exception):
@@ -50,8 +49,13 @@ def _open(arguments: argparse.Namespace) -> None:
 
 
 def _info(arguments: argparse.Namespace) -> None:
-    with robowidgets.open(arguments.file) as recording:
-        print(recording.info())
+    print(_questions.info(arguments))
+
+
+def _find(arguments: argparse.Namespace) -> int:
+    text, code = _questions.find(arguments)
+    print(text)
+    return code
 
 
 def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace) -> None:
@@ -72,6 +76,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="robowidgets", description="The hard data of a robot's sensors, live in the notebook."
     )
     parser.add_argument("--version", action="version", version=f"robowidgets {robowidgets.__version__}")
+    parser.set_defaults(failed=1)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
     demo = commands.add_parser("demo", help="open a tour in JupyterLab", description="Open a tour in JupyterLab.")
@@ -86,7 +91,17 @@ def _parser() -> argparse.ArgumentParser:
         "info", help="print what a recording holds", description="Print the topics, types, counts and rates."
     )
     info.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    info.add_argument("--json", action="store_true", help="print it as JSON")
     info.set_defaults(do=_info)
+    find = commands.add_parser(
+        "find",
+        help="print when something held in a recording",
+        description="Print from when to when conditions held, in seconds from the start of the recording.",
+        epilog="Exits with 0 when something was found, 1 when nothing was, 2 when it could not look.",
+    )
+    find.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    _questions.add_find(find)
+    find.set_defaults(do=_find, failed=2)
 
     for command in (demo, show):
         command.add_argument(

@@ -30,6 +30,7 @@ _GZIP = b"\x1f\x8b"
 _METADATA = "metadata.yaml"
 _OWN = re.compile(r"\d+|\.zstd?$")
 _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
+_PACKED = re.compile(r"^\s*compression_mode:\s*['\"]?(file|message)", re.MULTILINE | re.IGNORECASE)
 _BLOCK = 1 << 16
 _LOOKED_AT = 1 << 20
 
@@ -84,7 +85,7 @@ def _open_quick(path: Path) -> Source:
 def _open_folder(path: Path) -> Source:
     """A rosbag2 folder, by its metadata or, where they are missing or of no use, file by file."""
     files = find_files(path)
-    if (path / _METADATA).exists():
+    if (path / _METADATA).exists() and not _is_packed(path):
         try:
             return Relay(ros_files.open_folder(path), partial(open_chain, files, open_file))
         except Exception:  # as above; whether anything is lost, the files themselves tell
@@ -98,6 +99,17 @@ def _open_folder(path: Path) -> Source:
     source = open_chain(files, _open_file)
     missing = _missing(path)
     return Chain([("", source)], problems=[missing]) if missing else source
+
+
+def _is_packed(path: Path) -> bool:
+    """Whether the metadata say that files or messages are compressed by themselves.
+
+    rosbags unpacks these for as long as there is room; the readers for single files know where to stop.
+    """
+    try:
+        return bool(_PACKED.search((path / _METADATA).read_text(errors="replace")))
+    except OSError:
+        return False
 
 
 def _some(names: Sequence[str]) -> str:

@@ -14,17 +14,35 @@ from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionF
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag1.reader import decompressors
 from rosbags.rosbag2.reader import DirectoryReader
-from rosbags.rosbag2.storage_mcap import McapReader
+from rosbags.rosbag2.storage_mcap import DECOMPRESSORS, McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from .chunk_pages import BagPage, McapPage
 from .pages import Page
+from .salvage.inflate import MAX_CHUNK, inflate
 from .source import Channel, RecordingError
 
 ById = dict[int, Channel]
 Pages = list[Page] | None
 
 _NEVER = 2**63 - 1
+
+
+def _bounded(compression: str) -> Callable[..., bytes]:
+    """What decompresses a chunk into no more bytes than it claims, or than a chunk may have."""
+
+    def decompress(data: bytes, size: int = MAX_CHUNK) -> bytes:
+        raw, whole = inflate(compression, data, min(size, MAX_CHUNK))
+        if not whole:
+            raise RecordingError(f"a chunk in {compression} is damaged, or larger than it claims")
+        return raw
+
+    return decompress
+
+
+# As it comes, rosbags decompresses for as long as there is memory.
+decompressors.update({name: _bounded(name) for name in ("bz2", "lz4")})
+DECOMPRESSORS.update({name: _bounded(name) for name in ("zstd", "lz4")})
 
 
 def open_bag(path: Path) -> RosSource:

@@ -24,6 +24,7 @@ Types = dict[str, Any]
 
 _DEFAULTS = {"cdr": Stores.ROS2_HUMBLE, "ros1": Stores.ROS1_NOETIC}
 ENCODINGS = tuple(_DEFAULTS)
+_MOST_FIELDS = 10_000
 _IDL_HEAD = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
 
 # Comments and constants say nothing about bytes and cost time; and a constant whose name is not in capitals (Button0 of
@@ -41,7 +42,7 @@ class RosTypes:
 
     def shape(self, channel: Channel) -> Shape:
         """The fields of a channel's messages; RecordingError when they are not known."""
-        return _shape(self._store(channel).fielddefs, channel.type)
+        return _shape(self.store(channel).fielddefs, channel.type)
 
     def decoder(self, channel: Channel) -> Decode:
         """What makes messages of a channel's bytes.
@@ -50,7 +51,7 @@ class RosTypes:
             RecordingError: the type or the encoding is not known; what is returned raises it for bytes that are no such
                 message.
         """
-        store, type_name = self._store(channel), channel.type
+        store, type_name = self.store(channel), channel.type
         read = store.deserialize_ros1 if channel.encoding == "ros1" else store.deserialize_cdr
 
         def decode(raw: bytes) -> Any:
@@ -61,7 +62,8 @@ class RosTypes:
 
         return decode
 
-    def _store(self, channel: Channel) -> Typestore:
+    def store(self, channel: Channel) -> Typestore:
+        """What knows the type of a channel; RecordingError when nothing does."""
         key = (channel.type, channel.definition)
         if key not in self._stores:
             self._stores[key] = self._find(channel)
@@ -139,14 +141,18 @@ def _used(definition: Any) -> Iterator[str]:
             yield name
 
 
-def _shape(types: Types, type_name: str) -> dict[str, Any]:
-    return {name: _kind(types, kind, what) for name, (kind, what) in types[type_name][1]}
+def _shape(types: Types, type_name: str, room: Iterator[int] | None = None) -> dict[str, Any]:
+    # Types within types double with every level: few lines can say more fields than fit in any memory.
+    room = iter(range(_MOST_FIELDS)) if room is None else room
+    return {name: _kind(types, kind, what, room) for name, (kind, what) in types[type_name][1]}
 
 
-def _kind(types: Types, kind: int, what: Any) -> Any:
+def _kind(types: Types, kind: int, what: Any, room: Iterator[int]) -> Any:
+    if next(room, None) is None:
+        raise RecordingError(f"the definition of its messages has more than {_MOST_FIELDS:,} fields")
     if kind == Nodetype.BASE:
         return what[0]
     if kind == Nodetype.NAME:
-        return what.rpartition("/")[2] if what.startswith("builtin_interfaces/") else _shape(types, what)
+        return what.rpartition("/")[2] if what.startswith("builtin_interfaces/") else _shape(types, what, room)
     (inner, name), count = what
     return f"{name[0] if inner == Nodetype.BASE else name}[{count if kind == Nodetype.ARRAY else ''}]"

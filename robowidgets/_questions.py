@@ -1,0 +1,114 @@
+"""What the command asks a recording: what it holds, and when something held."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from functools import reduce
+from operator import and_, or_
+from typing import Any
+
+import robowidgets
+
+from .recordings import Recording, conditions
+from .recordings.conditions import Condition
+from .recordings.spans import Spans
+
+FOUND, NONE, INTERRUPTED = 0, 1, 130
+
+
+class QuestionError(Exception):
+    """The conditions make no sense, or not for this recording."""
+
+
+def add_find(parser: argparse.ArgumentParser) -> None:
+    """The arguments of ``robowidgets find``, but for its file."""
+    asked = parser.add_argument_group("conditions, of which all must hold")
+    asked.add_argument("--touched", nargs="?", const="", metavar="SENSOR", help="it is touched; none named: any")
+    asked.add_argument("--nearest-below", type=float, metavar="METRES", help="a ray meets something nearer than that")
+    asked.add_argument("--speed-above", type=float, metavar="SPEED", help="it is faster than that, either way")
+    asked.add_argument("--gap", type=float, metavar="SECONDS", help="no scan or no speed came for longer than that")
+    asked.add_argument("--any", action="store_true", help="one of the conditions is enough")
+    how = parser.add_argument_group("where to look")
+    how.add_argument(
+        "--sector",
+        type=float,
+        nargs=2,
+        metavar=("FROM", "TO"),
+        help="only rays between these angles, in radians counter-clockwise (default: all)",
+    )
+    how.add_argument("--axis", default="linear.x", help="of the speed (default: linear.x; angular.z is yaw)")
+    for kind in ("scan", "speed", "touch"):
+        how.add_argument(f"--{kind}", metavar="TOPIC", help=f"the topic of the {kind} (default: the only one)")
+    parser.add_argument("--json", action="store_true", help="print a list of spans as JSON, times in seconds")
+
+
+def condition(arguments: argparse.Namespace) -> Condition:
+    """The condition that the arguments name.
+
+    Raises:
+        QuestionError: they name none.
+        ValueError: one makes no sense.
+    """
+    asked: list[Condition] = []
+    if arguments.touched is not None:
+        asked.append(conditions.touched(arguments.touched or None, arguments.touch))
+    if arguments.nearest_below is not None:
+        asked.append(conditions.nearest_below(arguments.nearest_below, arguments.sector, arguments.scan))
+    if arguments.speed_above is not None:
+        asked.append(conditions.speed_above(arguments.speed_above, arguments.axis, arguments.speed))
+    if arguments.gap is not None:
+        asked.append(conditions.gap(arguments.gap))
+    if not asked:
+        raise QuestionError("find: expected a condition: --touched, --nearest-below, --speed-above or --gap")
+    return reduce(or_ if arguments.any else and_, asked)
+
+
+def find(arguments: argparse.Namespace) -> tuple[str, int]:
+    """What to print of ``robowidgets find``, and its exit code: 0 when something was found, 1 when nothing was.
+
+    Raises:
+        QuestionError: the condition makes no sense.
+        RecordingError: the recording cannot be read, or has no such topic.
+    """
+    with robowidgets.open(arguments.file) as recording:
+        try:
+            spans = recording.find(condition(arguments))
+        except ValueError as error:
+            raise QuestionError(str(error)) from None
+    code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED
+    return (_spans_as_json(spans) if arguments.json else _spans_as_text(spans)), code
+
+
+def info(arguments: argparse.Namespace) -> str:
+    """What to print of ``robowidgets info``."""
+    with robowidgets.open(arguments.file) as recording:
+        return _info_as_json(recording) if arguments.json else recording.info()
+
+
+def _spans_as_text(spans: Spans) -> str:
+    lines = [f"{span.start:.3f}\t{span.end:.3f}\t{span.seconds:.3f}" for span in spans]
+    stopped = [] if spans.is_complete else [f"# stopped at {spans.until:.3f}: nothing after that was looked at"]
+    return "\n".join(["# start\tend\tseconds", *lines, *stopped])
+
+
+def _spans_as_json(spans: Spans) -> str:
+    return json.dumps(
+        {
+            "condition": spans.condition,
+            "complete": spans.is_complete,
+            "spans": [span._asdict() for span in spans],
+        },
+        indent=2,
+    )
+
+
+def _info_as_json(recording: Recording) -> str:
+    told: dict[str, Any] = {
+        "path": str(recording.path),
+        "start_ns": recording.start_ns,
+        "seconds": recording.duration,
+        "topics": [topic._asdict() for topic in recording.topics],
+        "problems": list(recording.problems),
+    }
+    return json.dumps(told, indent=2)
