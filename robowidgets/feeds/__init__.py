@@ -7,6 +7,7 @@ when it is opened.
 from ._drive import Driving
 from ._topics import Topic
 from .feed import Feed
+from .foxglove import foxglove
 from .middleware import Advert, FeedError, Listener, Middleware
 from .recording import recording
 from .simulator import simulator
@@ -19,6 +20,7 @@ __all__ = [
     "Listener",
     "Middleware",
     "Topic",
+    "foxglove",
     "recording",
     "simulator",
 ]

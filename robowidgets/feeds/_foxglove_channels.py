@@ -1,0 +1,130 @@
+"""What a foxglove server says of its topics, and how their messages are read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
+
+from ..recordings.source import Channel as RosChannel
+from ..recordings.source import RecordingError
+from ._bridge import UnreadableError, full_type
+from ._websocket import one_line
+from .middleware import Advert
+
+ROS = ("cdr", "ros1")
+_OURS = "foxglove_bridge"
+
+
+class Channel(NamedTuple):
+    """A topic of one type, as a server offers it."""
+
+    id: int
+    topic: str
+    type: str
+    encoding: str
+    definition: str
+
+
+def channel_of(offer: Any) -> Channel | None:
+    """The channel in an entry of ``advertise``; None when it is none."""
+    if not isinstance(offer, Mapping):
+        return None
+    number, topic, encoding = (offer.get(name) for name in ("id", "topic", "encoding"))
+    kind, definition = (offer.get(name) for name in ("schemaName", "schema"))
+    if type(number) is not int or not isinstance(topic, str) or not isinstance(encoding, str):
+        return None
+    kind = kind if isinstance(kind, str) else ""
+    return Channel(number, topic, full_type(kind), encoding, definition if isinstance(definition, str) else "")
+
+
+class Decoders:
+    """The functions that read the messages of channels."""
+
+    def __init__(self) -> None:
+        from ..recordings.ros_types import RosTypes
+
+        self._types = RosTypes()
+
+    def of(self, channel: Channel) -> Callable[[bytes], Any]:
+        """What reads the messages of a channel; it and this raise UnreadableError."""
+        if channel.encoding == "json":
+            return _json
+        if channel.encoding not in ROS:
+            raise UnreadableError(
+                f"{channel.topic} comes as {one_line(channel.type)} in {one_line(channel.encoding)}, "
+                "which is not read; what foxglove_bridge sends is (cdr, ros1, json)"
+            )
+        asked = RosChannel(channel.id, channel.topic, channel.type, channel.encoding, channel.definition, 0)
+        try:
+            decode = self._types.decoder(asked)
+        except RecordingError:
+            raise UnreadableError(
+                f"{channel.topic} comes as {one_line(channel.type)}, which is not a known type, "
+                "and the server does not define it in a way that can be understood"
+            ) from None
+
+        def read(raw: bytes) -> Any:
+            try:
+                return decode(raw)
+            except RecordingError as error:
+                raise UnreadableError(f"a message of {channel.topic} cannot be read: {error}") from None
+
+        return read
+
+
+def _json(raw: bytes) -> Any:
+    try:
+        message = json.loads(raw)
+    except (ValueError, RecursionError) as error:
+        raise UnreadableError(f"a message cannot be read: {len(raw)} bytes that are no JSON: {error}") from None
+    if not isinstance(message, dict):
+        raise UnreadableError(f"a message cannot be read: it is no JSON object but {one_line(str(message)[:100])!r}")
+    return message
+
+
+class Graph:
+    """Who publishes and who listens, where the server tells."""
+
+    def __init__(self) -> None:
+        self.known = False
+        self._publishers: dict[str, int] = {}
+        self._listeners: dict[str, int] = {}
+
+    def update(self, said: Mapping[str, Any]) -> None:
+        """Learn from a ``connectionGraphUpdate``."""
+        self.known = True
+        for name in _list(said.get("removedTopics")):
+            if isinstance(name, str):
+                self._publishers.pop(name, None)
+                self._listeners.pop(name, None)
+        for counts, what, ids in (
+            (self._publishers, "publishedTopics", "publisherIds"),
+            (self._listeners, "subscribedTopics", "subscriberIds"),
+        ):
+            for entry in _list(said.get(what)):
+                if isinstance(entry, Mapping) and isinstance(entry.get("name"), str):
+                    counts[entry["name"]] = sum(not _is_bridge(node) for node in _list(entry.get(ids)))
+
+    def adverts(self, channels: Iterable[Channel]) -> list[Advert]:
+        """All topics: the channels, and those that somebody only listens to, whose types nobody tells."""
+        found = {(c.topic, c.type): None for c in channels}
+        names = {topic for topic, _ in found}
+        if self.known:
+            more = dict.fromkeys((*self._publishers, *self._listeners))
+            found.update({(name, ""): None for name in more if name not in names})
+        return [
+            Advert(topic, kind, self._publishers.get(topic, 0) > 0, self._listeners.get(topic, 0) > 0)
+            if self.known
+            else Advert(topic, kind)
+            for topic, kind in found
+        ]
+
+
+def _list(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else []
+
+
+def _is_bridge(node: Any) -> bool:
+    """Whether a node is the bridge itself, which listens and publishes for us."""
+    return str(node).rpartition("/")[2].startswith(_OURS)

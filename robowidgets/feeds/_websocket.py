@@ -1,0 +1,292 @@
+"""A websocket to a robot that comes back by itself, in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Hashable
+from typing import Any, Protocol
+from urllib.parse import urlsplit
+
+from ._again import Again
+from .middleware import FeedError
+
+Frame = str | bytes
+
+LARGEST = 50_000_000
+"""Bytes of the largest message that is read."""
+
+PATIENCE = 5.0
+"""Seconds within which a robot has to answer when it is called."""
+
+_ALIVE = 10.0  # seconds between two questions whether the robot is still there, and for its answer
+_OVERDUE = 0.02  # seconds for which frames that come without a pause may keep those before them from being read
+_GOODBYE = 0.5
+_JOIN = 10.0
+
+
+class Talk(Protocol):
+    """What is spoken on a line. Everything is called in the thread of the line, `deliver` after some frames."""
+
+    def on_open(self) -> None:
+        """A connection begins."""
+
+    def on_frame(self, frame: Frame) -> None:
+        """A frame came: keep it in place of an older one of its kind, for there may be more behind it."""
+
+    def deliver(self) -> None:
+        """Read what was kept, and hand it on."""
+
+    def on_lost(self, why: str, again_in: float, too_big: bool) -> None:
+        """The connection ended, or there was none; perhaps because of a message larger than `LARGEST`."""
+
+
+class Line:
+    """A connection to an address, opened again with growing pauses whenever it ends.
+
+    What it writes to a robot that does not take it is kept only as far as somebody said: the newest of each kind.
+
+    Raises:
+        TypeError, ValueError: the address is not one; the text says how to write it.
+    """
+
+    def __init__(self, address: str, talk: Talk, subprotocols: list[str] | None = None) -> None:
+        self.address = checked(address)
+        self._talk = talk
+        self._subprotocols = subprotocols
+        self._again = Again()
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._task: asyncio.Task[str] | None = None
+        self._calls: deque[Callable[[], object]] = deque()
+        self.session = 0
+        """The number of the connection there is, from 1; 0 when there is none."""
+        self._sessions = 0
+        self._closed_at = 0.0
+        self._stream: Any = None
+        self._forget()
+
+    def open(self) -> None:
+        """Connect; FeedError when that can never work."""
+        try:
+            import tornado.websocket  # noqa: F401
+        except ImportError:
+            raise FeedError(
+                "websockets need the package tornado, which is not installed: pip install tornado"
+            ) from None
+        self._thread = threading.Thread(target=self._run, name=f"robowidgets {self.address}", daemon=True)
+        self._thread.start()
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is closed for good."""
+        return self._again.closed
+
+    def close(self) -> None:
+        """End the connection and the thread, from any thread; from its own, it ends as soon as the call returns."""
+        self._closed_at = self._closed_at or time.monotonic()
+        self._again.close()
+        with self._lock:
+            if self._loop is not None and self._task is not None:
+                self._loop.call_soon_threadsafe(self._task.cancel)
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join(_JOIN)
+
+    def call(self, function: Callable[[], object]) -> None:
+        """Call a function in the thread of the line: at once, or when there is a connection."""
+        with self._lock:
+            self._calls.append(function)
+            if self._loop is not None:
+                self._loop.call_soon_threadsafe(self._run_calls)
+
+    def later(self, seconds: float, function: Callable[[], object]) -> None:
+        """Call a function after a while, if the connection is the same by then. In the thread of the line."""
+        if self._loop is not None:
+            self._loop.call_later(seconds, function)
+
+    def write(self, frame: Frame) -> None:
+        """Send a frame; nothing when there is no connection. In the thread of the line."""
+        if self.session:
+            self._outbox.append(frame)
+            self._to_write.set()
+
+    def write_newest(self, kind: Hashable, frame: Frame) -> None:
+        """Send a frame after those of `write`, in place of one of its kind that the robot did not take yet."""
+        if self.session:
+            self._newest[kind] = frame
+            self._to_write.set()
+
+    # From here on everything runs in the thread of the line.
+
+    def _run(self) -> None:
+        while not self.closed:
+            with contextlib.suppress(asyncio.CancelledError):  # that is how it is closed
+                why = asyncio.run(self._session())
+                if not self.closed:
+                    pause = self._again.next_pause()
+                    self._talk.on_lost(why, pause, self._too_big)
+                    self._again.wait(pause)
+
+    async def _session(self) -> str:
+        """Connect, and stay as long as it goes; returns why it ended."""
+        self._forget()
+        with self._lock:
+            self._loop, self._task = asyncio.get_running_loop(), asyncio.current_task()
+        try:
+            return "" if self.closed else await self._stay(await self._connect())
+        except Exception as error:  # whatever the network, tornado or the other side make up
+            return self._words(error)
+        finally:
+            with self._lock:
+                self._loop = self._task = None
+
+    async def _connect(self) -> Any:
+        from tornado.httpclient import HTTPRequest
+        from tornado.websocket import websocket_connect
+
+        return await websocket_connect(
+            HTTPRequest(self.address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
+            on_message_callback=self._on_frame,
+            ping_interval=_ALIVE,
+            ping_timeout=_ALIVE,
+            max_message_size=LARGEST,
+            subprotocols=self._subprotocols,
+        )
+
+    async def _stay(self, connection: Any) -> str:
+        self._stream = stream = connection.protocol.stream
+        stream.set_nodelay(True)
+        self._listen_in(connection.protocol)
+        writer = asyncio.ensure_future(self._write(connection))
+        self._sessions += 1
+        self.session = self._sessions
+        opened = time.monotonic()
+        try:
+            self._talk.on_open()
+            self._run_calls()
+            while self._early:
+                self._on_frame(self._early.popleft())
+            await self._ended.wait()
+        finally:
+            # What was said before it was closed is still sent: it may be to stop.
+            self._run_calls()
+            self.session = 0
+            self._to_write.set()
+            with contextlib.suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(writer, _GOODBYE)
+            connection.close()
+            with contextlib.suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(self._ended.wait(), _GOODBYE)
+            stream.close()
+            # A robot that takes a call and drops it at once is called again ever more rarely, too.
+            if time.monotonic() - opened > PATIENCE:
+                self._again.worked()
+        return self._ending(connection)
+
+    def _forget(self) -> None:
+        self._stream = None
+        self._early: deque[Frame | None] = deque(maxlen=1000)
+        self._outbox: deque[Frame] = deque()
+        self._newest: dict[Hashable, Frame] = {}
+        self._to_write, self._ended = asyncio.Event(), asyncio.Event()
+        self._kept_since: float | None = None
+        self._too_big = False
+        self._silent = False
+
+    def _listen_in(self, protocol: Any) -> None:
+        """Note why tornado itself ends a connection, for it tells nobody."""
+        close = protocol.close
+
+        def noting(code: int | None = None, reason: str | None = None) -> None:
+            self._too_big = self._too_big or code == 1009
+            self._silent = self._silent or reason == "ping timed out"
+            close(code, reason)
+
+        protocol.close = noting
+
+    def _on_frame(self, frame: Frame | None) -> None:
+        if self._stream is None:  # tornado reads the first frames before it says that there is a connection
+            self._early.append(frame)
+        elif frame is None:
+            self._ended.set()
+        elif self.closed:  # nothing else may ever run where frames come without a pause
+            if time.monotonic() - self._closed_at > _GOODBYE:
+                self._stream.close()
+        else:
+            self._talk.on_frame(frame)
+            self._deliver_soon()
+
+    def _deliver_soon(self) -> None:
+        # As long as the network has more, tornado reads on, and nothing else runs: what comes first are the newest
+        # frames, without a thought for the others; but not for long.
+        now = time.monotonic()
+        if self._kept_since is None:
+            self._kept_since = now
+            asyncio.get_running_loop().call_soon(self._deliver)
+        elif now - self._kept_since > _OVERDUE:
+            self._deliver()
+            self._kept_since = now
+
+    def _deliver(self) -> None:
+        self._kept_since = None
+        self._talk.deliver()
+
+    def _run_calls(self) -> None:
+        while self.session and self._calls:
+            self._calls.popleft()()
+
+    async def _write(self, connection: Any) -> None:
+        while True:
+            while self._outbox or self._newest:
+                frame = self._outbox.popleft() if self._outbox else self._newest.pop(next(iter(self._newest)))
+                try:
+                    await connection.write_message(frame, binary=isinstance(frame, bytes))
+                except Exception:  # the connection ended, which whoever reads from it learns with its reason
+                    return
+            if not self.session:
+                return
+            self._to_write.clear()
+            await self._to_write.wait()
+
+    def _words(self, error: BaseException) -> str:
+        if isinstance(error, ConnectionRefusedError):
+            return f"nothing listens at {self.address}; is the robot's bridge running?"
+        if isinstance(error, socket.gaierror):
+            return f"nobody here knows the name {urlsplit(self.address).hostname}"
+        if getattr(error, "code", None) == 599 or isinstance(error, asyncio.TimeoutError):
+            return f"no answer from {self.address} within {PATIENCE:g} s"
+        return f"{self.address} cannot be connected to: {one_line(str(error)) or type(error).__name__}"
+
+    def _ending(self, connection: Any) -> str:
+        if self._too_big:
+            return f"a message larger than {LARGEST // 1_000_000} MB came"
+        if self._silent:
+            return f"the robot did not answer for {_ALIVE:g} s"
+        reason = one_line(connection.close_reason or "")
+        return "the connection ended" + (f": {reason}" if reason else "")
+
+
+def checked(address: object) -> str:
+    """An address as it was given; TypeError or ValueError when it is none."""
+    expected = "address: expected one like ws://192.168.1.5:8765"
+    if not isinstance(address, str):
+        raise TypeError(f"{expected}, got {address!r}")
+    try:
+        parts = urlsplit(address)
+        good = parts.scheme in ("ws", "wss") and bool(parts.hostname) and parts.port != 0
+    except ValueError:  # a port that is no number
+        good = False
+    if not good or address != address.strip() or not address.isprintable():
+        raise ValueError(f"{expected} (wss:// for an encrypted one), got {address!r}")
+    return address
+
+
+def one_line(text: str) -> str:
+    """What a machine wrote, in one line for a person."""
+    line = " ".join("".join(c if c.isprintable() else " " for c in text[:2000]).split())
+    return line if len(line) <= 160 else f"{line[:159]}…"

@@ -1,0 +1,207 @@
+"""Any robot that runs foxglove_bridge, over its websocket.
+
+Protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from functools import partial
+from struct import Struct
+from typing import Any, NamedTuple
+
+from ._bridge import Bridge, Read, UnreadableError, short_type, strings, to_json
+from ._foxglove_channels import Channel, Decoders, Graph, channel_of
+from ._websocket import Frame, one_line
+from .feed import Feed
+from .middleware import FeedError
+
+_SUBPROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
+_WRITTEN = ("cdr", "ros1", "json")
+_DATA = Struct("<BIQ")
+_CLIENT_DATA = Struct("<BI")
+_MESSAGE = 1
+_ERROR = 2
+_SETTLE = 0.05  # seconds: the SDK's server forgets one subscription in ten that answers its offer at once
+_NO_CHANNELS = 0.5  # seconds in which a server that has channels says so
+
+
+class _Stream(NamedTuple):
+    """A subscription to a channel."""
+
+    topic: str
+    channel_id: int
+    read: Read
+
+
+class Foxglove(Bridge):
+    """A `Middleware` that speaks to a foxglove server.
+
+    Raises:
+        TypeError, ValueError: the address is not one.
+    """
+
+    def __init__(self, address: str = "ws://127.0.0.1:8765") -> None:
+        from ._encode import Encoder
+
+        self._decoders = Decoders()
+        self._encoder = Encoder()
+        self._subscriptions = 0
+        self._reactions = {
+            "serverInfo": self._on_info,
+            "advertise": self._on_advertise,
+            "unadvertise": self._on_unadvertise,
+            "connectionGraphUpdate": self._on_graph,
+            "status": self._on_status,
+        }
+        super().__init__(address, _SUBPROTOCOLS)
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        """See `Middleware`."""
+        session, info = self._line.session, self._info
+        if not session or info is None:
+            return
+        if "clientPublish" not in strings(info.get("capabilities")):
+            raise FeedError(
+                f"{self.where} takes no messages: its server does not offer clientPublish; "
+                "foxglove_bridge does when its parameter capabilities lists it"
+            )
+        encodings = strings(info.get("supportedEncodings"))
+        encoding = next((known for known in _WRITTEN if known in encodings), None)
+        if encoding is None:
+            taken = one_line(", ".join(encodings)) or "none at all"
+            raise FeedError(
+                f"{self.where} takes messages in {taken}, of which we write none: we write cdr, ros1 and json"
+            )
+        if encoding == "json":
+            payload = to_json(message_type, message, message).encode()
+        else:
+            payload = self._encoder.encode(encoding, message_type, message)
+        self._line.call(lambda: self._send(session, topic, message_type, encoding, payload))
+
+    def on_frame(self, frame: Frame) -> None:
+        """See `Talk`."""
+        if isinstance(frame, bytes):
+            # What is shorter or has another opcode is a time, an answer to what we never ask, or nothing at all.
+            if len(frame) >= _DATA.size and frame[0] == _MESSAGE:
+                stream = self._streams.get(_DATA.unpack_from(frame)[1])
+                if stream is not None:
+                    self._pending[stream.topic] = stream.read, frame
+            return
+        try:
+            said = json.loads(frame)
+        except (ValueError, RecursionError):
+            said = None
+        if isinstance(said, dict):
+            react = self._reactions.get(str(said.get("op")))
+            if react is not None:
+                react(said)
+        else:
+            self._trouble_all(f"{self.where} does not speak foxglove: it said {one_line(frame[:80])!r}")
+
+    def _begin(self) -> None:
+        self._info: dict[str, Any] | None = None
+        self._channels: dict[int, Channel] = {}
+        self._streams: dict[int, _Stream] = {}
+        self._graph = Graph()
+        self._sent_on: dict[tuple[str, str, str], int] = {}
+
+    def _on_info(self, said: dict[str, Any]) -> None:
+        self._info = said
+        if "connectionGraph" in strings(said.get("capabilities")):
+            self._write({"op": "subscribeConnectionGraph"})
+        # A server without a channel advertises nothing, not even that.
+        self._line.later(_NO_CHANNELS, lambda: self._change(set()))
+
+    def _on_advertise(self, said: dict[str, Any]) -> None:
+        offers = said.get("channels")
+        for channel in map(channel_of, offers if isinstance(offers, list) else []):
+            if channel is not None:
+                self._end({channel.id})
+                self._channels[channel.id] = channel
+        self._change({channel.topic for channel in self._channels.values()})
+
+    def _on_unadvertise(self, said: dict[str, Any]) -> None:
+        ids = said.get("channelIds")
+        gone = {i for i in ids if type(i) is int and i in self._channels} if isinstance(ids, list) else set()
+        self._end(gone)
+        self._change({self._channels.pop(i).topic for i in gone})
+
+    def _change(self, topics: set[str]) -> None:
+        self._tell(self._graph.adverts(self._channels.values()))
+        if topics & self._wanted:
+            self._line.later(_SETTLE, lambda: self._start_all(topics & self._wanted))
+
+    def _start_all(self, topics: set[str]) -> None:
+        for topic in topics:
+            self._start(topic)
+
+    def _on_graph(self, said: dict[str, Any]) -> None:
+        self._graph.update(said)
+        self._change(set())
+
+    def _on_status(self, said: dict[str, Any]) -> None:
+        words = said.get("message")
+        if said.get("level") == _ERROR and isinstance(words, str):
+            for topic in self._wanted:
+                if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", words):
+                    self._trouble(topic, f"the robot's bridge says: {one_line(words)}")
+
+    def _start(self, topic: str) -> None:
+        """Subscribe to each channel of a topic that can be read, and say so when none can."""
+        had = {stream.channel_id for stream in self._streams.values()}
+        words = ""
+        for channel in self._channels.values():
+            if channel.topic != topic or channel.id in had:
+                continue
+            try:
+                decode = self._decoders.of(channel)
+            except UnreadableError as error:
+                words = str(error)
+                continue
+            self._subscriptions += 1
+            self._streams[self._subscriptions] = _Stream(topic, channel.id, partial(_read, decode))
+            self._write({"op": "subscribe", "subscriptions": [{"id": self._subscriptions, "channelId": channel.id}]})
+        if not any(stream.topic == topic for stream in self._streams.values()):
+            self._trouble(topic, words)
+
+    def _stop(self, topic: str) -> None:
+        self._end({stream.channel_id for stream in self._streams.values() if stream.topic == topic})
+
+    def _end(self, channel_ids: set[int]) -> None:
+        """End what is subscribed of some channels."""
+        ids = [number for number, stream in self._streams.items() if stream.channel_id in channel_ids]
+        for number in ids:
+            del self._streams[number]
+        if ids:
+            self._write({"op": "unsubscribe", "subscriptionIds": ids})
+
+    def _send(self, session: int, topic: str, message_type: str, encoding: str, payload: bytes) -> None:
+        if session != self._line.session:
+            return  # it was for a connection that is gone
+        key = topic, message_type, encoding
+        if key not in self._sent_on:
+            self._sent_on[key] = len(self._sent_on) + 1
+            kind = short_type(message_type) if encoding == "ros1" else message_type
+            channel = {"id": self._sent_on[key], "topic": topic, "encoding": encoding, "schemaName": kind}
+            self._write({"op": "advertise", "channels": [channel]})
+        self._line.write_newest(key, _CLIENT_DATA.pack(_MESSAGE, self._sent_on[key]) + payload)
+
+
+def _read(decode: Read, frame: bytes) -> Any:
+    return decode(frame[_DATA.size :])
+
+
+def foxglove(address: str = "ws://127.0.0.1:8765") -> Feed:
+    """A feed of a robot that runs foxglove_bridge, or any other server of the Foxglove SDK. It needs tornado.
+
+    Args:
+        address: where the bridge listens: ``ws://``, or ``wss://`` for an encrypted connection.
+
+    Raises:
+        TypeError, ValueError: the address is not one.
+        FeedError: tornado is not installed.
+    """
+    return Feed(Foxglove(address))

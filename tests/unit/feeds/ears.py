@@ -1,0 +1,43 @@
+"""A listener that keeps what it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from robowidgets.feeds.middleware import Advert
+
+
+class Ears:
+    """What a middleware said, in its order; ``then`` is called with each message."""
+
+    def __init__(self) -> None:
+        self.connected = 0
+        self.lost: list[str] = []
+        self.pauses: list[float] = []
+        self.topics: list[Advert] | None = None
+        self.messages: list[tuple[str, Any]] = []
+        self.troubles: dict[str, str] = {}
+        self.said: list[str] = []
+        self.then: Callable[[str, Any], object] = lambda *_: None
+
+    def on_connected(self) -> None:
+        self.connected += 1
+
+    def on_lost(self, why: str, again_in: float) -> None:
+        self.pauses.append(again_in)
+        self.lost.append(why)
+
+    def on_topics(self, topics: Sequence[Advert]) -> None:
+        self.topics = list(topics)
+
+    def on_message(self, topic: str, message: Any) -> None:
+        self.messages.append((topic, message))
+        self.then(topic, message)
+
+    def on_trouble(self, topic: str, words: str) -> None:
+        self.troubles[topic] = words
+        self.said.append(words)
+
+    def of(self, topic: str) -> list[Any]:
+        return [message for name, message in self.messages if name == topic]

@@ -1,0 +1,437 @@
+from __future__ import annotations
+
+import os
+import signal
+import struct
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import foxglove
+import numpy as np
+import pytest
+from foxglove.websocket import Capability, ConnectionGraph, ServerListener
+
+from robowidgets import LaserWidget
+from robowidgets.feeds import _websocket
+from robowidgets.feeds.foxglove import Foxglove
+from robowidgets.feeds.middleware import Advert, FeedError
+
+from ..waiting import wait_for
+from .ears import Ears
+from .fox import NOETIC, SCAN, OldFoxglove, cdr, channel, definition, scan
+from .servers import free_port
+
+foxglove.set_log_level("CRITICAL")
+TWIST = "geometry_msgs/msg/Twist"
+
+
+@pytest.fixture
+def ears() -> Ears:
+    return Ears()
+
+
+class Real:
+    """The server of foxglove-sdk, with a channel as foxglove_bridge offers it."""
+
+    def __init__(self, port: int = 0, **more: Any) -> None:
+        self.context = foxglove.Context()
+        self.server = foxglove.start_server(host="127.0.0.1", port=port, context=self.context, **more)
+        self.address = f"ws://127.0.0.1:{self.server.port}"
+        self.scan = self.channel("/scan", SCAN, definition())
+
+    def channel(self, topic: str, kind: str, text: str, encoding: str = "cdr") -> foxglove.Channel:
+        schema = foxglove.Schema(name=kind, encoding="ros2msg", data=text.encode())
+        return foxglove.Channel(topic, schema=schema, message_encoding=encoding, context=self.context)
+
+
+@pytest.fixture
+def real() -> Iterator[Real]:
+    made = Real()
+    yield made
+    made.server.stop()
+
+
+def opened(address: str, ears: Ears, *topics: str) -> Foxglove:
+    middleware = Foxglove(address)
+    middleware.open(ears)
+    for topic in topics:
+        middleware.subscribe(topic)
+    return middleware
+
+
+def log_until(server: Real, ears: Ears, payload: bytes, topic: str = "/scan") -> Any:
+    """Log until a message of a topic comes: when the server has taken a subscription in, it does not tell."""
+    before = len(ears.of(topic))
+
+    def came() -> bool:
+        server.scan.log(payload)
+        return len(ears.of(topic)) > before
+
+    wait_for(came, f"a message of {topic} came")
+    return ears.of(topic)[-1]
+
+
+def test_a_scan_of_the_real_server_arrives_as_it_was_sent(real: Real, ears: Ears) -> None:
+    middleware = opened(real.address, ears, "/scan")
+    try:
+        message = log_until(real, ears, cdr(1040, 2.5))
+        laser = LaserWidget()
+        laser.update(message)
+        assert laser.scan is not None
+        assert (len(laser.scan), float(laser.scan.ranges[7])) == (1040, 2.5)
+        assert ears.topics == [Advert("/scan", SCAN)]
+        assert middleware.where == real.address
+    finally:
+        middleware.close()
+
+
+def test_the_older_subprotocol_is_spoken_too(ears: Ears) -> None:
+    with OldFoxglove([channel(7)]) as server:
+        middleware = opened(server.address, ears, "/scan")
+        wait_for(lambda: 7 in server.subscribed, "it subscribed")
+        server.log(7, cdr())
+        wait_for(lambda: ears.messages, "a message came")
+        middleware.close()
+        assert server.offered == ["foxglove.sdk.v1", "foxglove.websocket.v1"]
+
+
+def test_messages_of_ros_1_and_of_json_are_read(ears: Ears) -> None:
+    one = channel(1, kind="sensor_msgs/LaserScan", encoding="ros1", schema=definition(store=NOETIC, version=1))
+    two = channel(2, "/json", kind="sensor_msgs/LaserScan", encoding="json", schema="{}")
+    with OldFoxglove([one, two]) as server:
+        middleware = opened(server.address, ears, "/scan", "/json")
+        wait_for(lambda: len(server.subscribed) == 2, "it subscribed")
+        server.log(1, bytes(NOETIC.serialize_ros1(scan(NOETIC, 4), SCAN)))
+        server.log(2, b'{"ranges": [1.0]}')
+        wait_for(lambda: len(ears.messages) == 2, "both came")
+        middleware.close()
+    assert len(ears.of("/scan")[0].ranges) == 4
+    assert ears.of("/json") == [{"ranges": [1.0]}]
+    assert ears.topics == [Advert("/scan", SCAN), Advert("/json", SCAN)]
+
+
+def test_a_topic_may_come_later_and_go(real: Real, ears: Ears) -> None:
+    middleware = opened(real.address, ears, "/late")
+    try:
+        wait_for(lambda: ears.topics, "the topics were told")
+        late = real.channel("/late", SCAN, definition())
+        wait_for(lambda: late.log(cdr()) or ears.of("/late"), "a message came")
+        assert {advert.name for advert in ears.topics or ()} == {"/scan", "/late"}
+        late.close()
+        wait_for(lambda: ears.topics == [Advert("/scan", SCAN)], "it is gone")
+    finally:
+        middleware.close()
+
+
+def test_after_unsubscribing_nothing_comes_any_more(real: Real, ears: Ears) -> None:
+    middleware = opened(real.address, ears, "/scan")
+    try:
+        log_until(real, ears, cdr())
+        middleware.unsubscribe("/scan")
+        other = real.channel("/other", SCAN, definition())
+        middleware.subscribe("/other")
+        wait_for(lambda: other.log(cdr()) or ears.of("/other"), "what was asked for later came")
+        before = len(ears.of("/scan"))
+        count = len(ears.of("/other"))
+        real.scan.log(cdr())
+        wait_for(lambda: other.log(cdr()) or len(ears.of("/other")) > count, "what was sent later came")
+        assert len(ears.of("/scan")) == before
+    finally:
+        middleware.close()
+
+
+def test_a_server_without_topics_says_so(ears: Ears) -> None:
+    with OldFoxglove([]) as server:
+        middleware = opened(server.address, ears)
+        wait_for(lambda: ears.topics == [], "there is none")
+        middleware.close()
+
+
+def test_who_publishes_and_who_listens_is_told_without_counting_the_bridge(ears: Ears) -> None:
+    real = Real(capabilities=[Capability.ConnectionGraph])
+    middleware = opened(real.address, ears)
+    try:
+        graph = ConnectionGraph()
+        graph.set_published_topic("/scan", ["/lidar"])
+        graph.set_subscribed_topic("/scan", ["/foxglove_bridge"])
+        graph.set_subscribed_topic("/cmd_vel", ["/base"])
+        told = [Advert("/scan", SCAN, True, False), Advert("/cmd_vel", "", False, True)]
+        wait_for(lambda: real.server.publish_connection_graph(graph) or ears.topics == told, "it was told")
+    finally:
+        middleware.close()
+        real.server.stop()
+
+
+def test_a_killed_robot_is_found_again_when_it_is_back(ears: Ears) -> None:
+    port = free_port()
+    script = (
+        "import sys, time, foxglove\n"
+        "foxglove.start_server(host='127.0.0.1', port=int(sys.argv[1]))\n"
+        "s = foxglove.Schema(name='std_msgs/msg/Bool', encoding='ros2msg', data=b'bool data')\n"
+        "c = foxglove.Channel('/bump', schema=s, message_encoding='cdr')\n"
+        "while True: c.log(bytes([0, 1, 0, 0, 1])); time.sleep(0.02)\n"
+    )
+
+    def start() -> subprocess.Popen[bytes]:
+        return subprocess.Popen([sys.executable, "-c", script, str(port)], stderr=subprocess.DEVNULL)
+
+    robot = start()
+    middleware = opened(f"ws://127.0.0.1:{port}", ears, "/bump")
+    try:
+        wait_for(lambda: ears.messages, "a message came")
+        os.kill(robot.pid, signal.SIGKILL)
+        robot.wait()
+        lost = len(ears.lost)
+        wait_for(lambda: len(ears.lost) > lost, "it was lost")
+        robot = start()
+        count = len(ears.messages)
+        wait_for(lambda: len(ears.messages) > count, "messages came again")
+        assert ears.connected == 2
+        assert ears.of("/bump")[-1].data is True
+    finally:
+        middleware.close()
+        robot.kill()
+        robot.wait()
+
+
+def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ears) -> None:
+    address = f"ws://127.0.0.1:{free_port()}"
+    middleware = opened(address, ears)
+    wait_for(lambda: len(ears.lost) == 2, "it was tried twice")
+    middleware.close()
+    assert ears.lost[0] == f"nothing listens at {address}; is the robot's bridge running?"
+    assert ears.pauses[0] < ears.pauses[1]
+    assert ears.connected == 0
+
+
+def test_a_truncated_message_is_told_until_a_whole_one_comes(real: Real, ears: Ears) -> None:
+    middleware = opened(real.address, ears, "/scan")
+    try:
+        wait_for(lambda: real.scan.log(cdr()[:40]) or ears.troubles.get("/scan"), "the trouble was told")
+        assert ears.troubles["/scan"].startswith(f"a message of /scan cannot be read: 40 bytes that are no {SCAN}: ")
+        log_until(real, ears, cdr())
+        assert ears.troubles["/scan"] == ""
+    finally:
+        middleware.close()
+
+
+@pytest.mark.parametrize(
+    ("offer", "words"),
+    [
+        (
+            {"kind": "foxglove.LaserScan", "encoding": "protobuf"},
+            "/scan comes as foxglove.LaserScan in protobuf, which is not read; what foxglove_bridge sends is "
+            "(cdr, ros1, json)",
+        ),
+        (
+            {"kind": "my_msgs/msg/<b>Odd</b>", "schema": "no definition"},
+            "/scan comes as my_msgs/msg/<b>Odd</b>, which is not a known type, and the server does not define it in a "
+            "way that can be understood",
+        ),
+    ],
+)
+def test_what_cannot_be_read_is_not_asked_for_and_named(offer: dict[str, str], words: str, ears: Ears) -> None:
+    with OldFoxglove([channel(1, **offer)]) as server:
+        middleware = opened(server.address, ears, "/scan")
+        wait_for(lambda: ears.troubles.get("/scan"), "it was told")
+        middleware.close()
+        assert ears.troubles["/scan"] == words
+        assert server.subscribed == {}
+
+
+def test_json_that_is_none_or_no_object_is_named(ears: Ears) -> None:
+    with OldFoxglove([channel(1, encoding="json")]) as server:
+        middleware = opened(server.address, ears, "/scan")
+        wait_for(lambda: server.subscribed, "it subscribed")
+        server.log(1, b"{")
+        wait_for(lambda: "that are no JSON: " in ears.troubles.get("/scan", ""), "it was told")
+        server.log(1, b"[1]")
+        wait_for(lambda: "it is no JSON object but '[1]'" in ears.troubles["/scan"], "it was told, too")
+        middleware.close()
+
+
+def test_a_topic_that_changes_its_type_is_read_as_the_new_one(ears: Ears) -> None:
+    with OldFoxglove([channel(1)]) as server:
+        middleware = opened(server.address, ears, "/scan")
+        wait_for(lambda: 1 in server.subscribed, "it subscribed")
+        server.log(1, cdr())
+        wait_for(lambda: ears.messages, "a scan came")
+        server.send({"op": "unadvertise", "channelIds": [1]})
+        server.send({"op": "advertise", "channels": [channel(2, kind=TWIST, schema=definition(TWIST))]})
+        wait_for(lambda: 2 in server.subscribed, "it subscribed again")
+        server.log(2, bytes(4 + 48))
+        wait_for(lambda: len(ears.messages) == 2, "a twist came")
+        middleware.close()
+        assert 1 not in server.subscribed
+    assert ears.messages[-1][1].linear.x == 0.0
+    assert ears.topics == [Advert("/scan", TWIST)]
+
+
+def test_two_publishers_on_one_topic_are_both_heard(ears: Ears) -> None:
+    with OldFoxglove([channel(1), channel(2)]) as server:
+        middleware = opened(server.address, ears, "/scan")
+        wait_for(lambda: len(server.subscribed) == 2, "it subscribed to both")
+        server.log(1, cdr(5))
+        wait_for(lambda: len(ears.messages) == 1, "the first came")
+        server.log(2, cdr(9))
+        wait_for(lambda: len(ears.messages) == 2, "the second came")
+        middleware.close()
+    assert [len(message.ranges) for message in ears.of("/scan")] == [5, 9]
+    assert ears.topics == [Advert("/scan", SCAN)]
+
+
+def test_two_types_on_one_topic_are_told_as_two(ears: Ears) -> None:
+    with OldFoxglove([channel(1), channel(2, kind=TWIST)]) as server:
+        middleware = opened(server.address, ears)
+        told = [Advert("/scan", SCAN), Advert("/scan", TWIST)]
+        wait_for(lambda: ears.topics == told, "both were told")
+        middleware.close()
+
+
+def test_a_message_of_100_mb_costs_its_topic_and_no_other(ears: Ears) -> None:
+    with OldFoxglove([channel(1), channel(2, "/huge")]) as server:
+        middleware = opened(server.address, ears, "/scan", "/huge")
+        wait_for(lambda: len(server.subscribed) == 2, "it subscribed to both")
+        server.log(1, cdr())
+        wait_for(lambda: ears.messages, "the scan came")
+        huge, server.subscribed = server.subscribed, {}
+        server.send(struct.pack("<BIQ", 1, huge[2], 0) + bytes(100_000_000))
+        wait_for(lambda: server.opened == 2 and server.subscribed, "it came back")
+        server.log(1, cdr())
+        wait_for(lambda: len(ears.messages) == 2, "the scan came again")
+        middleware.close()
+        assert set(server.subscribed) == {1}
+    assert ears.lost == ["a message larger than 50 MB came"]
+    assert ears.troubles["/huge"] == "/huge sent a message larger than 50 MB: it is not listened to"
+
+
+def test_what_piled_up_is_not_read_but_the_newest(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_websocket, "_OVERDUE", 60.0)
+    with OldFoxglove([channel(1)]) as server:
+        middleware = opened(server.address, ears, "/scan")
+        wait_for(lambda: server.subscribed, "it subscribed")
+        first, go_on = threading.Event(), threading.Event()
+
+        def stall(*_: object) -> None:
+            first.set()
+            go_on.wait(20)
+
+        ears.then = stall
+        server.log(1, cdr(distance=1.0))
+        assert first.wait(20)
+        for i in range(50):
+            server.log(1, cdr(distance=2.0 + i))
+        sent = threading.Event()
+        server._loop.call_soon_threadsafe(sent.set)
+        assert sent.wait(20)
+        go_on.set()
+        wait_for(lambda: float(ears.messages[-1][1].ranges[0]) == 51.0, "the newest came")
+        middleware.close()
+    assert len(ears.messages) < 20
+
+
+class Taken(ServerListener):
+    def __init__(self) -> None:
+        self.channels: list[Any] = []
+        self.payloads: list[bytes] = []
+
+    def on_client_advertise(self, _client: Any, channel: Any) -> None:
+        self.channels.append((channel.topic, channel.encoding, channel.schema_name))
+
+    def on_message_data(self, _client: Any, _channel_id: int, data: bytes) -> None:
+        self.payloads.append(data)
+
+
+@pytest.mark.parametrize("encoding", ["cdr", "ros1", "json"])
+def test_a_speed_is_published_in_what_the_robot_takes(encoding: str, ears: Ears) -> None:
+    taken = Taken()
+    real = Real(capabilities=[Capability.ClientPublish], supported_encodings=["?", encoding], server_listener=taken)
+    middleware = opened(real.address, ears)
+    try:
+        wait_for(lambda: ears.topics, "the topics were told")
+        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
+        middleware.close()  # what was published before is still sent
+        wait_for(lambda: taken.payloads, "it came")
+    finally:
+        middleware.close()
+        real.server.stop()
+    kind = TWIST if encoding != "ros1" else "geometry_msgs/Twist"
+    assert taken.channels == [("/cmd_vel", encoding, kind)]
+    doubles = np.array([0.25, 0, 0, 0, 0, 0]).tobytes()
+    lead = {"cdr": b"\0\1\0\0", "ros1": b""}
+    assert taken.payloads == [b'{"linear": {"x": 0.25}}' if encoding == "json" else lead[encoding] + doubles]
+
+
+@pytest.mark.parametrize(
+    ("info", "words"),
+    [
+        ({}, "takes no messages: its server does not offer clientPublish; foxglove_bridge does when its parameter"),
+        ({"capabilities": ["clientPublish"]}, "takes messages in none at all, of which we write none"),
+    ],
+)
+def test_a_robot_that_takes_no_messages_is_an_error(info: dict[str, Any], words: str, ears: Ears) -> None:
+    with OldFoxglove([channel(1)], **info) as server:
+        middleware = opened(server.address, ears)
+        middleware.publish("/cmd_vel", TWIST, {})  # there is no connection yet: nothing happens
+        wait_for(lambda: ears.topics, "the topics were told")
+        with pytest.raises(FeedError, match=words):
+            middleware.publish("/cmd_vel", TWIST, {})
+        middleware.close()
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "words"),
+    [
+        ("my_msgs/msg/Odd", {}, "my_msgs/msg/Odd cannot be published: only messages of standard ROS types can"),
+        (TWIST, {"lineal": 1}, f"a {TWIST} has no field 'lineal'; it has linear, angular"),
+        (TWIST, {"linear": 1}, "expected the fields of a geometry_msgs/msg/Vector3, x, y, z; got 1"),
+        (TWIST, {"linear": {"x": "fast"}}, f"is no {TWIST}: could not convert string to float: 'fast'"),
+    ],
+)
+def test_a_message_that_is_none_is_an_error(kind: str, fields: dict[str, Any], words: str, ears: Ears) -> None:
+    info = {"capabilities": ["clientPublish"], "supportedEncodings": ["cdr"]}
+    with OldFoxglove([channel(1)], **info) as server:
+        middleware = opened(server.address, ears)
+        wait_for(lambda: ears.topics, "the topics were told")
+        with pytest.raises(FeedError, match=words):
+            middleware.publish("/cmd_vel", kind, fields)
+        middleware.close()
+
+
+HOSTILE = [
+    "no JSON", "[]", "3", '{"op": 7}', '{"op": "advertise"}', '{"op": "advertise", "channels": [1, {}, {"id": "x"}]}',
+    '{"op": "advertise", "channels": [{"id": 3, "topic": 4, "encoding": []}]}',
+    '{"op": "unadvertise", "channelIds": 3}',
+    '{"op": "unadvertise", "channelIds": [{}, "1", 99]}',
+    '{"op": "connectionGraphUpdate", "publishedTopics": [[], {}]}',
+    '{"op": "connectionGraphUpdate", "removedTopics": [[], 1]}', '{"op": "serverInfo", "capabilities": {"a": 1}}',
+    '{"op": "status", "level": 2, "message": 5}', "[" * 5000, b"", b"\1", b"\2" * 9, b"\1" + b"\xff" * 12,
+]  # fmt: skip
+
+
+def test_a_server_that_says_odd_things_is_heard_no_less(ears: Ears) -> None:
+    name = "/<script>alert(1)</script>"
+    with OldFoxglove([channel(1), channel(2, name)]) as server:
+        middleware = opened(server.address, ears, "/scan", name)
+        wait_for(lambda: len(server.subscribed) == 2, "it subscribed")
+        for said in HOSTILE:
+            server.send(said)
+        server.log(2, cdr())
+        wait_for(lambda: ears.of(name), "the message came")
+        middleware.close()
+        assert server.opened == 1
+    assert f"{server.address} does not speak foxglove: it said 'no JSON'" in ears.said
+
+
+def test_what_the_robot_says_of_a_topic_is_told_of_that_topic(ears: Ears) -> None:
+    with OldFoxglove([channel(1), channel(2, "/scan_2")]) as server:
+        middleware = opened(server.address, ears, "/scan", "/scan_2")
+        wait_for(lambda: len(server.subscribed) == 2, "it subscribed")
+        server.send({"op": "status", "level": 1, "message": "/scan is slow"})
+        server.send({"op": "status", "level": 2, "message": "no\npublisher of /scan_2"})
+        wait_for(lambda: ears.said, "it was told")
+        middleware.close()
+    assert ears.troubles == {"/scan_2": "the robot's bridge says: no publisher of /scan_2"}

@@ -1,0 +1,281 @@
+from __future__ import annotations
+
+import gc
+import os
+import socket
+import struct
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from robowidgets.feeds import FeedError, _websocket
+from robowidgets.feeds.foxglove import Foxglove
+
+from ..waiting import wait_for
+from .ears import Ears
+from .fox import OldFoxglove, cdr, channel
+from .servers import free_port
+
+# A connection does the same whatever is spoken on it: here it is foxglove.
+
+
+@pytest.fixture
+def ears() -> Ears:
+    return Ears()
+
+
+@pytest.fixture
+def scanning(ears: Ears) -> Iterator[tuple[OldFoxglove, Foxglove]]:
+    with OldFoxglove([channel(1)]) as server:
+        middleware = Foxglove(server.address)
+        middleware.subscribe("/scan")  # before it is opened is as good as after
+        middleware.open(ears)
+        wait_for(lambda: server.subscribed, "it subscribed")
+        yield server, middleware
+        middleware.close()
+
+
+class Raw:
+    """A listening socket whose connections are handed to a function, in a thread of their own each."""
+
+    def __init__(self, answer: Callable[[socket.socket], object]) -> None:
+        self._listening = socket.create_server(("127.0.0.1", 0))
+        self.address = f"ws://127.0.0.1:{self._listening.getsockname()[1]}"
+        self._answer = answer
+        self._taken: list[socket.socket] = []
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def __enter__(self) -> Raw:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._listening.close()
+        for taken in self._taken:
+            taken.close()
+
+    def _serve(self) -> None:
+        while True:
+            try:
+                taken, _ = self._listening.accept()
+            except OSError:
+                return
+            self._taken.append(taken)
+            try:
+                self._answer(taken)
+            except OSError:
+                continue
+
+
+@pytest.mark.parametrize("address", ["robot", "http://robot:8765", "ws://", "ws://robot:x", " ws://robot", "ws://a\nb"])
+def test_an_address_that_is_none_is_refused_with_one_that_is(address: str) -> None:
+    words = r"address: expected one like ws://192.168.1.5:8765 \(wss:// for an encrypted one\), got "
+    with pytest.raises(ValueError, match=words):
+        Foxglove(address)
+
+
+def test_an_address_that_is_no_text_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"address: expected one like ws://192.168.1.5:8765, got 8765"):
+        Foxglove(8765)  # type: ignore[arg-type]
+
+
+def test_without_tornado_opening_says_what_to_install(monkeypatch: pytest.MonkeyPatch, ears: Ears) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "tornado.websocket", None)
+    with pytest.raises(FeedError, match="websockets need the package tornado, which is not installed: pip install"):
+        Foxglove().open(ears)
+
+
+def test_closing_twice_or_before_opening_does_nothing(ears: Ears) -> None:
+    middleware = Foxglove(f"ws://127.0.0.1:{free_port()}")
+    middleware.close()
+    middleware.open(ears)
+    middleware.close()
+    middleware.close()
+    assert ears.connected == 0
+
+
+def test_it_may_be_closed_in_a_callback(scanning: tuple[OldFoxglove, Foxglove], ears: Ears) -> None:
+    server, middleware = scanning
+    ears.then = lambda *_: middleware.close()
+    server.log(1, cdr())
+    wait_for(lambda: not server.clients, "the connection ended")
+    wait_for(lambda: _threads() == [], "its thread ended")
+    assert len(ears.messages) == 1
+    assert ears.lost == []
+
+
+def test_a_connection_that_is_cut_is_made_again_and_what_was_asked_for_comes(
+    scanning: tuple[OldFoxglove, Foxglove], ears: Ears
+) -> None:
+    server, _ = scanning
+    server.subscribed = {}
+    server.drop()
+    wait_for(lambda: server.subscribed, "it subscribed again")
+    server.log(1, cdr())
+    wait_for(lambda: ears.messages, "a message came")
+    assert ears.lost == ["the connection ended"]
+    assert ears.connected == 2
+
+
+def test_a_robot_that_says_goodbye_is_quoted(scanning: tuple[OldFoxglove, Foxglove], ears: Ears) -> None:
+    server, _ = scanning
+    server._loop.call_soon_threadsafe(lambda: server.clients[0].close(1001, "battery\nlow"))
+    wait_for(lambda: ears.lost, "it was lost")
+    assert ears.lost == ["the connection ended: battery low"]
+
+
+def test_what_is_published_while_nobody_is_there_is_never_sent(ears: Ears) -> None:
+    info: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
+    with OldFoxglove([channel(1)], **info) as server:
+        middleware = Foxglove(server.address)
+        ears_lost = threading.Event()
+        middleware.open(ears)
+        wait_for(lambda: ears.topics, "it is connected")
+        ears.on_lost = lambda *_: ears_lost.set()  # type: ignore[method-assign]
+        server.drop()
+        assert ears_lost.wait(20)
+        middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", {"linear": {"x": 1.0}})
+        wait_for(lambda: ears.connected == 2, "it is back")
+        middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", {})
+        sent = lambda: [said for said in server.heard if isinstance(said, bytes)]  # noqa: E731
+        wait_for(lambda: middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", {}) or sent(), "it publishes again")
+        middleware.close()
+        assert {frame[5:] for frame in sent()} == {b"{}"}
+
+
+def test_a_robot_that_does_not_take_what_is_sent_gets_the_newest_only(ears: Ears) -> None:
+    info: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
+    with OldFoxglove([channel(1)], **info) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        wait_for(lambda: ears.topics, "it is connected")
+        stalled, go_on = threading.Event(), threading.Event()
+        server._loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(20)))
+        assert stalled.wait(20)
+        filler = "x" * 1_000_000
+        for i in range(40):
+            middleware.publish("/big", "std_msgs/msg/String", {"data": filler, "i": i})
+        go_on.set()
+        numbers = lambda: [f[-4:] for f in server.heard if isinstance(f, bytes)]  # noqa: E731
+        wait_for(lambda: numbers() and numbers()[-1] == b" 39}", "the last one came")
+        middleware.close()
+        assert len(numbers()) < 40
+
+
+def test_a_server_that_never_answers_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_websocket, "PATIENCE", 0.2)
+    with Raw(lambda _: None) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        wait_for(lambda: ears.lost, "it gave up")
+        middleware.close()
+    assert ears.lost[0] == f"no answer from {server.address} within 0.2 s"
+
+
+def test_closing_does_not_wait_for_an_answer(ears: Ears) -> None:
+    called = threading.Event()
+    with Raw(lambda _: called.set()) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        assert called.wait(20)
+        middleware.close()
+        assert _threads() == []
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (b"HTTP/1.1 400 Bad <b>Request</b>\r\nContent-Length: 0\r\n\r\n", "HTTP 400: Bad <b>Request</b>"),
+        (b"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n", "Non-websocket response"),
+        (b"HTTP/1.1 101 OK\r\nX: " + b"x" * 1_000_000 + b"\r\n\r\n", ""),
+        (b"HTTP/1.1 101 OK\r\n\r\n", ""),
+        (b"SSH-2.0-OpenSSH_9.2\r\n\r\n", ""),
+    ],
+)
+def test_a_server_that_is_no_websocket_server_is_told(answer: bytes, words: str, ears: Ears) -> None:
+    def talk(client: socket.socket) -> None:
+        client.recv(4096)
+        client.sendall(answer)
+        client.shutdown(socket.SHUT_WR)
+
+    with Raw(talk) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        wait_for(lambda: ears.lost, "it gave up")
+        middleware.close()
+    assert ears.lost[0].startswith(f"{server.address} cannot be connected to: {words}")
+    assert ears.connected == 0
+
+
+def test_a_name_that_nobody_knows_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(*_: object, **__: object) -> None:
+        raise socket.gaierror(-2, "Name or service not known")
+
+    monkeypatch.setattr(socket, "getaddrinfo", unknown)
+    middleware = Foxglove("ws://robot.invalid:8765")
+    middleware.open(ears)
+    wait_for(lambda: ears.lost, "it gave up")
+    middleware.close()
+    assert ears.lost[0] == "nobody here knows the name robot.invalid"
+
+
+def test_a_server_that_takes_calls_and_drops_them_is_called_ever_more_rarely(ears: Ears) -> None:
+    with OldFoxglove([]) as server:
+        server.on_open = lambda client: client.close()  # type: ignore[method-assign]
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        wait_for(lambda: len(ears.pauses) == 3, "it was lost three times")
+        middleware.close()
+    assert ears.pauses[0] < ears.pauses[1] < ears.pauses[2]
+
+
+def test_a_hundred_opens_and_closes_leave_no_thread_and_no_socket(ears: Ears) -> None:
+    with OldFoxglove([channel(1)]) as server:
+
+        def once(wait: bool) -> None:
+            middleware = Foxglove(server.address)
+            middleware.subscribe("/scan")
+            before = ears.connected
+            middleware.open(ears)
+            if wait:
+                wait_for(lambda: ears.connected > before, "it is connected")
+            middleware.close()
+
+        once(True)
+        wait_for(lambda: not server.clients, "the server knows of it")
+        gc.collect()
+        before = _descriptors()
+        for i in range(100):
+            once(i % 2 == 0)
+        wait_for(lambda: not server.clients, "every connection ended")
+        gc.collect()
+        assert _threads() == []
+        wait_for(lambda: _descriptors() <= before, "every socket is closed", 5)
+
+
+def test_frames_that_come_without_a_pause_keep_nobody_from_closing(
+    scanning: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server, middleware = scanning
+    monkeypatch.setattr(_websocket, "_GOODBYE", 0.05)
+    frame = struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr()
+
+    def flood() -> None:
+        if server.clients:
+            for _ in range(200):
+                server.tell(server.clients[0], frame)
+            server._loop.call_soon(flood)
+
+    server._loop.call_soon_threadsafe(flood)
+    wait_for(lambda: len(ears.messages) > 5, "messages are handed on meanwhile")
+    middleware.close()
+    assert _threads() == []
+
+
+def _threads() -> list[str]:
+    return [thread.name for thread in threading.enumerate() if thread.name.startswith("robowidgets ws")]
+
+
+def _descriptors() -> int:
+    return len(os.listdir("/proc/self/fd"))
