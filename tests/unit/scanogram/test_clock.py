@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+import numpy as np
+
+from robowidgets.scanogram.clock import Clock
+
+SECOND = 1_000_000_000
+
+
+def clock(*seconds: float) -> Clock:
+    return Clock((np.array(seconds) * SECOND).astype(np.int64), 0)
+
+
+def test_a_scan_lasts_until_the_next_but_not_over_a_gap() -> None:
+    even = clock(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 20, 21)
+    assert even.ends.tolist() == [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 21, 22]
+    assert even.notes == ()
+
+
+def test_between_two_times_are_all_scans_on_show() -> None:
+    even = clock(0, 1, 2, 3, 4)
+    assert even.between(1.5, 3.0) == (1, 3)
+    assert even.between(1.0, 1.5) == (1, 2)
+    assert even.between(7.0, 9.0) == (5, 5)
+
+
+def test_a_clock_that_goes_back_is_told_and_the_order_is_that_of_arrival() -> None:
+    back = clock(0, 1, 2, 1.5, 3)
+    assert back.starts.tolist() == [0, 1, 2, 2, 3]
+    assert back.notes == ("the clock goes back once: shown in the order of arrival",)
+
+
+def test_a_clock_that_stands_still_is_told() -> None:
+    assert clock(1, 1, 1).notes == ("the clock stands still: all 3 scans have the same time",)
+    assert clock(1).notes == ()
+
+
+def test_a_cell_lasts_from_its_first_scan_to_the_end_of_its_last() -> None:
+    starts, ends = clock(0, 1, 2, 3, 4).cells(1, 0, 3)
+    assert starts.tolist() == [0, 2, 4]
+    assert ends.tolist() == [2, 4, 5]

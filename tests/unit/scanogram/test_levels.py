@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robowidgets.samples import Scan
+from robowidgets.scanogram.codes import encode, fold
+from robowidgets.scanogram.levels import Levels, near_and_far
+from robowidgets.scanogram.scans import Held, Sweep
+
+GEOMETRY = (-1.0, 0.01, 0.1, 30.0)
+
+
+def made(ranges: np.ndarray, budget: int | None = None) -> Levels:
+    ranges = ranges.astype(np.float32)
+    scans = Held(np.arange(len(ranges)) * 100_000_000, ranges)
+    sweep = Sweep.of(Scan(ranges[0], *GEOMETRY))
+    return Levels(scans, sweep) if budget is None else Levels(scans, sweep, budget)
+
+
+@pytest.fixture
+def ranges() -> np.ndarray:
+    return np.random.default_rng(3).uniform(0.2, 29.0, (3001, 90))
+
+
+@pytest.mark.parametrize("budget", [1 << 28, 300_000, 40_000])
+def test_every_level_holds_the_least_of_its_scans_whatever_the_budget(ranges: np.ndarray, budget: int) -> None:
+    levels = made(ranges, budget)
+    codes = encode(ranges.astype(np.float32), 0.1, 30.0)
+    for level in range(levels.last + 1):
+        expected = fold(codes, 1 << level)
+        assert (levels.codes(level, 0, len(expected)) == expected).all()
+        assert (levels.codes(level, 3, 7) == expected[3:7]).all()
+
+
+@pytest.mark.parametrize("budget", [300_000, 40_000])
+def test_the_levels_keep_to_the_budget(ranges: np.ndarray, budget: int) -> None:
+    assert sum(kept.nbytes for kept in made(ranges, budget)._kept) <= 1.1 * budget
+
+
+def test_one_near_reading_among_a_million_is_seen_at_every_level() -> None:
+    ranges = np.full((5000, 200), 20.0)
+    ranges[1234, 56] = 0.5
+    levels = made(ranges)
+    near = encode(np.array([0.5], np.float32), 0.1, 30.0)[0]
+    for level in range(levels.last + 1):
+        assert levels.codes(level, 1234 >> level, (1234 >> level) + 1)[0, 56] == near
+    assert near_and_far(levels)[0] == pytest.approx(0.5, abs=0.01)
+
+
+def test_the_classes_are_counted() -> None:
+    ranges = np.full((10, 8), 5.0)
+    ranges[:, 0], ranges[:, 1], ranges[:3, 2], ranges[0, 3] = np.inf, np.nan, -np.inf, 0.0
+    assert made(ranges).counts.tolist() == [80 - 24, 3, 10, 10, 1]
+
+
+def test_the_colours_leave_out_the_farthest_hundredth_and_fall_back_on_the_limits() -> None:
+    ranges = np.linspace(1.0, 5.0, 1000).reshape(10, 100)
+    ranges[0, :5] = 29.0
+    near, far = near_and_far(made(ranges))
+    assert near == pytest.approx(1.0, abs=0.05)
+    assert 4.8 < far < 5.1
+    assert near_and_far(made(np.full((3, 4), np.inf))) == pytest.approx((0.1, 30.0))
