@@ -26,6 +26,9 @@ STATIC = Path(__file__).parent / "static"
 HEAD = struct.Struct("<ddq")
 """Each frame starts with its sequence number, samples per second (NaN: unknown), and the stamp in ns (0: none)."""
 
+LONGEST_HISTORY = 600
+"""Seconds; what is kept longer is a recording."""
+
 MOST_LOGGED = 50
 """Different errors of one widget that the log tells; a source gone mad must not fill it."""
 
@@ -52,6 +55,8 @@ class NamedWidget(anywidget.AnyWidget):
     header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
 
     _css = bundle("robowidgets.css")
+    _keywords: tuple[str, ...] = ()
+    """Keywords that are no traits."""
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
         """Refuse what has no name before there is anything to clean up."""
@@ -61,7 +66,7 @@ class NamedWidget(anywidget.AnyWidget):
 
     def __init__(self, **kwargs: Any) -> None:
         self._logged: set[str] = set()
-        settable = [name for name in self.trait_names() if self._is_ours(name)]
+        settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
         for name in kwargs:
             if name not in settable:
                 raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable))
@@ -95,6 +100,11 @@ class RobotWidget(NamedWidget, Generic[S]):
 
     footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
     paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
+    history = traitlets.Float(
+        30.0,
+        help="Seconds for which the page keeps samples to step back through, 0 (none) to 600; 20 a second and 8 MB at "
+        "most.",
+    ).tag(sync=True)
 
     live = True
     """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
@@ -231,6 +241,16 @@ class RobotWidget(NamedWidget, Generic[S]):
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0
                 self._trait_values["_frame"] = HEAD.pack(sequence, rate, stamp) + self._pack(sample)
+
+    @traitlets.validate("history")
+    def _kept(self, proposal: Any) -> float:
+        seconds = float(proposal["value"])
+        if not 0 <= seconds <= LONGEST_HISTORY:
+            raise traitlets.TraitError(
+                f"history: expected seconds from 0 (none) to {LONGEST_HISTORY}, got {seconds!r}; "
+                "the page keeps 20 samples for each of them"
+            )
+        return seconds
 
     @traitlets.validate("paused")
     def _before_paused(self, proposal: Any) -> Any:

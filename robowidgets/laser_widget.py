@@ -83,6 +83,7 @@ class LaserWidget(RobotWidget[Scan]):
             "outside_limits".
         color_by_intensity: whether the intensities colour the dots.
         paused: whether the picture is frozen.
+        history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
 
     Raises:
@@ -146,7 +147,7 @@ class LaserWidget(RobotWidget[Scan]):
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
-            self._show(scan, {"frame_id": scan.frame_id, "notes": list(scan.notes)})
+            self._show(scan, about_scan(scan))
 
     @property
     def scan(self) -> Scan | None:
@@ -154,6 +155,11 @@ class LaserWidget(RobotWidget[Scan]):
         if self.paused:
             return self._unpack(self._held) if self._held else None
         return self._newest
+
+    @property
+    def frozen(self) -> Scan | None:
+        """The scan on show while frozen, which may be stepped back to; None while live and before the first."""
+        return self.scan if self.paused else None
 
     def _pack(self, sample: Scan) -> bytes:
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, len(sample))
@@ -190,6 +196,11 @@ class LaserWidget(RobotWidget[Scan]):
         with self._storing:
             if self._newest is not None:
                 self._show(self._newest.turned(change["new"] - change["old"]), self._newest_about, counts=False)
+
+
+def about_scan(scan: Scan) -> dict[str, Any]:
+    """What is said of a scan in words."""
+    return {"frame_id": scan.frame_id, "notes": list(scan.notes)}
 
 
 def _metres(value: Any) -> float | None:

@@ -75,6 +75,7 @@ class SpeedWidget(RobotWidget[Reading]):
         planar: whether only linear x, linear y and angular z are shown. The view writes it too.
         hold_peaks: whether the least and the greatest speed since the last reset are marked.
         paused: whether the picture is frozen.
+        history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
 
     Raises:
@@ -138,6 +139,11 @@ class SpeedWidget(RobotWidget[Reading]):
     def speed(self) -> Speed | None:
         """The measured speed on show: the frozen one while paused, else the newest; None before the first."""
         return self._on_show().measured
+
+    @property
+    def frozen(self) -> Speed | None:
+        """The measured speed on show while frozen, which may be stepped back to; None while live."""
+        return self.speed if self.paused else None
 
     @property
     def commanded(self) -> Speed | None:

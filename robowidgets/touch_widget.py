@@ -35,6 +35,7 @@ class TouchWidget(RobotWidget[Touch]):
         hold: seconds that a touch outlasts the last message that listed it, 0 or more.
         timeout: seconds of silence after which such a touch is over, infinite to wait for ever; None: like `hold`.
         paused: whether the picture is frozen.
+        history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there.
 
     Raises:
@@ -102,7 +103,7 @@ class TouchWidget(RobotWidget[Touch]):
         with self._tracking:
             self._still_ns = None
             self._tracker.apply(touch, self._now_ns())
-        self._show(touch, _about(touch))
+        self._show(touch, about_touch(touch))
 
     def show(self, tracker: TouchTracker, now_ns: int) -> None:
         """Show what a tracker knows at a time, which stands still until the next call: for recordings.
@@ -115,7 +116,7 @@ class TouchWidget(RobotWidget[Touch]):
             self._tracker, self._still_ns = tracker, now_ns
         newest = tracker.newest or Touch({})
         is_another = tracker.newest is not None and tracker.newest is not self._newest
-        self._show(newest, {**_about(newest), "still": True}, counts=is_another)
+        self._show(newest, {**about_touch(newest), "still": True}, counts=is_another)
 
     @property
     def states(self) -> dict[str, TouchState]:
@@ -126,6 +127,11 @@ class TouchWidget(RobotWidget[Touch]):
     def touches(self) -> dict[str, int]:
         """How often each sensor on show was touched; frozen while paused."""
         return {name: sensor.touches for name, sensor in self._on_show().items()}
+
+    @property
+    def frozen(self) -> dict[str, TouchState] | None:
+        """The states on show while frozen, which may be stepped back to; None while live."""
+        return self.states if self.paused else None
 
     def reset(self) -> None:
         """Forget states and counts: every sensor is unknown until the next word on it."""
@@ -151,12 +157,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     def _pack(self, sample: Touch) -> bytes:  # noqa: ARG002  # what it said is in the tracker, with all before it
         with self._tracking:
-            now_ns = self._now_ns()
-            known = self._tracker.states(now_ns)
-        rows = [
-            (name, sensor.state.name.lower(), sensor.touches, _age(sensor, now_ns)) for name, sensor in known.items()
-        ]
-        return json.dumps(rows).encode()
+            return pack_states(self._tracker, self._now_ns())
 
     def _now_ns(self) -> int:
         return time.monotonic_ns() if self._still_ns is None else self._still_ns
@@ -204,8 +205,17 @@ class TouchWidget(RobotWidget[Touch]):
         return names
 
 
-def _about(touch: Touch) -> dict[str, Any]:
+def about_touch(touch: Touch) -> dict[str, Any]:
+    """What is said of a touch in words."""
     return {"dialect": touch.dialect, "mode": touch.mode.value}
+
+
+def pack_states(tracker: TouchTracker, now_ns: int) -> bytes:
+    """The bytes of a frame after its head: what a tracker knows at a time."""
+    known = tracker.states(now_ns)
+    return json.dumps(
+        [(name, sensor.state.name.lower(), sensor.touches, _age(sensor, now_ns)) for name, sensor in known.items()]
+    ).encode()
 
 
 def _age(sensor: TouchSensor, now_ns: int) -> float | None:

@@ -1,15 +1,27 @@
 // One self-contained module per widget: Jupyter loads each as a single text, in which relative imports cannot resolve.
+import { readFileSync } from "node:fs";
 import { context } from "esbuild";
+import * as short from "./short.mjs";
+
+// Properties of our own that the bundles call by a letter. A test keeps out what the page, a model or anywidget knows.
+const ownNames = new RegExp(`^(${JSON.parse(readFileSync("own_names.json", "utf8")).join("|")})$`);
+const shortened = Object.fromEntries(
+  Object.keys(short).map((name) => [`${name.slice(1) in Math ? "Math" : "Number"}.${name.slice(1)}`, name]),
+);
 
 const watch = process.argv.includes("--watch");
 const builds = await Promise.all([
   context({
-    entryPoints: ["laser_widget.ts", "speed_widget.ts", "touch_widget.ts"],
+    entryPoints: ["laser_widget.ts", "scanogram_widget.ts", "speed_widget.ts", "touch_widget.ts"],
     outdir: "../static",
     bundle: true,
     format: "esm",
     target: "es2022",
+    charset: "utf8",
     minify: !watch,
+    ...(watch ? {} : { mangleProps: ownNames }),
+    define: shortened,
+    inject: ["./short.mjs"],
     logLevel: "info",
   }),
   context({ entryPoints: ["robowidgets.css"], bundle: true, outdir: "../static", minify: !watch, logLevel: "info" }),

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../../robowidgets/js/shared/format.ts";
+import { toAge, toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../../robowidgets/js/shared/format.ts";
 
 test("a minus is a real minus, and zero has none", () => {
   assert.equal(toFixed(-1.5, 2), "\u22121.50");
@@ -60,4 +60,12 @@ test("large counts come in groups of three", () => {
   const space = "\u202f";
   const counts = [0, 12, 999, 1040, 12480, 1000000].map(toCount);
   assert.deepEqual(counts, ["0", "12", "999", `1${space}040`, `12${space}480`, `1${space}000${space}000`]);
+});
+
+test("an age is told in tenths of a second, then in minutes and hours", () => {
+  assert.deepEqual(
+    [0, 2345, 59_940, 60_000, 200_000, 3_599_000, 7_300_000].map((ms) => toAge(ms)),
+    ["0.0 s", "2.3 s", "59.9 s", "1 min", "3 min", "59 min", "2 h"],
+  );
+  assert.equal(toAge(2430, 2), "2.43 s");
 });

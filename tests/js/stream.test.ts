@@ -156,3 +156,101 @@ test("views hear of every change until their signal ends, and the model is left 
   fake.receive({ _frame: frame(2) });
   assert.deepEqual(heard, { first: 2, second: 4 });
 });
+
+function sequences(stream: Stream<Frame>, by: number, count: number): (number | undefined)[] {
+  return Array.from({ length: count }, () => {
+    stream.step(by);
+    return stream.shown?.sequence;
+  });
+}
+
+test("frozen, it steps back and on through what came, and stays at the ends", (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const { fake, stream, end } = open({ history: 30 });
+  for (let i = 1; i <= 4; i++) fake.receive({ _frame: frame(i) });
+  assert.deepEqual(sequences(stream, -1, 1), [4]);
+  stream.toggle();
+  assert.deepEqual(stream.place, { index: 3, count: 4, behind: 0 });
+  assert.equal(stream.stepped, false);
+  assert.deepEqual(sequences(stream, -1, 5), [3, 2, 1, 1, 1]);
+  assert.equal(stream.stepped, true);
+  assert.equal(stream.place?.index, 0);
+  assert.ok((stream.place?.behind ?? -1) >= 0);
+  assert.equal(stream.since, 3);
+  fake.receive({ _frame: frame(5) });
+  assert.deepEqual(sequences(stream, 1, 5), [2, 3, 4, 5, 5]);
+  stream.seek(1);
+  assert.equal(stream.shown?.sequence, 2);
+  stream.toggle();
+  assert.equal(stream.shown?.sequence, 5);
+  assert.equal(stream.place, null);
+  end();
+});
+
+test("what is stepped to is told to Python ten times a second, with exactly the frame's bytes", (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const { fake, stream, end } = open({ history: 30 });
+  for (let i = 1; i <= 50; i++) fake.receive({ _frame: frame(i) });
+  stream.toggle();
+  const before = fake.saved.length;
+  for (let i = 0; i < 40; i++) {
+    stream.step(-1);
+    t.mock.timers.tick(10);
+  }
+  t.mock.timers.tick(100);
+  const told = fake.saved.slice(before).map(({ _held }) => _held as DataView);
+  assert.equal(told.length, 5);
+  assert.equal(told.at(-1)?.getFloat64(0, true), 10);
+  assert.equal(told.at(-1)?.buffer.byteLength, 24);
+  end();
+});
+
+test("there is nothing to step to without a history, or with one sample", () => {
+  for (const history of [0, 30]) {
+    const { fake, stream, end } = open({ history });
+    for (let i = 1; i <= (history ? 1 : 3); i++) fake.receive({ _frame: frame(i) });
+    stream.toggle();
+    if (!history) fake.receive({ _frame: frame(9) });
+    assert.equal(stream.place, null);
+    stream.step(-1);
+    assert.equal(stream.shown?.sequence, history ? 1 : 3);
+    end();
+  }
+});
+
+test("a reload keeps the sample that was stepped to, at a time that is not known", () => {
+  const { fake, stream, end } = open({ history: 30, paused: true, _held: frame(3), _frame: frame(8) });
+  assert.deepEqual(stream.place, { index: 0, count: 2, behind: Number.NaN });
+  fake.receive({ _frame: frame(9) });
+  assert.deepEqual(sequences(stream, 1, 3), [8, 9, 9]);
+  assert.deepEqual(sequences(stream, -1, 3), [8, 3, 3]);
+  end();
+});
+
+test("a frame that Python holds is found among those that came", () => {
+  const { fake, stream, end } = open({ history: 30 });
+  for (let i = 1; i <= 5; i++) fake.receive({ _frame: frame(i) });
+  fake.receive({ _held: frame(4), paused: true });
+  assert.equal(stream.place?.index, 3);
+  assert.deepEqual(sequences(stream, -1, 1), [3]);
+  end();
+});
+
+test("silence is counted from the last frame of a source that had a rate", (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const { fake, stream, end } = open();
+  fake.receive({ _frame: frame(1) });
+  assert.equal(stream.rate, 40);
+  assert.equal(stream.silence, 0);
+  t.mock.timers.tick(2000);
+  assert.ok(stream.silence > 0);
+  fake.receive({ _frame: frame(2, 0.5) });
+  t.mock.timers.tick(3999);
+  assert.equal(stream.silence, 0);
+  t.mock.timers.tick(1);
+  assert.ok(stream.silence > 0);
+  fake.receive({ _frame: frame(3, Number.NaN) });
+  t.mock.timers.tick(2000);
+  assert.equal(stream.silence, 0);
+  end();
+});

@@ -109,13 +109,14 @@ test("a label of one's own is taken as it is, even an empty one", () => {
 class FakeStream {
   paused = false;
   arrived = 0;
+  stepped = false;
   #callback = () => {};
 
   listen(callback: () => void): void {
     this.#callback = callback;
   }
 
-  set(values: { paused?: boolean; arrived?: number }): void {
+  set(values: { paused?: boolean; arrived?: number; stepped?: boolean }): void {
     Object.assign(this, values);
     this.#callback();
   }
@@ -126,6 +127,18 @@ function startClock(values: Partial<FakeStream> = {}) {
   const time = { now: 1000 };
   return { stream, time, clock: new Clock(stream, new AbortController().signal, () => time.now) };
 }
+
+test("a frame that is stepped to is shown as it came", () => {
+  const { stream, time, clock } = startClock();
+  stream.set({ arrived: 1000 });
+  time.now = 3000;
+  stream.set({ paused: true });
+  assert.equal(clock.elapsed, 2);
+  stream.set({ stepped: true });
+  assert.equal(clock.elapsed, 0);
+  stream.set({ paused: false, stepped: false });
+  assert.equal(clock.elapsed, 2);
+});
 
 test("a state that a page finds at its load has no known age", () => {
   const { time, clock } = startClock();

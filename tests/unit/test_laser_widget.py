@@ -336,13 +336,15 @@ class TestScanOnShow:
 
     def test_is_the_frozen_one_while_paused(self, laser: LaserWidget) -> None:
         laser.update(MESSAGE | {"header": {"stamp": {"sec": 5, "nanosec": 7}, "frame_id": "laser"}})
+        assert laser.frozen is None
         laser.paused = True
         laser.update(MESSAGE | {"ranges": [9.0] * 5})
-        assert laser.scan.ranges.tolist() == [1.0, 2.0, 3.0]
+        assert laser.scan.ranges.tolist() == laser.frozen.ranges.tolist() == [1.0, 2.0, 3.0]
         assert laser.scan.stamp_ns == 5_000_000_007
         assert laser.scan.nearest().index == 0
         laser.paused = False
         assert laser.scan.ranges.tolist() == [9.0] * 5
+        assert laser.frozen is None
 
     def test_is_the_one_on_the_page_when_a_person_froze_it(self, laser: LaserWidget, page: Page) -> None:
         laser.update(MESSAGE)

@@ -264,13 +264,14 @@ class TestFreezing:
         speed.paused = True
         speed.update(linear=(0, 0, 0), angular=(9, 9, 9))
         speed.command(linear=(7, 0, 0))
-        assert str(speed.speed) == str(shown)  # NaN is not equal to itself
+        assert str(speed.speed) == str(speed.frozen) == str(shown)  # NaN is not equal to itself
         assert str(speed.peaks) == str(peaks)
         assert speed.over_limits == {"linear.x": 1.5}
         assert speed.commanded is not None
         assert speed.commanded.linear == (0.5, 0, 0)
         speed.paused = False
         assert speed.speed == Speed((0, 0, 0), (9, 9, 9))
+        assert speed.frozen is None
         assert speed.commanded.linear[0] == 7.0
         assert speed.peaks["angular.x"] == (0.0, 9.0)
 

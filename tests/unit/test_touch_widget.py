@@ -82,12 +82,14 @@ class TestStates:
 
     def test_hold_still_while_frozen(self, touch: TouchWidget) -> None:
         touch.update(left=True)
+        assert touch.frozen is None
         touch.paused = True
         touch.update(left=False, right=True)
-        assert touch.states == {"left": TOUCHED}
+        assert touch.states == touch.frozen == {"left": TOUCHED}
         assert touch.touches == {"left": 1}
         touch.paused = False
         assert touch.states == {"left": FREE, "right": TOUCHED}
+        assert touch.frozen is None
 
     def test_are_none_while_frozen_before_the_first_message(self) -> None:
         touch = TouchWidget(paused=True)

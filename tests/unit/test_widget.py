@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import logging
 import os
+import re
 import struct
 import sys
 import threading
@@ -82,7 +83,7 @@ class TestNames:
             NumberWidget(colour="blue")
         assert str(refusal.value) == (
             "NumberWidget() has no keyword 'colour'; did you mean 'color'? "
-            "It takes: color, footer, header, layout, paused, tabbable, title, tooltip"
+            "It takes: color, footer, header, history, layout, paused, tabbable, title, tooltip"
         )
 
     def test_what_has_no_name_is_refused_with_a_way_to_name_it(self) -> None:
@@ -104,7 +105,7 @@ class TestNames:
             widget.pausd = True
         assert str(refusal.value) == (
             "NumberWidget has no trait 'pausd'; did you mean 'paused'? "
-            "It takes: color, footer, header, layout, paused, tabbable, title, tooltip"
+            "It takes: color, footer, header, history, layout, paused, tabbable, title, tooltip"
         )
 
     def test_a_comparison_of_numpy_is_a_flag(self) -> None:
@@ -395,6 +396,16 @@ class TestFreezing:
         assert page.sent("_held") == [], "what the page said needs no echo"
         assert number_in(page.state["_frame"]) == 3
 
+    def test_a_person_steps_back_while_frozen(self, widget: NumberWidget, page: Page) -> None:
+        frames = []
+        for value in (1, 2):
+            widget.update(value)
+            pacer.flush()
+            frames.append(memoryview(page.state["_frame"]))
+        widget.set_state({"_held": frames[1], "paused": True})
+        widget.set_state({"_held": frames[0]})
+        assert (number_in(widget._held), number_in(widget.get_state()["_held"])) == (1, 1)
+
     def test_a_person_releases_what_python_froze(self, widget: NumberWidget) -> None:
         widget.update(1)
         widget.paused = True
@@ -415,6 +426,17 @@ class TestFreezing:
         widget.update(2)
         state = widget.get_state()
         assert (number_in(state["_held"]), number_in(state["_frame"]), state["paused"]) == (1, 2, True)
+
+    def test_the_page_is_told_how_many_seconds_to_keep(self, widget: NumberWidget, page: Page) -> None:
+        assert widget.get_state()["history"] == 30.0
+        widget.history = 0
+        pacer.flush()
+        assert page.state["history"] == 0.0
+        for seconds in (-1.0, 601.0, float("nan"), float("inf")):
+            message = f"history: expected seconds from 0 (none) to 600, got {seconds!r}; the page keeps"
+            with pytest.raises(traitlets.TraitError, match=re.escape(message)):
+                widget.history = seconds
+        assert widget.history == 0.0
 
     def test_it_may_be_frozen_from_the_start(self) -> None:
         made = NumberWidget(paused=True)

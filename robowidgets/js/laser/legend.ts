@@ -1,4 +1,5 @@
 import { make, setText } from "../shared/dom.ts";
+import { on } from "../shared/events.ts";
 import { toCount, toDegrees, toMetres } from "../shared/format.ts";
 import { type Model, put } from "../shared/model.ts";
 import { angleOf, READING, type Scan, type Validity } from "./scan.ts";
@@ -18,7 +19,7 @@ export class Legend {
       item.append(make("span", "rw-symbol", symbol), count, make("span", "rw-class-word", word));
       if (item instanceof HTMLButtonElement) {
         item.type = "button";
-        item.addEventListener("click", () => toggleMark(model, name), { signal });
+        on(item, "click", () => toggleMark(model, name), signal);
       }
       counts.append(item);
       return { name, item, count, kind };

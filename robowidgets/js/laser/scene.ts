@@ -38,7 +38,8 @@ const PLACEHOLDER = {
   rangeMax: 10,
 };
 
-const SETTINGS = ["view_range", "arc_count", "ray_count", "arc_distances", "forward"];
+/** The traits on which the lower canvas depends. */
+export const SETTINGS = ["view_range", "arc_count", "ray_count", "arc_distances", "forward"];
 type Settings = [range: ViewRange, arcCount: number, rayCount: number, arcDistances: number[], forward: string];
 
 /** The two canvases of one view: beneath, what changes seldom; above, the readings. */

@@ -1,9 +1,9 @@
 import { type Size, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
-import { toFixed, toShortMetres } from "../shared/format.ts";
+import { toShortMetres } from "../shared/format.ts";
 import { getAbout, type Model, onChange, put } from "../shared/model.ts";
-import { onceAFrame, spaced } from "../shared/schedule.ts";
+import { onceAFrame, READING_MS, spaced } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
@@ -12,13 +12,11 @@ import { Popup } from "./popup.ts";
 import { placePopup } from "./popup_place.ts";
 import type { Box, Point } from "./projection.ts";
 import type { Scan } from "./scan.ts";
-import { Scene } from "./scene.ts";
+import { Scene, SETTINGS } from "./scene.ts";
 import { describeRay, toRays, whyEmpty } from "./words.ts";
 import { stepRange } from "./zoom.ts";
 
-const SETTINGS = ["arc_count", "arc_distances", "ray_count", "view_range", "forward", "marks", "color_by_intensity"];
-/** Between two texts that follow the scans. Nobody reads faster, and laying out text takes longer than drawing dots. */
-const READING_MS = 100;
+const TRAITS = [...SETTINGS, "marks", "color_by_intensity", "hovered", "pinned"];
 
 /** One view of a laser widget: it wires the card, the scene, the legend, the pop-ups and the gestures together. */
 export class LaserView {
@@ -35,13 +33,13 @@ export class LaserView {
   readonly #redraw: () => void;
   readonly #tell: () => void;
   #size: Size = { width: 0, height: 0 };
-  #rate = "";
 
   constructor(model: Model, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
     this.#model = model;
     this.#stream = stream;
     this.#redraw = onceAFrame(() => this.#draw(), signal);
-    this.#tell = spaced(() => this.#drawTexts(), READING_MS, signal);
+    const tell = () => this.#legend.update(stream.shown, (model.get("marks") as string[]) ?? []);
+    this.#tell = spaced(tell, READING_MS, signal);
     this.#card = new Card(element, "laser", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
     this.#scene = new Scene(model, picture);
@@ -50,16 +48,13 @@ export class LaserView {
     this.#hovered = new Popup(picture);
     picture.append(this.#empty);
 
-    const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal);
-    closer.textContent = "+";
-    const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(1), signal);
-    farther.textContent = "\u2212";
-    this.#fit = makeButton("rw-fit", "Fit the view to the readings", () => this.#onFit(), signal);
-    this.#fit.textContent = "Fit";
+    const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal, "+");
+    const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(1), signal, "\u2212");
+    this.#fit = makeButton("rw-fit", "Fit the view to the readings", () => this.#onFit(), signal, "Fit");
     this.#card.addControls(farther, this.#range, closer, this.#fit);
 
     stream.listen(this.#redraw, signal);
-    onChange(model, [...SETTINGS, "hovered", "pinned"], this.#redraw, signal);
+    onChange(model, TRAITS, this.#redraw, signal);
     watchGestures(picture, this, signal);
     const onSize = (size: Size) => {
       this.#size = size;
@@ -134,27 +129,14 @@ export class LaserView {
     const scan = this.#stream.shown;
     const { theme } = this.#card;
     this.#tell();
-    this.#drawCard(scan);
-    setText(this.#empty, scan || !this.#stream.since ? whyEmpty(scan) : "frozen before the first scan");
+    this.#card.update([getAbout(this.#model).frame_id ?? "", scan ? toRays(scan.count) : ""], "scan");
+    setText(this.#empty, scan ? whyEmpty(scan) : this.#card.waiting("scan"));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];
     this.#scene.draw(scan, this.#size, this.#card.noticeHeight, covered, theme);
     setText(this.#range, toShortMetres(this.#scene.viewRange));
     this.#fit.setAttribute("aria-pressed", String(this.#model.get("view_range") === "data"));
     this.#drawPopups(scan);
-  }
-
-  #drawCard(scan: Scan | null): void {
-    const rays = scan ? toRays(scan.count) : "";
-    this.#card.update([getAbout(this.#model).frame_id ?? "", rays, this.#rate], "scan");
-  }
-
-  /** What changes with every scan. */
-  #drawTexts(): void {
-    const scan = this.#stream.shown;
-    this.#rate = scan && this.#stream.live && Number.isFinite(scan.rate) ? `${toFixed(scan.rate, 1)} Hz` : "";
-    this.#drawCard(scan);
-    this.#legend.update(scan, (this.#model.get("marks") as string[]) ?? []);
   }
 
   #drawPopups(scan: Scan | null): void {

@@ -1,6 +1,7 @@
 import { toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../shared/format.ts";
 import {
   angleOf,
+  type Limits,
   NO_MEASUREMENT,
   NOTHING_IN_RANGE,
   OUTSIDE_LIMITS,
@@ -43,7 +44,7 @@ export const CLASSES: { kind: Validity; name: string; symbol: string; word: stri
 ];
 
 /** What a ray without a reading means; nothing for a reading. */
-export function meaningOf({ kinds, rangeMin, rangeMax }: Scan, index: number): string {
+export function meaningOf({ kinds, rangeMin, rangeMax }: Pick<Scan, "kinds" | keyof Limits>, index: number): string {
   switch (kinds[index]) {
     case READING:
       return "";
@@ -59,8 +60,7 @@ export function meaningOf({ kinds, rangeMin, rangeMax }: Scan, index: number): s
 }
 
 /** Why a scan shows no reading, in one sentence; nothing when it shows some. */
-export function whyEmpty(scan: Scan | null): string {
-  if (!scan) return "waiting for a scan";
+export function whyEmpty(scan: Scan): string {
   const { counts } = scan;
   if (scan.count === 0) return "this scan is empty: it has no rays";
   if (counts[READING] > 0) return "";

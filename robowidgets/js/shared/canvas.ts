@@ -1,3 +1,6 @@
+import { make } from "./dom.ts";
+import { atEnd, on } from "./events.ts";
+
 export interface Size {
   width: number;
   height: number;
@@ -9,13 +12,13 @@ export class Layer {
   readonly context: CanvasRenderingContext2D;
 
   constructor(parent: HTMLElement) {
-    this.canvas = document.createElement("canvas");
-    this.canvas.className = "rw-layer";
-    this.canvas.setAttribute("aria-hidden", "true");
-    const context = this.canvas.getContext("2d");
+    const canvas = make("canvas", "rw-layer");
+    canvas.setAttribute("aria-hidden", "true");
+    const context = canvas.getContext("2d");
     if (!context) throw new Error("robowidgets: this browser gives no 2D canvas");
+    this.canvas = canvas;
     this.context = context;
-    parent.append(this.canvas);
+    parent.append(canvas);
   }
 
   /** Clears the layer for a picture of this size. */
@@ -40,14 +43,14 @@ export function watchSize(element: HTMLElement, callback: (size: Size) => void, 
   const tell = () => callback({ width: element.clientWidth, height: element.clientHeight });
   const observer = new ResizeObserver(tell);
   observer.observe(element);
-  signal.addEventListener("abort", () => observer.disconnect());
+  atEnd(signal, () => observer.disconnect());
   const watchRatio = () => {
     const query = matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`);
     const onRatio = () => {
       tell();
       watchRatio();
     };
-    query.addEventListener("change", onRatio, { once: true, signal });
+    on(query, "change", onRatio, signal, { once: true });
   };
   watchRatio();
 }

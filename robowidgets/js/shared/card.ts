@@ -1,13 +1,18 @@
-import { make, makeButton, makeIcon, setText } from "./dom.ts";
-import { toCount } from "./format.ts";
-import { getAbout, getFlag, getString, type Model, onChange } from "./model.ts";
+import { Bar } from "./bar.ts";
+import { make, makeButton, makeIcon, setLabel, setText } from "./dom.ts";
+import { isPlain, on } from "./events.ts";
+import { toAge, toCount, toFixed } from "./format.ts";
+import { keepKeys } from "./keys.ts";
+import { getAbout, getFlag, getSource, getString, type Model, onChange } from "./model.ts";
+import { READING_MS, spaced } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
 import { applyTheme, type Theme, watchTheme } from "./theme.ts";
 
+const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
 const PLAY = "M3 1.2l7 4.8-7 4.8z";
 
-/** The frame round a picture: title and controls above, a notice over it, a footer below, and freezing. */
+/** The frame round a picture: title and controls above, a notice over it, a footer below, and freezing and stepping. */
 export class Card {
   readonly root: HTMLElement;
   readonly controls: HTMLElement;
@@ -20,7 +25,13 @@ export class Card {
   readonly #facts = make("span", "rw-facts");
   readonly #notice = make("div", "rw-notice");
   readonly #freeze: HTMLButtonElement;
-  readonly #freezeText = make("span", "rw-freeze-text");
+  /** The words round the number give way where room is short. */
+  readonly #freezeWords = ["rw-word", "rw-number", "rw-word"].map((name) => make("span", name));
+  readonly #bar: Bar;
+  readonly #tellFacts: () => void;
+  #known: string[] = [];
+  #paced = true;
+  #paused: boolean | null = null;
   #theme: Theme | null = null;
 
   /**
@@ -44,21 +55,23 @@ export class Card {
     this.picture.setAttribute("role", "group");
     this.footer = make("div", "rw-footer");
     this.#notice.setAttribute("role", "status");
-    this.#freeze = makeButton("rw-freeze", "Freeze the picture (space)", () => stream.toggle(), signal);
-    this.#freeze.append(makeIcon(PAUSE), this.#freezeText);
+    this.#freeze = makeButton("rw-freeze", "", () => stream.toggle(), signal);
     this.#header.append(this.#title, this.#facts, this.controls);
     this.controls.append(this.#freeze);
     this.picture.append(this.#notice);
-    this.root.append(this.#header, this.picture, this.footer);
+    this.#bar = new Bar(stream, signal);
+    this.root.append(this.#header, this.picture, this.#bar.root, this.footer);
     element.append(this.root);
     const onTheme = () => {
       this.#theme = null;
       redraw();
     };
     watchTheme(onTheme, signal);
-    onChange(model, ["title", "header", "footer"], redraw, signal);
-    this.picture.addEventListener("keydown", (event) => this.#onKey(event), { signal });
-    window.addEventListener("keydown", (event) => this.#keep(event), { signal, capture: true });
+    onChange(model, ["title", "header", "footer", "_source"], redraw, signal);
+    this.#tellFacts = spaced(() => this.#drawFacts(), READING_MS, signal);
+    on(this.#header, "pointerenter", () => this.#tellAll(), signal);
+    on(this.root, "keydown", (event) => this.#onKey(event), signal);
+    keepKeys(this.root, signal);
     this.picture.setAttribute("aria-label", `${kind} widget`);
   }
 
@@ -78,12 +91,19 @@ export class Card {
     return this.#notice.hidden ? 0 : this.#notice.offsetHeight;
   }
 
+  /** What an empty picture says, before the first sample: a noun with its article. */
+  waiting(noun: string): string {
+    if (this.#stream.since) return `frozen before the first ${noun}`;
+    return getSource(this.#model).words || `waiting for a ${noun}`;
+  }
+
   /**
-   * Brings header, notice and freeze button up to date.
+   * Brings header, notice, bar and freeze button up to date.
    * @param facts what is known of the source, after the title
-   * @param noun one sample, in words: "scan"
+   * @param noun what is on show, in words: "scan"
+   * @param paced whether samples come at a rate, and silence means that they stopped
    */
-  update(facts: string[], noun: string): void {
+  update(facts: string[], noun: string, paced = true): void {
     this.#theme ??= applyTheme(this.root);
     const { error, notes = [] } = getAbout(this.#model);
     const { paused, since } = this.#stream;
@@ -91,47 +111,55 @@ export class Card {
     this.footer.hidden = !getFlag(this.#model, "footer");
     setText(this.#title, getString(this.#model, "title"));
     this.#title.hidden = !getString(this.#model, "title");
-    setText(this.#facts, facts.filter(Boolean).join(" · "));
-    this.#facts.title = this.#facts.textContent ?? "";
-    const kept = this.#stream.shown ? ` Showing the last good ${noun}.` : "";
-    const lines = error ? [error + kept, ...notes] : notes;
+    this.#known = facts.filter(Boolean);
+    this.#paced = paced;
+    this.#tellFacts();
+    const { shown, place } = this.#stream;
+    const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
+    // An empty picture says the words itself.
+    const words = shown && getSource(this.#model).words;
+    const lines = words ? [...said, words] : said;
     this.#notice.hidden = lines.length === 0;
     this.#notice.classList.toggle("rw-error", Boolean(error));
+    this.#notice.classList.toggle("rw-status", said.length === 0);
+    this.#bar.update(this.footer.hidden ? null : place);
     setText(this.#notice, lines.join(" · "));
     this.#notice.title = lines.join("\n");
 
     this.root.classList.toggle("rw-frozen", paused);
-    const pressed = String(paused);
-    if (this.#freeze.getAttribute("aria-pressed") !== pressed) {
-      this.#freeze.setAttribute("aria-pressed", pressed);
-      this.#freeze.title = paused ? "Show the newest again (space)" : "Freeze the picture (space)";
-      this.#freeze.setAttribute("aria-label", this.#freeze.title);
-      this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), this.#freezeText);
+    if (this.#paused !== paused) {
+      this.#paused = paused;
+      this.#freeze.setAttribute("aria-pressed", String(paused));
+      setLabel(this.#freeze, paused ? "Show the newest again (space)" : "Freeze the picture (space)");
+      this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), ...this.#freezeWords);
     }
-    const words = paused ? `<Frozen · >${toCount(since)}< since>` : "<Freeze>";
-    this.#setFreezeText(words);
+    const state = paused ? ["Frozen · ", toCount(since), " since"] : ["Freeze", "", ""];
+    for (const [i, element] of this.#freezeWords.entries()) setText(element, state[i] ?? "");
   }
 
-  /** Parts in angle brackets are words that give way where room is short; numbers stay. */
-  #setFreezeText(words: string): void {
-    if (this.#freezeText.dataset.words === words) return;
-    this.#freezeText.dataset.words = words;
-    const parts = words.split(/[<>]/).map((part, i) => make("span", i % 2 ? "rw-word" : "rw-number", part));
-    this.#freezeText.replaceChildren(...parts.filter((part) => part.textContent));
+  /** What is known of the source, its rate, and for how long it has been silent: while it is, again and again. */
+  #drawFacts(): void {
+    const { live, rate } = this.#stream;
+    const silence = this.#paced ? this.#stream.silence : 0;
+    const pace = live && this.#paced && Number.isFinite(rate) ? [`${toFixed(rate, 1)} Hz`] : [];
+    const facts = silence ? [`no data for ${toAge(silence)}`, ...this.#known] : [...this.#known, ...pace];
+    setText(this.#facts, facts.join(" · "));
+    this.root.classList.toggle("rw-silent", silence > 0);
+    if (silence) this.#tellFacts();
   }
 
-  /**
-   * Keeps plain keys from JupyterLab, which would take them for the notebook: "x" cuts the cell. It asks the focused
-   * element, before any parent, when the event passes the document. Saving and running a cell stay its own.
-   */
-  #keep({ key, ctrlKey, altKey, metaKey }: KeyboardEvent): void {
-    const { activeElement: focused } = document;
-    if (!this.root.contains(focused)) return;
-    focused?.toggleAttribute("data-lm-suppress-shortcuts", !(ctrlKey || altKey || metaKey || key === "Enter"));
+  /** All that is known of the source, line by line, for who points at the header. */
+  #tellAll(): void {
+    const { arrived } = this.#stream;
+    const { topic = getString(this.#model, "title"), type } = getSource(this.#model);
+    const age = arrived && `newest ${toAge(performance.now() - arrived)} ago`;
+    this.#header.title = [topic, type, this.#facts.textContent, age].filter(Boolean).join("\n");
   }
 
   #onKey(event: KeyboardEvent): void {
-    if (event.key !== " " || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (!isPlain(event)) return;
+    this.#stream.step(STEPS[event.key] ?? 0);
+    if (event.key !== " " || event.target instanceof HTMLButtonElement) return;
     event.preventDefault();
     this.#stream.toggle();
   }

@@ -1,3 +1,5 @@
+import { on } from "./events.ts";
+
 /** An element with a class and text. Text is only ever set as text. */
 export function make<K extends keyof HTMLElementTagNameMap>(
   tag: K,
@@ -15,18 +17,24 @@ export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** A button that calls back; its label is for readers of screens and tooltips. */
+/** Says what a button does, to readers of screens and as a tooltip. */
+export function setLabel(button: HTMLButtonElement, label: string): void {
+  button.title = label;
+  button.setAttribute("aria-label", label);
+}
+
+/** A button that calls back. */
 export function makeButton(
   className: string,
   label: string,
   onClick: () => void,
   signal: AbortSignal,
+  text = "",
 ): HTMLButtonElement {
-  const button = make("button", `rw-button ${className}`);
+  const button = make("button", `rw-button ${className}`, text);
   button.type = "button";
-  button.title = label;
-  button.setAttribute("aria-label", label);
-  button.addEventListener("click", onClick, { signal });
+  setLabel(button, label);
+  on(button, "click", onClick, signal);
   return button;
 }
 

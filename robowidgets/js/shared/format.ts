@@ -28,3 +28,10 @@ export function toDegrees(radians: number): string {
 export function toCount(value: number): string {
   return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 }
+
+/** How long ago: "2.3 s", "3 min", "2 h". */
+export function toAge(ms: number, decimals = 1): string {
+  const seconds = ms / 1000;
+  if (seconds < 60) return `${toFixed(seconds, decimals)} s`;
+  return seconds < 3600 ? `${Math.floor(seconds / 60)} min` : `${Math.floor(seconds / 3600)} h`;
+}

@@ -1,4 +1,5 @@
 import type { AnyModel } from "@anywidget/types";
+import { atEnd } from "./events.ts";
 
 export type Model = AnyModel<Record<string, unknown>>;
 
@@ -7,6 +8,13 @@ export interface About {
   frame_id?: string;
   notes?: string[];
   error?: string;
+}
+
+/** What a feed says of its topic; all of it may be missing. Plain text. */
+export interface Source {
+  topic?: string;
+  type?: string;
+  words?: string;
 }
 
 export function getString(model: Model, name: string): string {
@@ -25,6 +33,10 @@ export function getAbout(model: Model): About {
   return (model.get("_about") ?? {}) as About;
 }
 
+export function getSource(model: Model): Source {
+  return (model.get("_source") ?? {}) as Source;
+}
+
 /** Sets traits on the page at once, and tells Python when it has time to listen. */
 export function put(model: Model, values: Record<string, unknown>): void {
   for (const [name, value] of Object.entries(values)) model.set(name, value);
@@ -34,7 +46,7 @@ export function put(model: Model, values: Record<string, unknown>): void {
 /** Calls back on the change of any of the traits, until the signal ends it. */
 export function onChange(model: Model, names: string[], callback: () => void, signal: AbortSignal): void {
   for (const name of names) model.on(`change:${name}`, callback);
-  signal.addEventListener("abort", () => {
+  atEnd(signal, () => {
     for (const name of names) model.off(`change:${name}`, callback);
   });
 }

@@ -1,7 +1,12 @@
+import { atEnd } from "./events.ts";
+
+/** Between two texts that follow the samples. Nobody reads faster, and laying out text takes longer than drawing dots. */
+export const READING_MS = 100;
+
 /** Draws once per animation frame, however often it is asked to. */
 export function onceAFrame(draw: () => void, signal: AbortSignal): () => void {
   let pending = 0;
-  signal.addEventListener("abort", () => cancelAnimationFrame(pending));
+  atEnd(signal, () => cancelAnimationFrame(pending));
   return () => {
     if (pending || signal.aborted) return;
     pending = requestAnimationFrame(() => {
@@ -15,7 +20,7 @@ export function onceAFrame(draw: () => void, signal: AbortSignal): () => void {
 export function spaced(call: () => void, ms: number, signal: AbortSignal): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let asked = false;
-  signal.addEventListener("abort", () => clearTimeout(timer));
+  atEnd(signal, () => clearTimeout(timer));
   const run = () => {
     asked = false;
     timer = setTimeout(() => {

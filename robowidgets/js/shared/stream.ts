@@ -1,5 +1,8 @@
 import { copyOf, type Reader, toBytes } from "./bytes.ts";
-import { type Model, onChange, put } from "./model.ts";
+import { atEnd } from "./events.ts";
+import { History } from "./history.ts";
+import { getNumber, type Model, onChange, put } from "./model.ts";
+import { spaced } from "./schedule.ts";
 
 /** What the head of every frame says. */
 export interface Frame {
@@ -19,11 +22,21 @@ function sequenceOf(bytes: DataView | null): number {
   return bytes?.getFloat64(0, true) ?? 0;
 }
 
+/** Where the frozen sample stands among those kept. */
+export interface Place {
+  /** -1 when it is not among them. */
+  index: number;
+  count: number;
+  /** Milliseconds between it and the newest; NaN when this page did not see it come. */
+  behind: number;
+}
+
 const STALE_MS = 2000;
+const SAVE_MS = 100;
 const NOTHING = new DataView(new ArrayBuffer(0));
 
 /**
- * The newest sample and the frozen one, of one model and for all its views.
+ * The newest sample, those before it and the frozen one, of one model and for all its views.
  *
  * Freezing happens here and not in Python, so that it works while a cell runs: the frozen bytes are a trait, which a
  * reload, a second view and a saved notebook find again.
@@ -31,6 +44,8 @@ const NOTHING = new DataView(new ArrayBuffer(0));
 export class Stream<F extends Frame> {
   readonly #model: Model;
   readonly #decode: (bytes: DataView) => F;
+  readonly #history = new History();
+  readonly #save: () => void;
   readonly #listeners = new Set<() => void>();
   #heldHere: DataView | null = null;
   #decoded: { bytes: DataView; frame: F } | null = null;
@@ -39,14 +54,22 @@ export class Stream<F extends Frame> {
   live = false;
   /** When the newest sample came, in the page's milliseconds. */
   arrived = 0;
+  /** Whether another sample than the one that froze was stepped to. */
+  stepped = false;
 
   constructor(model: Model, decode: (bytes: DataView) => F, signal: AbortSignal) {
     this.#model = model;
     this.#decode = decode;
+    // A person who drags need not be followed by Python to the millisecond.
+    this.#save = spaced(() => model.save_changes(), SAVE_MS, signal);
+    const [held, newest] = [this.paused ? this.#bytes("_held") : null, this.#bytes("_frame")];
+    this.#keep(held, NaN);
+    if (this.paused) this.#history.hold(performance.now());
+    if (sequenceOf(held) !== sequenceOf(newest)) this.#keep(newest, NaN);
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["paused"], () => this.#onPaused(), signal);
     onChange(model, ["_held", "_about"], () => this.#tell(), signal);
-    signal.addEventListener("abort", () => clearTimeout(this.#stale));
+    atEnd(signal, () => clearTimeout(this.#stale));
   }
 
   get paused(): boolean {
@@ -66,17 +89,53 @@ export class Stream<F extends Frame> {
     return Math.max(0, sequenceOf(this.#bytes("_frame")) - sequenceOf(this.#shownBytes()));
   }
 
+  /** Samples per second that reach Python; NaN when unknown. */
+  get rate(): number {
+    return this.#bytes("_frame")?.getFloat64(8, true) ?? NaN;
+  }
+
+  /** Milliseconds for which nothing has come, of a source that was live; else 0. */
+  get silence(): number {
+    return this.arrived && !this.live && Number.isFinite(this.rate) ? performance.now() - this.arrived : 0;
+  }
+
+  /** Null when the picture is not frozen, or there is nothing to step to. */
+  get place(): Place | null {
+    const { moments } = this.#history;
+    const [count, newest] = [moments.length, moments.at(-1)];
+    if (!this.paused || !this.#seconds || !newest || count < 2) return null;
+    const bytes = this.#shownBytes();
+    const own = moments.findIndex((moment) => moment.bytes === bytes);
+    // Python holds a frame of its own, and so does a page that was loaded anew.
+    const index = own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
+    return { index, count, behind: index === count - 1 ? 0 : newest.at - (moments[index]?.at ?? NaN) };
+  }
+
   toggle(): void {
     const paused = !this.paused;
-    const held = paused && this.#bytes("_frame");
-    // A copy, because hosts send the whole buffer under a view.
-    put(this.#model, { _held: held ? new DataView(copyOf(held, 0, held.byteLength)) : NOTHING, paused });
+    put(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });
+  }
+
+  /** Shows the next of the samples kept, or the one before. */
+  step(by: number): void {
+    const { place } = this;
+    if (place && by) this.seek(place.index + by);
+  }
+
+  /** Shows another of the samples kept; beyond an end, the one at that end. */
+  seek(index: number): void {
+    const { moments } = this.#history;
+    const moment = moments[Math.min(moments.length - 1, Math.max(0, index))];
+    if (!moment || !this.paused) return;
+    this.stepped = true;
+    this.#model.set("_held", moment.bytes);
+    this.#save();
   }
 
   /** Calls back on every change, until the signal ends it. */
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
-    signal.addEventListener("abort", () => this.#listeners.delete(callback));
+    atEnd(signal, () => this.#listeners.delete(callback));
   }
 
   #shownBytes(): DataView | null {
@@ -87,20 +146,35 @@ export class Stream<F extends Frame> {
     return toBytes(this.#model.get(name));
   }
 
+  get #seconds(): number {
+    return getNumber(this.#model, "history") || 0;
+  }
+
+  /** Keeps a copy, because hosts hand out views of larger buffers, and send the whole buffer under a view. */
+  #keep(bytes: DataView | null, at: number): void {
+    if (bytes) this.#history.add(new DataView(copyOf(bytes, 0, bytes.byteLength)), at, this.#seconds);
+  }
+
   #onFrame(): void {
     this.live = true;
     this.arrived = performance.now();
+    this.#keep(this.#bytes("_frame"), this.arrived);
     clearTimeout(this.#stale);
-    this.#stale = setTimeout(() => {
+    const stale = () => {
       this.live = false;
       this.#tell();
-    }, STALE_MS);
+    };
+    // Two pauses of a slow source are no silence.
+    this.#stale = setTimeout(stale, Math.max(STALE_MS, (2 * 1000) / this.rate || 0));
     this.#tell();
   }
 
   #onPaused(): void {
+    this.stepped = false;
     // A link between widgets says "paused" alone.
-    this.#heldHere = this.paused ? this.#bytes("_frame") : null;
+    this.#heldHere = this.paused ? (this.#history.moments.at(-1)?.bytes ?? null) : null;
+    if (this.paused) this.#history.hold(performance.now());
+    else this.#history.release(this.#seconds);
     this.#tell();
   }
 

@@ -1,5 +1,7 @@
+import { atEnd, on } from "./events.ts";
+
 /** What the style sheet gives as `--rw-` variables, for light or dark. */
-const NAMES = ["ink", "muted", "line", "area", "reading", "pointer", "mono"] as const;
+const NAMES = ["ink", "muted", "line", "area", "reading", "pointer", "touch", "mono"] as const;
 
 /** The colours and fonts of the picture. */
 export type Theme = Record<(typeof NAMES)[number] | "background" | "font", string> & { dark: boolean };
@@ -35,6 +37,6 @@ export function watchTheme(callback: () => void, signal: AbortSignal): void {
   for (const element of [document.body, document.documentElement]) {
     observer.observe(element, { attributes: true, attributeFilter: attributes });
   }
-  signal.addEventListener("abort", () => observer.disconnect());
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", callback, { signal });
+  atEnd(signal, () => observer.disconnect());
+  on(matchMedia("(prefers-color-scheme: dark)"), "change", callback, signal);
 }

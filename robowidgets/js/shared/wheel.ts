@@ -1,3 +1,5 @@
+import { on } from "./events.ts";
+
 const SCROLL_PAUSE_MS = 250;
 
 /**
@@ -31,9 +33,9 @@ export function watchWheel(element: HTMLElement, onWheel: (event: WheelEvent) =>
     used = event.timeStamp;
     event.preventDefault();
   };
-  element.addEventListener("pointermove", onMove, { signal });
-  element.addEventListener("pointerdown", onDown, { signal });
-  element.addEventListener("pointerleave", onLeave, { signal });
-  window.addEventListener("wheel", onPage, { signal, passive: true, capture: true });
-  element.addEventListener("wheel", onTurn, { signal, passive: false });
+  on(element, "pointermove", onMove, signal);
+  on(element, "pointerdown", onDown, signal);
+  on(element, "pointerleave", onLeave, signal);
+  on(window, "wheel", onPage, signal, { passive: true, capture: true });
+  on(element, "wheel", onTurn, signal, { passive: false });
 }

@@ -1,7 +1,6 @@
 import { watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
-import { toFixed } from "../shared/format.ts";
 import { getAbout, getFlag, getNumber, getString, type Model, onChange, put } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -45,8 +44,13 @@ export class SpeedView {
     picture.append(this.#board, this.#empty);
     this.#popup = new Popup(picture);
     this.#legend = new Legend(footer);
-    this.#planar = makeButton("", "Show linear x, linear y and angular z only", () => this.#onPlanar(), signal);
-    this.#planar.textContent = "Planar";
+    this.#planar = makeButton(
+      "",
+      "Show linear x, linear y and angular z only",
+      () => this.#onPlanar(),
+      signal,
+      "Planar",
+    );
     this.#reset = makeButton("rw-reset", "Reset the peaks", () => this.#onReset(), signal);
     this.#reset.append(makeIcon(RESET), make("span", "rw-word", "Peaks"));
     this.#card.addControls(this.#reset, this.#planar);
@@ -129,14 +133,12 @@ export class SpeedView {
   #drawCard(speeds: Speeds | null, summary: string): void {
     const model = this.#model;
     const command = speeds?.commanded ? `with ${getString(model, "command_title") || "commands"}` : "";
-    const rate = this.#stream.live && speeds && Number.isFinite(speeds.rate) ? `${toFixed(speeds.rate, 1)} Hz` : "";
-    this.#card.update([getAbout(model).frame_id ?? "", command, rate], "speed");
+    this.#card.update([getAbout(model).frame_id ?? "", command], "speed");
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
     this.#planar.setAttribute("aria-pressed", String(getFlag(model, "planar")));
     this.#reset.hidden = !getFlag(model, "hold_peaks");
     this.#empty.hidden = speeds !== null;
-    const frozen = !speeds && this.#stream.since > 0;
-    setText(this.#empty, frozen ? "frozen before the first speed" : "waiting for a speed");
+    setText(this.#empty, this.#card.waiting("speed"));
     this.#board.classList.toggle("rw-commanded", Boolean(speeds?.commanded));
     this.#legend.update(Boolean(speeds?.commanded), getFlag(model, "hold_peaks"), summary);
   }

@@ -2,6 +2,7 @@
 interface Arrivals {
   readonly paused: boolean;
   readonly arrived: number;
+  readonly stepped: boolean;
   listen(callback: () => void, signal: AbortSignal): void;
 }
 
@@ -30,6 +31,8 @@ export class Clock {
 
   #follow(): void {
     if (!this.#stream.paused) this.#frozenAt = undefined;
+    // A frame stepped to is shown as it came.
+    else if (this.#stream.stepped) this.#frozenAt = 0;
     else if (this.#frozenAt === undefined) this.#frozenAt = this.elapsed;
   }
 }

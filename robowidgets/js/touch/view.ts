@@ -1,7 +1,7 @@
 import { type Size, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, setText } from "../shared/dom.ts";
-import { toFixed } from "../shared/format.ts";
+import { atEnd } from "../shared/events.ts";
 import { type About, getAbout, type Model, onChange } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -56,7 +56,7 @@ export class TouchView {
       this.#draw();
     };
     watchSize(this.#card.picture, onSize, signal);
-    signal.addEventListener("abort", () => clearTimeout(this.#tick));
+    atEnd(signal, () => clearTimeout(this.#tick));
   }
 
   #draw(): void {
@@ -64,12 +64,10 @@ export class TouchView {
     const touch = this.#stream.shown;
     const sensors = select(touch?.sensors ?? [], (this.#model.get("sensors") as string[]) ?? []);
     const { dialect = "", mode, still = false } = getAbout(this.#model) as TouchAbout;
-    const paced = this.#stream.live && mode !== "event" && touch && Number.isFinite(touch.rate);
-    this.#card.update([dialect, modeWord(mode), paced ? `${toFixed(touch.rate, 1)} Hz` : ""], "states");
+    this.#card.update([dialect, modeWord(mode)], "states", mode !== "event");
     this.#footer.update(sensors);
     this.#empty.hidden = sensors.length > 0;
-    const frozen = !touch && this.#stream.since > 0;
-    setText(this.#empty, frozen ? "frozen before the first touch message" : "waiting for a touch message");
+    setText(this.#empty, this.#card.waiting("touch message"));
     this.#lay(sensors);
     this.#say(sensors, still ? 0 : this.#clock.elapsed, this.#clock.runs && !still);
   }

@@ -1,0 +1,42 @@
+import { make, makeButton, setText } from "./dom.ts";
+import { on } from "./events.ts";
+import { toAge } from "./format.ts";
+import type { Frame, Place, Stream } from "./stream.ts";
+
+/** The bar under a frozen picture: it steps and drags through what came before, and tells how long ago that was. */
+export class Bar {
+  readonly root = make("div", "rw-bar");
+  readonly #slider = make("input", "rw-slider");
+  readonly #time = make("b", "");
+  readonly #word = make("span", "rw-word", " from newest");
+
+  constructor(stream: Stream<Frame>, signal: AbortSignal) {
+    const slider = this.#slider;
+    slider.type = "range";
+    slider.title = "What came before (, and . step)";
+    slider.setAttribute("aria-label", "Sample on show");
+    on(slider, "input", () => stream.seek(Number(slider.value)), signal);
+    // These are the slider's own; elsewhere on the card they walk through the picture.
+    on(slider, "keydown", (event) => /^(Arrow|Home|End)/.test(event.key) && event.stopPropagation(), signal);
+    const back = makeButton("rw-step", "One sample back (,)", () => stream.step(-1), signal, "\u2039");
+    const next = makeButton("rw-step", "One sample on (.)", () => stream.step(1), signal, "\u203a");
+    const time = make("span", "rw-time");
+    time.append(this.#time, this.#word);
+    this.root.append(back, slider, next, time);
+  }
+
+  /** @param place where the sample on show stands among those kept; null when there is nothing to step through */
+  update(place: Place | null): void {
+    this.root.hidden = !place;
+    if (!place) return;
+    const { index, count, behind } = place;
+    const isKnown = behind > 0;
+    const age = toAge(behind, 2);
+    this.#slider.max = String(count - 1);
+    this.#slider.value = String(index);
+    setText(this.#time, isKnown ? `\u2212${age}` : behind === 0 ? "newest" : "earlier");
+    this.#word.hidden = !isKnown;
+    const words = isKnown ? `${age} before the newest` : this.#time.textContent;
+    this.#slider.setAttribute("aria-valuetext", `${words}, ${index + 1} of ${count}`);
+  }
+}
