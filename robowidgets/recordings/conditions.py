@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..samples import AXES
+from ..samples import AXES, TouchState
 from ..samples.scan import number
 from .chunks import ScanChunk, SpeedChunk
 from .steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
@@ -62,7 +62,7 @@ def touched(label: str | None = None, topic: str | None = None) -> Condition:
     """A touch sensor is touched.
 
     Args:
-        label: the name of the sensor; None: any of the topic.
+        label: the name of the sensor; None: any of those of which something is known.
         topic: as in `Recording.touches`.
     """
     return _Touched(label, topic)
@@ -166,8 +166,8 @@ class _Touched(Condition):
             there = ", ".join(labels) or "none"
             raise ValueError(f"label: {touches.topic} has no sensor {self._label!r}; it has {there}")
         states = touches.states if self._label is None else touches.states[:, [labels.index(self._label)]]
-        rank = np.array([NO, YES, UNKNOWN], np.int8)  # by TouchState
-        return steps(touches.times_ns, rank[states].max(axis=1, initial=NO))
+        is_touched, is_known = (states == TouchState.TOUCHED).any(axis=1), (states != TouchState.UNKNOWN).any(axis=1)
+        return steps(touches.times_ns, np.where(is_touched, YES, np.where(is_known, NO, UNKNOWN)))
 
     def __str__(self) -> str:
         return f"{self._label or 'anything'} touched"

@@ -7,15 +7,16 @@ from typing import Any
 
 import pytest
 
+from robowidgets import Recording
 from robowidgets.recordings.salvage.saved import SavedFile
 from robowidgets.recordings.salvage.sqlite import SavedDatabase
 
 
 @pytest.fixture(autouse=True)
-def _close_what_was_saved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Every source of the readers for damaged files is closed when its test ends."""
-    opened: list[SavedFile | SavedDatabase] = []
-    for kind in (SavedFile, SavedDatabase):
+def _close_what_was_opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Every recording, and every source of the readers for damaged files, is closed when its test ends."""
+    opened: list[SavedFile | SavedDatabase | Recording] = []
+    for kind in (SavedFile, SavedDatabase, Recording):
 
         def init(self: Any, *args: Any, _init: Any = kind.__init__) -> None:
             _init(self, *args)

@@ -1,0 +1,304 @@
+"""Finding when something held in a recording."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets import RecordingError, conditions
+from robowidgets.recordings.recording import UnknownTopicError
+from robowidgets.recordings.spans import Span, Spans
+from robowidgets.recordings.steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
+
+from . import robot, sweeps
+from .sweeps import START_NS
+
+INF, NAN = float("inf"), float("nan")
+
+
+@pytest.fixture
+def drive(tmp_path: Path) -> robowidgets.Recording:
+    """See `robot.write`: scan i sees 1 + i / 100 m, the speed is i / 100 m/s, the left bumper is down at 2 and 6 s."""
+    return robowidgets.open(robot.write(tmp_path / "drive"))
+
+
+def found(recording: robowidgets.Recording, condition: Any, **more: Any) -> list[tuple[float, float]]:
+    return [(span.start, span.end) for span in recording.find(condition, **more)]
+
+
+class TestSteps:
+    def test_two_hold_where_both_do_and_unknown_is_neither(self) -> None:
+        a = Steps(np.array([0, 10, 20]), np.array([YES, NO, YES], np.int8))
+        b = Steps(np.array([5, 15]), np.array([YES, NO], np.int8))
+        both, either = combined([a, b], np.min), combined([a, b], np.max)
+        assert both.times.tolist() == either.times.tolist() == [0, 5, 10, 15, 20]
+        assert both.values.tolist() == [UNKNOWN, YES, NO, NO, NO]
+        assert either.values.tolist() == [YES, YES, YES, NO, YES]
+        assert inverted(both).values.tolist() == [UNKNOWN, NO, YES, YES, YES]
+
+    def test_spans_end_with_the_next_step_or_the_end(self) -> None:
+        held = steps([0, 1, 2, 3, 4], [YES, YES, NO, UNKNOWN, YES])
+        assert spans(held, end_ns=9) == [(0, 2), (4, 9)]
+        assert spans(steps([], []), end_ns=9) == []
+
+    def test_a_time_that_goes_back_counts_as_the_latest_before(self) -> None:
+        held = steps([0, 10, 5, 20], [NO, NO, YES, NO])
+        assert held.times.tolist() == [0, 10, 10, 20]
+        assert spans(held, end_ns=20) == [(10, 20)]
+
+
+class TestReadyMade:
+    def test_touched(self, drive: robowidgets.Recording) -> None:
+        assert found(drive, conditions.touched()) == [(2, 3), (6, 7)]
+        assert found(drive, conditions.touched("left", topic="/bumper")) == [(2, 3), (6, 7)]
+        assert found(drive, conditions.touched("right")) == []
+        with pytest.raises(ValueError, match="label: /bumper has no sensor 'nose'; it has left, center, right"):
+            drive.find(conditions.touched("nose"))
+
+    def test_nearest_below(self, drive: robowidgets.Recording) -> None:
+        assert found(drive, conditions.nearest_below(1.105)) == [(0, 1.1)]
+        assert found(drive, ~conditions.nearest_below(1.905)) == [(9.1, 10)]
+
+    @pytest.mark.parametrize(
+        ("sector", "held"),
+        [
+            (None, [(0, 3)]),
+            ((-0.55, -0.45), [(0, 1)]),
+            ((-0.1, 0.05), [(1, 2)]),
+            ((-0.5, -0.1), [(0, 1)]),
+            ((0.45, 5.0), [(2, 3)]),
+            ((0.4, -0.4), [(0, 1), (2, 3)]),
+            ((-3.2, 3.2), [(0, 3)]),
+            ((0.1, 0.2), []),
+        ],
+    )
+    def test_within_a_sector(self, tmp_path: Path, sector: Any, held: Any) -> None:
+        # Rays at -0.5, -0.4 ... 0.5 rad; one after the other the first, the middle and the last meet something near.
+        rows = [[0.2 if i == near else 5.0 for i in range(11)] for near in (0, 5, 10, 11)]
+        scans = ((i, sweeps.scan(START_NS, row)) for i, row in enumerate(rows))
+        recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
+        assert found(recording, conditions.nearest_below(0.3, sector)) == held
+
+    def test_what_is_no_reading_is_not_near_but_too_close_is(self, tmp_path: Path) -> None:
+        rows = [0.0, 0.05, NAN, INF, -INF, 0.1]
+        scans = ((i, sweeps.scan(START_NS, [row])) for i, row in enumerate(rows))
+        recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
+        assert found(recording, conditions.nearest_below(0.3)) == [(4, 5)]
+
+    def test_a_limit_is_not_below_itself(self, tmp_path: Path) -> None:
+        scans = ((i, sweeps.scan(START_NS, [row])) for i, row in enumerate((0.3, np.nextafter(np.float32(0.3), 0), 9)))
+        recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
+        assert found(recording, conditions.nearest_below(0.3)) == [(1, 2)]
+
+    def test_speed_above(self, drive: robowidgets.Recording) -> None:
+        assert found(drive, conditions.speed_above(0.905)) == [(9.1, 10)]
+        assert found(drive, conditions.speed_above(0.905, topic="/cmd_vel")) == [(9.1, 10)]
+        assert found(drive, conditions.speed_above(0, axis="angular.z")) == []
+
+    def test_gap(self, tmp_path: Path) -> None:
+        times = [1.0, 1.1, 1.2, 4.0, 4.1]
+        recording = robowidgets.open(sweeps.write(tmp_path / "x", ((t, sweeps.scan(START_NS, [1.0])) for t in times)))
+        assert found(recording, conditions.gap(1)) == [(pytest.approx(0.2), pytest.approx(3.0))]
+        assert found(recording, conditions.gap(3)) == []
+
+    def test_silence_before_the_first_and_after_the_last_is_a_gap(self, drive: robowidgets.Recording) -> None:
+        assert found(drive, conditions.gap(4, topic="/cmd_vel")) == [(0, 5)]
+        assert found(drive, conditions.gap(2.5, topic="/bumper")) == [(3, 6), (7, 10)]
+        assert found(drive, conditions.gap(0.5)) == []  # a command may be silent
+
+    def test_joined(self, drive: robowidgets.Recording) -> None:
+        near, touched = conditions.nearest_below(1.255), conditions.touched()
+        assert found(drive, near & touched) == [(2, 2.6)]
+        assert found(drive, near | touched) == [(0, 3), (6, 7)]
+        assert found(drive, touched & ~near) == [(2.6, 3), (6, 7)]
+        assert found(drive, ~touched) == [(3, 6), (7, 10)]  # unknown until its first event
+        assert found(drive, touched & (lambda moment: moment.seconds > 5)) == [(6, 7)]
+        assert found(drive, (lambda moment: moment.seconds > 5) & touched) == [(6, 7)]
+        assert str(near & ~touched) == "(nearest below 1.255 m & ~anything touched)"
+
+    @pytest.mark.parametrize(
+        ("make", "error", "text"),
+        [
+            (lambda: conditions.nearest_below(0), ValueError, "distance: expected metres above 0, got 0.0"),
+            (lambda: conditions.nearest_below("1"), TypeError, "distance: expected a number, got '1'"),
+            (lambda: conditions.nearest_below(1, (0, NAN)), ValueError, "sector: expected two angles in radians, got"),
+            (lambda: conditions.nearest_below(1, 0.5), TypeError, "sector: expected two angles in radians, got 0.5"),
+            (lambda: conditions.speed_above(-1), ValueError, "limit: expected a speed, 0 or more, got -1.0"),
+            (lambda: conditions.speed_above(1, "x"), ValueError, "axis: expected one of linear.x, .*, got 'x'"),
+            (lambda: conditions.gap(0), ValueError, "seconds: expected a time above 0, got 0.0"),
+            (lambda: conditions.touched(3), TypeError, "label: expected the name of a sensor, got 3"),
+            (lambda: bool(conditions.gap(1)), TypeError, "neither true nor false by itself: join conditions with &"),
+            (lambda: conditions.gap(1) & 5, TypeError, "expected a function of one moment, or one of .*, got 5"),
+        ],
+    )
+    def test_what_makes_no_sense_is_refused(self, make: Any, error: type[Exception], text: str) -> None:
+        with pytest.raises(error, match=text):
+            make()
+
+    def test_what_there_is_not_cannot_be_found(self, tmp_path: Path) -> None:
+        recording = robowidgets.open(sweeps.write(tmp_path / "x", sweeps.numbered(3)))
+        with pytest.raises(UnknownTopicError, match="has no topic of touch"):
+            recording.find(conditions.touched())
+
+
+class TestFunctions:
+    def test_see_the_last_sample_of_each_topic(self, drive: robowidgets.Recording) -> None:
+        seen = {}
+
+        def note(moment: Any) -> bool:
+            seen[moment.seconds] = (
+                float(moment.scan.ranges[0]),
+                moment.speed.linear[0],
+                moment["/cmd_vel"].linear[0],
+                moment.touch.touched["left"],
+            )
+            return False
+
+        assert found(drive, note) == []
+        assert min(seen) == 5.0  # before, there is no command
+        assert seen[6.5] == (pytest.approx(1.65), 0.65, 0.65, True)
+        assert seen[7.0][3] is False
+
+    def test_hold_until_they_do_not(self, drive: robowidgets.Recording) -> None:
+        assert found(drive, lambda moment: moment.scan.nearest().range < 1.105) == [(0, 1.1)]
+        assert found(drive, lambda moment: moment.touch.touched["left"]) == [(2, 3), (6, 7)]
+        assert found(drive, lambda moment: moment.seconds >= 9.5) == [(9.5, 10)]
+
+    def test_are_called_again_only_for_what_they_looked_at(self, drive: robowidgets.Recording) -> None:
+        calls = []
+        drive.find(lambda moment: calls.append(moment.touch))
+        assert len(calls) == 4
+        calls.clear()
+        drive.find(lambda moment: calls.append(moment.scan), topics="/scan")
+        assert len(calls) == 100
+
+    def test_what_goes_wrong_is_told_with_its_time(self, drive: robowidgets.Recording) -> None:
+        def inverse(moment: Any) -> bool:
+            return bool(1 / (moment.scan.ranges[0] - np.float32(1.55)) or 1 / 0) and moment.seconds > 3 and 1 / 0 > 1
+
+        with pytest.raises(
+            RecordingError, match=r"the condition inverse failed at 3\.10 s: ZeroDivisionError: division by zero"
+        ) as caught:
+            drive.find(inverse)
+        assert isinstance(caught.value.__cause__, ZeroDivisionError)
+
+    def test_a_topic_that_is_not_looked_at_is_named(self, drive: robowidgets.Recording) -> None:
+        with pytest.raises(RecordingError, match="no topic '/odom' is looked at here: those that are: /scan"):
+            drive.find(lambda moment: moment["/odom"], topics=["/scan"])
+        with pytest.raises(RecordingError, match="has no topic of a touch among those that are looked at"):
+            drive.find(lambda moment: moment.touch, topics=["/scan"])
+        with pytest.raises(UnknownTopicError, match="no topic '/scam'"):
+            drive.find(conditions.when(bool), topics="/scam")
+
+    def test_are_not_asked_of_a_closed_recording(self, drive: robowidgets.Recording) -> None:
+        drive.close()
+        with pytest.raises(RecordingError, match="is closed: open it again"):
+            drive.find(bool)
+
+    def test_what_is_no_condition_is_refused(self, drive: robowidgets.Recording) -> None:
+        with pytest.raises(TypeError, match=r"condition: expected a function of one moment, or one of .*, got 'bump'"):
+            drive.find("bump")  # type: ignore[arg-type]
+
+
+class TestInterrupts:
+    def test_give_what_was_found_until_then(self, drive: robowidgets.Recording) -> None:
+        def stopped(moment: Any) -> bool:
+            if moment.seconds > 6.5:
+                raise KeyboardInterrupt
+            return bool(moment.touch.touched["left"])
+
+        spans = drive.find(stopped)
+        assert [(span.start, span.end) for span in spans] == [(2, 3), (6, 6.5)]
+        assert (spans.is_complete, spans.until) == (False, 6.5)
+        assert "! stopped at 6.50 s: nothing after that was looked at" in repr(spans)
+
+    def test_end_what_follows_at_the_same_time(self, drive: robowidgets.Recording) -> None:
+        def stopped(moment: Any) -> bool:
+            if moment.seconds > 2.5:
+                raise KeyboardInterrupt
+            return True
+
+        spans = drive.find(conditions.when(stopped) & conditions.touched())
+        assert [(span.start, span.end) for span in spans] == [(2, 2.5)]
+
+    def test_reach_ready_made_conditions_too(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        recording = robowidgets.open(sweeps.write(tmp_path / "x", sweeps.numbered(900, rays=1000)))
+        condition = conditions.nearest_below(2.0)
+        test, chunks = condition._test, []  # type: ignore[attr-defined]
+
+        def interrupted(chunk: Any) -> Any:
+            chunks.append(chunk)
+            if len(chunks) == 3:
+                raise KeyboardInterrupt
+            return test(chunk)
+
+        monkeypatch.setattr(condition, "_test", interrupted)
+        spans = recording.find(condition)
+        assert not spans.is_complete
+        last = (chunks[1].times_ns[-1] - START_NS) / 1e9
+        assert [(span.start, span.end) for span in spans] == [(0, pytest.approx(min(10, last)))]
+        assert spans.until == pytest.approx(last)
+
+
+class TestSpans:
+    FEW = Spans("bump <1>", [Span(1, 3, 2, 0, 0), Span(5, 5.5, 0.5, 0, 0)])
+
+    def test_are_a_table(self) -> None:
+        assert repr(self.FEW).splitlines() == [
+            "bump <1>: 2 times, 2.50 s together",
+            "       start         end     seconds",
+            "        1.00        3.00        2.00",
+            "        5.00        5.50        0.50",
+        ]
+        html = self.FEW._repr_html_()
+        assert "bump &lt;1&gt;: 2 times" in html
+        assert html.count("<tr>") == 3
+        assert repr(Spans("bump", [])) == "bump: never"
+        assert "once" in repr(self.FEW[:1])
+        assert repr(Spans("x", [Span(0, 1, 1, 0, 0)] * 25)).endswith("... and 5 more")
+
+    def test_are_a_sequence(self) -> None:
+        assert len(self.FEW) == 2
+        assert self.FEW[-1].start == 5
+        assert [span.seconds for span in self.FEW] == [2, 0.5]
+        assert self.FEW.seconds == 2.5
+
+    def test_go_to_pandas(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        frame = self.FEW.to_pandas()
+        assert frame["end"].tolist() == [3, 5.5]
+        assert list(frame.columns) == ["start", "end", "seconds", "start_ns", "end_ns"]
+        monkeypatch.setitem(sys.modules, "pandas", None)
+        with pytest.raises(ImportError, match="pip install pandas"):
+            self.FEW.to_pandas()
+
+
+def test_the_real_bump_is_found(data: Path) -> None:
+    recording = robowidgets.open(data / "good" / "neato_fsm")
+    (span,) = recording.find(conditions.touched())
+    assert span.start == pytest.approx(21.96, abs=0.01)
+    assert found(recording, lambda moment: any(moment.touch.touched.values())) == [(span.start, span.end)]
+
+
+def test_nothing_odd_or_damaged_ends_in_an_error_of_another_kind(data: Path) -> None:
+    searched = 0
+    for path in sorted([*(data / "odd").iterdir(), *(data / "damaged").iterdir()]):
+        try:
+            recording = robowidgets.open(path)
+        except RecordingError:
+            continue
+        with recording:
+            for topic in recording.topics:
+                asked: dict[Any, Any] = {
+                    "laser": lambda name=topic.name: conditions.nearest_below(0.5, topic=name),
+                    "speed": lambda name=topic.name: conditions.speed_above(0.1, topic=name),
+                    "touch": lambda name=topic.name: conditions.touched(topic=name),
+                }
+                if topic.widget:
+                    assert recording.find(asked[topic.widget]() | conditions.gap(1e6, topic.name)).is_complete
+                    searched += 1
+    assert searched > 30
