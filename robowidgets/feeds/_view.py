@@ -107,12 +107,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         if self.feed.words:
             lines = [self.feed.words] if missing or not shown else []
         elif missing:
-            lines = [
-                f"no widget shows {there[name].type or 'the type'} ({name})"
-                if name in there
-                else self.feed.words_of(name)
-                for name in missing
-            ]
+            lines = [_not_shown(there[name]) if name in there else self.feed.words_of(name) for name in missing]
         elif shown:
             lines = []
         elif there:

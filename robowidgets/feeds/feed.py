@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import logging
 import os
 import threading
 import time
@@ -20,6 +21,8 @@ from .middleware import Advert, FeedError, Middleware
 
 if TYPE_CHECKING:
     from ._view import FeedView
+
+log = logging.getLogger("robowidgets")
 
 PATIENCE = 2.0
 """Seconds that `show` and `drive` wait for the first list of topics."""
@@ -58,6 +61,8 @@ class Feed:
         self._there: dict[str, Topic] | None = None
         self._down = f"connecting to {middleware.where}"
         self._reached = self._closed = False
+        self._opened = time.monotonic()
+        self._warned: set[str] = set()
         self._subscribed: set[str] = set()
         self._subscribing = False
         self._driver = Driver(self._send_speed, lambda: not self._down)
@@ -84,6 +89,17 @@ class Feed:
     def words(self) -> str:
         """What a person should know of the connection; empty when all is well."""
         return self._down
+
+    @property
+    def drive_words(self) -> str:
+        """Why the robot would not move when it is driven; empty when nothing is known against it."""
+        if self._down or self._there is None:
+            return self._down
+        topic = self._there.get(self.driving.topic)
+        if topic is not None and topic.wanted is not False:
+            return ""
+        heard = [t.name for t in self.topics if t.widget == "speed" and t.commanded and t.wanted]
+        return f"nobody listens to {self.driving.topic}" + (f"; speeds go to {', '.join(heard)}" if heard else "")
 
     def connect(self, topic: str, *targets: Any) -> None:
         """Hand the messages of a topic on, whether it is there yet or not.
@@ -155,7 +171,7 @@ class Feed:
         for topic in topics:
             _check_name(topic)
         self._check_open()
-        self._wait(lambda: bool(set(topics) <= self._showable() if topics else self._showable()))
+        self._wait(lambda: bool(set(topics) <= self._showable() if topics else self._showable()), time.monotonic())
         view = FeedView(self, topics)
         with self._changed:
             self._views.append(view)
@@ -175,10 +191,13 @@ class Feed:
         """
         driving = self.driving
         speed = driving.within(linear, angular)
-        self._wait(lambda: not self._down and self._there is not None)
+        self._wait(lambda: self._reached and bool(self._down or self._there is not None), self._opened)
         self._check_open()
         if self._down:
             raise FeedError(f"cannot drive: {self._down}")
+        if (words := self.drive_words) and words not in self._warned:
+            self._warned.add(words)
+            log.warning("%s: %s", self.where, words)
         self._driver.drive(*speed, driving.hold)
 
     def stop(self) -> None:
@@ -197,13 +216,15 @@ class Feed:
                 return
             self._closed = True
         self._driver.close()
-        self._middleware.close()
-        with self._changed:
-            self._down = "the feed is closed"
-            self._changed.notify_all()
-            self._tell_all()
-        self._refresh_views()
-        _open.discard(self)
+        try:
+            self._middleware.close()
+        finally:
+            _open.discard(self)
+            with self._changed:
+                self._down = "the feed is closed"
+                self._changed.notify_all()
+                self._tell_all()
+            self._refresh_views()
 
     def __enter__(self) -> Feed:
         return self
@@ -288,11 +309,10 @@ class Feed:
     def _showable(self) -> set[str]:
         return {topic.name for topic in self.topics if topic.widget}
 
-    def _wait(self, until: Callable[[], bool]) -> None:
-        """Wait a moment for what comes in the first moments of a feed."""
-        deadline = time.monotonic() + PATIENCE
+    def _wait(self, until: Callable[[], bool], since: float) -> None:
+        """Wait for what should come a moment after a time."""
         with self._changed:
-            while not until() and not self._closed and (left := deadline - time.monotonic()) > 0:
+            while not until() and not self._closed and (left := since + PATIENCE - time.monotonic()) > 0:
                 self._changed.wait(left)
 
     def _send_speed(self, linear: float, angular: float) -> None:
@@ -318,7 +338,11 @@ class Feed:
                 topic = changes.pop()
                 wanted = topic in self._links
                 (self._subscribed.add if wanted else self._subscribed.discard)(topic)
-            (self._middleware.subscribe if wanted else self._middleware.unsubscribe)(topic)
+            try:
+                (self._middleware.subscribe if wanted else self._middleware.unsubscribe)(topic)
+            except BaseException:
+                self._subscribing = False
+                raise
 
     def _leave(self, target: Target, link: Link) -> None:
         if target.widget is None:

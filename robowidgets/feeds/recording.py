@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import threading
 import time
 from collections.abc import Mapping
 from typing import Any
 
-from ..recordings import Recording, RecordingError
+from ..recordings import Recording
 from ..recordings import open as open_recording
 from ..samples.scan import finite
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener
-
-log = logging.getLogger("robowidgets")
 
 _SHORTEST_ROUND = 0.1
 
@@ -75,10 +72,12 @@ class Played:
         shown = {topic.name for topic in self._recording.topics if topic.widget}
         listener.on_connected()
         listener.on_topics([Advert(topic.name, topic.type, wanted=False) for topic in self._recording.topics])
-        try:
-            started = time.monotonic()
-            while not self._closed:
+        started = time.monotonic()
+        with self._recording:
+            while True:
                 self._changed.clear()
+                if self._closed:
+                    return
                 names = self._subscribed & shown
                 ended = self._play(listener, names, started)
                 if ended and self._loop:
@@ -87,11 +86,6 @@ class Played:
                     for name in names:
                         listener.on_trouble(name, f"{self.where} is at its end")
                     self._changed.wait()
-        except RecordingError as error:
-            log.error("%s", error)
-            listener.on_lost(str(error), float("inf"))
-        finally:
-            self._recording.close()
 
     def _play(self, listener: Listener, names: frozenset[str], started: float) -> bool:
         """Hand on what is due from now on; whether it came to the end. It returns when other topics are wanted."""

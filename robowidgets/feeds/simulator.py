@@ -109,7 +109,7 @@ class Simulated:
         return wander(self._robot)
 
 
-def simulator(robot: Robot | None = None, *, hz: float = 20.0, seed: int = 1) -> Feed:
+def simulator(robot: Robot | None = None, *, hz: float = 10.0, seed: int = 1) -> Feed:
     """A feed of the built-in robot, which needs no middleware: it wanders about a house until somebody drives it.
 
     Its topics are /scan, /odom, /cmd_vel and /bumper.

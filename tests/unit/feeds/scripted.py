@@ -1,0 +1,70 @@
+"""A middleware without a robot: a test says what happens when, and sees what was asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from robowidgets.feeds import Advert, FeedError, Listener
+
+SCAN = Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False)
+ODOM = Advert("/odom", "nav_msgs/msg/Odometry", wanted=False)
+CMD_VEL = Advert("/cmd_vel", "geometry_msgs/msg/Twist", offered=False, wanted=True)
+IMU = Advert("/imu", "sensor_msgs/msg/Imu", wanted=False)
+
+
+class Scripted:
+    """Its `listener` is what a test talks to, as an adapter would."""
+
+    where = "the script"
+
+    def __init__(self, *topics: Advert, connected: bool = True) -> None:
+        self.asked: list[tuple[str, str]] = []
+        self.sent: list[tuple[str, str, Mapping[str, Any]]] = []
+        self.closed = 0
+        self.broken = ""
+        self.listener: Listener
+        self._topics = topics
+        self._connected = connected
+
+    def open(self, listener: Listener) -> None:
+        self.listener = listener
+        if self._connected:
+            listener.on_connected()
+            listener.on_topics(self._topics)
+
+    def subscribe(self, topic: str) -> None:
+        self.asked.append(("subscribe", topic))
+
+    def unsubscribe(self, topic: str) -> None:
+        self.asked.append(("unsubscribe", topic))
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        if self.broken:
+            raise FeedError(self.broken)
+        self.sent.append((topic, message_type, message))
+
+    def close(self) -> None:
+        self.closed += 1
+
+    @property
+    def speeds(self) -> list[tuple[float, float]]:
+        """Linear x and angular z of the speeds that were published."""
+        twists = [message.get("twist", message) for _, _, message in self.sent]
+        return [(twist["linear"]["x"], twist["angular"]["z"]) for twist in twists]
+
+
+def scan(*ranges: float, angle_min: float = 0.0, angle_increment: float = 0.1) -> dict[str, Any]:
+    """A LaserScan as a dictionary."""
+    return {
+        "ranges": list(ranges or (1.0, 2.0)),
+        "angle_min": angle_min,
+        "angle_increment": angle_increment,
+        "range_min": 0.1,
+        "range_max": 10.0,
+    }
+
+
+def twist(linear: float) -> dict[str, Any]:
+    """A Twist as a dictionary."""
+    return {"linear": {"x": linear, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}

@@ -1,0 +1,208 @@
+"""Driving: limits, types, and the zero that follows."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from math import inf, nan
+
+import pytest
+
+from robowidgets.feeds import Advert, Driving, Feed, FeedError
+
+from ..waiting import wait_for
+from .scripted import CMD_VEL, SCAN, Scripted
+
+STAMPED = CMD_VEL._replace(type="geometry_msgs/msg/TwistStamped")
+
+Driven = Callable[..., tuple[Feed, Scripted]]
+
+
+@pytest.fixture
+def driven() -> Iterator[Driven]:
+    """Opens feeds on a script, and closes them."""
+    there: list[Feed] = []
+
+    def open_one(*topics: Advert, connected: bool = True, **driving: float) -> tuple[Feed, Scripted]:
+        script = Scripted(*topics, connected=connected)
+        there.append(Feed(script))
+        there[-1].driving = Driving(**driving)  # type: ignore[arg-type]
+        return there[-1], script
+
+    yield open_one
+    for feed in there:
+        feed.close()
+
+
+def test_a_speed_is_cut_to_the_limits(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, max_linear=0.3, max_angular=0.8, hold=60.0)
+    feed.drive(0.2, -0.5)
+    feed.drive(5.0, -5.0)
+    feed.drive(-5.0)
+    assert script.speeds == [(0.2, -0.5), (0.3, -0.8), (-0.3, 0.0)]
+    topic, kind, message = script.sent[0]
+    assert (topic, kind) == ("/cmd_vel", "geometry_msgs/msg/Twist")
+    assert message == {"linear": {"x": 0.2, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -0.5}}
+
+
+@pytest.mark.parametrize(
+    ("there", "kind"),
+    [
+        ([CMD_VEL], "Twist"),
+        ([STAMPED], "TwistStamped"),
+        ([CMD_VEL._replace(wanted=False), STAMPED], "TwistStamped"),
+        ([STAMPED._replace(wanted=None), CMD_VEL], "Twist"),
+        ([STAMPED._replace(wanted=None)], "TwistStamped"),
+        ([SCAN], "Twist"),
+    ],
+)
+def test_the_message_is_the_one_that_the_robot_listens_to(driven: Driven, there: list[Advert], kind: str) -> None:
+    feed, script = driven(*there)
+    feed.drive(0.1, 0.2)
+    assert script.sent[0][1] == f"geometry_msgs/msg/{kind}"
+
+
+def test_a_stamped_speed_has_the_time_of_now(driven: Driven) -> None:
+    feed, script = driven(STAMPED)
+    before = time.time_ns()
+    feed.drive(0.1, 0.2)
+    message = script.sent[0][2]
+    stamp = message["header"]["stamp"]
+    assert before <= stamp["sec"] * 10**9 + stamp["nanosec"] <= time.time_ns()
+    assert message["header"]["frame_id"] == "base_link"
+    assert script.speeds[0] == (0.1, 0.2)
+
+
+def test_another_topic_may_be_driven(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, topic="/base/cmd_vel")
+    feed.drive(0.1)
+    assert script.sent[0][0] == "/base/cmd_vel"
+
+
+def test_zero_follows_a_speed_that_nobody_renews(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=0.05)
+    feed.drive(0.3, 0.0)
+    began = time.monotonic()
+    wait_for(lambda: len(script.sent) == 2, "zero is sent")
+    assert time.monotonic() - began >= 0.03
+    assert script.speeds == [(0.3, 0.0), (0.0, 0.0)]
+    wait_for(lambda: _driving_threads() == [], "the thread ends with it")
+    feed.drive(0.2, 0.0)
+    wait_for(lambda: len(script.sent) == 4, "it all works again")
+    assert script.speeds[2:] == [(0.2, 0.0), (0.0, 0.0)]
+
+
+def test_a_speed_that_is_renewed_holds(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=1.0)
+    until = time.monotonic() + 1.2
+    while time.monotonic() < until:
+        feed.drive(0.3, 0.0)
+        time.sleep(0.01)
+    assert set(script.speeds) == {(0.3, 0.0)}
+
+
+def test_stopping_sends_zero_at_once_and_once(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=60.0)
+    feed.drive(0.3, 0.1)
+    feed.stop()
+    assert script.speeds == [(0.3, 0.1), (0.0, 0.0)]
+    wait_for(lambda: _driving_threads() == [], "the thread ends")
+    assert len(script.sent) == 2
+
+
+def test_closing_sends_zero_first_if_a_speed_still_holds(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=60.0)
+    closed_before = []
+    feed.drive(0.3, 0.0)
+    script.close = lambda: closed_before.append(list(script.speeds))  # type: ignore[method-assign]
+    feed.close()
+    assert closed_before == [[(0.3, 0.0), (0.0, 0.0)]]
+    assert _driving_threads() == []
+    feed.stop()
+    with pytest.raises(FeedError, match="the feed of the script is closed: open it again"):
+        feed.drive(0.1)
+
+
+def test_closing_a_feed_that_does_not_drive_sends_nothing(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL)
+    feed.drive(0.0, 0.0)
+    feed.close()
+    assert script.speeds == [(0.0, 0.0)]
+
+
+def test_a_robot_that_was_lost_while_it_drove_is_stopped_when_it_is_back(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=0.05)
+    feed.drive(0.3, 0.0)
+    script.listener.on_lost("no route to host", 1.0)
+    with pytest.raises(FeedError, match="cannot drive: connection lost, trying again in 1 s: no route to host"):
+        feed.drive(0.1)
+    feed.stop()
+    assert script.speeds == [(0.3, 0.0)]
+    script.listener.on_connected()
+    wait_for(lambda: len(script.sent) == 2, "zero is sent")
+    assert script.speeds[-1] == (0.0, 0.0)
+
+
+def test_driving_waits_a_moment_for_the_robot_and_no_longer(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
+    feed, script = driven(connected=False)
+    reached = threading.Timer(0.05, lambda: (script.listener.on_connected(), script.listener.on_topics([STAMPED])))
+    reached.start()
+    feed.drive(0.1)
+    assert script.sent[0][1] == STAMPED.type
+    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.05)
+    other, _ = driven(connected=False)
+    with pytest.raises(FeedError, match="cannot drive: connecting to the script"):
+        other.drive(0.1)
+
+
+def test_words_for_what_cannot_be_driven(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL._replace(type="std_msgs/msg/String"))
+    with pytest.raises(FeedError, match="cannot drive by /cmd_vel: it is std_msgs/msg/String, expected geometry_msgs"):
+        feed.drive(0.1)
+    assert _driving_threads() == []
+    for bad in (nan, inf):
+        with pytest.raises(ValueError, match="linear: expected a finite number of m/s, got"):
+            feed.drive(bad)
+    with pytest.raises(TypeError, match="angular"):
+        feed.drive(0.1, "left")  # type: ignore[arg-type]
+    script.listener.on_topics([CMD_VEL])
+    script.broken = "the script is read only"
+    with pytest.raises(FeedError, match="the script is read only"):
+        feed.drive(0.1)
+
+
+def test_a_zero_that_cannot_be_sent_is_logged(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+    feed, script = driven(CMD_VEL, hold=0.05)
+    feed.drive(0.1)
+    script.broken = "the script is read only"
+    wait_for(lambda: caplog.records, "it is logged")
+    assert caplog.records[0].message == "the robot could not be told to stop: the script is read only"
+
+
+def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+    feed, _ = driven(SCAN, CMD_VEL._replace(name="/base/cmd_vel"))
+    feed.drive(0.1)
+    feed.drive(0.1)
+    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel; speeds go to /base/cmd_vel"]
+    feed.driving = Driving(topic="/base/cmd_vel")
+    assert feed.drive_words == ""
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "words"),
+    [
+        ({"max_linear": 0}, ValueError, "max_linear: expected a limit above 0, got 0"),
+        ({"hold": -1.0}, ValueError, "hold: expected a limit above 0, got -1.0"),
+        ({"max_angular": inf}, ValueError, "max_angular: expected"),
+        ({"max_angular": "fast"}, TypeError, "max_angular"),
+        ({"topic": 3}, TypeError, "topic: expected the name of a topic as text, got 3"),
+    ],
+)
+def test_limits_must_make_sense(given: dict[str, object], error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        Driving(**given)  # type: ignore[arg-type]
+
+
+def _driving_threads() -> list[threading.Thread]:
+    return [thread for thread in threading.enumerate() if thread.name == "robowidgets-drive"]

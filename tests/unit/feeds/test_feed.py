@@ -1,0 +1,421 @@
+"""A feed: topics, connections, words, closing."""
+
+from __future__ import annotations
+
+import gc
+import subprocess
+import sys
+import threading
+import tracemalloc
+import weakref
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from robowidgets import LaserWidget, SpeedWidget, feeds
+from robowidgets.feeds import Advert, Feed, FeedError
+
+from ..waiting import wait_for
+from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
+
+Opened = Callable[..., tuple[Feed, Scripted]]
+
+
+@pytest.fixture
+def opened() -> Iterator[Opened]:
+    """Opens feeds on a script, and closes them."""
+    there: list[Feed] = []
+
+    def open_one(*topics: Advert, connected: bool = True) -> tuple[Feed, Scripted]:
+        script = Scripted(*topics, connected=connected)
+        there.append(Feed(script))
+        return there[-1], script
+
+    yield open_one
+    for feed in there:
+        feed.close()
+
+
+def source(widget: LaserWidget | SpeedWidget) -> dict[str, str]:
+    return widget.get_state()["_source"]
+
+
+def in_a_thread(call: Callable[[], object]) -> None:
+    """As a middleware calls: what goes wrong there is not raised at a person."""
+    thread = threading.Thread(target=call)
+    thread.start()
+    thread.join(20.0)
+    assert not thread.is_alive()
+
+
+# -- topics ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_feed_prints_as_a_table_of_its_topics(opened: Opened) -> None:
+    feed, _ = opened(SCAN, CMD_VEL, IMU)
+    assert [topic.name for topic in feed.topics] == ["/scan", "/cmd_vel", "/imu"]
+    assert [topic.widget for topic in feed.topics] == ["laser", "speed", None]
+    head, heads, first, second, third = repr(feed).splitlines()
+    assert head == "the script: 3 topics"
+    assert heads.split() == ["topic", "type", "published", "heard", "widget"]
+    assert first.split() == ["/scan", "sensor_msgs/msg/LaserScan", "yes", "no", "laser"]
+    assert second.split() == ["/cmd_vel", "geometry_msgs/msg/Twist", "no", "yes", "speed", "(commanded)"]
+    assert third.split() == ["/imu", "sensor_msgs/msg/Imu", "yes", "no"]
+
+
+def test_a_table_holds_no_markup_of_others(opened: Opened) -> None:
+    feed, _ = opened(Advert("/<b>", "<script>"))
+    assert '<td style="text-align:left">/&lt;b&gt;</td>' in feed._repr_html_()
+    assert "<script>" not in feed._repr_html_()
+
+
+def test_a_table_says_what_is_wrong_with_the_connection(opened: Opened) -> None:
+    feed, script = opened(connected=False)
+    assert repr(feed).splitlines() == ["the script: 0 topics", "! connecting to the script"]
+    script.listener.on_connected()
+    assert repr(feed) == "the script: 0 topics"
+
+
+# -- connecting --------------------------------------------------------------------------------------------------------
+
+
+def test_a_topic_goes_to_any_number_of_widgets_and_functions(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    one, other, got = LaserWidget(), LaserWidget(title="mine"), []
+    feed.connect("/scan", one, other)
+    feed.connect("/scan", got.append)
+    feed.connect("/scan", one)
+    message = scan(1.5)
+    script.listener.on_message("/scan", message)
+    assert one.scan is not None
+    assert one.scan.ranges[0] == other.scan.ranges[0] == 1.5  # type: ignore[union-attr]
+    assert got == [message]
+    assert (one.title, other.title) == ("/scan", "mine")
+    assert script.asked == [("subscribe", "/scan")]
+
+
+def test_a_method_of_a_speed_widget_takes_the_commanded_speed(opened: Opened) -> None:
+    feed, script = opened(ODOM, CMD_VEL)
+    speed = SpeedWidget()
+    feed.connect("/cmd_vel", speed.command)
+    feed.connect("/odom", speed)
+    script.listener.on_message("/cmd_vel", twist(0.5))
+    script.listener.on_message("/odom", twist(0.25))
+    assert (speed.commanded.linear[0], speed.speed.linear[0]) == (0.5, 0.25)  # type: ignore[union-attr]
+    assert (speed.title, speed.command_title) == ("/odom", "/cmd_vel")
+    assert source(speed) == {"topic": "/odom", "type": "nav_msgs/msg/Odometry", "words": ""}
+
+
+def test_what_is_disconnected_gets_nothing_more(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    one, other = LaserWidget(), LaserWidget()
+    feed.connect("/scan", one, other)
+    feed.disconnect("/scan", one)
+    script.listener.on_message("/scan", scan(3.0))
+    assert one.scan is None
+    assert other.scan is not None
+    assert source(one) == {}
+    feed.disconnect("/scan")
+    feed.disconnect("/scan")
+    assert script.asked == [("subscribe", "/scan"), ("unsubscribe", "/scan")]
+    feed.connect("/scan", one)
+    assert script.asked[-1] == ("subscribe", "/scan")
+
+
+def test_a_callback_may_connect_and_close(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", lambda _: feed.connect("/other", laser))
+    script.listener.on_message("/scan", scan())
+    assert script.asked == [("subscribe", "/scan"), ("subscribe", "/other")]
+    feed.connect("/other", lambda _: feed.close())
+    script.listener.on_message("/other", scan())
+    assert script.closed == 1
+
+
+def test_words_for_what_cannot_be_connected(opened: Opened) -> None:
+    feed, _ = opened(SCAN)
+    with pytest.raises(TypeError, match=r"expected a widget, a method of one .* got <class .*LaserWidget'>; make one"):
+        feed.connect("/scan", LaserWidget)
+    with pytest.raises(TypeError, match=r"expected a widget, .* got 'laser'$"):
+        feed.connect("/scan", "laser")
+    with pytest.raises(TypeError, match=r"connect\('/scan'\) needs a widget, or a function of a message"):
+        feed.connect("/scan")
+    with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan'\]"):
+        feed.connect(["/scan"], LaserWidget())  # type: ignore[arg-type]
+    feed.close()
+    with pytest.raises(FeedError, match="the feed of the script is closed: open it again"):
+        feed.connect("/scan", LaserWidget())
+
+
+def test_a_subscription_that_fails_does_not_block_the_next(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    feed, script = opened(SCAN)
+
+    def refuse(topic: str) -> None:
+        raise FeedError(f"{topic} is no name of a topic")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(script, "subscribe", refuse)
+        with pytest.raises(FeedError, match="a b is no name"):
+            feed.connect("a b", print)
+    feed.connect("/scan", print)
+    assert ("subscribe", "/scan") in script.asked
+
+
+# -- words on the widget -----------------------------------------------------------------------------------------------
+
+
+def test_a_widget_says_what_it_waits_for_and_then_nothing(opened: Opened) -> None:
+    feed, script = opened(connected=False)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    assert source(laser) == {"topic": "/scan", "type": "", "words": "connecting to the script"}
+    script.listener.on_connected()
+    assert source(laser)["words"] == "waiting for /scan"
+    script.listener.on_topics([SCAN])
+    assert source(laser) == {"topic": "/scan", "type": SCAN.type, "words": "waiting for /scan"}
+    script.listener.on_message("/scan", scan())
+    assert source(laser)["words"] == ""
+
+
+@pytest.mark.parametrize(
+    ("asked", "there", "words"),
+    [
+        ("/scna", [SCAN, ODOM], "no such topic /scna; there are /scan, /odom; did you mean /scan?"),
+        ("/scan", [IMU], "no such topic /scan; there are /imu"),
+        ("/scan", [], "no topic /scan yet; there is none at all"),
+        ("/scan", [SCAN._replace(offered=False)], "nobody publishes /scan yet"),
+    ],
+)
+def test_a_widget_names_what_is_there_instead(opened: Opened, asked: str, there: list[Advert], words: str) -> None:
+    feed, _ = opened(*there)
+    laser = LaserWidget()
+    feed.connect(asked, laser)
+    assert source(laser)["words"] == words
+
+
+def test_a_publisher_that_ends_and_comes_back_is_told(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    script.listener.on_message("/scan", scan())
+    script.listener.on_topics([SCAN._replace(offered=False)])
+    assert source(laser)["words"] == "nobody publishes /scan any more"
+    script.listener.on_topics([SCAN])
+    assert source(laser)["words"] == "waiting for /scan"
+    script.listener.on_message("/scan", scan())
+    assert source(laser)["words"] == ""
+
+
+def test_a_connection_that_is_lost_and_found_is_told(opened: Opened) -> None:
+    feed, script = opened(SCAN, connected=False)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    script.listener.on_lost("connection refused", 0.5)
+    assert source(laser)["words"] == "cannot reach the script, trying again in 0.5 s: connection refused"
+    script.listener.on_connected()
+    script.listener.on_topics([SCAN])
+    script.listener.on_message("/scan", scan())
+    script.listener.on_lost("the other side hung up", 2.0)
+    assert source(laser)["words"] == "connection lost, trying again in 2 s: the other side hung up"
+    script.listener.on_connected()
+    assert source(laser)["words"] == "waiting for /scan"
+    assert laser.scan is not None
+
+
+def test_trouble_of_the_middleware_is_told_until_it_is_over(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    script.listener.on_trouble("/scan", "the publisher is best-effort, so nothing comes")
+    assert source(laser)["words"] == "the publisher is best-effort, so nothing comes"
+    script.listener.on_trouble("/scan", "")
+    assert source(laser)["words"] == "waiting for /scan"
+    script.listener.on_trouble("/other", "nobody is connected to it")
+
+
+def test_a_topic_that_changes_its_type_is_told_and_goes_on(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    script.listener.on_topics([SCAN._replace(type="my_msgs/msg/Scan")])
+    script.listener.on_message("/scan", scan(4.0))
+    assert source(laser)["words"] == "/scan was sensor_msgs/msg/LaserScan and is now my_msgs/msg/Scan"
+    assert source(laser)["type"] == "my_msgs/msg/Scan"
+    assert laser.scan is not None
+    script.listener.on_topics([SCAN, SCAN._replace(type="my_msgs/msg/Scan")])
+    assert source(laser)["words"] == "/scan is published as sensor_msgs/msg/LaserScan and as my_msgs/msg/Scan"
+
+
+def test_two_scanners_on_one_topic_are_told(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    for ranges in ([1.0] * 3, [1.0] * 5) * 2:
+        script.listener.on_message("/scan", scan(*ranges))
+    few, many = (f"{count} rays from 0.0° in steps of 5.73°" for count in (3, 5))
+    assert source(laser)["words"] == f"two scanners take turns on this topic: {few}, and {many}"
+
+
+def test_a_message_of_the_wrong_type_keeps_the_last_picture_and_says_so(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+
+    def come() -> None:
+        script.listener.on_message("/scan", scan(2.5))
+        script.listener.on_message("/scan", twist(1.0))
+
+    in_a_thread(come)
+    assert laser.scan is not None
+    assert laser.scan.ranges[0] == 2.5
+    assert "expected a message like sensor_msgs/LaserScan" in laser.get_state()["_about"]["error"]
+    script.listener.on_message("/scan", scan(3.5))
+    assert laser.scan.ranges[0] == 3.5
+    assert "error" not in laser.get_state()["_about"]
+
+
+def test_an_error_in_a_function_is_logged_once_and_stops_nothing(
+    opened: Opened, caplog: pytest.LogCaptureFixture
+) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+
+    def fail(_message: object) -> None:
+        raise RuntimeError("no room")
+
+    feed.connect("/scan", fail, laser)
+    for _ in range(3):
+        script.listener.on_message("/scan", scan())
+    assert laser.scan is not None
+    assert [record.message for record in caplog.records] == [
+        "a message of /scan could not be used: RuntimeError: no room"
+    ]
+    assert source(laser)["words"] == "a message of /scan could not be used: RuntimeError: no room"
+
+
+def test_a_commanded_speed_need_not_be_waited_for(opened: Opened) -> None:
+    feed, script = opened(ODOM, CMD_VEL)
+    speed = SpeedWidget()
+    feed.connect("/odom", speed)
+    feed.connect("/cmd_vel", speed.command)
+    script.listener.on_message("/odom", twist(0.1))
+    assert source(speed)["words"] == ""
+    feed.connect("/cmd_vle", speed.command)
+    assert source(speed)["words"] == "no such topic /cmd_vle; there are /odom, /cmd_vel; did you mean /cmd_vel?"
+
+
+# -- closing -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_closed_feed_says_so_and_hears_nothing_more(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    feed.close()
+    feed.close()
+    assert script.closed == 1
+    assert source(laser)["words"] == "the feed is closed"
+    script.listener.on_connected()
+    script.listener.on_lost("late", 1.0)
+    script.listener.on_topics([])
+    script.listener.on_trouble("/scan", "late")
+    script.listener.on_message("/scan", scan())
+    assert source(laser)["words"] == "the feed is closed"
+    assert laser.scan is None
+
+
+def test_a_middleware_that_cannot_be_opened_leaves_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    script = Scripted()
+
+    def refuse(_listener: object) -> None:
+        raise FeedError("rclpy is not installed")
+
+    monkeypatch.setattr(script, "open", refuse)
+    with pytest.raises(FeedError, match="rclpy is not installed"):
+        Feed(script)
+    from robowidgets.feeds import feed
+
+    assert not any(one.where == "the script" for one in feed._open)
+
+
+def test_a_hundred_opens_and_closes_leave_no_thread_and_no_memory() -> None:
+    got: list[object] = []
+    there: list[weakref.ref[Feed]] = []
+
+    def once(until: Callable[[], object] = lambda: True) -> None:
+        with feeds.simulator(hz=100.0) as feed:
+            feed.connect("/scan", got.append)
+            feed.drive(0.1, 0.0)
+            wait_for(until, "a scan has come")
+            there.append(weakref.ref(feed))
+        got.clear()
+
+    once(until=lambda: got)
+    before = set(threading.enumerate())
+    tracemalloc.start()
+    once(until=lambda: got)
+    gc.collect()
+    settled, _ = tracemalloc.get_traced_memory()
+    for _ in range(100):
+        once()
+    gc.collect()
+    after, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert set(threading.enumerate()) <= before
+    assert [ref for ref in there if ref() is not None] == []
+    assert after - settled < 100_000
+
+
+def test_a_feed_that_nobody_closes_stops_the_robot_and_lets_the_process_end() -> None:
+    program = (
+        "from robowidgets import feeds\n"
+        "from robowidgets.feeds.simulator import Simulated\n"
+        "publish = Simulated.publish\n"
+        "Simulated.publish = lambda *a: (print(a[3]['linear']['x'], flush=True), publish(*a))\n"
+        "feed = feeds.simulator()\n"
+        "view = feed.show()\n"
+        "feed.drive(0.25, 0.0)\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.25", "0.0"], "")
+
+
+def test_feeds_are_reached_from_the_package_without_being_imported_by_it() -> None:
+    program = (
+        "import sys, robowidgets\n"
+        "assert 'robowidgets.feeds' not in sys.modules\n"
+        "assert callable(robowidgets.feeds.simulator) and callable(robowidgets.feeds.recording)\n"
+        "import robowidgets.feeds.simulator, robowidgets.feeds.recording\n"
+        "assert callable(robowidgets.feeds.simulator) and callable(robowidgets.feeds.recording)\n"
+        "print([name for name in ('rosbags', 'tornado', 'cyclonedds', 'rclpy', 'rospy') if name in sys.modules])\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (ended.stdout, ended.stderr) == ("[]\n", "")
+
+
+def test_messages_of_many_threads_and_connections_that_change_meanwhile_end_well(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    lasers = [LaserWidget() for _ in range(4)]
+    done = threading.Event()
+
+    def flood() -> None:
+        while not done.is_set():
+            script.listener.on_message("/scan", scan())
+            script.listener.on_topics([SCAN])
+
+    def change(laser: LaserWidget) -> None:
+        for _ in range(50):
+            feed.connect("/scan", laser)
+            feed.disconnect("/scan", laser)
+
+    flooding = threading.Thread(target=flood, daemon=True)
+    flooding.start()
+    changing = [threading.Thread(target=change, args=(laser,), daemon=True) for laser in lasers]
+    for thread in changing:
+        thread.start()
+    wait_for(lambda: not any(thread.is_alive() for thread in changing), "all have connected and disconnected")
+    done.set()
+    flooding.join(20.0)
+    assert script.asked[-1] == ("unsubscribe", "/scan")
+    assert script.asked == [("subscribe", "/scan"), ("unsubscribe", "/scan")] * (len(script.asked) // 2)

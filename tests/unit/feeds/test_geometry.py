@@ -1,0 +1,53 @@
+"""Two scanners on one topic."""
+
+from robowidgets import Scan
+from robowidgets.feeds._geometry import FORGET, Geometry
+
+from .scripted import scan, twist
+
+FEW, MANY = scan(1.0, 1.0), scan(1.0, 1.0, 1.0)
+
+
+def test_a_scanner_that_is_set_up_anew_is_one():
+    watch = Geometry()
+    for message in (FEW, FEW, MANY, MANY, MANY):
+        watch.see(message)
+        assert watch.words == ""
+
+
+def test_two_that_take_turns_are_two_whatever_their_messages_are_made_of():
+    watch = Geometry()
+    other = Scan([1.0, 1.0, 1.0], angle_min=0.5, angle_increment=0.1, range_min=0.1, range_max=10.0)
+    for message in (FEW, other, FEW, other):
+        watch.see(message)
+    few, many = "2 rays from 0.0° in steps of 5.73°", "3 rays from 28.6° in steps of 5.73°"
+    assert watch.words == f"two scanners take turns on this topic: {few}, and {many}"
+
+
+def test_it_is_over_when_one_of_them_has_ended_for_a_while():
+    now = [0.0]
+    watch = Geometry(lambda: now[0])
+    for message in (FEW, MANY, FEW):
+        watch.see(message)
+    now[0] = FORGET / 2
+    watch.see(FEW)
+    assert watch.words
+    now[0] = FORGET + 0.1
+    watch.see(FEW)
+    assert watch.words == ""
+
+
+def test_a_change_back_after_a_long_time_is_no_second_scanner():
+    now = [0.0]
+    watch = Geometry(lambda: now[0])
+    for message in (FEW, MANY, FEW):
+        watch.see(message)
+        now[0] += FORGET + 1
+    assert watch.words == ""
+
+
+def test_what_is_no_scan_does_not_count():
+    watch = Geometry()
+    for message in (FEW, twist(0.1), {"ranges": 3}, "scan", FEW):
+        watch.see(message)
+    assert watch.words == ""

@@ -1,0 +1,91 @@
+"""A recording as a feed."""
+
+from __future__ import annotations
+
+import threading
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+import robowidgets
+from robowidgets import SAMPLE, LaserWidget, RecordingError, Scan, feeds
+from robowidgets.feeds import FeedError
+
+from ..waiting import wait_for
+
+
+def test_a_recording_is_played_to_its_end_at_any_speed() -> None:
+    with robowidgets.open(SAMPLE) as recording:
+        stamps = [moment.sample.stamp_ns for moment in recording.samples("/scan")]
+        duration = recording.duration
+    got: list[Scan] = []
+    laser = LaserWidget()
+    with feeds.recording(SAMPLE, speed=100) as feed:
+        began = time.monotonic()
+        feed.connect("/scan", got.append, laser)
+        wait_for(lambda: "end" in laser._source.get("words", ""), "it is at its end")
+        assert laser._source["words"] == "sample.mcap is at its end"
+        assert time.monotonic() - began > 0.8 * duration / 100
+    assert [scan.stamp_ns for scan in got] == stamps[-len(got) :]
+    assert len(got) > 0.9 * len(stamps)
+
+
+def test_its_topics_are_those_of_the_file() -> None:
+    with feeds.recording(SAMPLE) as feed:
+        view = feed.show()
+        assert [(topic.name, topic.type) for topic in feed.topics] == [
+            ("/scan", "sensor_msgs/msg/LaserScan"),
+            ("/odom", "nav_msgs/msg/Odometry"),
+            ("/cmd_vel", "geometry_msgs/msg/TwistStamped"),
+            ("/bumper", "kobuki_ros_interfaces/msg/BumperEvent"),
+        ]
+        assert list(view.widgets) == ["/scan", "/odom", "/bumper"]
+        assert feed.where == "sample.mcap"
+
+
+def test_in_a_loop_it_starts_anew() -> None:
+    stamps: list[int | None] = []
+    with feeds.recording(SAMPLE, speed=300, loop=True) as feed:
+        feed.connect("/scan", lambda scan: stamps.append(scan.stamp_ns))
+        wait_for(lambda: any(b < a for a, b in pairwise(stamps)), "it starts anew")  # type: ignore[operator]
+
+
+def test_topics_that_are_connected_later_join_at_the_same_time() -> None:
+    first: list[Scan] = []
+    with feeds.recording(SAMPLE, speed=20) as feed:
+        feed.connect("/scan", first.append)
+        wait_for(lambda: len(first) > 20, "some scans have come")
+        odometry: list[robowidgets.Speed] = []
+        feed.connect("/odom", odometry.append)
+        wait_for(lambda: odometry, "a speed has come")
+        assert (odometry[0].stamp_ns or 0) >= (first[19].stamp_ns or 0)
+
+
+def test_a_real_recording_plays(data: Path) -> None:
+    with feeds.recording(data / "good" / "hokuyo_people.bag", speed=50) as feed:
+        view = feed.show()
+        (laser,) = view.widgets.values()
+        wait_for(lambda: laser.scan, "a scan has come")
+        assert len(laser.scan) == 512
+
+
+def test_it_may_be_closed_at_any_time_and_in_a_callback() -> None:
+    for _ in range(20):
+        feeds.recording(SAMPLE).close()
+    feed = feeds.recording(SAMPLE)
+    feed.connect("/scan", lambda _: feed.close())
+    wait_for(lambda: "robowidgets-player" not in {t.name for t in threading.enumerate()}, "its thread has ended")
+
+
+def test_words_for_what_cannot_be_played(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"nowhere\.bag"):
+        feeds.recording(tmp_path / "nowhere.bag")
+    with pytest.raises(ValueError, match="speed: expected seconds of the recording in a second, above 0, got 0"):
+        feeds.recording(SAMPLE, speed=0)
+    with (
+        feeds.recording(SAMPLE) as feed,
+        pytest.raises(FeedError, match=r"sample.mcap is a recording: it cannot be driven"),
+    ):
+        feed.drive(0.1)

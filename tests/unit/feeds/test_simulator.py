@@ -1,0 +1,103 @@
+"""The built-in robot as a feed."""
+
+from __future__ import annotations
+
+import threading
+import time
+from importlib import import_module
+
+import pytest
+
+from robowidgets import LaserWidget, Scan, Speed, Touch, feeds
+from robowidgets.feeds import FeedError
+from robowidgets.simulator import Robot, World
+
+from ..waiting import wait_for
+
+
+def test_it_tells_its_scans_speeds_and_bumpers_in_real_time() -> None:
+    got: dict[str, list[object]] = {"/scan": [], "/odom": [], "/cmd_vel": [], "/bumper": []}
+    with feeds.simulator(hz=50.0) as feed:
+        for topic, messages in got.items():
+            feed.connect(topic, messages.append)
+        began = time.monotonic()
+        wait_for(lambda: len(got["/scan"]) >= 5, "five scans have come")
+        passed = time.monotonic() - began
+    assert {topic: {type(m) for m in messages} for topic, messages in got.items()} == {
+        "/scan": {Scan},
+        "/odom": {Speed},
+        "/cmd_vel": {Speed},
+        "/bumper": {Touch},
+    }
+    stamps = [scan.stamp_ns or 0 for scan in got["/scan"] if isinstance(scan, Scan)]
+    simulated = (stamps[-1] - stamps[0]) / 1e9
+    assert simulated == pytest.approx(0.4)
+    assert passed > 0.8 * simulated
+    assert len(got["/odom"]) > 3 * len(got["/scan"])
+
+
+def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(import_module("robowidgets.feeds.simulator"), "LET_GO", 0.2)
+    robot = Robot(World([]))
+    with feeds.simulator(robot, hz=100.0) as feed:
+        wait_for(lambda: robot.command().linear[0] == 0.5, "it wanders")
+        feed.driving = feeds.Driving(hold=0.1)
+        feed.drive(-0.25, 0.5)
+        wait_for(lambda: robot.command().values[::5] == (-0.25, 0.5), "it obeys")
+        wait_for(lambda: robot.command().values[::5] == (0.0, 0.0), "it stops when nobody renews the speed")
+        wait_for(lambda: robot.command().linear[0] == 0.5, "it wanders again")
+
+
+def test_it_bumps_into_things() -> None:
+    wall = World([(0.5, -2.0, 0.5, 2.0)])
+    touches: list[Touch] = []
+    with feeds.simulator(Robot(wall), hz=100.0) as feed:
+        feed.connect("/bumper", touches.append)
+        wait_for(lambda: any(touch.touched["center"] for touch in touches), "it bumps into the wall")
+
+
+def test_what_nobody_asked_for_is_not_handed_on() -> None:
+    scans: list[Scan] = []
+    with feeds.simulator(hz=100.0) as feed:
+        feed.connect("/scan", scans.append)
+        wait_for(lambda: scans, "a scan has come")
+        feed.disconnect("/scan")
+        other: list[Speed] = []
+        feed.connect("/odom", other.append)
+        wait_for(lambda: other, "a speed has come")
+        count = len(scans)
+        wait_for(lambda: len(other) > 30, "time has passed")
+        assert len(scans) == count
+
+
+def test_it_may_be_closed_in_a_callback() -> None:
+    feed = feeds.simulator(hz=100.0)
+    feed.connect("/scan", lambda _: feed.close())
+    wait_for(lambda: "robowidgets-simulator" not in {t.name for t in threading.enumerate()}, "its thread has ended")
+    assert feed.words == "the feed is closed"
+
+
+def test_a_robot_whose_listener_was_held_up_does_not_race_after_lost_time() -> None:
+    robot = Robot(World([]))
+    with feeds.simulator(robot, hz=50.0) as feed:
+        laser, held = LaserWidget(), threading.Event()
+        feed.connect("/scan", laser)
+        wait_for(lambda: laser.scan, "a scan has come")
+        feed.connect("/odom", lambda _: held.wait(2.0))
+        time.sleep(1.5)
+        before = robot.time
+        held.set()
+        feed.disconnect("/odom")
+        wait_for(lambda: robot.time > before + 1.0, "it goes on")
+    assert robot.time < 3.5
+
+
+def test_words_for_what_it_cannot_do() -> None:
+    with feeds.simulator() as feed:
+        feed.driving = feeds.Driving(topic="/base")
+        with pytest.raises(FeedError, match="the simulated robot listens to /cmd_vel, not to /base"):
+            feed.drive(0.1)
+    with pytest.raises(TypeError, match=r"robot: expected a robot of robowidgets.simulator, got 'R2'"):
+        feeds.simulator("R2")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="hz: expected steps a second, above 0 and at most 1000, got 0"):
+        feeds.simulator(hz=0)

@@ -1,0 +1,149 @@
+"""A feed on the page."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from robowidgets import LaserWidget, SpeedWidget, TouchWidget
+from robowidgets.feeds import Advert, Feed, FeedError
+from robowidgets.feeds._view import FeedView
+
+from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
+
+BUMPER = Advert("/bumper", "kobuki_msgs/msg/BumperEvent")
+
+Opened = Callable[..., tuple[Feed, Scripted]]
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
+    """Opens feeds on a script, which wait in vain for a moment only, and closes them."""
+    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.02)
+    there: list[Feed] = []
+
+    def open_one(*topics: Advert, connected: bool = True) -> tuple[Feed, Scripted]:
+        script = Scripted(*topics, connected=connected)
+        there.append(Feed(script))
+        return there[-1], script
+
+    yield open_one
+    for feed in there:
+        feed.close()
+
+
+def words(view: FeedView) -> str:
+    status = view.children[0]
+    assert (status.layout.display == "none") == (status.value == "")
+    return str(status.value)
+
+
+def on_page(view: FeedView) -> list[str]:
+    return [widget.title for column in view.children[1].children for widget in column.children]
+
+
+def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
+    feed, script = opened(ODOM, IMU, BUMPER, CMD_VEL, SCAN)
+    view = feed.show()
+    kinds = {"/scan": LaserWidget, "/odom": SpeedWidget, "/bumper": TouchWidget}
+    assert view.widgets.keys() == kinds.keys()
+    assert all(isinstance(widget, kinds[name]) for name, widget in view.widgets.items())
+    assert on_page(view) == ["/scan", "/odom", "/bumper"]
+    assert view.widgets["/odom"].command_title == "/cmd_vel"
+    assert words(view) == ""
+    script.listener.on_message("/scan", scan(1.5))
+    script.listener.on_message("/odom", twist(0.2))
+    script.listener.on_message("/cmd_vel", twist(0.3))
+    assert view.widgets["/scan"].scan.ranges[0] == 1.5
+    assert view.widgets["/odom"].speed.linear[0] == 0.2
+    assert view.widgets["/odom"].commanded.linear[0] == 0.3
+
+
+def test_topics_that_appear_later_get_a_widget_too(opened: Opened) -> None:
+    feed, script = opened(connected=False)
+    view = feed.show()
+    assert words(view) == "connecting to the script"
+    script.listener.on_lost("refused", 1.0)
+    assert words(view) == "cannot reach the script, trying again in 1 s: refused"
+    script.listener.on_connected()
+    assert words(view) == "connected to the script, where there is no topic yet"
+    script.listener.on_topics([IMU])
+    assert words(view) == "no widget shows any of the topics there are: /imu"
+    script.listener.on_topics([IMU, SCAN])
+    assert on_page(view) == ["/scan"]
+    assert words(view) == ""
+    laser = view.widgets["/scan"]
+    script.listener.on_topics([SCAN, BUMPER])
+    assert on_page(view) == ["/scan", "/bumper"]
+    assert view.widgets["/scan"] is laser
+    script.listener.on_topics([])
+    assert on_page(view) == ["/scan", "/bumper"]
+
+
+def test_a_commanded_speed_that_comes_first_joins_the_measured_one(opened: Opened) -> None:
+    feed, script = opened(CMD_VEL)
+    view = feed.show()
+    assert on_page(view) == ["/cmd_vel"]
+    script.listener.on_topics([CMD_VEL, ODOM])
+    assert on_page(view) == ["/odom"]
+    script.listener.on_message("/cmd_vel", twist(0.3))
+    assert view.widgets["/odom"].commanded.linear[0] == 0.3
+
+
+def test_named_topics_get_theirs_when_they_appear_and_others_none(opened: Opened) -> None:
+    feed, script = opened(ODOM, IMU)
+    view = feed.show("/odom", "/scna", "/imu")
+    assert on_page(view) == ["/odom"]
+    assert words(view) == "no such topic /scna; there are /odom, /imu<br>no widget shows /imu, a sensor_msgs/msg/Imu"
+    script.listener.on_topics([ODOM, IMU, SCAN, SCAN._replace(name="/scna")])
+    assert on_page(view) == ["/scna", "/odom"]
+    assert words(view) == "no widget shows /imu, a sensor_msgs/msg/Imu"
+
+
+def test_words_of_others_are_no_markup(opened: Opened) -> None:
+    feed, script = opened(connected=False)
+    view = feed.show()
+    script.listener.on_lost("<img src=x onerror=alert(1)>", 1.0)
+    assert "<img" not in words(view)
+    assert "&lt;img" in words(view)
+
+
+def test_a_connection_that_is_lost_is_told_by_the_widgets_themselves(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    view = feed.show()
+    script.listener.on_lost("refused", 1.0)
+    assert words(view) == ""
+    assert view.widgets["/scan"]._source["words"] == "connection lost, trying again in 1 s: refused"
+
+
+def test_showing_waits_for_the_first_topics(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 20.0)
+    feed, script = opened()
+    threading.Timer(0.05, lambda: script.listener.on_topics([SCAN])).start()
+    assert on_page(feed.show()) == ["/scan"]
+
+
+def test_a_view_that_is_closed_leaves_the_feed_open_and_its_topics_alone(opened: Opened) -> None:
+    feed, script = opened(SCAN, ODOM, CMD_VEL)
+    view, other = feed.show(), feed.show("/scan")
+    view.close()
+    view.close()
+    assert view.widgets == {}
+    assert script.asked[-2:] == [("unsubscribe", "/odom"), ("unsubscribe", "/cmd_vel")]
+    script.listener.on_message("/scan", scan(2.5))
+    assert other.widgets["/scan"].scan.ranges[0] == 2.5
+    script.listener.on_topics([SCAN, ODOM, BUMPER])
+    assert view.widgets == {}
+
+
+def test_a_feed_that_is_closed_says_so_where_there_is_no_widget(opened: Opened) -> None:
+    feed, _ = opened()
+    view = feed.show()
+    feed.close()
+    assert words(view) == "the feed is closed"
+    with pytest.raises(FeedError, match="the feed of the script is closed: open it again"):
+        feed.show()
+    with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan'\]"):
+        feed.show(["/scan"])  # type: ignore[arg-type]
