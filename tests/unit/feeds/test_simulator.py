@@ -17,10 +17,10 @@ from ..waiting import wait_for
 
 def test_it_tells_its_scans_speeds_and_bumpers_in_real_time() -> None:
     got: dict[str, list[object]] = {"/scan": [], "/odom": [], "/cmd_vel": [], "/bumper": []}
+    began = time.monotonic()
     with feeds.simulator(hz=50.0) as feed:
         for topic, messages in got.items():
             feed.connect(topic, messages.append)
-        began = time.monotonic()
         wait_for(lambda: len(got["/scan"]) >= 5, "five scans have come")
         passed = time.monotonic() - began
     assert {topic: {type(m) for m in messages} for topic, messages in got.items()} == {
@@ -29,11 +29,10 @@ def test_it_tells_its_scans_speeds_and_bumpers_in_real_time() -> None:
         "/cmd_vel": {Speed},
         "/bumper": {Touch},
     }
-    stamps = [scan.stamp_ns or 0 for scan in got["/scan"] if isinstance(scan, Scan)]
-    simulated = (stamps[-1] - stamps[0]) / 1e9
-    assert simulated == pytest.approx(0.4)
-    assert passed > 0.8 * simulated
-    assert len(got["/odom"]) > 3 * len(got["/scan"])
+    stamps = [(scan.stamp_ns or 0) / 1e9 for scan in got["/scan"][:5] if isinstance(scan, Scan)]
+    assert stamps[4] - stamps[0] == pytest.approx(0.4)
+    assert stamps[4] <= passed + 0.02
+    assert len(got["/odom"]) > 2 * len(got["/scan"])
 
 
 def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(monkeypatch: pytest.MonkeyPatch) -> None:
