@@ -91,7 +91,11 @@ def test_help_names_the_commands_and_what_they_take(capsys):
         (["--help"], ["demo", "open a tour", "info", "print what a recording holds"]),
         (["demo", "--help"], ["--port", "127.0.0.1", "--no-browser"]),
         (["open", "--help"], ["FILE", ".mcap", "CARMEN", "--port", "--no-browser"]),
-        (["info", "--help"], ["FILE", "rosbag2 folder"]),
+        (["info", "--help"], ["FILE", "rosbag2 folder", "--json"]),
+        (
+            ["find", "--help"],
+            ["FILE", "--touched", "--nearest-below", "--speed-above", "--gap", "Exits with 0", "--json"],
+        ),
     ):
         with pytest.raises(SystemExit) as stopped:
             main(arguments)
@@ -255,3 +259,63 @@ def wait_until(read, text, process, log):
         assert time.monotonic() < deadline, log.read_text()
         time.sleep(0.05)
     return got
+
+
+def test_find_prints_spans_and_0(capsys):
+    assert main(["find", str(robowidgets.SAMPLE), "--touched", "left", "--nearest-below", "0.3"]) == 0
+    said = capsys.readouterr()
+    head, *rows = said.out.splitlines()
+    assert head == "# start\tend\tseconds"
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        asked = robowidgets.conditions.touched("left") & robowidgets.conditions.nearest_below(0.3)
+        spans = recording.find(asked)
+    assert len(rows) > 1
+    assert [tuple(map(float, row.split("\t"))) for row in rows] == [pytest.approx(span[:3], abs=1e-3) for span in spans]
+    assert said.err == ""
+
+
+def test_find_prints_json(capsys):
+    arguments = ["--speed-above", "0.1", "--gap", "1", "--any", "--speed", "/odom", "--json"]
+    assert main(["find", str(robowidgets.SAMPLE), *arguments]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["condition"] == "(linear.x above 0.1 m/s | gap longer than 1 s)"
+    assert told["complete"] is True
+    assert {"start", "end", "seconds", "start_ns", "end_ns"} == set(told["spans"][0])
+
+
+def test_find_of_nothing_is_1(capsys):
+    assert main(["find", str(robowidgets.SAMPLE), "--nearest-below", "0.3", "--sector", "3.1", "3.11"]) == 1
+    assert capsys.readouterr().out == "# start\tend\tseconds\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["no.bag", "--touched"], "no.bag: no such file or folder"),
+        ([str(robowidgets.SAMPLE)], "expected a condition: --touched, --nearest-below, --speed-above or --gap"),
+        ([str(robowidgets.SAMPLE), "--touched", "nose"], "/bumper has no sensor 'nose'; it has left, center, right"),
+        ([str(robowidgets.SAMPLE), "--gap=-1"], "expected a time above 0, got -1.0"),
+        ([str(robowidgets.SAMPLE), "--nearest-below", "1", "--scan", "/scam"], "has no topic '/scam'"),
+        ([str(robowidgets.SAMPLE), "--speed-above", "1", "--axis", "x"], "axis: expected one of linear.x"),
+    ],
+)
+def test_find_that_cannot_look_is_one_line_and_2(arguments, text, capsys):
+    assert main(["find", *arguments]) == 2
+    assert text in one_line(capsys)
+
+
+def test_find_that_is_interrupted_prints_what_it_found(capsys, monkeypatch):
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("robowidgets.recordings.speed_series.chunks_of", interrupted)
+    assert main(["find", str(robowidgets.SAMPLE), "--speed-above", "0.1"]) == 130
+    assert capsys.readouterr().out.splitlines()[-1] == "# stopped at 0.000: nothing after that was looked at"
+
+
+def test_info_prints_json(capsys):
+    assert main(["info", "--json", str(robowidgets.SAMPLE)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["seconds"] == pytest.approx(58)
+    assert (told["topics"][0]["name"], told["topics"][0]["widget"]) == ("/scan", "laser")
+    assert told["problems"] == []

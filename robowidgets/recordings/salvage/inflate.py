@@ -15,7 +15,7 @@ if sys.version_info >= (3, 14):
 else:
     from backports import zstd
 
-MAX_CHUNK = 1 << 29
+MAX_CHUNK = 1 << 28
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _STEP = 1 << 20
 
