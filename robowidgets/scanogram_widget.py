@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._limits import Pair
 from ._spans import TimeSpan
-from ._traits import bytes_trait
-from ._widget import RobotWidget, bundle
+from ._traits import Flag, bytes_trait
+from ._widget import NamedWidget, bundle
 from .samples import AXES, Scan
 from .scanogram.clock import Clock
 from .scanogram.levels import Levels, near_and_far
@@ -40,7 +40,7 @@ class Picture:
     touch: TouchStrip | None = None
 
 
-class ScanogramWidget(RobotWidget[Picture]):
+class ScanogramWidget(NamedWidget):
     """Many scans as one picture: time across, ray angle up, colour for distance, speed and touch under it.
 
     The reader sees a column per moment and a row per ray, counter-clockwise angles above (REP-103), dark where
@@ -85,10 +85,10 @@ class ScanogramWidget(RobotWidget[Picture]):
         traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True, help="Metres, near and far."
     ).tag(sync=True)
 
-    # Nothing comes that could be frozen.
-    paused: Any = None
-    _held: Any = None
+    footer = Flag(True, help="Whether the legend stands below the picture.").tag(sync=True)
 
+    _frame = bytes_trait(echo_update=False)
+    _about = traitlets.Dict().tag(sync=True, echo_update=False)
     _wanted = traitlets.List(traitlets.Float(), help="Start, end and columns that the page looks at.").tag(
         sync=True, echo_update=False
     )
@@ -96,6 +96,8 @@ class ScanogramWidget(RobotWidget[Picture]):
 
     def __init__(self, **kwargs: Any) -> None:
         self._file: Recording | None = None
+        self._picture: Picture | None = None
+        self._edition = 0
         super().__init__(**kwargs)
 
     @classmethod
@@ -116,7 +118,8 @@ class ScanogramWidget(RobotWidget[Picture]):
         from .recordings.scanogram import fill
 
         widget = cls(**options)
-        fill(widget, recording, topic)
+        with widget.hold_sync():
+            fill(widget, recording, topic)
         return widget
 
     def update(
@@ -217,41 +220,47 @@ class ScanogramWidget(RobotWidget[Picture]):
         self._draw(Picture(Levels(scans, sweep), clock, start_ns, end), (*notes, *clock.notes))
 
     def _draw(self, picture: Picture, notes: Sequence[str] | None = None) -> None:
-        about = self._newest_about if notes is None else {"notes": list(notes)}
-        self._show(picture, about)
-        self._detail = b""
+        self._picture = picture
+        self._edition += 1
+        with self.hold_sync():
+            self._frame = self._pack(picture)
+            self._detail = b""
+            if notes is not None:
+                self._about = {"notes": list(notes)}
 
     def _scans_first(self, call: str) -> Picture:
-        if self._newest is None:
+        if self._picture is None:
             raise RuntimeError(f"{call}: there are no scans yet; call update(...) first, which sets the time axis")
-        return self._newest
+        return self._picture
 
-    def _pack(self, sample: Picture) -> bytes:
-        levels, speed, touch = sample.levels, sample.speed, sample.touch
+    def _pack(self, picture: Picture) -> bytes:
+        """All of it, coarsely."""
+        levels, clock, speed, touch = picture.levels, picture.clock, picture.speed, picture.touch
         arrays: dict[str, NDArray[Any]] = {}
         facts: dict[str, Any] = {
             **levels.sweep._asdict(),
-            "scan_count": len(sample.clock),
-            "duration": sample.duration,
-            "pause": sample.clock.pause,
-            "counts": levels.counts.tolist(),
+            "edition": self._edition,
+            "scan_count": len(clock),
+            "duration": picture.duration,
+            "pause": clock.pause,
+            "class_counts": levels.counts.tolist(),
             "colors": near_and_far(levels),
         }
         if speed:
-            part = speed.part(0, sample.duration)
-            facts["speed"] = {"title": speed.title, "axes": speed.axes, "limits": speed.limits}
-            facts["speed"]["gap"] = speed.clock.gap
+            part = speed.part(0, picture.duration)
+            facts["speed"] = {
+                "title": speed.title, "axes": speed.axes, "limits": speed.limits, "gap": speed.clock.gap
+            }  # fmt: skip
             arrays |= {"speed_starts": part.starts, "speeds": part.extremes}
         if touch:
             facts["touch"] = {"title": touch.title, "sensors": touch.sensors, "count": touch.count}
             arrays["touches"] = touch.spans
-        return overview(levels, sample.clock).pack(facts, **arrays)
+        return overview(levels, clock).pack(facts, **arrays)
 
     @traitlets.observe("_wanted")
     def _look_closer(self, change: Any) -> None:
         """Send what the page looks at, as finely as it can show it."""
-        with self._storing:
-            picture, sequence = self._newest, self._sequence
+        picture = self._picture
         if picture is None or len(change["new"]) != 3:
             return
         start, end, columns = change["new"]
@@ -262,9 +271,10 @@ class ScanogramWidget(RobotWidget[Picture]):
         try:
             cells = detail(picture.levels, picture.clock, start, end, int(columns))
         except Exception as error:  # whatever a file does when it is read again: the coarse picture stays
-            self._refuse(error)
+            self._about = {**self._about, "error": f"no finer detail: {error}"}
+            self._log_once(f"no finer detail: {error}")
             return
-        self._detail = cells.pack({"sequence": sequence, "span": [start, end]}, **arrays)
+        self._detail = cells.pack({"edition": self._edition, "span": [start, end]}, **arrays)
 
     @traitlets.validate("time")
     def _is_time(self, proposal: Any) -> float:

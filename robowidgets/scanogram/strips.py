@@ -17,6 +17,9 @@ MOST_SPEEDS = 4_000
 MOST_TOUCHES = 2_000
 """Spans of touches that a page gets; more are joined where they lie closest."""
 
+SIDEWAYS = 0.05
+"""Metres a second; what is slower is taken for noise of a robot that cannot move so."""
+
 _PLANAR = (AXES.index("linear.x"), AXES.index("linear.y"), AXES.index("angular.z"))
 
 
@@ -41,8 +44,8 @@ class SpeedStrip:
         self, title: str, clock: Clock, values: NDArray[np.float64], limits: dict[str, tuple[float, float]]
     ) -> None:
         self.title, self.clock = title, clock
-        sideways = np.nan_to_num(values[:, _PLANAR[1]])
-        shown = [i for i in _PLANAR if AXES[i] != "linear.y" or sideways.any()]
+        sideways = np.nan_to_num(np.abs(values[:, _PLANAR[1]])).max(initial=0) > SIDEWAYS
+        shown = [i for i in _PLANAR if AXES[i] != "linear.y" or sideways]
         self._values = np.ascontiguousarray(values[:, shown].T, np.float32)
         self.axes = [AXES[i] for i in shown]
         self.limits = [limits[axis] for axis in self.axes]

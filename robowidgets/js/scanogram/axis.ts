@@ -1,5 +1,6 @@
-import { tickIncrement, ticks } from "d3-array";
 import { toFixed } from "../shared/format.ts";
+
+const ROUNDING = 1e-9;
 
 /** Seconds from the start. */
 export type Span = [number, number];
@@ -19,11 +20,17 @@ export function toTime({ span: [start, end], left, width }: TimeAxis, x: number)
   return start + (Math.min(width, Math.max(0, x - left)) / width) * (end - start);
 }
 
-/** Times with round numbers that divide a span in about so many parts, and how they are written. */
+/** Times with round numbers that divide a span in at most about so many parts, and how they are written. */
 export function timeTicks([start, end]: Span, count: number): { time: number; text: string }[] {
-  const step = tickIncrement(start, end, count);
-  const decimals = step < 0 ? Math.ceil(Math.log10(-step) - 1e-9) : 0;
-  return ticks(start, end, count).map((time) => ({ time, text: toSeconds(time, decimals) }));
+  const rough = ((end - start) / count) * 0.999;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 5].find((digit) => digit * power >= rough) ?? 10);
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + ROUNDING));
+  const [first, last] = [Math.ceil(start / step - ROUNDING), Math.floor(end / step + ROUNDING)];
+  return Array.from({ length: last - first + 1 }, (_, i) => {
+    const time = (first + i) * step;
+    return { time, text: toSeconds(time, decimals) };
+  });
 }
 
 /** "41.20 s" */

@@ -32,7 +32,7 @@ export class Blocks {
   }
 
   add(detail: Detail): void {
-    if (detail.sequence !== this.#whole.sequence) return;
+    if (detail.edition !== this.#whole.edition) return;
     this.#details = [detail, ...this.#details.filter((old) => !isWithin(old, detail))];
     let bytes = 0;
     this.#details = this.#details.filter(({ block }) => {
@@ -119,7 +119,7 @@ export class Blocks {
 /** The number of the cell at a time; -1 where there is none. */
 export function cellAt({ starts, ends }: Block, time: number): number {
   const cell = firstWhere(starts, (start) => start > time) - 1;
-  return cell >= 0 && ((ends[cell] as number) > time || ends[cell] === starts[cell]) ? cell : -1;
+  return cell >= 0 && ((ends[cell] as number) > time || starts[cell] === time) ? cell : -1;
 }
 
 export function covers({ starts, ends }: Block, [start, end]: Span): boolean {

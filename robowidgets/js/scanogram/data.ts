@@ -1,5 +1,4 @@
 import { copyOf } from "../shared/bytes.ts";
-import type { Frame } from "../shared/stream.ts";
 
 /** Cells in a row: each is of `size` scans, and holds a code for each ray (or for each few neighbours). */
 export interface Block {
@@ -34,7 +33,9 @@ export interface Sweep {
 }
 
 /** All that the page gets at once; seconds and metres. */
-export interface Whole extends Frame {
+export interface Whole {
+  /** Counts what Python has put here. */
+  edition: number;
   sweep: Sweep;
   scanCount: number;
   duration: number;
@@ -56,8 +57,8 @@ export interface Touch {
 
 /** What the page asked for. */
 export interface Detail {
-  /** Of the frame that it belongs to. */
-  sequence: number;
+  /** Of the whole that it belongs to. */
+  edition: number;
   span: [number, number];
   block: Block;
   speeds: Speeds | null;
@@ -71,14 +72,13 @@ export const NO_MEASUREMENT = 65_533;
 export const NOTHING_IN_RANGE = 65_534;
 export const NO_SCAN = 65_535;
 
-const HEAD = 24;
 const KINDS = { f8: Float64Array, f4: Float32Array, u2: Uint16Array };
 type Numbers = Float64Array | Float32Array | Uint16Array;
 type Facts = Record<string, unknown> & { arrays: [string, keyof typeof KINDS, number][] };
 type Unpacked = { facts: Facts; arrays: Map<string, Numbers> };
 
 export function decodeWhole(bytes: DataView): Whole {
-  const { facts, arrays } = unpack(bytes, HEAD);
+  const { facts, arrays } = unpack(bytes);
   const sweep: Sweep = {
     angleMin: Number(facts.angle_min),
     angleIncrement: Number(facts.angle_increment),
@@ -90,13 +90,12 @@ export function decodeWhole(bytes: DataView): Whole {
   const touch = facts.touch as Omit<NonNullable<Whole["touch"]>, "spans"> | undefined;
   const speeds = toSpeeds(arrays);
   return {
-    sequence: bytes.getFloat64(0, true),
-    rate: NaN,
+    edition: Number(facts.edition),
     sweep,
     scanCount: Number(facts.scan_count),
     duration: Number(facts.duration),
     pause: Number(facts.pause),
-    counts: facts.counts as number[],
+    counts: facts.class_counts as number[],
     colors: facts.colors as [number, number],
     block: toBlock(facts, arrays, sweep),
     speed: speed && speeds ? { ...speed, speeds } : null,
@@ -105,9 +104,9 @@ export function decodeWhole(bytes: DataView): Whole {
 }
 
 export function decodeDetail(bytes: DataView, sweep: Sweep): Detail {
-  const { facts, arrays } = unpack(bytes, 0);
+  const { facts, arrays } = unpack(bytes);
   return {
-    sequence: Number(facts.sequence),
+    edition: Number(facts.edition),
     span: facts.span as [number, number],
     block: toBlock(facts, arrays, sweep),
     speeds: toSpeeds(arrays),
@@ -129,11 +128,11 @@ export function toRange(code: number, { rangeMin, rangeMax }: Sweep): number {
   return rangeMin + ((code + 0.5) * (rangeMax - rangeMin)) / FARTHEST;
 }
 
-function unpack(bytes: DataView, at: number): Unpacked {
-  const length = bytes.getUint32(at, true);
-  const text = new TextDecoder().decode(copyOf(bytes, at + 4, length));
+function unpack(bytes: DataView): Unpacked {
+  const length = bytes.getUint32(0, true);
+  const text = new TextDecoder().decode(copyOf(bytes, 4, length));
   const facts = JSON.parse(text) as Facts;
-  let next = at + 4 + length;
+  let next = 4 + length;
   const arrays = new Map<string, Numbers>();
   for (const [name, kind, count] of facts.arrays) {
     const Kind = KINDS[kind];

@@ -27,7 +27,7 @@ const SPEED = 30;
 const TOUCH = 12;
 
 export function layOut({ width, height }: Size, whole: Whole | null, notice: number): Layout {
-  const [left, right] = width < 400 ? [50, 10] : [62, 16];
+  const [left, right] = width < 400 ? [58, 8] : [64, 16];
   const bottom = height - AXIS;
   let top = bottom;
   const take = (size: number): Band => {

@@ -16,23 +16,23 @@ const CODES: Record<string, number> = {
 
 /** Below the picture: what the colours mean, how much there is of each class, the time cursor and the selection. */
 export class Legend {
-  readonly #scale = make("span", "rw-scale");
+  readonly #scale = make("span", "rw-scanogram-scale");
   readonly #near = make("b", "");
   readonly #far = make("b", "");
-  readonly #bar = make("span", "rw-scale-bar");
+  readonly #bar = make("span", "rw-scanogram-scale-bar");
   readonly #classes = make("span", "rw-counts");
   readonly #time = make("b", "");
-  readonly #selected = make("span", "rw-selected");
+  readonly #selected = make("span", "rw-scanogram-selected");
   readonly #clear: HTMLButtonElement;
 
   constructor(footer: HTMLElement, onClear: () => void, signal: AbortSignal) {
-    this.#clear = makeButton("rw-clear", "Clear the selection (Escape)", onClear, signal);
+    this.#clear = makeButton("rw-scanogram-clear", "Clear the selection (Escape)", onClear, signal);
     this.#clear.textContent = "\u00D7";
     this.#scale.append(this.#near, this.#bar, this.#far);
-    const key = make("span", "rw-key");
+    const key = make("span", "rw-scanogram-key");
     key.append(this.#scale, this.#classes);
-    const state = make("span", "rw-state");
-    const cursor = make("span", "rw-cursor", "t ");
+    const state = make("span", "rw-scanogram-state");
+    const cursor = make("span", "rw-scanogram-cursor", "t ");
     cursor.append(this.#time);
     state.append(this.#selected, this.#clear, cursor);
     footer.append(key, state);
@@ -50,7 +50,7 @@ export class Legend {
       ...shown.map(({ kind, name, word, explained }) => {
         const item = make("span", "rw-class");
         item.title = explained;
-        const swatch = make("span", "rw-swatch");
+        const swatch = make("span", "rw-scanogram-swatch");
         swatch.style.background = colors[CODES[name] ?? 0] ?? "";
         item.append(swatch, make("b", "", toShare(whole?.counts[kind] ?? 0, all)), make("span", "rw-class-word", word));
         return item;

@@ -1,8 +1,8 @@
-import { ticks } from "d3-array";
 import { isFullCircle } from "../laser/scan.ts";
 import type { Sweep } from "./data.ts";
 
 const TURN = 2 * Math.PI;
+const ROUNDING = 1e-6;
 const DEGREE = Math.PI / 180;
 const STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90];
 
@@ -18,7 +18,7 @@ export interface Rows {
 /** Rays as the scanner's angles have them; where they close a circle, forward is in the middle. */
 export function toRows({ angleMin, angleIncrement, count }: Sweep): Rows {
   const isCircle = isFullCircle({ angleMin, angleIncrement, count });
-  const bottom = -Math.PI - Math.abs(angleIncrement) / 2;
+  const bottom = -Math.PI - ROUNDING;
   const turn = (angle: number) => (isCircle ? angle - TURN * Math.floor((angle - bottom) / TURN) : angle);
   const byIndex = Array.from({ length: count }, (_, i) => turn(angleMin + i * angleIncrement));
   const indices = byIndex.map((_, i) => i).sort((a, b) => (byIndex[a] as number) - (byIndex[b] as number));
@@ -36,7 +36,10 @@ export function angleTicks({ angles }: Rows, height: number, apart: number): num
   const half = (high - low) / (angles.length - 1) / 2;
   const [first, last] = [Math.ceil((low - half) / step), Math.floor((high + half) / step)];
   if (last < first) return [];
-  return ticks(first, last, last - first + 1).map((n) =>
-    Math.min(angles.length - 1, Math.max(0, Math.round((n * step - low) / (2 * half)))),
-  );
+  return Array.from({ length: last - first + 1 }, (_, i) => nearestRow(angles, (first + i) * step));
+}
+
+function nearestRow(angles: number[], angle: number): number {
+  const off = angles.map((other) => Math.abs(other - angle));
+  return off.indexOf(Math.min(...off));
 }

@@ -12,10 +12,10 @@ import type { State } from "./state.ts";
 
 const NO_ROWS: Rows = { indices: [], angles: [], rowOf: [] };
 
-/** Where a person points. */
+/** Where a person points: in a row, or below the scans. */
 export interface Pointed {
   time: number;
-  row: number;
+  row: number | null;
 }
 
 /** The canvases of one view: beneath, the scans and strips; above, what a person points at and sets. */
@@ -93,17 +93,10 @@ export class Scene {
     context.clip();
     if (selection) this.#drawSelection(context, selection, theme);
     if (pointed) {
-      const [x, y] = [toX(axis, pointed.time), this.toY(pointed.row)];
+      const x = toX(axis, pointed.time);
       context.fillStyle = theme.pointer;
       context.fillRect(Math.round(x), scans.top, 1, bottom - scans.top);
-      context.beginPath();
-      context.arc(x, y, 4.5, 0, 2 * Math.PI);
-      context.lineWidth = 3.5;
-      context.strokeStyle = theme.background;
-      context.stroke();
-      context.lineWidth = 2;
-      context.strokeStyle = theme.pointer;
-      context.stroke();
+      if (pointed.row !== null) drawRing(context, x, this.toY(pointed.row), theme);
     }
     const x = Math.round(toX(axis, time)) + 0.5;
     if (x >= left - 1 && x <= left + width + 1) {
@@ -167,6 +160,17 @@ export class Scene {
     if (this.#palette?.key !== key) this.#palette = { key, colors: toPalette(theme, whole.sweep, colors) };
     return this.#palette.colors;
   }
+}
+
+function drawRing(context: CanvasRenderingContext2D, x: number, y: number, theme: Theme): void {
+  context.beginPath();
+  context.arc(x, y, 4.5, 0, 2 * Math.PI);
+  context.lineWidth = 3.5;
+  context.strokeStyle = theme.background;
+  context.stroke();
+  context.lineWidth = 2;
+  context.strokeStyle = theme.pointer;
+  context.stroke();
 }
 
 /** The rows of a span of indices, as lowest and highest of each stretch: a circle may cut them in two. */

@@ -1,10 +1,9 @@
 import { toBytes } from "../shared/bytes.ts";
 import { type Model, onChange, put } from "../shared/model.ts";
 import { spaced } from "../shared/schedule.ts";
-import type { Stream } from "../shared/stream.ts";
 import type { Span } from "./axis.ts";
 import { Blocks } from "./blocks.ts";
-import { type Detail, decodeDetail, type Whole } from "./data.ts";
+import { type Detail, decodeDetail, decodeWhole, type Whole } from "./data.ts";
 
 const ASK_MS = 120;
 const LATE_MS = 400;
@@ -12,26 +11,23 @@ const LATE_MS = 400;
 /** What all views of one model share: the scans as far as they are known, and the asking for more. */
 export class State {
   readonly #model: Model;
-  readonly #stream: Stream<Whole>;
   readonly #ask: () => void;
   readonly #signal: AbortSignal;
   readonly #listeners = new Set<() => void>();
-  #known: { whole: Whole; blocks: Blocks } | null = null;
+  #known: { bytes: unknown; whole: Whole; blocks: Blocks } | null = null;
   #seen: { span: Span; columns: number } | null = null;
   #asked = "";
   #late: ReturnType<typeof setTimeout> | undefined;
   /** Whether Python has been asked for finer detail, and has not answered for a while. */
   waits = false;
 
-  constructor(model: Model, stream: Stream<Whole>, signal: AbortSignal) {
+  constructor(model: Model, signal: AbortSignal) {
     this.#model = model;
-    this.#stream = stream;
     this.#signal = signal;
     this.#ask = spaced(() => this.#askNow(), ASK_MS, signal);
     const tell = () => this.#tell();
-    onChange(model, ["time", "selection", "view", "color_range"], tell, signal);
+    onChange(model, ["_frame", "_about", "view", "color_range"], tell, signal);
     onChange(model, ["_detail"], () => this.#onDetail(), signal);
-    stream.listen(tell, signal);
     signal.addEventListener("abort", () => clearTimeout(this.#late));
   }
 
@@ -41,18 +37,11 @@ export class State {
   }
 
   get whole(): Whole | null {
-    return this.#stream.shown;
+    return this.#decoded?.whole ?? null;
   }
 
   get blocks(): Blocks | null {
-    const whole = this.whole;
-    if (!whole) return null;
-    if (this.#known?.whole !== whole) {
-      this.#known = { whole, blocks: new Blocks(whole) };
-      this.#asked = "";
-      this.#take(this.#known.blocks, whole);
-    }
-    return this.#known.blocks;
+    return this.#decoded?.blocks ?? null;
   }
 
   get time(): number {
@@ -84,6 +73,18 @@ export class State {
     this.#seen = { span, columns };
     if (this.blocks?.wants(span, columns)) this.#ask();
     else this.#settle();
+  }
+
+  get #decoded() {
+    const given = this.#model.get("_frame");
+    if (this.#known?.bytes === given) return this.#known;
+    const bytes = toBytes(given);
+    if (!bytes) return null;
+    const whole = decodeWhole(bytes);
+    this.#known = { bytes: given, whole, blocks: new Blocks(whole) };
+    this.#asked = "";
+    this.#take(this.#known.blocks, whole);
+    return this.#known;
   }
 
   #askNow(): void {

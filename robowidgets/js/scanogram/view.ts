@@ -1,32 +1,30 @@
 import { Popup } from "../laser/popup.ts";
 import type { Point } from "../laser/projection.ts";
 import { type Size, watchSize } from "../shared/canvas.ts";
-import { Card } from "../shared/card.ts";
 import { make, makeButton } from "../shared/dom.ts";
-import { toCount } from "../shared/format.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
-import type { Stream } from "../shared/stream.ts";
 import { moved, type Span, toSeconds, toTime, toX, zoomed } from "./axis.ts";
-import type { Whole } from "./data.ts";
+import { Frame } from "./frame.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
+import { pointAt } from "./point.ts";
 import { placeBeside } from "./popup_place.ts";
 import { type Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
-import { describePlace, describeSelection } from "./words.ts";
+import { describeSelection, toFacts } from "./words.ts";
 
 const LATE = "finer detail when the kernel is free";
 
 /** One view of a scanogram: it wires the card, the scene, the legend, the pop-up and the gestures together. */
 export class ScanogramView {
   readonly #state: State;
-  readonly #card: Card;
+  readonly #frame: Frame;
   readonly #scene: Scene;
   readonly #legend: Legend;
   readonly #popup: Popup;
   readonly #empty = make("div", "rw-empty", "waiting for scans");
-  readonly #chip = make("div", "rw-chip", LATE);
+  readonly #chip = make("div", "rw-scanogram-chip", LATE);
   readonly #all: HTMLButtonElement;
   readonly #redraw: () => void;
   readonly #redrawTop: () => void;
@@ -35,12 +33,12 @@ export class ScanogramView {
   /** A selection that is being dragged. */
   #draft: number[] | null = null;
 
-  constructor(model: Model, element: HTMLElement, stream: Stream<Whole>, state: State, signal: AbortSignal) {
+  constructor(model: Model, element: HTMLElement, state: State, signal: AbortSignal) {
     this.#state = state;
     this.#redraw = onceAFrame(() => this.#draw(), signal);
     this.#redrawTop = onceAFrame(() => this.#drawTop(), signal);
-    this.#card = new Card(element, "scanogram", model, stream, this.#redraw, signal, { freezes: false });
-    const { picture, footer } = this.#card;
+    this.#frame = new Frame(element, model, this.#redraw, signal);
+    const { picture, footer } = this.#frame;
     this.#scene = new Scene(picture);
     this.#legend = new Legend(footer, () => this.onClear(), signal);
     this.#popup = new Popup(picture);
@@ -49,9 +47,9 @@ export class ScanogramView {
     closer.textContent = "+";
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(2, null), signal);
     farther.textContent = "\u2212";
-    this.#all = makeButton("rw-all", "Show all of it (0, double click)", () => this.onReset(), signal);
+    this.#all = makeButton("", "Show all of it (0, double click)", () => this.onReset(), signal);
     this.#all.textContent = "All";
-    this.#card.addControls(farther, closer, this.#all);
+    this.#frame.controls.append(farther, closer, this.#all);
     onChange(model, ["time", "selection"], this.#redrawTop, signal);
     state.listen(this.#redraw, signal);
     watchGestures(picture, this, signal);
@@ -136,13 +134,12 @@ export class ScanogramView {
   #draw(): void {
     const { whole, view, colors } = this.#state;
     if (!this.#size.width) return;
-    const facts = whole ? [`${toCount(whole.scanCount)} scans`, `${toCount(whole.sweep.count)} rays`] : [];
-    this.#card.update([...facts, whole ? toSeconds(whole.duration, 1) : ""], "scans");
+    this.#frame.update(whole ? toFacts(whole) : []);
     this.#empty.hidden = whole !== null;
     this.#chip.hidden = !this.#state.waits;
     this.#all.disabled = view[1] - view[0] >= (whole?.duration ?? 0);
-    const { theme } = this.#card;
-    this.#scene.measure(this.#size, whole, view, this.#card.noticeHeight);
+    const { theme } = this.#frame;
+    this.#scene.measure(this.#size, whole, view, this.#frame.noticeHeight);
     this.#scene.drawBase(this.#state, theme);
     this.#legend.drawKey(whole, colors, theme);
     this.#state.look(view, this.#scene.columns);
@@ -153,30 +150,20 @@ export class ScanogramView {
     const { time, selection, blocks } = this.#state;
     const shown = this.#draft ?? selection;
     const pointed = this.#drawPopup();
-    this.#scene.drawTop(time, shown, pointed, this.#card.theme);
+    this.#scene.drawTop(time, shown, pointed, this.#frame.theme);
     const scans = blocks?.count((shown ?? [0, 0]) as Span) ?? { scans: 0, exact: true };
     this.#legend.drawState(toSeconds(time), shown ? describeSelection(shown, scans) : "");
   }
 
   /** Names what is pointed at. */
   #drawPopup(): Pointed | null {
-    const { whole, blocks } = this.#state;
-    const point = this.#pointer;
-    const { left, width, scans, height } = this.#scene.layout;
-    const isInside = point && point.x >= left && point.x < left + width && point.y >= scans.top && point.y < height;
-    if (!whole || !blocks || !point || !isInside || point.y > scans.top + scans.height) {
+    const found = this.#pointer && pointAt(this.#pointer, this.#scene, this.#state);
+    if (!found) {
       this.#popup.hide();
       return null;
     }
-    const row = this.#scene.toRow(point.y);
-    const time = toTime(this.#scene.axis, point.x);
-    const place = blocks.at(time, this.#scene.rows.indices[row] ?? 0);
-    if (!place) {
-      this.#popup.hide();
-      return null;
-    }
-    const words = describePlace(place, this.#scene.rows.angles[row] ?? 0, whole.sweep);
-    const at = { x: toX(this.#scene.axis, time), y: this.#scene.toY(row) };
+    const { words, time, row, y } = found;
+    const at = { x: toX(this.#scene.axis, time), y };
     this.#popup.show(words, (size) => placeBeside(size, this.#size, at));
     return { time, row };
   }

@@ -64,3 +64,29 @@ export function describeSelection(selection: number[], scans: { scans: number; e
     scans.scans === 1 ? "scan" : "scans"
   }`;
 }
+
+/** What the pop-up says of one axis of the speed at a moment. */
+export function describeSpeed(axis: string, title: string, low: number, high: number, time: number): RayWords {
+  const unit = axis.startsWith("linear") ? "m/s" : "rad/s";
+  const value = low === high ? toFixed(low, 2) : `${toFixed(low, 2)} to ${toFixed(high, 2)}`;
+  const words = Number.isNaN(low) ? "no value" : `${value} ${unit}`;
+  return { expression: axis, distance: words, angle: "", details: `${toSeconds(time)}  ${title}`, side: "" };
+}
+
+/** What the pop-up says of the touches at a moment. */
+export function describeTouches(touches: codes.Touch[], title: string, time: number): RayWords {
+  const sensors = [...new Set(touches.map(({ sensor }) => sensor))];
+  const spans = touches.map(({ start, end }) => `${toFixed(start, 2)} \u2013 ${toSeconds(end)}`);
+  return {
+    expression: title,
+    distance: sensors.length ? "touched" : "not touched",
+    angle: "",
+    details: sensors.length ? `${sensors.join(", ")}\n${spans[0]}` : toSeconds(time),
+    side: "",
+  };
+}
+
+/** What the header says of all of it. */
+export function toFacts({ scanCount, sweep, duration }: codes.Whole): string[] {
+  return [`${toCount(scanCount)} scans`, `${toCount(sweep.count)} rays`, toSeconds(duration, 1)];
+}

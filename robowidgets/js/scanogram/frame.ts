@@ -1,0 +1,63 @@
+import { make, setText } from "../shared/dom.ts";
+import { keepKeys } from "../shared/keys.ts";
+import { getAbout, getFlag, getString, type Model, onChange } from "../shared/model.ts";
+import { applyTheme, type Theme, watchTheme } from "../shared/theme.ts";
+
+/** The frame round the picture: title and controls above, a notice over it, a footer below. */
+export class Frame {
+  readonly root = make("div", "rw-card rw-scanogram");
+  readonly controls = make("span", "rw-controls");
+  readonly picture = make("div", "rw-picture");
+  readonly footer = make("div", "rw-footer");
+  readonly #model: Model;
+  readonly #header = make("div", "rw-header");
+  readonly #title = make("span", "rw-title");
+  readonly #facts = make("span", "rw-facts");
+  readonly #notice = make("div", "rw-notice");
+  #theme: Theme | null = null;
+
+  /** @param redraw called when the picture must be drawn anew: for another theme, say */
+  constructor(element: HTMLElement, model: Model, redraw: () => void, signal: AbortSignal) {
+    this.#model = model;
+    this.picture.tabIndex = 0;
+    this.picture.setAttribute("role", "group");
+    this.picture.setAttribute("aria-label", "scanogram widget");
+    this.#notice.setAttribute("role", "status");
+    this.#header.append(this.#title, this.#facts, this.controls);
+    this.picture.append(this.#notice);
+    this.root.append(this.#header, this.picture, this.footer);
+    element.append(this.root);
+    const onTheme = () => {
+      this.#theme = null;
+      redraw();
+    };
+    watchTheme(onTheme, signal);
+    onChange(model, ["title", "header", "footer"], redraw, signal);
+    keepKeys(this.root, signal);
+  }
+
+  /** Colours and fonts; to be asked for when drawing, for an element outside the page has none. */
+  get theme(): Theme {
+    this.#theme ??= applyTheme(this.root);
+    return this.#theme;
+  }
+
+  /** Room that the notice takes at the top of the picture, in pixels. */
+  get noticeHeight(): number {
+    return this.#notice.hidden ? 0 : this.#notice.offsetHeight;
+  }
+
+  update(facts: string[]): void {
+    const { error, notes = [] } = getAbout(this.#model);
+    this.#header.hidden = !getFlag(this.#model, "header");
+    this.footer.hidden = !getFlag(this.#model, "footer");
+    setText(this.#title, getString(this.#model, "title"));
+    this.#title.hidden = !getString(this.#model, "title");
+    setText(this.#facts, facts.join(" · "));
+    const lines = error ? [error, ...notes] : notes;
+    this.#notice.hidden = lines.length === 0;
+    this.#notice.classList.toggle("rw-error", Boolean(error));
+    setText(this.#notice, lines.join(" · "));
+    this.#notice.title = lines.join("\n");
+  }
+}

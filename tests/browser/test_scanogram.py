@@ -1,0 +1,202 @@
+"""The scanogram in JupyterLab: what a person points at, sets and zooms, and what Python knows of it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from .chromium import shoot
+from .laser import eventually
+from .notebook import Notebook
+
+SETUP = """
+import numpy as np, threading
+from ipywidgets import FloatText, jslink
+from robowidgets import ScanogramWidget
+
+# 4000 scans in 400 s, 181 rays from -90 to 90 degrees, all at 3 m but one ray of one scan.
+ranges = np.full((4000, 181), 3.0)
+ranges[2000, 90] = 0.5
+ranges[:, :20] = np.inf
+scanogram = ScanogramWidget(title="/scan")
+scanogram.update(times_ns=np.arange(4000) * 100_000_000, ranges=ranges, angle_min=-np.pi / 2,
+                 angle_increment=np.pi / 180, range_min=0.1, range_max=10.0)
+scanogram.set_touches([(100.0, 100.5, "left")], title="/bumper")
+follower = FloatText()
+jslink((scanogram, "time"), (follower, "value"))
+display(scanogram, follower)
+"""
+BUSY = """
+done = threading.Event()
+while not done.is_set():
+    pass
+"""
+LEFT, RIGHT, TOP = 64, 16, 14
+
+
+def card_of(nb: Notebook) -> Locator:
+    return nb.widget(0).locator(".rw-card")
+
+
+def picture_of(card: Locator) -> Locator:
+    return card.locator(".rw-picture")
+
+
+def at(card: Locator, seconds: float, view: tuple[float, float] = (0, 400), y: float = 100) -> dict[str, float]:
+    """Where a time stands in the picture."""
+    width = picture_of(card).evaluate("(picture) => picture.clientWidth") - LEFT - RIGHT
+    return {"x": LEFT + (seconds - view[0]) / (view[1] - view[0]) * width, "y": y}
+
+
+def height_of(card: Locator, index: int) -> float:
+    """Where a ray stands in the picture: 20 pixels below it are the touches, 24 the axis."""
+    height = picture_of(card).evaluate("(picture) => picture.clientHeight") - TOP - 24 - 20
+    return float(TOP + (1 - (index + 0.5) / 181) * height)
+
+
+def drag(card: Locator, start: dict[str, float], end: dict[str, float], key: str = "") -> None:
+    box = picture_of(card).bounding_box()
+    assert box
+    mouse, keyboard = card.page.mouse, card.page.keyboard
+    mouse.move(box["x"] + start["x"], box["y"] + start["y"])
+    if key:
+        keyboard.down(key)
+    mouse.down()
+    mouse.move(box["x"] + end["x"], box["y"] + end["y"], steps=3)
+    mouse.up()
+    if key:
+        keyboard.up(key)
+
+
+def says(card: Locator, *words: str) -> None:
+    popup = card.locator(".rw-popup:visible")
+    for word in words:
+        expect(popup).to_contain_text(word)
+
+
+def test_a_person_points_clicks_and_drags_and_python_knows(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SETUP])
+    nb.resize(900)
+    card = card_of(nb)
+    expect(card.locator(".rw-facts")).to_have_text("4 000 scans · 181 rays · 400.0 s".replace(" 0", "\u202f0"))
+
+    picture_of(card).hover(position=at(card, 200.1, y=height_of(card, 90)))
+    says(card, "ranges[90]", "0.50 m", "0.0°", "nearest of")
+    picture_of(card).hover(position=at(card, 50, y=height_of(card, 5)))
+    says(card, "ranges[5]", "+inf", "−85.0°", "nothing within 10 m", "right")
+    strip = picture_of(card).evaluate("(picture) => picture.clientHeight") - 30
+    picture_of(card).hover(position=at(card, 100.2, y=strip))
+    says(card, "/bumper", "touched", "left", "100.00 – 100.50 s")
+
+    picture_of(card).click(position=at(card, 300))
+    eventually(lambda: nb.python("print(round(scanogram.time))").strip(), "300")
+    assert float(nb.widget(0, 1).locator("input").input_value()) == pytest.approx(300, abs=1)
+
+    drag(card, at(card, 100), at(card, 150))
+    eventually(lambda: nb.python("print(*(round(t) for t in scanogram.selection))").strip(), "100 150")
+    expect(card.locator(".rw-scanogram-selected")).to_contain_text("500 scans")
+    drag(card, at(card, 100, y=height_of(card, 120)), at(card, 150, y=height_of(card, 60)), "Shift")
+    eventually(lambda: nb.python("print(len(scanogram.selection))").strip(), "4")
+    first, stop = nb.python("print(*scanogram.selection[2:])").split()
+    assert (int(first), int(stop)) == (pytest.approx(60, abs=1), pytest.approx(121, abs=1))
+    card.get_by_role("button", name="Clear the selection").click()
+    eventually(lambda: nb.python("print(scanogram.selection)").strip(), "None")
+    nb.python("scanogram.selection = (1, 2)\nscanogram.time = 12.5")
+    expect(card.locator(".rw-scanogram-selected")).to_contain_text("1.00 – 2.00 s")
+    expect(card.locator(".rw-scanogram-cursor")).to_have_text("t 12.50 s")
+
+
+def test_the_wheel_zooms_down_to_single_scans_while_a_cell_runs(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SETUP, BUSY], run=False)
+    nb.run(0)
+    nb.resize(900)
+    card = card_of(nb)
+    everything = card.get_by_role("button", name="Show all of it")
+    expect(everything).to_be_disabled()
+    spot = at(card, 200.05, y=height_of(card, 90))
+    nb.start(1)
+    picture_of(card).hover(position=at(card, 100))
+    box = picture_of(card).bounding_box()
+    assert box
+    nb.page.mouse.move(box["x"] + spot["x"], box["y"] + spot["y"], steps=3)  # on its way, as the wheel asks
+    for _ in range(24):
+        nb.page.mouse.wheel(0, -200)
+    expect(everything).to_be_enabled()
+    says(card, "0.50 m")
+    nb.interrupt()
+    with pytest.raises(AssertionError, match="KeyboardInterrupt"):
+        nb.wait(1)
+    says(card, "0.50 m", "200.00 s  scan 2", "000")
+    expect(card.locator(".rw-popup:visible"), "the very scan is known").not_to_contain_text("nearest of")
+    start, end = (float(t) for t in nb.python("print(*scanogram.view)").split())
+    assert start < 200.05 < end
+    assert end - start < 4
+    picture_of(card).dblclick(position=spot)
+    eventually(lambda: nb.python("print(scanogram.view)").strip(), "None")
+
+
+def test_keys_walk_from_scan_to_scan(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SETUP.replace("4000", "1000").replace("[2000, 90]", "[500, 90]")])
+    card = card_of(nb)
+    nb.python("scanogram.time = 50.0")
+    picture_of(card).focus()
+    for key, seconds in (("ArrowRight", "50.1"), ("Shift+ArrowRight", "51.1"), ("ArrowLeft", "51.0"), ("Home", "0.0")):
+        nb.page.keyboard.press(key)
+        eventually(lambda: nb.python("print(round(scanogram.time, 3))").strip(), seconds)
+    nb.page.keyboard.press("End")
+    nb.page.keyboard.press("+")
+    eventually(lambda: nb.python("print(*(round(t) for t in scanogram.view))").strip(), "50 100")
+    nb.page.keyboard.press("Escape")
+    nb.page.keyboard.press("0")
+    eventually(lambda: nb.python("print(scanogram.view)").strip(), "None")
+
+
+def shows_the_state(page: Page, card: Locator) -> None:
+    expect(card.locator(".rw-scanogram-cursor")).to_have_text("t 201.00 s")
+    expect(card.locator(".rw-scanogram-selected")).to_contain_text("199.00 – 202.00 s · 30 scans")
+    expect(card.locator(".rw-scanogram-key")).to_contain_text("11 %nothing")
+    picture_of(card).hover(position=at(card, 200.05, (190, 210), height_of(card, 90)))
+    says(card, "ranges[90]", "0.50 m", "200.00 s")
+
+
+def test_a_reload_and_an_export_keep_what_is_on_show(
+    notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
+) -> None:
+    nb = notebook([SETUP, "scanogram.view, scanogram.selection, scanogram.time = (190, 210), (199, 202), 201.0"])
+    nb.resize(900)
+    card = card_of(nb)
+    shows_the_state(nb.page, card)
+    eventually(lambda: nb.python("print(len(scanogram._detail) > 0)").strip(), "True")
+    picture_of(card).hover(position=at(card, 200.05, (190, 210), height_of(card, 90)))
+    expect(card.locator(".rw-popup:visible")).not_to_contain_text("nearest of")
+    nb.reload()
+    shows_the_state(nb.page, card_of(nb))
+    saved = nb.save()
+    subprocess.run([sys.executable, "-m", "nbconvert", "--to", "html", saved], check=True)
+    page = static_page(saved.with_suffix(".html"))
+    shows_the_state(page, page.locator(".rw-scanogram"))
+
+
+RECORDINGS = ("turtlebot3_gazebo.bag", "neato_fsm", "tilt_laser.bag", "hokuyo_people.bag", "edmonton.log.gz")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_real_recordings_fit_wide_and_narrow_pages(notebook: Callable[..., Notebook], data: Path, theme: str) -> None:
+    cells = ["import robowidgets"]
+    for file in RECORDINGS:
+        path = str(data / "good" / file)
+        cells.append(f"r = robowidgets.open({path!r})\ns = r.scanogram()\ns.time = r.duration / 3\ns")
+    nb = notebook(cells, theme=theme, scale=2 if theme == "dark" else 1)
+    for width in (320, 700, 1200):
+        nb.resize(width)
+        for i, file in enumerate(RECORDINGS, start=1):
+            card = nb.widget(i).locator(".rw-card")
+            expect(card.locator(".rw-scanogram-key b").first).to_contain_text(" m")
+            inside = card.evaluate("(card) => card.scrollWidth <= card.clientWidth")
+            assert inside, f"{file} is wider than its place at {width} px"
+            shoot(card, f"scanogram-{file.split('.')[0]}-{theme}-{width}")

@@ -1,0 +1,261 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { moved, timeTicks, toTime, toX, zoomed } from "../../robowidgets/js/scanogram/axis.ts";
+import { Blocks, cellAt } from "../../robowidgets/js/scanogram/blocks.ts";
+import * as data from "../../robowidgets/js/scanogram/data.ts";
+import { toRaster } from "../../robowidgets/js/scanogram/paint.ts";
+import { angleTicks, toRows } from "../../robowidgets/js/scanogram/rows.ts";
+import { runs } from "../../robowidgets/js/scanogram/scene.ts";
+import { State } from "../../robowidgets/js/scanogram/state.ts";
+import { describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/words.ts";
+import { FakeModel } from "./models.ts";
+
+const SWEEP = { angleMin: -1, angleIncrement: 0.1, count: 21, rangeMin: 0.1, rangeMax: 10 };
+
+/** Bytes as Python packs them, amid a larger message. */
+function pack(facts: object, arrays: Record<string, Float64Array | Float32Array | Uint16Array>): DataView {
+  const kinds = { Float64Array: "f8", Float32Array: "f4", Uint16Array: "u2" } as Record<string, string>;
+  const listed = Object.entries(arrays).map(([name, a]) => [name, kinds[a.constructor.name], a.length]);
+  const text = new TextEncoder().encode(JSON.stringify({ ...facts, arrays: listed }));
+  const parts = Object.values(arrays).map((a) => new Uint8Array(a.buffer, a.byteOffset, a.byteLength));
+  const size = 4 + text.length + parts.reduce((sum, part) => sum + part.length, 0);
+  const bytes = new Uint8Array(3 + size);
+  new DataView(bytes.buffer).setUint32(3, text.length, true);
+  let at = 7;
+  for (const part of [text, ...parts]) {
+    bytes.set(part, at);
+    at += part.length;
+  }
+  return new DataView(bytes.buffer, 3, size);
+}
+
+function cells(count: number, pause: number, from = 0) {
+  const starts = Float64Array.from({ length: count }, (_, i) => from + i * pause);
+  return { starts, ends: starts.map((start) => start + pause) };
+}
+
+/** 100 cells of 8 scans, 0.1 s each, and all rays at 5 m but one. */
+function coarse(edition = 1): DataView {
+  const codes = new Uint16Array(100 * 21).fill(data.toCode(5, SWEEP));
+  codes[40 * 21 + 6] = data.toCode(0.5, SWEEP);
+  const facts = {
+    ...{ angle_min: -1, angle_increment: 0.1, range_min: 0.1, range_max: 10, ray_count: 21, edition },
+    ...{ scan_count: 800, duration: 80, pause: 0.1, class_counts: [16800, 0, 0, 0, 0], colors: [0.5, 5] },
+    ...{ level: 3, first: 0, ray_step: 1 },
+  };
+  return pack(facts, { ...cells(100, 0.8), cells: codes });
+}
+
+/** 40 single scans from 30 s on, as the very floats: 0.512 m in one. */
+function fine(edition = 1): DataView {
+  const ranges = new Float32Array(40 * 21).fill(5);
+  ranges[25 * 21 + 6] = 0.512;
+  const facts = { edition, span: [30.5, 33], level: 0, first: 300, ray_step: 1 };
+  return pack(facts, { ...cells(40, 0.1, 30), cells: ranges });
+}
+
+function known() {
+  const whole = data.decodeWhole(coarse());
+  return { whole, blocks: new Blocks(whole) };
+}
+
+test("codes are in the order in which they are shown, as in Python", () => {
+  const ranges = [0.1, 10, -Infinity, 11, 0, NaN, Infinity];
+  const codes = ranges.map((range) => data.toCode(range, SWEEP));
+  assert.deepEqual(codes, [0, 65_000, 65_531, 65_532, 65_532, 65_533, 65_534]);
+  for (const range of [0.1, 2.5, 9.99]) {
+    assert.ok(Math.abs(data.toRange(data.toCode(range, SWEEP), SWEEP) - range) < 0.001);
+  }
+});
+
+test("a frame amid other bytes is read", () => {
+  const { whole } = known();
+  assert.deepEqual(whole.sweep, SWEEP);
+  assert.equal(whole.block.size, 8);
+  assert.equal(whole.block.rays, 21);
+  assert.equal(whole.speed, null);
+  const { block } = data.decodeDetail(fine(), SWEEP);
+  assert.equal(block.ranges.length, 40 * 21);
+  assert.equal(block.codes[0], data.toCode(5, SWEEP));
+});
+
+test("a ray is the nearest of several scans until the scans are known", () => {
+  const { whole, blocks } = known();
+  const far = blocks.at(32.1, 6);
+  assert.equal(far?.scans, 8);
+  assert.equal(far?.exact, false);
+  assert.match(describePlace(far as never, 0, SWEEP).details, /nearest of 8 scans/);
+  assert.equal(describePlace(far as never, 0, SWEEP).distance, "0.50 m");
+  blocks.add(data.decodeDetail(fine(), whole.sweep));
+  const near = blocks.at(32.55, 6);
+  assert.deepEqual([near?.scan, near?.scans, near?.exact], [325, 1, true]);
+  assert.equal(near?.range, Math.fround(0.512));
+  assert.match(describePlace(near as never, 0, SWEEP).details, /32\.50 s {2}scan 325/);
+  assert.equal(blocks.at(80.5, 6), null, "after the last scan there is none");
+});
+
+test("details of other scans than those on show are left out", () => {
+  const { whole, blocks } = known();
+  blocks.add(data.decodeDetail(fine(2), whole.sweep));
+  assert.equal(blocks.at(32.55, 6)?.scans, 8);
+});
+
+test("more is wanted only where Python could tell more", () => {
+  const { whole, blocks } = known();
+  assert.equal(blocks.wants([0, 80], 80), false);
+  assert.equal(blocks.wants([0, 80], 200), true);
+  assert.equal(blocks.wants([31, 32], 80), true);
+  blocks.add(data.decodeDetail(fine(), whole.sweep));
+  assert.equal(blocks.wants([31, 32], 80), false);
+});
+
+test("the cursor steps from scan to scan", () => {
+  const { whole, blocks } = known();
+  blocks.add(data.decodeDetail(fine(), whole.sweep));
+  const round = (time: number) => Math.round(time * 1000) / 1000;
+  assert.equal(round(blocks.step(31, 1)), 31.1);
+  assert.equal(round(blocks.step(31.05, -1)), 31);
+  assert.equal(round(blocks.step(31, -1)), 30.9);
+  assert.equal(round(blocks.step(31, 10)), 32);
+});
+
+test("a cell without length is still found, and a gap is none", () => {
+  const block = { ...known().whole.block, starts: Float64Array.of(0, 1, 5), ends: Float64Array.of(1, 1, 6) };
+  assert.deepEqual(
+    [0.5, 1, 3, 5.5, 7].map((time) => cellAt(block, time)),
+    [0, 1, -1, 2, -1],
+  );
+});
+
+test("the nearest reading is in the picture at any width and height", () => {
+  const { whole, blocks } = known();
+  const near = data.toCode(0.5, SWEEP);
+  const rows = toRows(whole.sweep);
+  for (const [width, height] of [
+    [1, 1],
+    [7, 5],
+    [100, 21],
+    [1000, 400],
+  ] as const) {
+    const raster = toRaster(blocks.all, rows, [0, 80], width, height);
+    assert.equal(raster.height, Math.min(21, height));
+    const at = raster.codes.indexOf(near);
+    assert.ok(at >= 0, `at ${width} by ${height}`);
+    const [x, y] = [at % width, Math.floor(at / width)];
+    assert.equal(x, Math.floor((32 * width) / 80 + 1e-9));
+    assert.equal(y, raster.height - 1 - Math.floor((6 * raster.height) / 21));
+  }
+});
+
+test("columns that are known more finely are painted so, and where there is no scan nothing is", () => {
+  const { whole, blocks } = known();
+  blocks.add(data.decodeDetail(fine(), whole.sweep));
+  const { codes } = toRaster(blocks.all, toRows(whole.sweep), [32, 33.6], 16, 21);
+  const line = codes.subarray(14 * 16, 15 * 16);
+  assert.deepEqual(
+    Array.from(line, (code) => code < data.toCode(1, SWEEP)),
+    [...Array(5).fill(false), true, ...Array(10).fill(false)],
+  );
+  const beyond = toRaster(blocks.all, toRows(whole.sweep), [79.2, 81.2], 10, 1).codes;
+  assert.deepEqual(
+    Array.from(beyond, (code) => code === data.NO_SCAN),
+    [...Array(4).fill(false), ...Array(6).fill(true)],
+  );
+});
+
+test("angles grow upwards, and forward is in the middle of a circle", () => {
+  const circle = toRows({ ...SWEEP, angleMin: 0, angleIncrement: (2 * Math.PI) / 360, count: 360 });
+  assert.equal(circle.indices[0], 180);
+  assert.equal(circle.indices[180], 0);
+  assert.equal(circle.rowOf[90], 270);
+  const clockwise = toRows({ ...SWEEP, angleMin: 1, angleIncrement: -0.1 });
+  assert.deepEqual([clockwise.indices[0], clockwise.indices[20]], [20, 0]);
+  assert.ok(clockwise.angles.every((angle, i) => i === 0 || angle > (clockwise.angles[i - 1] as number)));
+  assert.deepEqual(toRows({ ...SWEEP, count: 0 }).indices, []);
+});
+
+test("a span of rays that a circle cuts is two stretches of rows", () => {
+  const circle = toRows({ ...SWEEP, angleMin: 0, angleIncrement: (2 * Math.PI) / 360, count: 360 });
+  assert.deepEqual(runs(circle, 10, 20), [[190, 199]]);
+  assert.deepEqual(runs(circle, 170, 190), [
+    [0, 9],
+    [350, 359],
+  ]);
+});
+
+test("angle labels have round angles and room", () => {
+  const circle = toRows({ ...SWEEP, angleMin: 0, angleIncrement: (2 * Math.PI) / 360, count: 360 });
+  const ticks = angleTicks(circle, 240, 34).map((row) => circle.indices[row]);
+  assert.deepEqual(ticks, [180, 270, 0, 90]);
+  assert.deepEqual(angleTicks(toRows({ ...SWEEP, count: 1, angleIncrement: 0 }), 240, 34), [0]);
+});
+
+test("zooming keeps the time under the pointer and stays within the whole", () => {
+  assert.deepEqual(zoomed([0, 80], 0.5, 20, 80, 0.1), [10, 50]);
+  assert.deepEqual(zoomed([10, 50], 4, 20, 80, 0.1), [0, 80]);
+  const [start, end] = zoomed([10, 10.2], 0.01, 10.1, 80, 0.1);
+  assert.ok(Math.abs(end - start - 0.1) < 1e-9);
+  assert.deepEqual(moved([10, 20], -50, 80), [0, 10]);
+  assert.deepEqual(moved([10, 20], 500, 80), [70, 80]);
+  const axis = { span: [10, 20] as [number, number], left: 64, width: 500 };
+  assert.equal(toTime(axis, toX(axis, 13)), 13);
+  assert.deepEqual([toTime(axis, 0), toTime(axis, 9999)], [10, 20]);
+});
+
+test("times have no more decimals than they need", () => {
+  assert.deepEqual(
+    timeTicks([0, 90], 9)
+      .map(({ text }) => text)
+      .slice(0, 2),
+    ["0 s", "10 s"],
+  );
+  assert.deepEqual(
+    timeTicks([41.1, 41.4], 3).map(({ text }) => text),
+    ["41.1 s", "41.2 s", "41.3 s", "41.4 s"],
+  );
+});
+
+test("what there is hardly any of is never said to be none, nor nearly all to be all", () => {
+  const shares = [0, 1, 10, 90, 9_999, 10_000].map((count) => toShare(count, 10_000));
+  assert.deepEqual(shares, ["0 %", "< 0.1 %", "0.1 %", "0.9 %", "99 %", "100 %"]);
+});
+
+test("a selection is told with its rays, and its scans are counted", () => {
+  const { blocks } = known();
+  assert.equal(describeSelection([8, 16], blocks.count([8, 16])), "8.00 \u2013 16.00 s · about 80 scans");
+  assert.equal(
+    describeSelection([1, 2, 10, 20], { scans: 1, exact: true }),
+    "1.00 \u2013 2.00 s · [10] to [19] · 1 scan",
+  );
+});
+
+function open(values: Record<string, unknown>) {
+  const fake = new FakeModel({ time: 0, selection: null, view: null, color_range: null, ...values });
+  const controller = new AbortController();
+  return { fake, state: new State(fake.model, controller.signal), end: () => controller.abort() };
+}
+
+test("finer detail is asked for once, and taken in when it comes", () => {
+  const { fake, state, end } = open({ _frame: coarse() });
+  state.look([30.5, 33], 500);
+  state.look([30.5, 33], 500);
+  assert.deepEqual(fake.saved, [{ _wanted: [30.5, 33, 500] }]);
+  fake.receive({ _detail: fine() });
+  assert.equal(state.blocks?.at(32.55, 6)?.exact, true);
+  end();
+  assert.equal(fake.listening, 0);
+});
+
+test("a reload finds the detail that it had", () => {
+  const { state, end } = open({ _frame: coarse(), _detail: fine(), view: [30.5, 33] });
+  assert.equal(state.blocks?.at(32.55, 6)?.exact, true);
+  assert.deepEqual(state.view, [30.5, 33]);
+  end();
+});
+
+test("before there are scans there is an axis and nothing on it", () => {
+  const { state, end } = open({});
+  assert.equal(state.whole, null);
+  assert.deepEqual(state.view, [0, 1]);
+  end();
+});

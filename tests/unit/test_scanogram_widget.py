@@ -1,0 +1,163 @@
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+import traitlets
+
+from robowidgets import ScanogramWidget
+
+SECOND = 1_000_000_000
+GEOMETRY = {"angle_min": -1.0, "angle_increment": 0.01, "range_min": 0.1, "range_max": 30.0}
+
+
+def scans(count: int = 50, rays: int = 20, **changed: Any) -> dict[str, Any]:
+    made = {"times_ns": 7 * SECOND + np.arange(count) * SECOND // 10, "ranges": np.full((count, rays), 5.0)}
+    return {**made, **GEOMETRY, **changed}
+
+
+@pytest.fixture
+def scanogram() -> ScanogramWidget:
+    widget = ScanogramWidget(title="/scan")
+    widget.update(**scans())
+    return widget
+
+
+def facts_of(packed: bytes) -> dict[str, Any]:
+    length = int.from_bytes(packed[:4], "little")
+    facts: dict[str, Any] = json.loads(packed[4 : 4 + length])
+    return facts
+
+
+def test_it_sends_all_scans_ahead(scanogram: ScanogramWidget) -> None:
+    facts = facts_of(scanogram._frame)
+    assert (facts["scan_count"], facts["ray_count"], facts["level"]) == (50, 20, 0)
+    assert facts["class_counts"] == [1000, 0, 0, 0, 0]
+    assert facts["duration"] == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "error", "text"),
+    [
+        ({"ranges": np.zeros(5)}, ValueError, r"ranges: expected an array of 2 dimensions, got shape \(5,\)"),
+        ({"ranges": [["a"]]}, TypeError, "ranges: expected an array of numbers, got <U1"),
+        ({"times_ns": [0.5] * 50}, TypeError, "times_ns: expected an array of whole numbers, got float64"),
+        ({"times_ns": [1, 2]}, ValueError, "times_ns: expected one for each of 50 scans, got 2"),
+        (
+            {"ranges": np.zeros((50, 0))},
+            ValueError,
+            "ranges: expected at least one scan of one ray, got",
+        ),
+        ({"range_max": 0.0}, ValueError, "range_max: expected metres above range_min"),
+        ({"angle_increment": 0.0}, ValueError, "angle_increment: expected a finite step"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused_with_words(
+    changed: dict[str, Any], error: type[Exception], text: str
+) -> None:
+    with pytest.raises(error, match=text):
+        ScanogramWidget().update(**scans(**changed))
+
+
+@pytest.mark.parametrize("value", [(1, 2), [1.0, 2.0], None, (1, 2, 0, 20)])
+def test_a_selection_is_a_plain_value(scanogram: ScanogramWidget, value: Any) -> None:
+    scanogram.selection = value
+    assert scanogram.selection == (value if value is None else tuple(value))
+
+
+@pytest.mark.parametrize(
+    "value", [(2, 1), (1,), (1, 2, 3), (-1, 2), (0, np.nan), "ab", 5, (True, 2), (0, 1, 3, 3), (0, 1, 0.5, 2)]
+)
+def test_what_is_no_selection_is_refused_with_words(scanogram: ScanogramWidget, value: Any) -> None:
+    with pytest.raises(traitlets.TraitError, match=r"selection: expected .*got"):
+        scanogram.selection = value
+    assert scanogram.selection is None
+
+
+def test_rays_belong_to_no_view(scanogram: ScanogramWidget) -> None:
+    scanogram.view = (1, 2)
+    with pytest.raises(traitlets.TraitError, match=r"view: expected None or \(start, end\)"):
+        scanogram.view = (1, 2, 0, 5)
+
+
+@pytest.mark.parametrize("value", [(2, 1), (-1, 5), (1, float("inf"))])
+def test_colours_run_from_near_to_far(scanogram: ScanogramWidget, value: tuple[float, float]) -> None:
+    with pytest.raises(traitlets.TraitError, match="color_range: expected None or"):
+        scanogram.color_range = value
+
+
+def test_the_time_cursor_is_a_finite_time_that_links(scanogram: ScanogramWidget) -> None:
+    other = ScanogramWidget()
+    traitlets.link((scanogram, "time"), (other, "time"))
+    scanogram.time = 2.5
+    assert other.time == 2.5
+    with pytest.raises(traitlets.TraitError, match="time: expected seconds from the start, got nan"):
+        scanogram.time = float("nan")
+
+
+def test_it_answers_what_the_page_looks_at(scanogram: ScanogramWidget) -> None:
+    scanogram.update(**scans(count=20_000, rays=100))
+    assert facts_of(scanogram._frame)["level"] == 3
+    scanogram._wanted = [100.0, 101.0, 800.0]
+    facts = facts_of(scanogram._detail)
+    assert (facts["level"], facts["span"], facts["edition"]) == (
+        0,
+        [100.0, 101.0],
+        facts_of(scanogram._frame)["edition"],
+    )
+    scanogram.update(**scans())
+    assert scanogram._detail == b"", "what it knew of other scans is gone"
+
+
+def test_a_file_that_is_gone_leaves_the_coarse_picture_and_a_word(caplog: pytest.LogCaptureFixture) -> None:
+    class Gone:
+        times_ns = np.arange(20_000) * SECOND // 10
+
+        def chunks(self) -> Any:
+            yield np.full((20_000, 100), 5.0, np.float32)
+
+        def read(self, *_numbers: int) -> Any:
+            raise OSError("the disk is out")
+
+    whole = ScanogramWidget()
+    whole.update(**scans())
+    assert whole._picture
+    whole._put(Gone(), whole._picture.levels.sweep._replace(ray_count=100), 0)
+    whole._wanted = [100.0, 101.0, 800.0]
+    assert whole._about["error"] == "no finer detail: the disk is out"
+    assert "no finer detail: the disk is out" in caplog.text
+
+
+def test_speeds_and_touches_come_after_scans() -> None:
+    widget = ScanogramWidget()
+    with pytest.raises(RuntimeError, match=r"set_speeds\(\): there are no scans yet; call update"):
+        widget.set_speeds(times_ns=[0], values=np.zeros((1, 6)))
+    with pytest.raises(RuntimeError, match=r"set_touches\(\): there are no scans yet; call update"):
+        widget.set_touches([])
+
+
+def test_speeds_and_touches_lie_on_the_same_axis(scanogram: ScanogramWidget) -> None:
+    times = 7 * SECOND + np.arange(60) * SECOND // 10
+    scanogram.set_speeds(times_ns=times, values=np.zeros((60, 6)), title="/odom", limits={"linear.x": (-0.2, 0.5)})
+    scanogram.set_touches([(3.0, 4.0, "right"), (1.0, 2.0, "left")], title="/bumper")
+    facts = facts_of(scanogram._frame)
+    assert facts["speed"]["limits"] == [[-0.2, 0.5], [-1.0, 1.0]]
+    assert facts["touch"] == {"title": "/bumper", "sensors": ["left", "right"], "count": 2}
+    assert facts["duration"] == pytest.approx(5.9)
+    with pytest.raises(ValueError, match=r"values: expected the shape \(60, 6\), got \(60, 3\)"):
+        scanogram.set_speeds(times_ns=times, values=np.zeros((60, 3)))
+    with pytest.raises(ValueError, match=r"spans: expected .* with start <= end, got"):
+        scanogram.set_touches([(2.0, 1.0, "left")])
+
+
+def test_it_says_that_the_clock_goes_back() -> None:
+    widget = ScanogramWidget()
+    widget.update(**scans(count=3, times_ns=[5, 9, 7]))
+    assert widget._about["notes"] == ["the clock goes back once: shown in the order of arrival"]
+
+
+def test_an_unknown_keyword_is_refused() -> None:
+    with pytest.raises(TypeError, match="has no keyword 'tme'; did you mean 'time'"):
+        ScanogramWidget(tme=3)
