@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ._websocket import LARGEST, Frame, Line
+from ._websocket import LARGEST, Frame, Line, one_line
 from .middleware import Advert, FeedError, Listener
 
 Read = Callable[[Any], Any]
@@ -32,7 +33,7 @@ class Bridge:
         self._listener: Listener
         self._wanted: set[str] = set()
         self._heard: set[str] = set()
-        self._pending: dict[str, tuple[Read, Frame]] = {}
+        self._pending: dict[str, tuple[Read, Any]] = {}
         self._troubles: dict[str, str] = {}
         self._told: Sequence[Advert] | None = None
         self._begin()
@@ -138,6 +139,12 @@ class Bridge:
         if self._troubles.get(topic, "") != words:
             self._troubles[topic] = words
             self._listener.on_trouble(topic, words)
+
+    def _quote(self, words: str) -> None:
+        """Tell what the robot says of the topics that it names."""
+        for topic in self._wanted:
+            if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", words):
+                self._trouble(topic, f"the robot's bridge says: {one_line(words)}")
 
     def _trouble_all(self, words: str) -> None:
         for topic in self._wanted:

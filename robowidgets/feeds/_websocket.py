@@ -149,14 +149,26 @@ class Line:
         from tornado.httpclient import HTTPRequest
         from tornado.websocket import websocket_connect
 
-        return await websocket_connect(
-            HTTPRequest(self.address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
-            on_message_callback=self._on_frame,
-            ping_interval=_ALIVE,
-            ping_timeout=_ALIVE,
-            max_message_size=LARGEST,
-            subprotocols=self._subprotocols,
+        coming = asyncio.ensure_future(
+            websocket_connect(
+                HTTPRequest(self.address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
+                on_message_callback=self._on_frame,
+                ping_interval=_ALIVE,
+                ping_timeout=_ALIVE,
+                max_message_size=LARGEST,
+                subprotocols=self._subprotocols,
+            )
         )
+        try:
+            return await asyncio.shield(coming)
+        except asyncio.CancelledError:
+            # It is closed while it connects. Tornado lets go of a connection only when it is there.
+            with contextlib.suppress(Exception):
+                connection: Any = await asyncio.wait_for(coming, _GOODBYE)
+                stream = connection.protocol.stream
+                connection.close()
+                stream.close()
+            raise
 
     async def _stay(self, connection: Any) -> str:
         self._stream = stream = connection.protocol.stream

@@ -6,7 +6,6 @@ Protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping
 from functools import partial
 from struct import Struct
@@ -145,9 +144,7 @@ class Foxglove(Bridge):
     def _on_status(self, said: dict[str, Any]) -> None:
         words = said.get("message")
         if said.get("level") == _ERROR and isinstance(words, str):
-            for topic in self._wanted:
-                if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", words):
-                    self._trouble(topic, f"the robot's bridge says: {one_line(words)}")
+            self._quote(words)
 
     def _start(self, topic: str) -> None:
         """Subscribe to each channel of a topic that can be read, and say so when none can."""

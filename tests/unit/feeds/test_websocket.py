@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import gc
 import os
 import socket
 import struct
@@ -244,12 +243,10 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_socket(ears: Ears) ->
 
         once(True)
         wait_for(lambda: not server.clients, "the server knows of it")
-        gc.collect()
         before = _descriptors()
         for i in range(100):
             once(i % 2 == 0)
         wait_for(lambda: not server.clients, "every connection ended")
-        gc.collect()
         assert _threads() == []
         wait_for(lambda: _descriptors() <= before, "every socket is closed", 5)
 

@@ -1,0 +1,81 @@
+"""What a rosbridge server sends: JSON text, or CBOR with arrays of numbers in one piece.
+
+Of a message, the topic can be told without reading all of it: it stands at the start.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+import numpy as np
+
+from ._bridge import UnreadableError
+from ._websocket import Frame, one_line
+
+_TEXT_START = re.compile(r'\s*\{\s*"op"\s*:\s*"publish"\s*,\s*"topic"\s*:\s*("(?:[^"\\]|\\.){0,500}")')
+_CBOR_START = re.compile(rb"\xa3\x62op\x67publish\x65topic([\x60-\x77]|\x78.|\x79..)", re.DOTALL)
+
+# Arrays of numbers in one piece, by their tags: https://www.rfc-editor.org/rfc/rfc8746
+_ARRAYS = {69: "<u2", 70: "<u4", 71: "<u8", 72: "i1", 77: "<i2", 78: "<i4", 79: "<i8", 85: "<f4", 86: "<f8"}
+
+
+def topic_of(frame: Frame) -> str | None:
+    """The topic of a message that is written as servers write it; None for all else, which must be read to know."""
+    if isinstance(frame, str):
+        start = _TEXT_START.match(frame)
+        return _text(start[1]) if start else None
+    head = _CBOR_START.match(frame)
+    if head is None:
+        return None
+    size = head[1][0] - 0x60 if len(head[1]) == 1 else int.from_bytes(head[1][1:], "big")
+    try:
+        return frame[head.end() : head.end() + size].decode()
+    except UnicodeDecodeError:
+        return None
+
+
+def read(frame: Frame) -> dict[str, Any]:
+    """What a frame says; UnreadableError when it says nothing."""
+    try:
+        said = json.loads(frame) if isinstance(frame, str) else _from_cbor(frame)
+    except UnreadableError:
+        raise
+    except Exception as error:  # cbor2 raises nearly anything for bytes that are no CBOR
+        kind = "JSON" if isinstance(frame, str) else "CBOR"
+        raise UnreadableError(f"{len(frame)} bytes came that are no {kind}: {one_line(str(error))}") from None
+    if not isinstance(said, dict):
+        raise UnreadableError(f"no rosbridge message came but {one_line(repr(said)[:80])}")
+    return said
+
+
+def has_cbor() -> bool:
+    """Whether CBOR can be read here."""
+    try:
+        import cbor2  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def _text(quoted: str) -> str | None:
+    try:
+        return str(json.loads(quoted))
+    except ValueError:
+        return None
+
+
+def _from_cbor(frame: bytes) -> Any:
+    try:
+        from cbor2 import CBORTag, loads
+    except ImportError:
+        raise UnreadableError("binary data came, which nobody asked for and needs cbor2 to be read") from None
+
+    def array(*given: Any) -> Any:
+        # Which of its arguments is the tag depends on the version of cbor2.
+        tag = next(one for one in given if isinstance(one, CBORTag))
+        kind = _ARRAYS.get(tag.tag)
+        return np.frombuffer(tag.value, kind) if kind and isinstance(tag.value, bytes) else tag
+
+    return loads(frame, tag_hook=array)

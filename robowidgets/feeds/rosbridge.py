@@ -1,0 +1,226 @@
+"""Any robot that runs rosbridge, over its websocket.
+
+Protocol: https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_PROTOCOL.md
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ._bridge import Bridge, UnreadableError, full_type, short_type, strings, to_json
+from ._rosbridge_frames import has_cbor, read, topic_of
+from ._websocket import Frame, one_line
+from .feed import Feed
+from .middleware import Advert
+
+_POLL = 3.0
+"""Seconds between two questions for the topics."""
+
+_THROTTLE_MS = 16
+_DRIVEN = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+_SUBSCRIBE = "subscribe:"
+_OURS = "/rosbridge_websocket"
+_TOPICS, _PUBLISHERS, _SUBSCRIBERS = "/rosapi/topics", "/rosapi/publishers", "/rosapi/subscribers"
+_ONLY_NULL = "the robot sends null for nothing in range as for no measurement: they cannot be told apart"
+
+
+class Rosbridge(Bridge):
+    """A `Middleware` that speaks to a rosbridge server, in CBOR where cbor2 is installed.
+
+    Raises:
+        TypeError, ValueError: the address is not one.
+    """
+
+    def __init__(self, address: str = "ws://127.0.0.1:9090") -> None:
+        self._compression = "cbor" if has_cbor() else "none"
+        self._reactions = {
+            "publish": self._on_publish,
+            "service_response": self._on_response,
+            "status": self._on_status,
+            "fragment": self._on_fragment,
+        }
+        super().__init__(address)
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        """See `Middleware`."""
+        session = self._line.session
+        if session:
+            fields = _ros1_stamps(message) if self._is_ros1 else message
+            frame = to_json(message_type, message, {"op": "publish", "topic": topic, "msg": fields})
+            self._line.call(lambda: self._send(session, topic, message_type, frame))
+
+    def on_frame(self, frame: Frame) -> None:
+        """See `Talk`."""
+        topic = topic_of(frame)
+        if topic is not None:
+            self._keep(topic, frame)
+            return
+        try:
+            said = read(frame)
+        except UnreadableError as error:
+            self._trouble_all(f"{self.where} does not speak rosbridge: {error}")
+            return
+        react = self._reactions.get(str(said.get("op")))
+        if react is not None:
+            react(said)
+
+    def _keep(self, topic: str, frame: Frame | dict[str, Any]) -> None:
+        if topic in self._wanted:
+            self._pending[topic] = _message, frame
+
+    def _about(self, topic: str, message: Any) -> str:
+        ranges = message.get("ranges")
+        if isinstance(ranges, list) and None in ranges:
+            self._with_null.add(topic)
+        if topic not in self._with_null:
+            return ""
+        return _ONLY_NULL + ("" if self._compression == "cbor" else "; with cbor2 installed here they can")
+
+    def on_open(self) -> None:
+        """See `Talk`."""
+        super().on_open()
+        self._poll()
+
+    def _begin(self) -> None:
+        self._types: dict[str, str] = {}
+        self._who: dict[tuple[str, str], bool] = {}
+        self._subscribed_as: dict[str, str] = {}
+        self._refused: set[str] = set()
+        self._with_null: set[str] = set()
+        self._advertised: set[tuple[str, str]] = set()
+        self._is_ros1 = self._asked = self._has_no_rosapi = False
+
+    def _poll(self) -> None:
+        if self._asked:  # nobody answered in all that time
+            self._without_rosapi()
+        self._asked = True
+        self._call(_TOPICS)
+        self._line.later(_POLL, self._poll)
+
+    def _call(self, service: str, topic: str = "") -> None:
+        self._write({"op": "call_service", "service": service, "id": topic, "args": {"topic": topic} if topic else {}})
+
+    def _start(self, topic: str) -> None:
+        self._subscribed_as[topic] = self._types.get(topic, "")
+        self._refused.discard(topic)
+        how = {"queue_length": 1, "throttle_rate": _THROTTLE_MS, "compression": self._compression}
+        self._write({"op": "subscribe", "id": _SUBSCRIBE + topic, "topic": topic, **how})
+        if topic in self._types:
+            self._call(_PUBLISHERS, topic)
+
+    def _stop(self, topic: str) -> None:
+        self._subscribed_as.pop(topic, None)
+        self._refused.discard(topic)
+        self._write({"op": "unsubscribe", "id": _SUBSCRIBE + topic, "topic": topic})
+
+    def _on_publish(self, said: dict[str, Any]) -> None:
+        self._keep(str(said.get("topic")), said)
+
+    def _on_fragment(self, said: dict[str, Any]) -> None:
+        topic = topic_of(str(said.get("data")))  # the first of them says it
+        if topic in self._wanted:
+            self._trouble(str(topic), f"{topic} comes in fragments, which are not read: its messages are too large")
+
+    def _on_status(self, said: dict[str, Any]) -> None:
+        words, about = said.get("msg"), str(said.get("id"))
+        if said.get("level") != "error" or not isinstance(words, str):
+            return
+        topic = about.removeprefix(_SUBSCRIBE)
+        if topic == about or topic not in self._wanted:
+            self._quote(words)
+            return
+        self._refused.add(topic)
+        if self._has_no_rosapi or topic in self._types:  # else it is a topic that is not there yet
+            self._trouble(topic, f"the robot's bridge says: {one_line(words)}")
+
+    def _on_response(self, said: dict[str, Any]) -> None:
+        service, topic, values = said.get("service"), str(said.get("id")), said.get("values")
+        if service == _TOPICS:
+            self._asked = False
+            if said.get("result") is False or not isinstance(values, dict):
+                self._without_rosapi()
+            else:
+                self._on_topics(dict(zip(strings(values.get("topics")), strings(values.get("types")), strict=False)))
+        elif isinstance(values, dict) and service in (_PUBLISHERS, _SUBSCRIBERS):
+            nodes = strings(values.get(str(service).rpartition("/")[2]))
+            self._who[str(service), topic] = any(not node.startswith(_OURS) for node in nodes)
+            self._tell_topics()
+
+    def _on_topics(self, types: dict[str, str]) -> None:
+        if self._has_no_rosapi:
+            self._has_no_rosapi = False
+            for topic in self._wanted - self._heard:
+                self._trouble(topic, "")
+        self._is_ros1 = bool(types) and not any("/msg/" in kind for kind in types.values())
+        self._types = {name: full_type(kind) for name, kind in types.items()}
+        self._tell_topics()
+        for topic, kind in self._types.items():
+            if kind in _DRIVEN:
+                self._call(_SUBSCRIBERS, topic)
+            if topic not in self._wanted:
+                continue
+            before, self._subscribed_as[topic] = self._subscribed_as.get(topic), kind
+            if before and before != kind:  # rosbridge would wait for messages of the old type for ever
+                self._stop(topic)
+                self._start(topic)
+            elif topic in self._refused:
+                self._start(topic)
+            else:
+                self._call(_PUBLISHERS, topic)
+
+    def _tell_topics(self) -> None:
+        self._tell(
+            [
+                Advert(name, kind, self._who.get((_PUBLISHERS, name), True), self._who.get((_SUBSCRIBERS, name)))
+                for name, kind in self._types.items()
+            ]
+        )
+
+    def _without_rosapi(self) -> None:
+        self._has_no_rosapi = True
+        for topic in list(self._refused):
+            self._start(topic)
+        for topic in self._wanted - self._heard:
+            self._trouble(
+                topic, f"waiting for {topic}; which topics there are cannot be told: the robot runs no rosapi"
+            )
+
+    def _send(self, session: int, topic: str, message_type: str, frame: str) -> None:
+        if session != self._line.session:
+            return  # it was for a connection that is gone
+        if (topic, message_type) not in self._advertised:
+            self._advertised.add((topic, message_type))
+            kind = short_type(message_type) if self._is_ros1 else message_type
+            self._write({"op": "advertise", "id": f"advertise:{topic}", "topic": topic, "type": kind})
+        self._line.write_newest(topic, frame)
+
+
+def _message(frame: Frame | dict[str, Any]) -> Any:
+    said = frame if isinstance(frame, dict) else read(frame)
+    message = said.get("msg")
+    if not isinstance(message, dict):
+        raise UnreadableError(f"a message without fields came: {one_line(repr(message)[:80])}")
+    return message
+
+
+def _ros1_stamps(value: Any) -> Any:
+    """A message with its times as ROS 1 writes them."""
+    if not isinstance(value, Mapping):
+        return value
+    if value.keys() == {"sec", "nanosec"}:
+        return {"secs": value["sec"], "nsecs": value["nanosec"]}
+    return {name: _ros1_stamps(field) for name, field in value.items()}
+
+
+def rosbridge(address: str = "ws://127.0.0.1:9090") -> Feed:
+    """A feed of a robot that runs rosbridge_server, of ROS 1 or ROS 2. It needs tornado, and is better with cbor2.
+
+    Args:
+        address: where rosbridge listens: ``ws://``, or ``wss://`` for an encrypted connection.
+
+    Raises:
+        TypeError, ValueError: the address is not one.
+        FeedError: tornado is not installed.
+    """
+    return Feed(Rosbridge(address))
