@@ -1,6 +1,6 @@
 # Everything from a bare checkout: `make demo` shows the widgets, `make test` checks all of it.
 # Needs Python 3.10 or later. Node comes from PyPI into .venv; nothing is installed outside the checkout,
-# but for a missing Chromium or venv module on Debian as root.
+# but for a missing Chromium, ROS 1 or venv module on Debian as root.
 
 SHELL := bash
 PYTHON ?= python3
@@ -15,7 +15,7 @@ PYTEST := .venv/bin/python -m pytest
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo setup build watch lab lint format test test-js test-unit test-notebooks test-docs test-wheel test-browser bench pictures clean
+.PHONY: demo setup build watch lab lint format test test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -44,13 +44,17 @@ format: setup
 	.venv/bin/ruff format .
 	cd $(JS) && npm run --silent format
 
-test: lint test-js test-unit test-notebooks test-docs test-wheel test-browser
+test: lint test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser
 
 test-js: setup
 	cd $(JS) && npm run --silent test
 
 test-unit: build
 	$(PYTEST) tests/unit
+
+test-ros1: build
+	scripts/ros1.sh
+	$(PYTEST) tests/ros1
 
 test-notebooks: build
 	$(PYTEST) tests/test_notebooks.py

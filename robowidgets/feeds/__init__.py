@@ -10,8 +10,8 @@ from .feed import Feed
 from .foxglove import foxglove
 from .middleware import Advert, FeedError, Listener, Middleware
 from .recording import recording
-from .rosbridge import rosbridge
 from .ros1 import ros1
+from .rosbridge import rosbridge
 from .simulator import simulator
 
 __all__ = [
@@ -24,7 +24,7 @@ __all__ = [
     "Topic",
     "foxglove",
     "recording",
-    "rosbridge",
     "ros1",
+    "rosbridge",
     "simulator",
 ]

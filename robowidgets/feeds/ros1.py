@@ -1,0 +1,323 @@
+"""ROS 1, by rospy."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+from urllib.parse import urlsplit
+
+from ..recordings.ros_types import Decode, RosTypes, one_line
+from ..recordings.source import Channel, RecordingError
+from ._again import Again
+from ._ros1_master import Master, MasterError, State
+from .feed import Feed
+from .middleware import Advert, FeedError, Listener
+
+POLL = 1.0
+"""Seconds between two questions to the master."""
+
+PATIENCE = 3.0
+"""Seconds without a connection to a publisher after which it is asked whether it can be reached."""
+
+CLOSING = 5.0
+"""Seconds that closing waits for the thread at most: rospy's own calls to a master have no limit."""
+
+_STARTING = threading.Lock()
+
+
+class _Subscription(NamedTuple):
+    subscriber: Any
+    kind: str
+    since: float
+
+
+class _Publication(NamedTuple):
+    message_class: Any
+    kind: str
+    publisher: Any = None
+
+
+class Ros1:
+    """The topics of the master that ROS_MASTER_URI names, through the one node that a process may have.
+
+    The node is the program's own where it called `rospy.init_node`, else one of ours; it stays until the process ends.
+    A thread asks the master every second what there is, subscribes and publishes, and tells the master again what it
+    forgot when it was restarted. Messages come from rospy's threads: as rospy's objects where the Python package of
+    their type is installed, else read by the definition that their publisher sends.
+    """
+
+    def __init__(self, name: str = "robowidgets") -> None:
+        self._name = name
+        self._rospy: Any = None
+        self._master = Master("")
+        self._listener: Listener | None = None
+        self._thread: threading.Thread | None = None
+        self._again = Again()
+        self._stirred = threading.Event()
+        self._wanted: set[str] = set()
+        self._subscriptions: dict[str, _Subscription] = {}
+        self._publications: dict[str, _Publication] = {}
+        self._published_at = 0.0
+        self._adverts: list[Advert] = []
+        self._troubles: dict[str, str] = {}
+        self._failed: set[str] = set()
+        self._types = RosTypes()
+        self._decoders: dict[str, Decode] = {}
+        self._log = _RospyLog(self)
+
+    @property
+    def where(self) -> str:
+        """The master, for a person."""
+        return f"ROS 1, {self._master.uri}" if self._master.uri else "ROS 1"
+
+    def open(self, listener: Listener) -> None:
+        """Connect, and come back by itself. FeedError without rospy, or where ROS_MASTER_URI names no master."""
+        try:
+            import rosgraph
+            import roslib.message  # noqa: F401
+            import rospy
+        except ImportError as error:
+            raise FeedError(
+                f"rospy cannot be imported here ({error}): on Debian or Ubuntu install python3-rospy, and make the "
+                "venv with --system-site-packages; feeds.rosbridge() needs no ROS"
+            ) from None
+        if rospy.is_shutdown():
+            raise FeedError("rospy was shut down in this process and cannot start again: restart the kernel")
+        if not rosgraph.names.is_legal_base_name(self._name):
+            raise FeedError(f"name: expected the name of a node, letters, digits and _, got {self._name!r}")
+        uri = rosgraph.get_master_uri()
+        try:
+            good = urlsplit(uri).scheme == "http" and urlsplit(uri).hostname and urlsplit(uri).port
+        except ValueError:
+            good = False
+        if not good:
+            raise FeedError(f"ROS_MASTER_URI: expected something like http://robot:11311, got {uri!r}")
+        self._rospy, self._master, self._listener = rospy, Master(uri), listener
+        logging.getLogger("rospy.internal").addHandler(self._log)
+        self._thread = threading.Thread(target=self._run, name=f"robowidgets {self.where}", daemon=True)
+        self._thread.start()
+
+    def subscribe(self, topic: str) -> None:
+        """Hand on the messages of a topic, as soon as it is there."""
+        self._wanted.add(topic)
+        self._stirred.set()
+
+    def unsubscribe(self, topic: str) -> None:
+        """Hand on no more messages of a topic."""
+        self._wanted.discard(topic)
+        self._troubles.pop(topic, None)
+        self._stirred.set()
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        """Publish a message; dropped until the topic is set up, soon after the first.
+
+        Raises:
+            FeedError: the Python package of its type is not installed.
+        """
+        kind = message_type.replace("/msg/", "/")
+        publication = self._publications.get(topic)
+        if publication is None or publication.kind != kind:
+            import roslib.message
+
+            message_class = roslib.message.get_message_class(kind)
+            if message_class is None:
+                package = kind.split("/")[0]
+                raise FeedError(
+                    f"cannot publish {kind}: the Python package {package} is not installed; on Debian or Ubuntu it is "
+                    f"python3-{package.replace('_', '-')}"
+                )
+            if publication is None:
+                self._publications[topic] = _Publication(message_class, kind)
+                self._stirred.set()
+                return
+            raise FeedError(f"cannot publish {kind} on {topic}: {publication.kind} is published there already")
+        if publication.publisher is not None and not self._again.closed:
+            publication.publisher.publish(_filled(publication.message_class(), message))
+            self._published_at = time.monotonic()
+
+    def close(self) -> None:
+        """Unsubscribe and end the thread; the node stays. Doing it again does nothing; a callback may do it, too."""
+        self._again.close()
+        self._stirred.set()
+        logging.getLogger("rospy.internal").removeHandler(self._log)
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join(CLOSING)
+
+    def failed(self, topic: str, words: str) -> None:
+        """A connection of a topic failed and rospy gave it up: of what it says until the next try, the first tells why."""
+        if topic not in self._failed:
+            self._failed.add(topic)
+            self._trouble(topic, words)
+
+    def _trouble(self, topic: str, words: str) -> None:
+        if self._listener is None or self._again.closed or topic not in self._wanted:
+            return
+        if self._troubles.get(topic, "") != words:
+            self._troubles[topic] = words
+            self._listener.on_trouble(topic, words)
+
+    def _run(self) -> None:
+        assert self._listener is not None
+        connected = False
+        while not self._again.closed:
+            try:
+                state = self._master.state()
+                self._start_node()
+                if not connected:
+                    self._listener.on_connected()
+                    connected = True
+                    self._again.worked()
+                self._step(state)
+            except (MasterError, self._rospy.ROSException) as error:
+                connected = False
+                hint = "is roscore running, and ROS_MASTER_URI right?"
+                pause = self._again.next_pause()
+                self._listener.on_lost(f"no ROS master at {self._master.uri} ({error}); {hint}", pause)
+                self._again.wait(pause)
+                continue
+            self._stirred.wait(POLL)
+            self._stirred.clear()
+        # rospy writes in a thread of its own, and forgets what is not out yet: it may be a zero.
+        time.sleep(max(0.0, 0.1 - (time.monotonic() - self._published_at)))
+        for subscription in self._subscriptions.values():
+            subscription.subscriber.unregister()
+        for publication in self._publications.values():
+            if publication.publisher is not None:
+                publication.publisher.unregister()
+        self._subscriptions.clear()
+        self._publications.clear()
+
+    def _start_node(self) -> None:
+        with _STARTING:
+            if not self._rospy.core.is_initialized():
+                self._rospy.init_node(self._name, argv=[], anonymous=True, disable_signals=True)
+
+    def _step(self, state: State) -> None:
+        assert self._listener is not None
+        adverts = self._adverts_of(state)
+        if adverts != self._adverts:
+            self._adverts = adverts
+            self._listener.on_topics(adverts)
+        for topic, subscription in list(self._subscriptions.items()):
+            if topic not in self._wanted or state.types.get(topic, subscription.kind) != subscription.kind:
+                del self._subscriptions[topic]
+                subscription.subscriber.unregister()
+        for topic in list(self._wanted):
+            if topic in self._subscriptions:
+                self._look_after(topic, state)
+            elif topic in state.types:
+                self._subscribe(topic, state.types[topic])
+        for topic, publication in list(self._publications.items()):
+            self._look_after_publication(topic, publication, state)
+
+    def _subscribe(self, topic: str, kind: str) -> None:
+        import roslib.message
+
+        # All subscribers of a process share one class and one queue for a topic. So the class is the one that the rest
+        # of the program would use, and nothing is set that would make it miss messages.
+        message_class = roslib.message.get_message_class(kind) or self._rospy.AnyMsg
+        subscriber = self._rospy.Subscriber(
+            topic, message_class, self._receive, callback_args=topic, buff_size=1 << 20, tcp_nodelay=True
+        )
+        self._subscriptions[topic] = _Subscription(subscriber, kind, time.monotonic())
+
+    def _look_after(self, topic: str, state: State) -> None:
+        """Put right what a restarted master forgot and rospy gave up; say why there is no connection to a publisher."""
+        subscription, me = self._subscriptions[topic], self._rospy.get_name()
+        if me not in state.subscribers.get(topic, ()) or topic in self._failed:
+            self._failed.discard(topic)
+            self._master.register_subscriber(me, topic, subscription.kind, self._rospy.get_node_uri())
+        nodes = [node for node in state.publishers.get(topic, ()) if node != me]
+        if subscription.subscriber.get_num_connections():
+            self._subscriptions[topic] = subscription._replace(since=time.monotonic())
+        elif nodes and time.monotonic() - subscription.since > PATIENCE:
+            why = self._master.unreachable(nodes)
+            if why:
+                self._trouble(topic, f"{topic} is published, but {why}")
+
+    def _look_after_publication(self, topic: str, publication: _Publication, state: State) -> None:
+        me = self._rospy.get_name()
+        if publication.publisher is None:
+            publisher = self._rospy.Publisher(topic, publication.message_class, queue_size=1)
+            self._publications[topic] = publication._replace(publisher=publisher)
+        elif me not in state.publishers.get(topic, ()):
+            self._master.register_publisher(me, topic, publication.kind, self._rospy.get_node_uri())
+
+    def _adverts_of(self, state: State) -> list[Advert]:
+        me = self._rospy.get_name()
+        adverts = []
+        for topic in sorted({*state.publishers, *state.subscribers}):
+            kind = state.types.get(topic, "")
+            publishers = [n for n in state.publishers.get(topic, ()) if n != me or topic not in self._publications]
+            subscribers = [n for n in state.subscribers.get(topic, ()) if n != me or topic not in self._subscriptions]
+            adverts.append(Advert(topic, kind.replace("/", "/msg/"), bool(publishers), bool(subscribers)))
+        return adverts
+
+    def _receive(self, message: Any, topic: str) -> None:
+        if self._again.closed or topic not in self._wanted or self._listener is None:
+            return
+        if isinstance(message, self._rospy.AnyMsg):
+            try:
+                message = self._decode(topic, message)
+            except RecordingError as error:
+                self._trouble(topic, f"{topic}: a message of it cannot be read: {error}")
+                return
+        self._trouble(topic, "")
+        self._listener.on_message(topic, message)
+
+    def _decode(self, topic: str, message: Any) -> Any:
+        header = message._connection_header
+        key = header["type"] + header["md5sum"]
+        if key not in self._decoders:
+            kind = header["type"].replace("/", "/msg/")
+            channel = Channel(0, topic, kind, "ros1", header.get("message_definition", ""), 0)
+            self._decoders[key] = self._types.decoder(channel)
+        return self._decoders[key](message._buff)
+
+
+class _RospyLog(logging.Handler):
+    """Hands on what rospy only logs about a topic: the threads of its connections have the names of their topics."""
+
+    def __init__(self, feed: Ros1) -> None:
+        super().__init__(logging.WARNING)
+        self._feed = feed
+
+    def emit(self, record: logging.LogRecord) -> None:
+        lines = record.getMessage().strip().splitlines()
+        name, _, words = lines[-1].rpartition("Error: ")
+        what = "a message of it cannot be read" if name.endswith("Deserialization") else "no connection to a publisher"
+        if record.threadName:
+            self._feed.failed(record.threadName, f"{record.threadName}: {what}: {one_line(Exception(words))}")
+
+
+def _filled(message: Any, values: Mapping[str, Any]) -> Any:
+    """The message with these values in its fields; a stamp may come as ROS 2 writes it."""
+    names = {"sec": "secs", "nanosec": "nsecs"}
+    for key, value in values.items():
+        name = key if hasattr(message, key) else names.get(key, key)
+        if isinstance(value, Mapping):
+            _filled(getattr(message, name), value)
+        else:
+            setattr(message, name, value)
+    return message
+
+
+def ros1(name: str = "robowidgets") -> Feed:
+    """The topics of a running ROS 1, by rospy; ROS_MASTER_URI names the master.
+
+    Args:
+        name: of the node, to which a number is added. A program that has called `rospy.init_node` has its node already,
+            and that is used.
+
+    Raises:
+        FeedError: rospy cannot be imported or was shut down, the name is none that a node may have, or ROS_MASTER_URI
+            none of a master.
+
+    Example:
+        >>> from robowidgets import feeds
+        >>> feed = feeds.ros1()  # doctest: +SKIP
+    """
+    return Feed(Ros1(name))

@@ -1,0 +1,204 @@
+"""ROS 1: against a real master, and publishers in processes of their own."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import socket
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from robowidgets import LaserWidget, SpeedWidget, feeds
+from robowidgets.feeds.middleware import FeedError
+
+from ..unit.waiting import wait_for
+
+MODULE = importlib.import_module("robowidgets.feeds.ros1")  # by its name there is the function in it
+
+
+@pytest.fixture
+def feed(master, monkeypatch) -> Iterator[feeds.Feed]:
+    monkeypatch.setattr(MODULE, "POLL", 0.1)
+    monkeypatch.setattr(MODULE, "PATIENCE", 0.5)
+    with feeds.ros1() as opened:
+        yield opened
+
+
+def rays(laser: LaserWidget) -> int:
+    return len(laser.scan) if laser.scan is not None else 0
+
+
+def test_scans_and_speeds_arrive_and_are_listed(feed, publish):
+    laser, speed = LaserWidget(), SpeedWidget()
+    feed.connect("/one/scan", laser)
+    feed.connect("/one/odom", speed)
+    publish("/one/scan", "scan", 7)
+    publish("/one/odom", "odom", 25)
+    wait_for(lambda: rays(laser) == 7, "a scan comes")
+    wait_for(lambda: speed.speed is not None, "a speed comes")
+    assert speed.speed.values[0] == 0.25
+    wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+    listed = {topic.name: topic for topic in feed.topics}
+    assert listed["/one/scan"].type == "sensor_msgs/msg/LaserScan"
+    assert listed["/one/scan"].offered
+    assert listed["/one/scan"].wanted is False
+
+
+def test_messages_of_a_package_that_is_not_installed_are_read_by_the_definition_of_their_publisher(feed, publish):
+    laser = LaserWidget()
+    feed.connect("/two/scan", laser)
+    publish("/two/scan", "sweep", 6)
+    wait_for(lambda: rays(laser) == 6, "a sweep comes")
+    assert laser._source["type"] == "acme_msgs/msg/Sweep"
+
+
+def test_a_publisher_that_was_killed_and_comes_back_is_heard_again(feed, publish):
+    laser = LaserWidget()
+    feed.connect("/three/scan", laser)
+    publisher = publish("/three/scan", "scan", 5)
+    wait_for(lambda: rays(laser) == 5, "a scan comes")
+    publisher.kill()
+    wait_for(lambda: "rosnode cleanup" in laser._source["words"], "the widget says that its publisher has gone")
+    assert laser._source["words"].startswith("/three/scan is published, but its node /scan_")
+    publish("/three/scan", "scan", 9)
+    wait_for(lambda: rays(laser) == 9, "a scan of the next one comes")
+    wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+
+
+def test_a_master_that_was_killed_and_comes_back_hears_of_us_again(feed, publish, master):
+    laser = LaserWidget()
+    feed.connect("/four/scan", laser)
+    publish("/four/scan", "scan", 5)
+    wait_for(lambda: rays(laser) == 5, "a scan comes")
+    master.kill()
+    wait_for(lambda: feed.words, "the feed says that the master has gone")
+    assert f"no ROS master at http://127.0.0.1:{master.port}" in feed.words
+    assert "is roscore running, and ROS_MASTER_URI right?" in laser._source["words"]
+    master.start()
+    wait_for(lambda: not feed.words, "the feed is connected again")
+    publish("/four/scan", "scan", 8)
+    wait_for(lambda: rays(laser) == 8, "a scan of a publisher comes that only the new master knows")
+
+
+def test_a_topic_that_changes_its_type_is_heard_as_what_it_is_now(feed, publish):
+    came = []
+    feed.connect("/five/any", came.append)
+    publisher = publish("/five/any", "scan", 5)
+    wait_for(lambda: came, "a scan comes")
+    publisher.kill()
+    publish("/five/any", "odom", 30)
+    wait_for(lambda: hasattr(came[-1], "twist"), "an odometry comes")
+
+
+@pytest.mark.parametrize("what", ["cut", "cut_sweep"])
+def test_messages_that_cannot_be_read_are_told_and_the_next_good_one_is_shown(feed, publish, what):
+    laser, topic = LaserWidget(), f"/six/{what}"
+    feed.connect(topic, laser)
+    publisher = publish(topic, what)
+    wait_for(lambda: "cannot be read" in laser._source["words"], "the widget says that they cannot be read")
+    assert laser._source["words"].startswith(f"{topic}: a message of it cannot be read: ")
+    publisher.kill()
+    publish(topic, "sweep" if what == "cut_sweep" else "scan", 4)
+    wait_for(lambda: rays(laser) == 4, "a good scan comes")
+    wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+
+
+def test_two_publishers_with_different_geometry_are_told(feed, publish):
+    laser = LaserWidget()
+    feed.connect("/seven/scan", laser)
+    publish("/seven/scan", "scan", 5)
+    publish("/seven/scan", "scan", 9)
+    wait_for(lambda: "two scanners take turns on this topic" in laser._source["words"], "the widget says so")
+
+
+def test_driving_sends_speeds_and_a_zero_when_the_feed_is_closed(feed, publish):
+    robot = publish("/eight/cmd_vel", "hear")
+    feed.driving = feeds.Driving("/eight/cmd_vel", hold=60.0)
+    wait_for(lambda: any(topic.name == "/eight/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
+    heard: list[float] = []
+    listening = threading.Thread(target=lambda: heard.extend(map(float, robot.stdout)))
+    listening.start()
+    pause = threading.Event()
+    for _ in range(200):
+        feed.drive(0.25, 0.0)
+        if pause.wait(0.02) or heard:
+            break
+    feed.close()
+    wait_for(lambda: heard and heard[-1] == 0.0, "the robot hears zero")
+    robot.kill()
+    listening.join()
+    assert heard[0] == 0.25
+
+
+def test_only_types_that_are_installed_can_be_published(feed):
+    with pytest.raises(FeedError, match="cannot publish acme_msgs/Go: the Python package acme_msgs is not installed; "):
+        feed._middleware.publish("/go", "acme_msgs/msg/Go", {})
+
+
+def test_a_feed_may_be_closed_twice_and_in_a_callback(feed, publish):
+    closed = threading.Event()
+
+    def close(message):
+        feed.close()
+        closed.set()
+
+    feed.connect("/nine/scan", close)
+    publish("/nine/scan", "scan")
+    assert closed.wait(20.0)
+    feed.close()
+
+
+def test_many_opens_and_closes_leave_nothing_behind(feed, publish):
+    publish("/ten/scan", "scan", 5)
+
+    def once():
+        laser = LaserWidget()
+        with feeds.ros1() as opened:
+            opened.connect("/ten/scan", laser)
+            wait_for(lambda: rays(laser) == 5, "a scan comes")
+        laser.close()
+
+    def in_use():
+        return threading.active_count(), len(os.listdir("/proc/self/fd"))
+
+    once()
+    before = in_use()
+    for _ in range(20):
+        once()
+    # The master's own connections to the node come and go; one left by each opening would be 20.
+    wait_for(lambda: all(now < then + 8 for now, then in zip(in_use(), before, strict=True)), "no more are in use")
+
+
+def test_a_plain_subscriber_feeds_a_widget_from_its_own_thread_beside_a_feed(feed, publish):
+    import rospy
+    from sensor_msgs.msg import LaserScan
+
+    plain, fed = LaserWidget(), LaserWidget()
+    feed.connect("/eleven/scan", fed)
+    publish("/eleven/scan", "scan", 5)
+    wait_for(lambda: rays(fed) == 5, "the feed hears it")
+    subscriber = rospy.Subscriber("/eleven/scan", LaserScan, plain.update)
+    wait_for(lambda: rays(plain) == 5, "the subscriber hears it")
+    subscriber.unregister()
+
+
+def test_a_master_that_does_not_answer_is_told_of_and_holds_up_nobody(master, monkeypatch):
+    monkeypatch.setattr("robowidgets.feeds._ros1_master.SECONDS", 0.2)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
+        with feeds.ros1() as feed:
+            wait_for(lambda: "(no answer within 0.2 s)" in feed.words, "the feed says that it does not answer")
+
+
+@pytest.mark.parametrize("uri", ["robot:11311", "http://robot", "http://robot:many"])
+def test_a_master_that_cannot_be_is_refused_at_once(master, monkeypatch, uri):
+    monkeypatch.setenv("ROS_MASTER_URI", uri)
+    with pytest.raises(FeedError, match=f"ROS_MASTER_URI: expected something like http://robot:11311, got '{uri}'"):
+        feeds.ros1()
+
+
+def test_a_name_that_no_node_may_have_is_refused(master):
+    with pytest.raises(FeedError, match="name: expected the name of a node, letters, digits and _, got 'my robot'"):
+        feeds.ros1("my robot")
