@@ -5,10 +5,10 @@ import type { Frame, Place, Stream } from "./stream.ts";
 
 /** The bar under a frozen picture: it steps and drags through what came before, and tells how long ago that was. */
 export class Bar {
-  readonly root = make("div", "rw-bar");
+  readonly root = make("div", "rw-steps");
   readonly #slider = make("input", "rw-slider");
   readonly #time = make("b", "");
-  readonly #word = make("span", "rw-word", " from newest");
+  readonly #word = make("span", "rw-word");
 
   constructor(stream: Stream<Frame>, signal: AbortSignal) {
     const slider = this.#slider;
@@ -35,7 +35,7 @@ export class Bar {
     this.#slider.max = String(count - 1);
     this.#slider.value = String(index);
     setText(this.#time, isKnown ? `\u2212${age}` : behind === 0 ? "newest" : "earlier");
-    this.#word.hidden = !isKnown;
+    setText(this.#word, isKnown ? " from newest" : "");
     const words = isKnown ? `${age} before the newest` : this.#time.textContent;
     this.#slider.setAttribute("aria-valuetext", `${words}, ${index + 1} of ${count}`);
   }

@@ -25,6 +25,7 @@ export class Card {
   readonly #facts = make("span", "rw-facts");
   readonly #notice = make("div", "rw-notice");
   readonly #freeze: HTMLButtonElement;
+  readonly #freezeText = make("span", "");
   /** The words round the number give way where room is short. */
   readonly #freezeWords = ["rw-word", "rw-number", "rw-word"].map((name) => make("span", name));
   readonly #bar: Bar;
@@ -56,6 +57,7 @@ export class Card {
     this.footer = make("div", "rw-footer");
     this.#notice.setAttribute("role", "status");
     this.#freeze = makeButton("rw-freeze", "", () => stream.toggle(), signal);
+    this.#freezeText.append(...this.#freezeWords);
     this.#header.append(this.#title, this.#facts, this.controls);
     this.controls.append(this.#freeze);
     this.picture.append(this.#notice);
@@ -131,7 +133,7 @@ export class Card {
       this.#paused = paused;
       this.#freeze.setAttribute("aria-pressed", String(paused));
       setLabel(this.#freeze, paused ? "Show the newest again (space)" : "Freeze the picture (space)");
-      this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), ...this.#freezeWords);
+      this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), this.#freezeText);
     }
     const state = paused ? ["Frozen · ", toCount(since), " since"] : ["Freeze", "", ""];
     for (const [i, element] of this.#freezeWords.entries()) setText(element, state[i] ?? "");
