@@ -112,8 +112,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             lines = []
         elif there:
             lines = [f"no widget shows any of the topics there are: {', '.join(there)}"]
-        else:
+        elif self.feed.is_listed:
             lines = [f"connected to {self.feed.where}, where there is no topic yet"]
+        else:
+            lines = [f"connected to {self.feed.where}, waiting to hear which topics there are; connect() takes any"]
         text = "<br>".join(escape(line) for line in lines)
         if text != self._status.value:
             self._status.value = text

@@ -300,6 +300,11 @@ class Feed:
         with self._changed:
             return self._down or (self._links.get(topic) or Link(topic)).words(self._there)
 
+    @property
+    def is_listed(self) -> bool:
+        """Whether it was told which topics there are."""
+        return self._there is not None
+
     def forget(self, view: FeedView) -> None:
         """Tell a view nothing more."""
         with self._changed:

@@ -68,6 +68,8 @@ def test_topics_that_appear_later_get_a_widget_too(opened: Opened) -> None:
     script.listener.on_lost("refused", 1.0)
     assert words(view) == "cannot reach the script, trying again in 1 s: refused"
     script.listener.on_connected()
+    assert words(view) == ("connected to the script, waiting to hear which topics there are; connect() takes any")
+    script.listener.on_topics([])
     assert words(view) == "connected to the script, where there is no topic yet"
     script.listener.on_topics([IMU])
     assert words(view) == "no widget shows any of the topics there are: /imu"
