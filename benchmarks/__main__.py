@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import measure, recordings, table
+from . import columns, measure, recordings, table
 from .rivals import NAMES
 from .stage import open_stage, versions
 
@@ -30,6 +30,9 @@ Absolute figures depend on the machine and move by a third from run to run; rati
 - Imports are timed in fresh processes that have loaded ipykernel, ipywidgets and NumPy.
 - A recording is opened and its topics are listed; then it is opened and every sample is made that a widget can show
   (of the topics that both know), where rosbags makes its messages. In one process, in turn.
+- All scans of a topic are decoded into one array, where rosbags deserialises the same messages, and mcap-ros2-support
+  the first 500 of them (MCAP files only): each on a file that is open already, in one process, in turn. Of short
+  recordings most of the time goes into the code that rosbags makes for a type of messages, for either.
 - Every library starts in a fresh kernel and page, {repeats} times, in turn. Figures are medians of these.
 
 {versions}
@@ -70,6 +73,11 @@ def main() -> None:
         print("recordings", flush=True)
         read = recordings.compare(1000 if options.quick else 10_000, repeats + 2)
         parts += ["\n## Recordings, beside rosbags alone\n", table.readings(read)]
+        decoded, peaks = columns.compare(2000 if options.quick else 20_000, repeats)
+        parts += ["\n## All scans as one array\n", table.decodings(decoded)]
+        parts += [
+            f"\nPeak memory of a walk through the written file: {peaks[0]:.0f} MB, ten times as long: {peaks[1]:.0f} MB."
+        ]
     text = "\n".join(parts).format(
         patience=measure.PATIENCE,
         repeats=repeats,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isinf
 
+from .columns import Decoding
 from .measure import Endurance, Four
 from .recordings import Reading
 
@@ -88,6 +89,24 @@ def endurance(parts: Mapping[str, Endurance]) -> str:
     memories = ["page's heap, MB", "kernel, MB", "server, MB"]
     body = [[name, *map(say, vars(part).values())] for name, part in parts.items()]
     return markdown([*titles, *memories], body)
+
+
+def decodings(files: Mapping[str, Decoding]) -> str:
+    """How many scans a second are decoded, one line per topic."""
+    body = [
+        [
+            name,
+            f"{one.scans:,} of {one.rays:,} rays",
+            f"{one.ours:,.0f}",
+            f"{one.rosbags:,.0f}",
+            times(one.ours / one.rosbags),
+            f"{one.mcap:,.0f}" if one.mcap else "",
+            times(one.ours / one.mcap) if one.mcap else "",
+        ]
+        for name, one in files.items()
+    ]
+    heads = ["", "scans", "decoded a second", "rosbags", "times as fast", "mcap-ros2-support", "times as fast"]
+    return markdown(heads, body)
 
 
 def readings(files: Mapping[str, Reading]) -> str:

@@ -1,21 +1,33 @@
-"""Pages read ahead, on the other core, while the last one is worked on."""
+"""Compressed pages read ahead, on the other core, while the last one is worked on."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from itertools import islice
+from itertools import chain, islice
 from typing import TypeVar
 
 THREADS = 2
-"""Reading and decompressing do not hold Python's lock: two threads keep two cores busy."""
+"""Decompressing does not hold Python's lock: two threads keep two cores busy."""
 
 T = TypeVar("T")
 
 
 def read_ahead(pages: Iterator[Callable[[], T]]) -> Iterator[T]:
-    """What each page gives, in their order. Raises what reading a page raised, when its turn comes."""
+    """What each page gives, in their order. Raises what reading a page raised, when its turn comes.
+
+    Pages that are ``packed`` are read ahead; of others there is nothing to do but to read, which is quicker than to
+    wait for a thread.
+    """
+    first = next(pages, None)
+    if first is None:
+        return
+    pages = chain((first,), pages)
+    if not getattr(first, "packed", False):
+        for page in pages:
+            yield page()
+        return
     with ThreadPoolExecutor(THREADS, thread_name_prefix="robowidgets-pages") as pool:
         waiting: deque[Future[T]] = deque(pool.submit(page) for page in islice(pages, THREADS))
         try:

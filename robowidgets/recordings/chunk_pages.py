@@ -39,6 +39,7 @@ class McapPage:
     Args:
         path: the file.
         start, size: where the record of the chunk lies, as the index has it, and the records of its own index after it.
+        packed: whether it is compressed, as the index has it.
         channels: those that are wanted, by their ids in the file.
 
     Raises:
@@ -48,6 +49,7 @@ class McapPage:
     path: Path
     start: int
     size: int
+    packed: bool
     channels: Mapping[int, Channel]
 
     def __call__(self) -> Held:
@@ -123,6 +125,11 @@ class BagPage:
     compression: str
     index: Mapping[int, Sequence[tuple[int, int]]]
     channels: Mapping[int, Channel]
+
+    @property
+    def packed(self) -> bool:
+        """Whether it is compressed."""
+        return bool(self.compression)
 
     def __call__(self) -> Held:
         """The messages, to be found."""

@@ -120,8 +120,9 @@ def _mcap_pages(reader: McapReader, channels: ById) -> Pages:
     wanted.sort(key=lambda chunk: chunk.chunk_start_offset)
     path = Path(str(reader.path))
     return [
-        McapPage(path, chunk.chunk_start_offset, chunk.chunk_length + chunk.message_index_length, channels)
+        McapPage(path, chunk.chunk_start_offset, size, bool(chunk.compression), channels)
         for chunk in wanted
+        for size in (chunk.chunk_length + chunk.message_index_length,)
     ]
 
 

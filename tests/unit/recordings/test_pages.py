@@ -143,13 +143,15 @@ class TestDamage:
         source.close()
 
 
-def test_reading_ahead_keeps_the_order_and_passes_on_errors() -> None:
+@pytest.mark.parametrize("packed", [True, False])
+def test_reading_ahead_keeps_the_order_and_passes_on_errors(packed: bool) -> None:
     def page(number: int) -> Any:
         def read() -> int:
             if number == 3:
                 raise OSError("the disk is gone")
             return number
 
+        read.packed = packed  # type: ignore[attr-defined]
         return read
 
     read = read_ahead(page(number) for number in range(5))
