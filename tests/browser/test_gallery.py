@@ -28,12 +28,14 @@ laser.update(recording.at("/scan", moment))
 player = recording.show()
 player.seek(moment)
 laser.pinned = laser.scan.nearest().index
+scanogram = recording.scanogram()
+scanogram.time, scanogram.selection = moment, (moment - 2, moment + 4)
 """
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
-    nb = notebook([WIDGETS, "laser", "speed", "touch", "player"], scale=2, theme=theme)
+    nb = notebook([WIDGETS, "laser", "speed", "touch", "player", "scanogram"], scale=2, theme=theme)
     nb.resize(680)
     nb.widget(1).locator(".rw-freeze").click()
     nb.python("for i in range(37): laser.update(laser.scan)")
@@ -42,3 +44,4 @@ def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Liter
         shoot(nb.widget(cell).locator(".rw-card"), f"gallery-{name}-{theme}")
     nb.resize(1180)
     shoot(nb.output(4), f"gallery-recording-{theme}")
+    shoot(nb.widget(5).locator(".rw-card"), f"gallery-scanogram-{theme}")

@@ -124,18 +124,23 @@ def test_the_wheel_zooms_down_to_single_scans_while_a_cell_runs(notebook: Callab
     box = picture_of(card).bounding_box()
     assert box
     nb.page.mouse.move(box["x"] + spot["x"], box["y"] + spot["y"], steps=3)  # on its way, as the wheel asks
-    for _ in range(24):
+    for _ in range(10):
         nb.page.mouse.wheel(0, -200)
-    expect(everything).to_be_enabled()
-    says(card, "0.50 m")
+    expect(everything, "it zooms in the page").to_be_enabled()
+    says(card, "ranges[90]")
     nb.interrupt()
     with pytest.raises(AssertionError, match="KeyboardInterrupt"):
         nb.wait(1)
+    eventually(lambda: len(nb.python("print(scanogram.view)").split()), 2)
+    start, end = (float(t) for t in nb.python("print(*scanogram.view)").split())
+    assert start < 200.05 < end < start + 4
+    spot = at(card, 200.05, (start, end), height_of(card, 90))
+    picture_of(card).hover(position=spot)
     says(card, "0.50 m", "200.00 s  scan 2", "000")
     expect(card.locator(".rw-popup:visible"), "the very scan is known").not_to_contain_text("nearest of")
-    start, end = (float(t) for t in nb.python("print(*scanogram.view)").split())
-    assert start < 200.05 < end
-    assert end - start < 4
+    for _ in range(10):
+        nb.page.mouse.wheel(0, -200)
+    eventually(lambda: nb.python("print(round(scanogram.view[1] - scanogram.view[0], 3))").strip(), "0.1")
     picture_of(card).dblclick(position=spot)
     eventually(lambda: nb.python("print(scanogram.view)").strip(), "None")
 
@@ -182,17 +187,19 @@ def test_a_reload_and_an_export_keep_what_is_on_show(
     shows_the_state(page, page.locator(".rw-scanogram"))
 
 
-RECORDINGS = ("turtlebot3_gazebo.bag", "neato_fsm", "tilt_laser.bag", "hokuyo_people.bag", "edmonton.log.gz")
+RECORDINGS = ("turtlebot3_gazebo.bag", "neato_fsm", "tilt_laser.bag")
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_real_recordings_fit_wide_and_narrow_pages(notebook: Callable[..., Notebook], data: Path, theme: str) -> None:
+@pytest.mark.parametrize(("theme", "scale", "widths"), [("light", 1, (320, 1200)), ("dark", 2, (700,))])
+def test_real_recordings_fit_wide_and_narrow_pages(
+    notebook: Callable[..., Notebook], data: Path, theme: str, scale: int, widths: tuple[int, ...]
+) -> None:
     cells = ["import robowidgets"]
     for file in RECORDINGS:
         path = str(data / "good" / file)
         cells.append(f"r = robowidgets.open({path!r})\ns = r.scanogram()\ns.time = r.duration / 3\ns")
-    nb = notebook(cells, theme=theme, scale=2 if theme == "dark" else 1)
-    for width in (320, 700, 1200):
+    nb = notebook(cells, theme=theme, scale=scale)
+    for width in widths:
         nb.resize(width)
         for i, file in enumerate(RECORDINGS, start=1):
             card = nb.widget(i).locator(".rw-card")
