@@ -26,6 +26,7 @@ const FOREIGN = {
   "the page or the language has it": found(`${JS}node_modules/@typescript/`, /\/lib\.(dom|es)[\w.]*\.d\.ts$/, MEMBER),
   "anywidget has it": found(`${JS}node_modules/@anywidget/types/`, /\.d\.ts$/, /(\w+)/g),
   "a model may have it": found(PYTHON, /^\w+\.py$/, /^ {4}(\w+)(?:: [^=]+)? = |["'](\w+)["']:/gm),
+  "it may be missing, as what Python sends in dictionaries may": found(JS, OURS, /^\s+(\w+)\?:/gm),
   "it is quoted": found(JS, OURS, /["'`](\w+)["'`]/g),
   "it is an attribute of data": found(JS, OURS, /dataset\.(\w+)/g),
 };

@@ -15,7 +15,7 @@ export class Layer {
     const canvas = make("canvas", "rw-layer");
     canvas.setAttribute("aria-hidden", "true");
     const context = canvas.getContext("2d");
-    if (!context) throw new Error("robowidgets: this browser gives no 2D canvas");
+    if (!context) throw new Error("robowidgets: no 2D canvas here");
     this.canvas = canvas;
     this.context = context;
     parent.append(canvas);
