@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from .laser_widget import LaserWidget
 from .samples import Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity
+from .scanogram_widget import ScanogramWidget
 from .speed_widget import SpeedWidget
 from .touch_widget import TouchWidget
 
@@ -27,6 +28,7 @@ __all__ = [
     "Recording",
     "RecordingError",
     "Scan",
+    "ScanogramWidget",
     "Speed",
     "SpeedWidget",
     "Touch",

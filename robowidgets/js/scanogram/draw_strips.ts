@@ -56,7 +56,7 @@ export function drawSpeed(
   context.setLineDash([]);
   context.save();
   context.beginPath();
-  context.rect(left, band.top - 6, width, band.height + 8);
+  context.rect(left, band.top - 7, width, band.height + 14);
   context.clip();
   const [least, greatest] = [speeds.least[number], speeds.greatest[number]];
   if (least && greatest) drawLine(context, axis, speed.gap, speeds.starts, least, greatest, limits, toY, theme);
