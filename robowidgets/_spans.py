@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import inf, isfinite, nan
 from numbers import Real
 from typing import Any
 
@@ -42,3 +42,35 @@ class TimeSpan(traitlets.TraitType[Any, Any]):
         if (first, stop) != tuple(parts[2:]) or not 0 <= first < stop:
             raise traitlets.TraitError(f"{self.name}: expected rays as whole numbers, 0 <= first < stop; got {value!r}")
         return start, end, first, stop
+
+
+class Seconds(traitlets.TraitType[Any, Any]):
+    """A time in seconds from the start; one outside of 0 to the owner's ``duration`` becomes the nearer end."""
+
+    default_value = 0.0
+
+    def validate(self, obj: Any, value: Any) -> float:
+        """The time; TraitError when it is none."""
+        if isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value):
+            raise traitlets.TraitError(f"{self.name}: expected seconds from the start, got {value!r}")
+        return min(max(0.0, float(value)), float(obj.duration))
+
+
+class Marks(traitlets.TraitType[Any, Any]):
+    """(start, end, text) for each stretch that is marked: seconds from the start, 0 <= start <= end."""
+
+    default_value = ()
+
+    def validate(self, _obj: Any, value: Any) -> tuple[tuple[float, float, str], ...]:
+        """The marks in the order of time; TraitError names the one that is wrong."""
+        return tuple(sorted(self._mark(mark) for mark in value))
+
+    def _mark(self, mark: Any) -> tuple[float, float, str]:
+        try:
+            start, end, text = mark
+            seconds = float(start), float(end)
+        except (TypeError, ValueError):
+            seconds = nan, nan
+        if not 0 <= seconds[0] <= seconds[1] < inf:
+            raise traitlets.TraitError(f"{self.name}: expected (start, end, text), seconds in order; got {mark!r}")
+        return *seconds, str(text)

@@ -242,7 +242,7 @@ class Recording:
         return find(self, condition, topics)
 
     def show(self, *topics: str) -> Player:
-        """The widgets that fit its topics, with a slider through its time, for the page.
+        """The widgets that fit its topics, with a player for its time, for the page.
 
         They read the file by themselves: this recording may be read on, or closed.
 

@@ -1,49 +1,47 @@
-"""A recording on the page: the widgets that fit its topics, and a slider through its time."""
+"""A recording on the page: the widgets that fit its topics, and a player for its time."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from html import escape
-from math import ceil, isfinite, nan
 from typing import Any, NamedTuple
 
 import ipywidgets
-import numpy as np
+import traitlets
 
 from .._layout import WIDE, columns
 from .._picks import Pick, picks
-from ..samples import Scan, Speed
+from .._spans import Marks, Seconds, TimeSpan
+from .._traits import Flag
+from ..player_widget import PlayerWidget
 from ..touch_widget import TouchWidget
-from .recording import Recording
-from .timeline import Topic
+from .recording import Recording, open
+from .sender import STRETCH, Sender, stretch
+from .stills import NO_SCAN, NO_SPEED, LaserTrack, SpeedTrack, TouchTrack, Track
 from .touch_history import TouchHistory
 
-TICK = 0.1
-"""Seconds of the recording, and of the clock on the wall, from one picture to the next while it plays."""
-
-_NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 1.0, notes=("no scan up to this time of the recording",))
-_NO_SPEED = Speed((nan, nan, nan), (nan, nan, nan))
 _EARLY = 0.1
-_STEPS = 100
-
 
 Seek = Callable[[float], None]
 """Makes a widget show a topic at a time, in seconds from the start."""
 
 
 class View(NamedTuple):
-    """A widget, and by the name of each topic that it shows what makes it show a time of that."""
+    """A widget, what it shows, and by the name of each topic what makes it show a time of that."""
 
     widget: Any
+    pick: Pick
     seeks: dict[str, Seek]
 
 
 class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """What `Recording.show` gives: the widgets for topics of a recording, and a slider for the time that they show.
+    """What `Recording.show` gives: the widgets for topics of a recording, and one time that all of them show.
 
     Each widget shows the last sample at that time or before it; a commanded speed is a tick on the bars of the measured
-    one. `close` takes all of it off the page and closes the recording.
+    one. Playing, stepping and dragging happen in the page, from what was sent ahead, also while a cell runs. `close`
+    takes all of it off the page and closes the recording.
 
     Args:
         recording: what is shown. Nothing else may read it meanwhile.
@@ -53,62 +51,99 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         UnknownTopicError: it has no such topic, or one that no widget shows.
     """
 
+    time = Seconds(help="Seconds from the start of the recording, on show now. Settable.")
+    playing = Flag(False, help="Whether it plays. Settable.")
+    speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording in one on the wall. Settable.")
+    loop = Flag(False, help="Whether it begins again at the end; of the selection, if there is one. Settable.")
+    selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None. Settable.")
+    marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start. Settable.")
+
     def __init__(self, recording: Recording, topics: Sequence[str] = ()) -> None:
         self.recording = recording
         self.views: tuple[View, ...] = ()
         recording.samples(topics or None)
-        self.views = _views(recording, [t for t in recording.topics if t.widget and (not topics or t.name in topics)])
+        shown = picks(t for t in recording.topics if not topics or t.name in topics)
+        self.views = tuple(_view(recording, pick) for pick in shown)
         self._seeking = threading.Lock()
-        self.slider = ipywidgets.FloatSlider(
-            value=_step(_first_look(recording, self.views)),
-            max=_step(max(recording.duration, TICK)),
-            step=1 / _STEPS,
-            description="Time (s)",
-            layout=ipywidgets.Layout(flex="1 1 200px", width="auto"),
-        )
-        self._play = ipywidgets.Play(max=ceil(recording.duration / TICK), interval=round(1000 * TICK))
-        self._play.observe(self._on_play, "value")
-        self.slider.observe(self._on_slide, "value")
-        controls = ipywidgets.Box([self._play, self.slider], layout=WIDE)
         self._problems = ipywidgets.HTML()
+        for view in self.views:
+            view.widget.live, view.widget.led = False, True
+        self.bar = self._make_bar()
         moves = recording.duration and self.views
-        super().__init__([self._problems, *([controls] if moves else []), self._widgets()])
-        self._on_slide(None)
+        super().__init__([self._problems, *([self.bar] if moves else []), self._widgets()])
+        for name in ("time", "playing", "speed", "loop", "selection", "marks"):
+            traitlets.link((self.bar, name), (self, name))
+        self._sender = Sender(self._open_tracks, self._send, recording.duration, self._complain)
+        self.bar.when_asked(self._sender.start)
+        self.bar.observe(self._on_time, ["time", "playing", "speed", "loop", "selection"])
+        for view in self.views:
+            if view.pick.widget == "laser":
+                view.widget.observe(lambda _: self._sender.start(), "angle_offset")
+        self._on_time(None)
+
+    @property
+    def duration(self) -> float:
+        """Seconds of the recording."""
+        return self.recording.duration
 
     def seek(self, seconds: float) -> None:
-        """Show a time, in seconds from the start of the recording, to the next hundredth: the slider's step.
+        """Show a time, in seconds from the start of the recording.
 
         Raises:
-            ValueError: it is no time.
+            traitlets.TraitError: it is no time.
         """
-        if not isfinite(seconds):
-            raise ValueError(f"seconds: expected seconds from the start of the recording, got {seconds!r}")
-        self.slider.value = _step(seconds)
+        self.time = seconds
 
     def close(self) -> None:
         """Take it off the page and close the recording."""
+        self._sender.close()
         for view in self.views:
             view.widget.close()
+        self.bar.close()
         super().close()
         self.recording.close()
 
-    def _widgets(self) -> ipywidgets.Box:
-        """Lasers in the wide column, the rest one under the other beside them, or below where room is short."""
-        for view in self.views:
-            view.widget.live = False
-        widgets = [view.widget for view in self.views]
-        return ipywidgets.Box(columns(widgets), layout=WIDE)
+    def _make_bar(self) -> PlayerWidget:
+        """The bar, with the first look in its state: there at once, however busy the kernel is."""
+        seconds = _first_look(self.recording, self.views)
+        index = int(seconds // STRETCH)
+        packed = stretch(_tracks(self.recording, self.views), index)
+        return PlayerWidget(
+            duration=self.recording.duration,
+            time=seconds,
+            _stretch=STRETCH,
+            _targets=[view.widget.model_id for view in self.views],
+            _first={
+                "stretch": index,
+                "drop": [],
+                "abouts": [abouts for abouts, _ in packed],
+                "tracks": [raw for _, raw in packed],
+            },
+        )
 
-    def _on_slide(self, _change: Any) -> None:
-        seconds = self.slider.value
-        # Moves of the slider may come in a thread of their own while a cell runs.
+    @contextmanager
+    def _open_tracks(self) -> Iterator[Sequence[Track]]:
+        """Of a recording opened anew: one thread at a time may read one."""
+        with open(self.recording.path) as recording:
+            yield _tracks(recording, self.views)
+
+    def _send(self, content: dict[str, Any], buffers: list[bytes]) -> None:
+        self.bar.send(content, buffers)
+
+    def _complain(self, words: str) -> None:
+        self.bar._words = words
+
+    def _widgets(self) -> ipywidgets.Box:
+        return ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
+
+    def _on_time(self, _change: Any) -> None:
+        self._sender.tell(self.bar.time, self.bar.speed if self.bar.playing else 0.0, self.bar.span)
+        # What the page tells may come in a thread of its own while a cell runs.
         with self._seeking:
             for view in self.views:
                 for seek in view.seeks.values():
-                    seek(seconds)
+                    seek(self.bar.time)
             self._tell_problems()
-        if self._apart():
-            self._play.value = round(seconds / TICK)
 
     def _tell_problems(self) -> None:
         """Some are found only where they lie, on the way through the recording."""
@@ -116,29 +151,30 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._problems.value = "<br>".join(lines)
         self._problems.layout.display = None if lines else "none"
 
-    def _on_play(self, _change: Any) -> None:
-        if self._apart():
-            self.slider.value = min(self._play.value * TICK, self.slider.max)
-
-    def _apart(self) -> bool:
-        """Whether playing and slider are at different times: the finer steps of the slider do not count."""
-        return bool(abs(self._play.value * TICK - self.slider.value) > 0.6 * TICK)
-
-
-def _views(recording: Recording, topics: Iterable[Topic]) -> tuple[View, ...]:
-    return tuple(_view(recording, pick) for pick in picks(topics))
-
 
 def _view(recording: Recording, pick: Pick) -> View:
     widget, name = pick.make(), pick.topic
     if pick.widget == "laser":
-        return View(widget, {name: _newest(recording, name, widget.update, _NO_SCAN)})
+        return View(widget, pick, {name: _newest(recording, name, widget.update, NO_SCAN)})
     if pick.widget == "touch":
-        return View(widget, {name: _replay(recording, name, widget)})
-    seeks = {name: _newest(recording, name, widget.update, _NO_SPEED)}
+        return View(widget, pick, {name: _replay(recording, name, widget)})
+    seeks = {name: _newest(recording, name, widget.update, NO_SPEED)}
     if pick.command:
-        seeks[pick.command] = _newest(recording, pick.command, widget.command, _NO_SPEED)
-    return View(widget, seeks)
+        seeks[pick.command] = _newest(recording, pick.command, widget.command, NO_SPEED)
+    return View(widget, pick, seeks)
+
+
+def _tracks(recording: Recording, views: Iterable[View]) -> list[Track]:
+    return [_track(recording, view) for view in views]
+
+
+def _track(recording: Recording, view: View) -> Track:
+    name = view.pick.topic
+    if view.pick.widget == "laser":
+        return LaserTrack(recording, name, view.widget)
+    if view.pick.widget == "touch":
+        return TouchTrack(recording, name)
+    return SpeedTrack(recording, name, view.pick.command, view.widget)
 
 
 def _newest(recording: Recording, topic: str, update: Callable[[Any], None], nothing: Any) -> Seek:
@@ -170,11 +206,3 @@ def _first_look(recording: Recording, views: Iterable[View]) -> float:
     firsts = (next(recording.samples(topic), None) for view in views for topic in view.seeks)
     seconds = [first.seconds for first in firsts if first]
     return max((s for s in seconds if s <= _EARLY * recording.duration), default=min(seconds, default=0.0))
-
-
-def _step(seconds: float) -> float:
-    """The slider's step at a time or next after it, where what was measured at that time is on show.
-
-    The page rounds a value between two steps, perhaps to the one before.
-    """
-    return ceil(round(seconds * _STEPS, 8)) / _STEPS

@@ -4,7 +4,7 @@ import type { Model } from "../../robowidgets/js/shared/model.ts";
 export class FakeModel {
   readonly saved: Record<string, unknown>[] = [];
   readonly #values: Record<string, unknown>;
-  readonly #callbacks = new Map<string, Set<() => void>>();
+  readonly #callbacks = new Map<string, Set<(...given: unknown[]) => void>>();
   #changed: Record<string, unknown> = {};
 
   constructor(values: Record<string, unknown> = {}) {
@@ -38,6 +38,11 @@ export class FakeModel {
     const changed = Object.keys(values).filter((name) => this.#values[name] !== values[name]);
     Object.assign(this.#values, values);
     for (const name of changed) for (const callback of this.#callbacks.get(`change:${name}`) ?? []) callback();
+  }
+
+  /** A message of Python that is no trait. */
+  tell(content: unknown, buffers: DataView[] = []): void {
+    for (const callback of this.#callbacks.get("msg:custom") ?? []) callback(content, buffers);
   }
 
   /** How many callbacks there are. */

@@ -8,13 +8,16 @@ from math import isnan, nan
 from pathlib import Path
 
 import pytest
+from traitlets import TraitError
 
 from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
 from robowidgets.recordings import Recording, open
-from robowidgets.recordings.show import Player
+from robowidgets.recordings.sender import stretch
+from robowidgets.recordings.show import Player, _tracks
 from robowidgets.recordings.touch_history import TouchHistory
 from robowidgets.touch_tracker import TouchSensor, TouchTracker
 
+from ..waiting import wait_for
 from . import robot
 
 S = 1_000_000_000
@@ -65,10 +68,10 @@ def test_topics_may_be_chosen_and_a_command_alone_has_bars_of_its_own(path: Path
         assert widget(player, SpeedWidget).speed.linear[0] == 0.7  # type: ignore[attr-defined]
 
 
-def test_every_widget_shows_the_time_of_the_slider_forth_and_back(player: Player) -> None:
+def test_every_widget_shows_the_time_forth_and_back(player: Player) -> None:
     laser, speed, touch = (widget(player, kind) for kind in (LaserWidget, SpeedWidget, TouchWidget))
     for seconds in (6.55, 2.95, 9.9, 0.0):
-        player.slider.value = seconds
+        player.time = seconds
         i = int(seconds * 10)
         assert laser.scan.ranges.tolist() == [pytest.approx(1 + i / 100)]  # type: ignore[attr-defined]
         assert speed.speed.linear[0] == i / 100  # type: ignore[attr-defined]
@@ -101,19 +104,63 @@ def test_it_reads_on_when_the_recording_is_closed(path: Path) -> None:
         player.recording.at("/scan", 1.0)
 
 
-def test_playing_moves_the_slider_and_the_slider_the_playing(player: Player) -> None:
-    player._play.value = 42
-    assert player.slider.value == pytest.approx(4.2)
-    player.slider.value = 7.77
-    assert player._play.value == 78
-    assert player.slider.value == 7.77
-    player._play.value = player._play.max
-    assert player.slider.value == 10.0
+def test_its_time_can_be_observed_and_kept_within_the_recording(player: Player) -> None:
+    seen: list[float] = []
+    player.observe(lambda change: seen.append(change["new"]), "time")
+    player.time = 7.77
+    player.time = 99
+    player.time = -1
+    assert seen == [7.77, 10.0, 0.0]
+    with pytest.raises(TraitError, match="time: expected seconds from the start, got nan"):
+        player.seek(nan)
+
+
+def test_what_is_set_of_playing_reaches_the_bar_and_back(player: Player) -> None:
+    player.speed, player.loop, player.selection = 2, True, (2, 3)
+    player.marks = [(4, 5, "late"), (1, 1.5, "early")]
+    bar = player.bar
+    assert (bar.speed, bar.loop, bar.selection, bar.span) == (2.0, True, (2.0, 3.0), (2.0, 3.0))
+    assert bar.marks == ((1.0, 1.5, "early"), (4.0, 5.0, "late"))
+    bar.playing = True
+    assert player.playing
+    assert (player._sender.cursor.rate, player._sender.cursor.span) == (2.0, (2.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "error"),
+    [
+        ("speed", 0.01, "speed"),
+        ("selection", (3, 2), r"selection: expected None or \(start, end\) in seconds"),
+        ("marks", [(1, 2)], r"marks: expected \(start, end, text\), seconds in order; got \(1, 2\)"),
+        ("marks", [(2, 1, "x")], r"marks: expected \(start, end, text\), seconds in order; got \(2, 1, 'x'\)"),
+    ],
+)
+def test_what_cannot_be_is_refused(player: Player, name: str, value: object, error: str) -> None:
+    with pytest.raises(TraitError, match=error):
+        setattr(player, name, value)
+
+
+def test_a_page_that_has_nothing_gets_the_time_on_show_first(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
+    sent: list[tuple[dict, list[bytes]]] = []
+    monkeypatch.setattr(player.bar, "send", lambda content, buffers: sent.append((content, buffers)))
+    player.time = 5.5
+    player.bar._handle_custom_msg({"have": "nothing"}, [])
+    wait_for(lambda: len(sent) >= 5, "the last five seconds came, and the one before")
+    assert [content["stretch"] for content, _ in sent] == [5, 6, 4, 7, 8, 9, 10][: len(sent)]
+    assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in sent)
+
+
+def test_the_first_look_is_in_the_state_of_the_bar(player: Player) -> None:
+    first = player.bar._first
+    assert first["stretch"] == int(player.time)
+    assert [len(track) for track in first["tracks"]] == [
+        len(raw) for _, raw in stretch(_tracks(player.recording, player.views), 0)
+    ]
 
 
 def test_it_starts_where_what_starts_early_has_something_to_show(data: Path) -> None:
     with shown(data / "good" / "neato_fsm", "/scan", "/bump") as player:
-        assert 0 < player.slider.value < 3.3
+        assert 0 < player.time < 3.3
         assert len(widget(player, LaserWidget).scan) == 361  # type: ignore[attr-defined]
 
 
@@ -122,7 +169,6 @@ def test_the_neato_bumps_where_it_bumped(data: Path) -> None:
         touch = widget(player, TouchWidget)
         bump = next(m for m in player.recording.samples("/bump") if any(m.sample.touched.values()))  # type: ignore[union-attr]
         player.seek(bump.seconds)
-        player.slider.value = float(f"{player.slider.value:.2f}")
         assert TouchState.TOUCHED in touch.states.values()  # type: ignore[attr-defined]
         player.seek(21.9)
         assert set(touch.states.values()) == {TouchState.FREE}  # type: ignore[attr-defined]
@@ -144,7 +190,7 @@ def test_what_is_wrong_stands_above(data: Path, name: str, line: str) -> None:
         assert player.children[0].value.startswith(f"⚠ {line}")
 
 
-def test_where_nothing_can_be_shown_there_is_no_slider(data: Path) -> None:
+def test_where_nothing_can_be_shown_there_is_no_bar(data: Path) -> None:
     with shown(data / "odd" / "jazzy_mcap_no_laser") as player:
         assert [type(child).__name__ for child in player.children] == ["HTML", "Box"]
         assert player.children[1].children == ()
@@ -165,31 +211,9 @@ def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path) -> None:
         assert told.layout.display is None
 
 
-def test_a_time_between_two_steps_of_the_slider_is_shown_at_the_next(path: Path) -> None:
-    with shown(path) as player:
-        for seconds, step in ((3.1999, 3.2), (3.2, 3.2), (0.57, 0.57), (1.1, 1.1), (9.991, 10.0), (99.0, 10.0)):
-            player.seek(seconds)
-            assert player.slider.value == step
-        with pytest.raises(ValueError, match="seconds: expected seconds from the start of the recording, got nan"):
-            player.seek(nan)
-        assert player.slider.max == 10.0
-        assert player.slider.step == 0.01
-
-
-@pytest.mark.parametrize("name", ["good/tilt_laser.bag", "good/neato_fsm", "good/edmonton.log.gz"])
-def test_the_first_picture_is_still_there_when_the_page_has_rounded_its_time(data: Path, name: str) -> None:
-    with shown(data / name) as player:
-        laser = widget(player, LaserWidget)
-        rays = len(laser.scan)  # type: ignore[attr-defined]
-        assert rays > 100
-        player.slider.value = float(f"{player.slider.value:.2f}")
-        assert len(laser.scan) == rays  # type: ignore[attr-defined]
-        assert player.slider.max >= player.recording.duration
-
-
 def test_it_starts_where_the_first_topic_does_when_none_starts_early(data: Path) -> None:
     with shown(data / "odd" / "every_ros2_type_mcap") as player:
-        assert player.slider.value == 2.1
+        assert player.time == pytest.approx(2.1, abs=0.01)
         assert widget(player, SpeedWidget).speed.linear[0] == 1.0  # type: ignore[attr-defined]
 
 

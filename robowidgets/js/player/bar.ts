@@ -1,0 +1,137 @@
+import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
+import { toFixed } from "../shared/format.ts";
+import { getFlag, getNumber, getString, type Model, put } from "../shared/model.ts";
+import { onceAFrame } from "../shared/schedule.ts";
+import { applyTheme, watchTheme } from "../shared/theme.ts";
+import { actionOf, SPEEDS } from "./keys.ts";
+import type { Playback } from "./playback.ts";
+
+const PLAY = "M3 1.2l7 4.8-7 4.8z";
+const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
+const REPEAT =
+  "M3 2.5h4.5a3 3 0 0 1 3 3v.7H9.3v-.7a1.8 1.8 0 0 0-1.8-1.8H3v1.6L.5 3.1 3 .9z M9 9.5H4.5a3 3 0 0 1-3-3v-.7h1.2v.7a1.8 1.8 0 0 0 1.8 1.8H9V6.7l2.5 2.2L9 11.1z";
+const DECIMALS = 2;
+
+/** The bar that moves through a recording: buttons, the time, and a slider with marks on it. */
+export class PlayerBar {
+  readonly #model: Model;
+  readonly #playback: Playback;
+  readonly #root = make("div", "rw-card rw-player");
+  readonly #play: HTMLButtonElement;
+  readonly #loop: HTMLButtonElement;
+  readonly #time = make("b", "rw-play-now");
+  readonly #duration = make("span", "rw-play-duration");
+  readonly #slider = make("input", "rw-slider");
+  readonly #marks = make("div", "rw-play-marks");
+  readonly #speed = make("select", "rw-button rw-play-speed");
+  readonly #words = make("span", "rw-play-words");
+  #drawn = "";
+  #icon = "";
+
+  constructor(model: Model, element: HTMLElement, playback: Playback, signal: AbortSignal) {
+    this.#model = model;
+    this.#playback = playback;
+    const back = makeButton("rw-step", "One scan back (,)", () => playback.step(-1), signal);
+    back.textContent = "\u2039";
+    const on = makeButton("rw-step", "One scan on (.)", () => playback.step(1), signal);
+    on.textContent = "\u203a";
+    this.#play = makeButton("rw-play", "Play (space)", () => playback.toggle(), signal);
+    const onLoop = () => put(model, { loop: !getFlag(model, "loop") });
+    this.#loop = makeButton("rw-loop", "Play it again and again, the selection if there is one (l)", onLoop, signal);
+    this.#loop.append(makeIcon(REPEAT));
+    this.#makeSlider(signal);
+    this.#makeSpeed(signal);
+    this.#words.setAttribute("role", "status");
+    const time = make("span", "rw-play-time");
+    time.append(this.#time, this.#duration);
+    const track = make("div", "rw-play-line");
+    track.append(this.#marks, this.#slider);
+    this.#root.append(back, this.#play, on, time, track, this.#words, this.#speed, this.#loop);
+    this.#root.tabIndex = -1;
+    this.#root.addEventListener("keydown", (event) => this.#onKey(event), { signal });
+    element.append(this.#root);
+
+    const draw = onceAFrame(() => this.#draw(), signal);
+    playback.listen(draw, signal);
+    watchTheme(() => applyTheme(this.#root), signal);
+    draw();
+  }
+
+  #makeSlider(signal: AbortSignal): void {
+    const slider = this.#slider;
+    slider.type = "range";
+    slider.min = "0";
+    slider.step = "any";
+    slider.title = "Time in the recording (arrows: 1 s, with shift 10 s)";
+    slider.setAttribute("aria-label", "Time in the recording");
+    slider.setAttribute("data-lm-suppress-shortcuts", "true");
+    slider.addEventListener("input", () => this.#playback.seek(Number(slider.value)), { signal });
+  }
+
+  #makeSpeed(signal: AbortSignal): void {
+    this.#speed.title = "How fast it plays (+ and \u2212)";
+    this.#speed.setAttribute("aria-label", "How fast it plays");
+    const onSpeed = () => put(this.#model, { speed: Number(this.#speed.value) });
+    this.#speed.addEventListener("change", onSpeed, { signal });
+  }
+
+  #onKey(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const action = actionOf(event.key, event.shiftKey);
+    // A button that has the focus is pressed by space; a list of speeds is walked by arrows.
+    const isOwn = event.target instanceof HTMLSelectElement || (event.key === " " && event.target !== this.#slider);
+    if (!action || (isOwn && event.target !== this.#root)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    action(this.#playback, this.#model);
+  }
+
+  #draw(): void {
+    const { time, duration, playing, waits } = this.#playback;
+    if (!this.#root.dataset.rwTheme) applyTheme(this.#root);
+    setText(this.#time, toFixed(time, DECIMALS));
+    setText(this.#duration, ` / ${toFixed(duration, DECIMALS)} s`);
+    this.#slider.max = String(duration);
+    if (Number(this.#slider.value) !== time) this.#slider.value = String(time);
+    this.#slider.setAttribute("aria-valuetext", `${toFixed(time, DECIMALS)} of ${toFixed(duration, DECIMALS)} seconds`);
+    const icon = playing ? PAUSE : PLAY;
+    if (this.#icon !== icon) {
+      this.#icon = icon;
+      this.#play.replaceChildren(makeIcon(icon));
+      this.#play.title = playing ? "Stop here (space)" : "Play (space)";
+      this.#play.setAttribute("aria-label", this.#play.title);
+    }
+    this.#loop.setAttribute("aria-pressed", String(getFlag(this.#model, "loop")));
+    setText(this.#words, waits ? "waiting for the kernel" : getString(this.#model, "_words"));
+    this.#drawSpeed();
+    this.#drawMarks(duration);
+  }
+
+  #drawSpeed(): void {
+    const speed = getNumber(this.#model, "speed");
+    const speeds = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
+    if (this.#speed.options.length !== speeds.length || !speeds.includes(Number(this.#speed.options[0]?.value))) {
+      this.#speed.replaceChildren(...speeds.map((value) => new Option(`${value}\u00d7`, String(value))));
+    }
+    if (this.#speed.value !== String(speed)) this.#speed.value = String(speed);
+  }
+
+  #drawMarks(duration: number): void {
+    const marks = this.#model.get("marks") as [number, number, string][];
+    const selection = this.#model.get("selection") as [number, number] | null;
+    const key = JSON.stringify([marks, selection, duration]);
+    if (key === this.#drawn) return;
+    this.#drawn = key;
+    const stretch = (className: string, start: number, end: number, label: string) => {
+      const mark = make("span", className);
+      mark.style.left = `${(100 * start) / duration}%`;
+      mark.style.width = `${(100 * (end - start)) / duration}%`;
+      mark.title = label;
+      return mark;
+    };
+    this.#marks.replaceChildren(
+      ...(selection ? [stretch("rw-play-selected", ...selection, "selected")] : []),
+      ...marks.map(([start, end, label]) => stretch("rw-play-mark", start, end, label)),
+    );
+  }
+}

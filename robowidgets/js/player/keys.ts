@@ -1,0 +1,41 @@
+import { getFlag, getNumber, type Model, put } from "../shared/model.ts";
+import type { Playback } from "./playback.ts";
+
+/** How fast a recording may be played, from the list. */
+export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
+
+type Action = (playback: Playback, model: Model) => void;
+
+const jump =
+  (seconds: number): Action =>
+  (playback) =>
+    playback.seek(playback.time + seconds);
+
+function faster(by: -1 | 1): Action {
+  return (_, model) => {
+    const now = getNumber(model, "speed");
+    const next = by > 0 ? SPEEDS.find((s) => s > now) : SPEEDS.filter((s) => s < now).at(-1);
+    if (next !== undefined) put(model, { speed: next });
+  };
+}
+
+const ACTIONS: Record<string, Action> = {
+  " ": (playback) => playback.toggle(),
+  ",": (playback) => playback.step(-1),
+  ".": (playback) => playback.step(1),
+  n: (playback) => playback.toMark(1),
+  p: (playback) => playback.toMark(-1),
+  l: (_, model) => put(model, { loop: !getFlag(model, "loop") }),
+  "+": faster(1),
+  "-": faster(-1),
+  Home: (playback) => playback.seek(0),
+  End: (playback) => playback.seek(playback.duration),
+};
+
+/** What a key does; undefined when it does nothing here. */
+export function actionOf(key: string, shift: boolean): Action | undefined {
+  const far = shift ? 10 : 1;
+  if (key === "ArrowRight" || key === "ArrowUp") return jump(far);
+  if (key === "ArrowLeft" || key === "ArrowDown") return jump(-far);
+  return ACTIONS[key];
+}

@@ -1,0 +1,171 @@
+import { toBytes } from "../shared/bytes.ts";
+import { getFlag, getNumber, type Model, onChange, put } from "../shared/model.ts";
+import { onceAFrame, spaced } from "../shared/schedule.ts";
+import { decodeStills, Stretches, type Track } from "./stretches.ts";
+
+/** A widget's model as its host keeps it. What a kernel sent goes in by `set_state`, which tells the kernel nothing. */
+export interface Host {
+  get(name: string): unknown;
+  set_state(state: Record<string, unknown>): void;
+}
+
+interface Message {
+  stretch: number;
+  drop: number[];
+  abouts: Record<string, unknown>[][];
+  /** Only of what is in the state of the model. */
+  tracks?: DataView[];
+}
+
+const TELL_MS = 200;
+/** Seconds on the clock on the wall by which another page may be ahead without a jump. */
+const APART = 0.5;
+
+/** Plays a recording in the page: one time for all its widgets, from stretches that Python sends ahead. */
+export class Playback {
+  readonly #model: Model;
+  readonly #stretches: Stretches;
+  readonly #listeners = new Set<() => void>();
+  readonly #tell: () => void;
+  readonly #nextFrame: () => void;
+  #targets: Host[] = [];
+  #shown: unknown[] = [];
+  #time: number;
+  #last = 0;
+  /** Whether the moment asked for is not here yet. */
+  waits = true;
+
+  constructor(model: Model, targets: Promise<Host[]>, signal: AbortSignal) {
+    this.#model = model;
+    this.#time = getNumber(model, "time");
+    this.#stretches = new Stretches(getNumber(model, "_stretch"));
+    this.#tell = spaced(() => put(model, { time: this.#time }), TELL_MS, signal);
+    this.#nextFrame = onceAFrame(() => this.#advance(), signal);
+    onChange(model, ["time"], () => this.#onTime(), signal);
+    onChange(model, ["playing"], () => this.#onPlaying(), signal);
+    onChange(model, ["speed", "loop", "selection", "marks"], () => this.#changed(), signal);
+    const onMessage = (message: Message, buffers: DataView[]) => this.#onMessage(message, buffers);
+    model.on("msg:custom", onMessage);
+    signal.addEventListener("abort", () => model.off("msg:custom", onMessage));
+    const first = model.get("_first") as Message;
+    if (first.tracks) this.#onMessage(first, first.tracks);
+    targets.then((found) => {
+      this.#targets = found;
+      // This page has nothing yet, whatever another one has.
+      model.send({ have: "nothing" });
+      this.#show();
+      this.#onPlaying();
+    });
+  }
+
+  get time(): number {
+    return this.#time;
+  }
+
+  get duration(): number {
+    return getNumber(this.#model, "duration");
+  }
+
+  get playing(): boolean {
+    return getFlag(this.#model, "playing");
+  }
+
+  /** The span that is played: the selection while it is looped, else all. */
+  get span(): [number, number] {
+    const chosen = this.#model.get("selection") as [number, number] | null;
+    return chosen && getFlag(this.#model, "loop") ? chosen : [0, this.duration];
+  }
+
+  /** Calls back on every change of what the player says. */
+  listen(callback: () => void, signal: AbortSignal): void {
+    this.#listeners.add(callback);
+    signal.addEventListener("abort", () => this.#listeners.delete(callback));
+  }
+
+  toggle(): void {
+    const playing = !this.playing;
+    if (playing && this.#time >= this.span[1]) this.seek(this.span[0]);
+    put(this.#model, { playing, time: this.#time });
+  }
+
+  seek(time: number): void {
+    this.#time = Math.min(Math.max(0, time), this.duration);
+    this.#show();
+    this.#tell();
+  }
+
+  /** To the next scan, or the one before; without a laser, to what the first widget shows next. */
+  step(direction: -1 | 1): void {
+    if (this.playing) put(this.#model, { playing: false });
+    const to = this.#stretches.neighbour(0, this.#time, direction, this.duration);
+    if (to !== null) this.seek(to);
+  }
+
+  /** To the start of the next mark, or of the one before. */
+  toMark(direction: -1 | 1): void {
+    const starts = (this.#model.get("marks") as [number, number, string][]).map(([start]) => start);
+    const found = direction > 0 ? starts.find((t) => t > this.#time) : starts.filter((t) => t < this.#time).at(-1);
+    if (found !== undefined) this.seek(found);
+  }
+
+  #onTime(): void {
+    const apart = Math.abs(getNumber(this.#model, "time") - this.#time);
+    if (apart === 0 || (this.playing && apart < APART * getNumber(this.#model, "speed"))) return;
+    this.#time = getNumber(this.#model, "time");
+    this.#show();
+  }
+
+  #onPlaying(): void {
+    this.#last = performance.now();
+    if (this.playing) this.#nextFrame();
+    this.#changed();
+  }
+
+  #advance(): void {
+    if (!this.playing) return;
+    const now = performance.now();
+    const passed = (now - this.#last) / 1000;
+    this.#last = now;
+    const [start, end] = this.span;
+    const before = this.#time;
+    // What is not here yet is waited for, and not skipped.
+    if (!this.waits) this.#time += passed * getNumber(this.#model, "speed");
+    if (this.#time >= end) {
+      const again = getFlag(this.#model, "loop");
+      this.#time = again ? start : end;
+      if (!again) put(this.#model, { playing: false, time: end });
+    }
+    if (this.#time !== before) this.#tell();
+    this.#show();
+    this.#nextFrame();
+  }
+
+  #onMessage({ stretch, drop, abouts }: Message, buffers: DataView[]): void {
+    const tracks = buffers.map((buffer, i): Track => {
+      return { stills: decodeStills(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
+    });
+    this.#stretches.drop(drop);
+    this.#stretches.put(stretch, tracks);
+    if (this.waits) this.#show();
+  }
+
+  #show(): void {
+    const stills = this.#stretches.at(this.#time);
+    this.waits = stills === null;
+    for (const [i, { track, still }] of (stills ?? []).entries()) {
+      const target = this.#targets[i];
+      if (!target || this.#shown[i] === still) continue;
+      this.#shown[i] = still;
+      const shown = toBytes(target.get("_frame"));
+      // Numbered on, so that a frozen widget tells how many have come since.
+      const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
+      still.frame.setFloat64(0, number, true);
+      target.set_state({ _frame: still.frame, _about: track.abouts[still.about] ?? {} });
+    }
+    this.#changed();
+  }
+
+  #changed(): void {
+    for (const listener of this.#listeners) listener();
+  }
+}

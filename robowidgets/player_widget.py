@@ -1,0 +1,52 @@
+"""The bar that plays a recording: one time for all the widgets that show it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import anywidget
+import traitlets
+
+from ._spans import Marks, Seconds, TimeSpan
+from ._traits import Flag
+from ._widget import bundle
+
+Span = tuple[float, float]
+
+
+class PlayerWidget(anywidget.AnyWidget):
+    """Play, stop, step, jump and drag through a recording, in the page: none of it needs the kernel.
+
+    It moves the widgets whose models it is given, frame by frame, from stretches of the recording that Python sends
+    ahead. Space plays and stops, `,` and `.` step from scan to scan, arrow keys jump, `n` and `p` go from mark to mark,
+    `l` plays it again and again, `+` and `-` change the speed.
+
+    Args:
+        duration: seconds of the recording.
+    """
+
+    _esm = bundle("player_widget.js")
+    _css = bundle("robowidgets.css")
+
+    time = Seconds(help="Seconds from the start, on show now. Python and the view write it.").tag(sync=True)
+    duration = traitlets.Float(0.0, min=0.0, help="Seconds of the recording.").tag(sync=True)
+    playing = Flag(False, help="Whether it plays. Python and the view write it.").tag(sync=True)
+    speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording in one on the wall.").tag(sync=True)
+    loop = Flag(False, help="Whether it begins again at the end; of the selection, if there is one.").tag(sync=True)
+    selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None.").tag(sync=True)
+    marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start.").tag(sync=True)
+
+    _stretch = traitlets.Float(1.0).tag(sync=True)
+    _targets = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    _first = traitlets.Dict().tag(sync=True, echo_update=False)
+    _words = traitlets.Unicode().tag(sync=True)
+
+    def when_asked(self, call: Callable[[], Any]) -> None:
+        """Call back whenever a page says that it has nothing of the recording."""
+        self.on_msg(lambda _widget, content, _buffers: content.get("have") == "nothing" and call())
+
+    @property
+    def span(self) -> Span:
+        """From where to where it is played."""
+        return self.selection if self.loop and self.selection else (0.0, self.duration)

@@ -1,0 +1,188 @@
+"""Sends a recording to the page ahead of its time, stretch by stretch, so that it plays there without the kernel."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
+from itertools import chain
+from math import floor
+from typing import Any
+
+from .source import RecordingError
+from .stills import Track, pack
+
+log = logging.getLogger("robowidgets")
+
+STRETCH = 1.0
+"""Seconds of a recording that travel together."""
+
+AHEAD = 10.0
+"""Seconds, on the clock on the wall, that the page is ahead of what it shows."""
+
+KEPT_BYTES = 64_000_000
+"""Most that the page keeps; what lies farthest from the time on show is dropped first."""
+
+BYTES_PER_SECOND = 10_000_000
+"""Half of what a page takes: the rest is for all else."""
+
+PATIENCE = 3.0
+"""Seconds until a page that says nothing is taken to be there: a busy kernel does not hear it."""
+
+_AT_EASE = 4
+"""How much longer than it works the thread rests while nothing is urgent."""
+
+Send = Callable[[dict[str, Any], list[bytes]], None]
+
+
+class Cursor:
+    """Where a player is: told now and then, and reckoned in between, because a busy kernel hears nothing.
+
+    Args:
+        clock: seconds that pass.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._told = (0.0, clock())
+        self.rate = 0.0
+        self.span = (0.0, 0.0)
+
+    def tell(self, seconds: float, rate: float, span: tuple[float, float]) -> None:
+        """Tell the time on show, how fast it passes (0: it stands), and from where to where it is played."""
+        self._told = (seconds, self._clock())
+        self.rate, self.span = rate, span
+
+    @property
+    def seconds(self) -> float:
+        """The time on show now."""
+        seconds, told = self._told
+        return max(seconds, min(self.span[1], seconds + (self._clock() - told) * self.rate))
+
+
+class Sender:
+    """Keeps the page supplied, from a thread of its own that rests while there is nothing to do.
+
+    First comes what is shown soon; then, to a page that asked, all the rest as far as it is kept, because a page that
+    plays while a cell runs is not heard.
+
+    Args:
+        tracks: opens what each widget shows; called in the thread, once.
+        send: hands a message to the page.
+        duration: seconds of the recording.
+        complain: is told in a line why it can go on no further.
+    """
+
+    def __init__(
+        self,
+        tracks: Callable[[], AbstractContextManager[Sequence[Track]]],
+        send: Send,
+        duration: float,
+        complain: Callable[[str], None],
+    ) -> None:
+        self.cursor = Cursor()
+        self._open = tracks
+        self._send = send
+        self._last = floor(duration / STRETCH)
+        self._complain = complain
+        self._sent: dict[int, int] = {}
+        self._change = threading.Condition()
+        self._asked = False
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="robowidgets-player", daemon=True)
+        self._thread.start()
+
+    def tell(self, seconds: float, rate: float, span: tuple[float, float]) -> None:
+        """Tell where the player is. See `Cursor`."""
+        with self._change:
+            self.cursor.tell(seconds, rate, span)
+            self._change.notify()
+
+    def start(self) -> None:
+        """Send all anew: to a page that has nothing, or whose stills are not right any more."""
+        with self._change:
+            self._sent.clear()
+            self._asked = True
+            self._change.notify()
+
+    def close(self) -> None:
+        """End the thread; doing it again does nothing."""
+        with self._change:
+            self._closed = True
+            self._change.notify()
+        if self._thread is not threading.current_thread():
+            self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            with self._change:
+                self._change.wait_for(lambda: self._asked or self._closed, PATIENCE)
+            with self._open() as tracks:
+                while (index := self._await()) is not None:
+                    began = time.monotonic()
+                    size = self._send_one(tracks, index)
+                    if index not in self._soon():
+                        time.sleep(_AT_EASE * (time.monotonic() - began))
+                    time.sleep(size / BYTES_PER_SECOND)
+        except RecordingError as error:
+            self._complain(str(error))
+        except Exception as error:
+            log.exception("robowidgets: a recording can be played no further")
+            self._complain(f"{type(error).__name__}: {error}")
+
+    def _await(self) -> int | None:
+        """The stretch that is wanted next, when there is one; None when the player was closed."""
+        with self._change:
+            while not self._closed:
+                wanted = chain(self._soon(), self._rest())
+                index = next((i for i in wanted if i not in self._sent), None)
+                if index is not None:
+                    return index
+                self._change.wait(STRETCH / 4 / self.cursor.rate if self.cursor.rate else None)
+            return None
+
+    def _soon(self) -> list[int]:
+        """The stretches that the page is about to show, the most urgent first."""
+        cursor = self.cursor
+        here, (first, last) = floor(cursor.seconds / STRETCH), (floor(s / STRETCH) for s in cursor.span)
+        count = floor(AHEAD * max(cursor.rate, 1.0) / STRETCH) + 1
+        ahead = list(range(here, min(here + count, self._last + 1)))
+        # At the end of what is looped the start comes next.
+        again = range(first, min(first + max(0, here + count - 1 - last), last + 1)) if cursor.rate else ()
+        return list(dict.fromkeys([*ahead[:2], here - 1, *ahead[2:], *again] if here else [*ahead, *again]))
+
+    def _rest(self) -> Iterable[int]:
+        """All others, the nearest first, as long as there is room for them."""
+        if not self._asked or sum(self._sent.values()) > KEPT_BYTES - max(self._sent.values(), default=0):
+            return ()
+        here = self.cursor.seconds / STRETCH
+        return sorted(range(self._last + 1), key=lambda i: abs(i - here))
+
+    def _send_one(self, tracks: Sequence[Track], index: int) -> int:
+        packed = stretch(tracks, index)
+        size = sum(len(track) for _, track in packed)
+        with self._change:
+            self._sent[index] = size
+            dropped = self._dropped()
+        self._send(
+            {"stretch": index, "drop": dropped, "abouts": [abouts for abouts, _ in packed]}, [raw for _, raw in packed]
+        )
+        return size
+
+    def _dropped(self) -> list[int]:
+        """Take out what is more than the page keeps."""
+        wanted, here = set(self._soon()), self.cursor.seconds / STRETCH
+        spare = sorted(self._sent.keys() - wanted, key=lambda i: abs(i - here))
+        dropped = []
+        while spare and sum(self._sent.values()) > KEPT_BYTES:
+            dropped.append(spare.pop())
+            del self._sent[dropped[-1]]
+        return dropped
+
+
+def stretch(tracks: Sequence[Track], index: int) -> list[tuple[list[dict[str, Any]], bytes]]:
+    """One stretch of every track, packed for the page."""
+    start = index * STRETCH
+    return [pack(list(track.stills(start, start + STRETCH))) for track in tracks]

@@ -1,0 +1,156 @@
+"""A recording in the notebook: its table, and its widgets with a player that moves all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from ..unit.waiting import wait_for
+from .chromium import shoot
+from .notebook import CellError, Notebook
+
+TABLE = "import robowidgets\nrecording = robowidgets.open({path!r})\nrecording"
+SHOW = "player = recording.show()\nplayer"
+BUSY = "import time\nend = time.time() + 30\nwhile time.time() < end:\n    pass"
+
+Open = Callable[..., Notebook]
+
+
+def opened(notebook: Open, path: Path, show: str = SHOW, **more: object) -> Notebook:
+    return notebook([TABLE.format(path=str(path)), show], **more)
+
+
+def bar(nb: Notebook) -> Locator:
+    return nb.output(1).locator(".rw-player")
+
+
+def now(nb: Notebook) -> float:
+    return float(bar(nb).locator(".rw-play-now").text_content() or "nan")
+
+
+def to_time(nb: Notebook, seconds: float) -> None:
+    """Drag the slider, as far as a page can tell."""
+    slider = bar(nb).locator("input[type=range]")
+    slider.evaluate("(slider, time) => { slider.value = time; slider.dispatchEvent(new Event('input')); }", seconds)
+
+
+def passes(nb: Notebook, seconds: float) -> None:
+    nb.page.wait_for_function(
+        "time => parseFloat(document.querySelector('.rw-play-now').textContent) > time", arg=seconds
+    )
+
+
+def test_a_person_moves_the_slider_and_every_widget_follows(notebook: Open, data: Path) -> None:
+    nb = opened(notebook, data / "good" / "neato_fsm")
+    expect(nb.output(0).locator("table tbody tr")).to_have_count(10)
+    expect(nb.output(1).locator(".rw-picture")).to_have_count(4)
+    tile = nb.output(1).locator(".rw-tile", has_text="left front")
+    expect(tile).to_contain_text("free")
+    for seconds, word in ((22, "touched"), (20, "free"), (22.5, "touched")):
+        to_time(nb, seconds)
+        expect(tile).to_contain_text(word)
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("22.50")
+    told = "print(player.time, player.views[-1].widget.states['left front'].name)"
+    wait_for(lambda: nb.python(told).strip() == "22.5 TOUCHED", "Python knew")
+
+
+def test_python_moves_it_and_what_the_page_has_not_yet_comes(notebook: Open, data: Path) -> None:
+    nb = opened(notebook, data / "good" / "neato_fsm")
+    nb.python("player.time = next(m.seconds for m in recording.samples('/bump') if any(m.sample.touched.values()))")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("21.96")
+    expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
+
+
+def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(notebook: Open, data: Path) -> None:
+    nb = opened(
+        notebook, data / "good" / "tilt_laser.bag", "player = recording.show()\nplayer.marks = [(5, 6, 'x')]\nplayer"
+    )
+    bar(nb).locator("input").focus()
+    first = now(nb)
+    scans = [
+        float(line) for line in nb.python("for m in list(recording.samples('/scan'))[:4]: print(m.seconds)").split()
+    ]
+    start = scans.index(next(s for s in scans if abs(s - first) < 0.006))
+    nb.page.keyboard.press(".")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text(f"{scans[start + 1]:.2f}")
+    nb.page.keyboard.press(".")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text(f"{scans[start + 2]:.2f}")
+    nb.page.keyboard.press(",")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text(f"{scans[start + 1]:.2f}")
+    nb.page.keyboard.press("n")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("5.00")
+    nb.page.keyboard.press("ArrowRight")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("6.00")
+    nb.page.keyboard.press("x")
+    expect(nb.page.locator(".jp-Cell")).to_have_count(2)
+
+
+def test_it_plays_steps_and_seeks_while_a_cell_runs(notebook: Open, data: Path) -> None:
+    nb = opened(notebook, data / "good" / "turtlebot3_gazebo.bag")
+    nb.python("player.time = 10")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("10.00")
+    nb.python("import time\nwhile len(player._sender._sent) < 91: time.sleep(0.05)")
+    busy = nb.append(BUSY)
+    nb.start(busy)
+    laser = nb.output(1).locator(".rw-laser .rw-footer")
+    before = laser.text_content()
+    bar(nb).get_by_title("Play (space)").click()
+    passes(nb, 11.0)
+    bar(nb).locator("select").select_option("10")
+    passes(nb, 40.0)
+    bar(nb).get_by_title("Stop here (space)").click()
+    assert laser.text_content() != before
+    there = now(nb)
+    bar(nb).get_by_title("One scan back (,)").click()
+    nb.page.wait_for_function(
+        "time => parseFloat(document.querySelector('.rw-play-now').textContent) < time", arg=there
+    )
+    nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(busy)
+    wait_for(lambda: abs(float(nb.python("print(player.time)")) - now(nb)) < 0.01, "Python knew")
+
+
+def test_a_first_look_is_there_though_the_kernel_is_busy_at_once(notebook: Open, data: Path) -> None:
+    show = f"from IPython.display import display\nplayer = recording.show()\ndisplay(player)\n{BUSY}"
+    nb = opened(notebook, data / "good" / "neato_fsm", show, run=False)
+    nb.run(0)
+    nb.start(1)
+    expect(nb.output(1).locator(".rw-laser .rw-footer").first).to_contain_text("nearest")
+    bar(nb).get_by_title("Play (space)").click()
+    passes(nb, 6.0)
+    nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(1)
+
+
+def test_a_reloaded_page_goes_on_where_it_was(notebook: Open, data: Path) -> None:
+    nb = opened(notebook, data / "good" / "neato_fsm")
+    to_time(nb, 22.25)
+    nb.python("pass")
+    nb.save()
+    nb.reload()
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("22.25")
+    expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
+    bar(nb).get_by_title("Play (space)").click()
+    passes(nb, 23.0)
+
+
+def test_it_fits_wide_and_narrow_pages(notebook: Open, data: Path) -> None:
+    show = (
+        "player = recording.show()\nplayer.selection = (20, 25)\n"
+        "player.marks = [(21.96, 22.4, 'bump'), (28, 29, 'late')]\nplayer"
+    )
+    for theme in ("light", "dark"):
+        nb = opened(notebook, data / "good" / "neato_fsm", show, scale=1, theme=theme)
+        to_time(nb, 22)
+        expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
+        shoot(nb.output(0), f"recording-table-{theme}")
+        for width in (1400, 700, 480, 380):
+            nb.page.set_viewport_size({"width": width, "height": 1400})
+            shoot(nb.output(1), f"recording-show-{theme}-{width}")
+            inside = nb.output(1).evaluate("element => element.scrollWidth <= element.clientWidth + 1")
+            assert inside, f"at {width} px it is wider than its place"

@@ -1,0 +1,207 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { actionOf } from "../../robowidgets/js/player/keys.ts";
+import { type Host, Playback } from "../../robowidgets/js/player/playback.ts";
+import { decodeStills, Stretches } from "../../robowidgets/js/player/stretches.ts";
+import { FakeModel } from "./models.ts";
+
+/** Stills as Python packs them, amid the bytes of a larger message. */
+function packed(...stills: [time: number, about: number, frame: number[]][]): DataView {
+  const head = 8 * (1 + 3 * stills.length);
+  const size = stills.reduce((sum, [, , frame]) => sum + frame.length, head);
+  const view = new DataView(new ArrayBuffer(size + 9), 5, size);
+  view.setFloat64(0, stills.length, true);
+  let end = 0;
+  for (const [i, [time, about, frame]] of stills.entries()) {
+    for (const [j, byte] of frame.entries()) view.setUint8(head + end + j, byte);
+    end += frame.length;
+    for (const [j, value] of [time, about, end].entries()) view.setFloat64(8 * (1 + 3 * i + j), value, true);
+  }
+  return view;
+}
+
+const FRAME = [0, 0, 0, 0, 0, 0, 0, 0, 42];
+
+function track(...times: number[]) {
+  return {
+    stills: decodeStills(packed(...times.map((time): [number, number, number[]] => [time, 0, FRAME]))),
+    abouts: [{ frame_id: "laser" }],
+  };
+}
+
+test("stills are read with their times, what is said of them, and frames of their own", () => {
+  const stills = decodeStills(packed([1, 0, [7, 8]], [1.5, 1, []], [1.75, 0, [9]]));
+  assert.deepEqual(
+    stills.map(({ time, about, frame }) => [time, about, [...new Uint8Array(frame.buffer)]]),
+    [
+      [1, 0, [7, 8]],
+      [1.5, 1, []],
+      [1.75, 0, [9]],
+    ],
+  );
+});
+
+test("at a time there is the last still before it, or of that very time", () => {
+  const stretches = new Stretches(1);
+  stretches.put(3, [track(3, 3.2, 3.4)]);
+  const at = (time: number) => stretches.at(time)?.map(({ still }) => still.time);
+  assert.deepEqual([at(3), at(3.19), at(3.2), at(3.99)], [[3], [3], [3.2], [3.4]]);
+  assert.equal(at(2.99), undefined);
+  stretches.drop([3]);
+  assert.equal(at(3.2), undefined);
+});
+
+test("steps go from still to still, past stretches with none, and say where something is missing", () => {
+  const stretches = new Stretches(1);
+  stretches.put(0, [track(0, 0.5)]);
+  stretches.put(1, [track(1)]);
+  stretches.put(2, [track(1)]);
+  stretches.put(3, [track(1, 3.25)]);
+  assert.equal(stretches.neighbour(0, 0, 1, 9), 0.5);
+  assert.equal(stretches.neighbour(0, 1, 1, 9), 3.25);
+  assert.equal(stretches.neighbour(0, 3.25, -1, 9), 1);
+  assert.equal(stretches.neighbour(0, 3.25, 1, 9), null);
+  assert.equal(stretches.neighbour(0, 0, -1, 9), 0);
+  assert.equal(stretches.neighbour(0, 3.25, 1, 3.5), 3.25);
+});
+
+interface Seen {
+  state: Record<string, unknown>;
+  host: Host;
+}
+
+function host(): Seen {
+  const seen: Seen = {
+    state: {},
+    host: {
+      get: (name) => seen.state[name],
+      set_state: (state) => Object.assign(seen.state, state),
+    },
+  };
+  return seen;
+}
+
+/** A player with three stretches of one widget, whose display shows a frame when the test says so. */
+async function play(values: Record<string, unknown> = {}, stretches = [0, 1, 2]) {
+  let now = 0;
+  let frame: (() => void) | undefined;
+  Object.assign(globalThis, {
+    requestAnimationFrame: (call: () => void) => {
+      frame = call;
+      return 1;
+    },
+    cancelAnimationFrame: () => {
+      frame = undefined;
+    },
+  });
+  performance.now = () => now;
+  const sent: unknown[] = [];
+  const fake = new FakeModel({
+    time: 0,
+    duration: 3,
+    playing: false,
+    speed: 1,
+    loop: false,
+    selection: null,
+    marks: [],
+    _stretch: 1,
+    _first: {},
+    ...values,
+  });
+  Object.assign(fake, { send: (content: unknown) => sent.push(content) });
+  const { state, host: target } = host();
+  const controller = new AbortController();
+  const playback = new Playback(fake.model, Promise.resolve([target]), controller.signal);
+  await Promise.resolve();
+  const give = (index: number) =>
+    fake.tell({ stretch: index, drop: [], abouts: [[{ frame_id: `${index}` }]] }, [
+      packed([index, 0, FRAME], [index + 0.5, 0, FRAME]),
+    ]);
+  for (const index of stretches) give(index);
+  const pass = (ms: number) => {
+    now += ms;
+    const call = frame;
+    frame = undefined;
+    call?.();
+  };
+  return { fake, playback, state, sent, give, pass, end: () => controller.abort() };
+}
+
+test("a page that has nothing says so, and shows what comes without a word to the kernel", async () => {
+  const { fake, state, sent, end } = await play();
+  assert.deepEqual(sent, [{ have: "nothing" }]);
+  assert.deepEqual(state._about, { frame_id: "0" });
+  assert.equal((state._frame as DataView).getUint8(8), 42);
+  assert.deepEqual(fake.saved, []);
+  end();
+});
+
+test("it plays at its speed, numbers the frames on, and stops at the end", async () => {
+  const { fake, playback, state, pass, end } = await play({ speed: 2 });
+  playback.toggle();
+  for (let i = 0; i < 11; i++) pass(100);
+  assert.ok(Math.abs(playback.time - 2.2) < 1e-9);
+  assert.deepEqual(state._about, { frame_id: "2" });
+  assert.equal((state._frame as DataView).getFloat64(0, true), 5);
+  for (let i = 0; i < 10; i++) pass(100);
+  assert.equal(playback.time, 3);
+  assert.equal(fake.get("playing"), false);
+  playback.toggle();
+  assert.equal(playback.time, 0);
+  end();
+});
+
+test("what is not here yet is waited for, and not skipped", async () => {
+  const { playback, pass, give, end } = await play({ playing: true }, [0]);
+  for (let i = 0; i < 30; i++) pass(100);
+  assert.ok(playback.waits && playback.time < 1.2, String(playback.time));
+  give(1);
+  assert.ok(!playback.waits);
+  end();
+});
+
+test("looped, the selection begins again at its end", async () => {
+  const { playback, pass, end } = await play({ playing: true, loop: true, selection: [1, 2], time: 1.8 });
+  for (let i = 0; i < 3; i++) pass(100);
+  assert.ok(playback.time < 1.2 && playback.time >= 1, String(playback.time));
+  end();
+});
+
+test("a time that Python sets is shown, one that another page tells while both play is not jumped to", async () => {
+  const { fake, playback, state, end } = await play();
+  fake.receive({ time: 2.5 });
+  assert.equal(playback.time, 2.5);
+  assert.deepEqual(state._about, { frame_id: "2" });
+  fake.receive({ playing: true });
+  fake.receive({ time: 2.6 });
+  assert.equal(playback.time, 2.5);
+  fake.receive({ time: 0.5 });
+  assert.equal(playback.time, 0.5);
+  end();
+});
+
+test("keys step, jump, go from mark to mark and change the speed", async () => {
+  const { fake, playback, end } = await play({
+    marks: [
+      [0.25, 0.5, "bump"],
+      [2, 2.5, "bump"],
+    ],
+  });
+  const press = (key: string, shift = false) => actionOf(key, shift)?.(playback, fake.model);
+  const times = [".", ".", ",", "ArrowRight", "ArrowLeft", "n", "n", "p", "End", "Home"].map((key) => {
+    press(key);
+    return playback.time;
+  });
+  assert.deepEqual(times, [0.5, 1, 0.5, 1.5, 0.5, 2, 2, 0.25, 3, 0]);
+  press("ArrowRight", true);
+  assert.equal(playback.time, 3);
+  press("+");
+  assert.equal(fake.get("speed"), 2);
+  press("-");
+  press("-");
+  assert.equal(fake.get("speed"), 0.5);
+  press("l");
+  assert.equal(fake.get("loop"), true);
+  assert.equal(actionOf("x", false), undefined);
+  end();
+});

@@ -1,0 +1,158 @@
+"""The page is kept supplied with a recording, ahead of its time."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from robowidgets.recordings import RecordingError
+from robowidgets.recordings import sender as module
+from robowidgets.recordings.sender import Cursor, Sender
+from robowidgets.recordings.stills import Still
+
+from ..waiting import wait_for
+
+
+class Track:
+    """Stills of a given size, one at the start of each stretch."""
+
+    def __init__(self, size: int = 10, fails_at: float = 1e9, error: Exception | None = None) -> None:
+        self.size, self.fails_at, self.error = size, fails_at, error
+
+    def stills(self, start: float, _end: float) -> Iterator[Still]:
+        if start >= self.fails_at and self.error:
+            raise self.error
+        yield Still(start, {}, b"x" * self.size)
+
+
+class Page:
+    def __init__(self) -> None:
+        self.has: list[int] = []
+        self.words: list[str] = []
+        self.bytes: dict[int, int] = {}
+
+    def take(self, content: dict, buffers: list[bytes]) -> None:
+        for index in content["drop"]:
+            del self.bytes[index]
+        self.has.append(content["stretch"])
+        self.bytes[content["stretch"]] = sum(map(len, buffers))
+
+
+@contextmanager
+def sending(track: Track, duration: float) -> Iterator[tuple[Sender, Page]]:
+    page = Page()
+
+    @contextmanager
+    def tracks() -> Iterator[list[Track]]:
+        yield [track]
+
+    sender = Sender(tracks, page.take, duration, page.words.append)
+    try:
+        yield sender, page
+    finally:
+        sender.close()
+
+
+def test_a_page_that_is_not_heard_gets_what_is_on_show_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "PATIENCE", 0.05)
+    with sending(Track(), 100) as (sender, page):
+        sender.tell(40.2, 0.0, (0.0, 100.0))
+        wait_for(lambda: len(page.has) == 12, "ten seconds ahead came")
+        sender.tell(40.3, 0.0, (0.0, 100.0))
+        sender.close()
+        assert page.has == [40, 41, 39, *range(42, 51)]
+
+
+def test_the_time_on_show_comes_first_then_what_follows_and_one_before() -> None:
+    with sending(Track(), 100) as (sender, page):
+        sender.tell(40.2, 0.0, (0.0, 100.0))
+        sender.start()
+        wait_for(lambda: len(page.has) == 101, "all came")
+        assert page.has[:12] == [40, 41, 39, *range(42, 51)]
+        assert page.has[12:20] == [38, 37, 36, 35, 34, 33, 32, 31]
+        assert page.has[-1] == 100
+
+
+def test_a_seek_is_served_before_the_rest() -> None:
+    with sending(Track(), 1000) as (sender, page):
+        sender.start()
+        wait_for(lambda: len(page.has) > 11, "the start came")
+        sender.tell(700.5, 0.0, (0.0, 1000.0))
+        wait_for(lambda: 710 in page.has, "what was sought came")
+        assert page.has[page.has.index(700) :][:4] == [700, 701, 699, 702]
+
+
+def test_what_plays_fast_is_further_ahead_and_goes_on_while_nothing_is_heard() -> None:
+    with sending(Track(), 1000) as (sender, page):
+        sender.start()
+        sender.tell(0.0, 10.0, (0.0, 1000.0))
+        wait_for(lambda: max(page.has, default=0) >= 110, "it was reckoned where the page must be")
+
+
+def test_at_the_end_of_what_is_looped_its_start_comes() -> None:
+    with sending(Track(), 1000) as (sender, page):
+        sender.tell(52.0, 1.0, (20.0, 54.0))
+        sender.start()
+        wait_for(lambda: {52, 53, 54, 20, 21} <= set(page.has), "the start of the loop came")
+
+
+def test_a_page_that_was_loaded_anew_gets_all_again() -> None:
+    with sending(Track(), 3) as (sender, page):
+        sender.start()
+        wait_for(lambda: page.has == [0, 1, 2, 3], "all came")
+        sender.start()
+        wait_for(lambda: page.has == [0, 1, 2, 3] * 2, "all came again")
+
+
+def test_the_page_keeps_no_more_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "KEPT_BYTES", 20_000)
+    with sending(Track(1000), 10_000) as (sender, page):
+        sender.start()
+        for seconds in (0, 50, 100, 150):
+            sender.tell(seconds, 0.0, (0.0, 10_000.0))
+            wait_for(lambda at=seconds: {at, at + 10} <= page.bytes.keys(), "what was sought came")
+            assert sum(page.bytes.values()) <= 20_000
+            assert len(page.bytes) < 20
+
+
+def test_a_recording_that_cannot_be_read_on_is_told() -> None:
+    with sending(Track(fails_at=2.0, error=RecordingError("drive.bag: cut off")), 100) as (sender, page):
+        sender.start()
+        wait_for(lambda: page.words, "it was told")
+        assert (page.has, page.words) == ([0, 1], ["drive.bag: cut off"])
+
+
+def test_an_unforeseen_error_is_told_and_logged(caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.ERROR), sending(Track(fails_at=0.0, error=KeyError("x")), 10) as (sender, page):
+        sender.start()
+        wait_for(lambda: page.words, "it was told")
+        assert page.words == ["KeyError: 'x'"]
+        assert "can be played no further" in caplog.text
+
+
+def test_closed_it_leaves_no_thread_and_may_be_closed_again() -> None:
+    before = threading.active_count()
+    with sending(Track(), 10) as (sender, page):
+        sender.start()
+        wait_for(lambda: len(page.has) == 11, "all came")
+        assert threading.active_count() == before + 1
+        sender.close()
+        sender.close()
+        assert threading.active_count() == before
+
+
+def test_between_two_words_the_time_is_reckoned_up_to_the_end() -> None:
+    now = [100.0]
+    cursor = Cursor(lambda: now[0])
+    cursor.tell(5.0, 2.0, (0.0, 9.0))
+    now[0] += 1.5
+    assert cursor.seconds == 8.0
+    now[0] += 60
+    assert cursor.seconds == 9.0
+    cursor.tell(3.0, 0.0, (0.0, 9.0))
+    now[0] += 60
+    assert cursor.seconds == 3.0

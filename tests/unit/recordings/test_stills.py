@@ -1,0 +1,93 @@
+"""What is sent ahead to the page is what the widgets show at each time."""
+
+from __future__ import annotations
+
+import json
+import random
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from robowidgets import SpeedWidget
+from robowidgets._widget import HEAD
+from robowidgets.recordings import open
+from robowidgets.recordings.show import Player, _tracks
+from robowidgets.recordings.stills import TICK, Still, pack
+
+from . import robot
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return robot.write(tmp_path_factory.mktemp("recordings") / "drive")
+
+
+@pytest.fixture
+def player(path: Path) -> Iterator[Player]:
+    with open(path) as recording:
+        player = recording.show()
+    yield player
+    player.close()
+
+
+def shown_at(stills: list[Still], seconds: float) -> Still:
+    return [still for still in stills if still.seconds <= seconds][-1]
+
+
+def agree(player: Player, seed: int) -> None:
+    times = random.Random(seed)
+    for _ in range(12):
+        seconds = times.uniform(0, player.recording.duration)
+        start = float(int(seconds))
+        player.time = seconds
+        for view, track in zip(player.views, _tracks(player.recording, player.views), strict=True):
+            still = shown_at(list(track.stills(start, start + 1)), seconds)
+            frame, about = view.widget.get_state()["_frame"], view.widget.get_state()["_about"]
+            assert about == still.about, (seconds, view.pick.topic)
+            if isinstance(view.widget, SpeedWidget):
+                was, now = view.widget._unpack(frame), view.widget._unpack(still.frame)
+                assert repr((was.measured, was.commanded)) == repr((now.measured, now.commanded)), seconds
+            elif view.pick.widget == "laser":
+                assert frame[HEAD.size :] == still.frame[HEAD.size :], (seconds, view.pick.topic)
+            else:
+                states = view.widget.states
+                assert {row[0]: row[1] for row in rows(still)} == {n: s.name.lower() for n, s in states.items()}
+                ages = {row[0]: row[3] for row in rows(still)}
+                for name, _, _, age in rows(Still(0, {}, frame)):
+                    assert age is None or 0 <= age - ages[name] <= TICK + 1e-6
+
+
+def rows(still: Still) -> list:
+    return json.loads(still.frame[HEAD.size :])
+
+
+def test_a_robot_that_drives(player: Player) -> None:
+    agree(player, 1)
+
+
+@pytest.mark.parametrize("name", ["good/neato_fsm", "good/turtlebot3_gazebo.bag", "good/tilt_laser.bag"])
+def test_a_real_robot(data: Path, name: str) -> None:
+    with open(data / name) as recording:
+        player = recording.show()
+    agree(player, 2)
+    player.close()
+
+
+def test_each_stretch_begins_with_what_holds_and_goes_on_in_order(player: Player) -> None:
+    for track in _tracks(player.recording, player.views):
+        for start in (0.0, 3.0, 10.0):
+            seconds = [still.seconds for still in track.stills(start, start + 1)]
+            assert seconds[0] <= start
+            assert all(start <= later for later in seconds[1:])
+            assert seconds == sorted(seconds)
+            assert seconds[-1] < start + 1
+
+
+def test_a_page_reads_times_and_frames_by_a_table_before_them() -> None:
+    said, more = {"frame_id": "a"}, {"frame_id": "b"}
+    abouts, raw = pack([Still(1.0, said, b"one"), Still(1.5, more, b"three"), Still(1.7, said, b"")])
+    assert abouts == [said, more]
+    assert struct.unpack_from("<10d", raw) == (3, 1.0, 0, 3, 1.5, 1, 8, 1.7, 0, 8)
+    assert raw[80:] == b"onethree"
