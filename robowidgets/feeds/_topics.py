@@ -10,6 +10,9 @@ from .._kinds import Widget, is_command, widget_by_type
 from .middleware import Advert
 
 HEADS = ("topic", "type", "published", "heard", "widget")
+RANGE = "sensor_msgs/msg/Range"
+"""Some of them say if something is there, others how far it is; only a message tells which."""
+
 _MANY = 12
 
 
@@ -40,7 +43,7 @@ def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
 
 def _topic(name: str, adverts: Sequence[Advert]) -> Topic:
     types = list(dict.fromkeys(a.type for a in adverts if a.type and a.offered)) or [a.type for a in adverts][:1]
-    widget = next((kind for kind in map(widget_by_type, types) if kind), None)
+    widget = next((kind for kind in map(widget_by_type, types) if kind), None) if RANGE not in types else None
     told = [a.wanted for a in adverts if a.wanted is not None]
     return Topic(
         name,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -11,8 +12,10 @@ import ipywidgets
 
 from .._layout import WIDE, columns
 from .._picks import Pick, picks
+from ._probe import decided, is_open
 from ._topics import Topic
 from .feed import Feed
+from .middleware import FeedError
 
 
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -30,6 +33,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._names = topics
         self._known: dict[str, Topic] = {}
         self._shown: dict[Pick, Any] = {}
+        self._probes: dict[str, Callable[[Any], None]] = {}
         self._turn = threading.Lock()
         self._stale = self._busy = self._closed = False
         self._status = ipywidgets.HTML()
@@ -71,14 +75,34 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         super().close()
 
     def _refresh(self) -> None:
-        self._known.update((t.name, t) for t in self.feed.topics if t.widget and self._wants(t.name))
-        wanted = () if self._closed else picks(self._known.values())
-        if set(wanted) != self._shown.keys():
-            self._put_up(wanted)
+        topics = [topic for topic in self.feed.topics if not self._names or topic.name in self._names]
+        self._known.update((topic.name, topic) for topic in topics if topic.widget)
+        try:
+            self._probe(() if self._closed else topics)
+            wanted = () if self._closed else picks(list(self._known.values()))
+            if set(wanted) != self._shown.keys():
+                self._put_up(wanted)
+        except FeedError:
+            if not self.feed.is_closed:  # what was closed meanwhile takes no more widgets
+                raise
         self._say()
 
-    def _wants(self, topic: str) -> bool:
-        return not self._names or topic in self._names
+    def _probe(self, topics: Sequence[Topic]) -> None:
+        """Look at one message of each topic of which only that tells the widget."""
+        for topic in topics:
+            if topic.name not in self._probes and is_open(topic):
+                self._probes[topic.name] = partial(self._decide, topic)
+                self.feed.connect(topic.name, self._probes[topic.name])
+        if self._closed:
+            for name, probe in self._probes.items():
+                self.feed.disconnect(name, probe)
+
+    def _decide(self, topic: Topic, message: Any) -> None:
+        self.feed.disconnect(topic.name, self._probes[topic.name])
+        found = decided(topic, message)
+        if found.widget:
+            self._known[topic.name] = found
+            self.refresh()
 
     def _put_up(self, wanted: Sequence[Pick]) -> None:
         for pick in self._shown.keys() - set(wanted):
@@ -87,17 +111,17 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if pick.command:
                 self.feed.disconnect(pick.command, widget.command)
             widget.close()
-        before, self._shown = self._shown, {}
-        for pick in wanted:
-            widget = before.get(pick) or pick.make()
-            self._shown[pick] = widget
-            if pick not in before:
-                self.feed.connect(pick.topic, widget)
-                if pick.command:
-                    self.feed.connect(pick.command, widget.command)
+        self._shown = {pick: self._shown.get(pick) or self._connected(pick) for pick in wanted}
         old, self._columns.children = self._columns.children, columns(list(self._shown.values()))
         for column in old:
             column.close()
+
+    def _connected(self, pick: Pick) -> Any:
+        widget = pick.make()
+        self.feed.connect(pick.topic, widget)
+        if pick.command:
+            self.feed.connect(pick.command, widget.command)
+        return widget
 
     def _say(self) -> None:
         """The widgets speak for themselves; here stands what is said of topics that have none."""

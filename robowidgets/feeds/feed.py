@@ -301,6 +301,11 @@ class Feed:
             return self._down or (self._links.get(topic) or Link(topic)).words(self._there)
 
     @property
+    def is_closed(self) -> bool:
+        """Whether `close` was called."""
+        return self._closed
+
+    @property
     def is_listed(self) -> bool:
         """Whether it was told which topics there are."""
         return self._there is not None

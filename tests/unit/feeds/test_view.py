@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget
+from robowidgets._picks import picks
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._view import FeedView
 
@@ -104,6 +105,28 @@ def test_named_topics_get_theirs_when_they_appear_and_others_none(opened: Opened
     assert words(view) == "no widget shows /imu, a sensor_msgs/msg/Imu"
 
 
+def test_types_of_unknown_names_are_told_by_their_first_message(opened: Opened) -> None:
+    ours = [SCAN._replace(name=f"/{name}", type=f"my_msgs/msg/{name}") for name in ("scan", "cmd", "state")]
+    sonars = [Advert(name, "sensor_msgs/msg/Range") for name in ("/sonar", "/cliff")]
+    feed, script = opened(*ours, *sonars, IMU, Advert("/untyped", ""))
+    view = feed.show()
+    assert on_page(view) == []
+    assert {topic for _, topic in script.asked} == {"/scan", "/cmd", "/state", "/sonar", "/cliff"}
+    script.listener.on_message("/state", {"ready": True})
+    script.listener.on_message("/scan", scan(1.5))
+    script.listener.on_message("/cmd", {"header": {}, "twist": twist(0.5)})
+    script.listener.on_message("/sonar", {"range": 1.0, "min_range": 0.1, "max_range": 4.0, "radiation_type": 0})
+    script.listener.on_message("/cliff", {"range": float("inf"), "min_range": 0.1, "max_range": 0.1})
+    assert on_page(view) == ["/scan", "/cmd", "/cliff"]
+    assert [("unsubscribe", name) in script.asked for name in ("/state", "/sonar")] == [True, True]
+    script.listener.on_message("/scan", scan(2.5))
+    assert view.widgets["/scan"].scan.ranges[0] == 2.5
+    script.listener.on_topics([*ours, *sonars, Advert("/late", "my_msgs/msg/Late")])
+    view.close()
+    assert script.asked[-1][0] == "unsubscribe"
+    assert {topic for what, topic in script.asked if what == "unsubscribe"} == {t for _, t in script.asked}
+
+
 def test_words_of_others_are_no_markup(opened: Opened) -> None:
     feed, script = opened(connected=False)
     view = feed.show()
@@ -138,6 +161,17 @@ def test_a_view_that_is_closed_leaves_the_feed_open_and_its_topics_alone(opened:
     assert other.widgets["/scan"].scan.ranges[0] == 2.5
     script.listener.on_topics([SCAN, ODOM, BUMPER])
     assert view.widgets == {}
+
+
+def test_a_feed_that_is_closed_while_its_topics_come_puts_up_nothing(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = opened()
+    view = feed.show()
+    monkeypatch.setattr("robowidgets.feeds._view.picks", lambda topics: (feed.close(), picks(topics))[1])
+    script.listener.on_topics([SCAN])
+    assert script.asked == []
+    assert words(view) == "the feed is closed"
 
 
 def test_a_feed_that_is_closed_says_so_where_there_is_no_widget(opened: Opened) -> None:
