@@ -76,7 +76,7 @@ def main() -> None:
         decoded, peaks = columns.compare(2000 if options.quick else 20_000, repeats)
         parts += ["\n## All scans as one array\n", table.decodings(decoded)]
         parts += [
-            f"\nPeak memory of a walk through the written file: {peaks[0]:.0f} MB, ten times as long: {peaks[1]:.0f} MB."
+            f"\nA walk through the written file takes {peaks[0]:.0f} MB, through ten times as much {peaks[1]:.0f} MB."
         ]
     text = "\n".join(parts).format(
         patience=measure.PATIENCE,
