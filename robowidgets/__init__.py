@@ -6,6 +6,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .drive_widget import DriveWidget
 from .laser_widget import LaserWidget
 from .samples import Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity
 from .scanogram_widget import ScanogramWidget
@@ -23,6 +24,7 @@ SAMPLE = Path(__file__).parent / "data" / "sample.mcap"
 
 __all__ = [
     "SAMPLE",
+    "DriveWidget",
     "LaserWidget",
     "Ray",
     "Recording",

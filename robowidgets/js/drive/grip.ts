@@ -1,0 +1,151 @@
+import { CENTER, type Knob } from "./knob.ts";
+
+/** What the page tells Python. */
+export interface Message extends Partial<Knob> {
+  act: "press" | "hold" | "release";
+  press: string;
+  token?: number;
+}
+
+/** What Python answers: a token that the next message carries back, or why the press is over. */
+export interface Answer {
+  press: string;
+  token?: number;
+  over?: State;
+}
+
+/** Milliseconds between two messages of a press. */
+export const BEAT_MS = 100;
+
+/** Milliseconds after a message before the knob's next place is told. */
+const SOONEST_MS = 40;
+
+/** Milliseconds without an answer after which a press is over. */
+export const PATIENCE_MS = 500;
+
+/**
+ * How the pad stands: "free"; "asking" or "driving" while held; "silent" without an answer, "late" when it came after
+ * all; or, in Python's word, why a press is over that is still held.
+ */
+export type State =
+  | "free"
+  | "asking"
+  | "driving"
+  | "silent"
+  | "late"
+  | "nothing"
+  | "disabled"
+  | "hangs"
+  | "taken"
+  | "released";
+
+/**
+ * One press of a pad after the other. While it is held, the kernel hears ten times a second where the knob is, but only
+ * as long as it answers: without an answer for half a second the press is over, and must be let go and made anew.
+ */
+export class Grip {
+  state: State = "free";
+  readonly #name: string;
+  readonly #send: (message: Message) => void;
+  readonly #tell: () => void;
+  #count = 0;
+  #token = 0;
+  #heard = 0;
+  #said = 0;
+  #knob = CENTER;
+  #beat: ReturnType<typeof setInterval> | undefined;
+
+  /**
+   * @param name what no other pad of any page is called
+   * @param tell called when the state has changed
+   */
+  constructor(name: string, send: (message: Message) => void, tell: () => void) {
+    this.#name = name;
+    this.#send = send;
+    this.#tell = tell;
+  }
+
+  /** The name of this press, or of the last one. */
+  get press(): string {
+    return `${this.#name}-${this.#count}`;
+  }
+
+  get held(): boolean {
+    return this.#beat !== undefined;
+  }
+
+  /** Holds the pad with the knob at a place, or moves the knob. */
+  hold(knob: Knob): void {
+    this.#knob = knob;
+    if (this.held) {
+      if (this.state === "driving" && performance.now() - this.#said >= SOONEST_MS) this.#say();
+      return;
+    }
+    this.#count++;
+    this.#heard = performance.now();
+    this.#beat = setInterval(() => this.#onBeat(), BEAT_MS);
+    this.#turn("asking");
+    this.#post({ act: "press", press: this.press });
+  }
+
+  /** Lets go: the robot is to stop. */
+  release(): void {
+    if (!this.held) return;
+    clearInterval(this.#beat);
+    this.#beat = undefined;
+    this.#knob = CENTER;
+    // What does not answer is not known to listen.
+    if (this.state !== "silent") this.#turn("free");
+    this.#post({ act: "release", press: this.press });
+  }
+
+  onAnswer({ press, token, over }: Answer): void {
+    if (press !== this.press) return;
+    if (!this.held) {
+      if (over) this.#turn("free");
+    } else if (this.state === "silent") this.#turn("late");
+    else if (this.#goes && over) this.#turn(over);
+    else if (this.#goes && token) this.#onToken(token);
+  }
+
+  /** Whether the press that is held is not over. */
+  get #goes(): boolean {
+    return this.state === "asking" || this.state === "driving";
+  }
+
+  #onToken(token: number): void {
+    this.#heard = performance.now();
+    this.#token = token;
+    if (this.state === "driving") return;
+    this.#turn("driving");
+    this.#say();
+  }
+
+  #onBeat(): void {
+    if (!this.#goes) return;
+    if (performance.now() - this.#heard > PATIENCE_MS) {
+      this.#turn("silent");
+      this.#post({ act: "release", press: this.press });
+    } else if (this.state === "driving") this.#say();
+  }
+
+  #say(): void {
+    this.#said = performance.now();
+    this.#post({ act: "hold", press: this.press, token: this.#token, ...this.#knob });
+  }
+
+  #post(message: Message): void {
+    try {
+      this.#send(message);
+    } catch {
+      // The kernel that the pad belongs to is gone.
+      this.#turn("silent");
+    }
+  }
+
+  #turn(state: State): void {
+    if (state === this.state) return;
+    this.state = state;
+    this.#tell();
+  }
+}

@@ -1,0 +1,66 @@
+import { isPlain, on } from "../shared/events.ts";
+import { isDriving, type Knob, ofKeys, toKnob } from "./knob.ts";
+
+/** What hands do to a pad. */
+export interface Hands {
+  onHold(knob: Knob): void;
+  onRelease(): void;
+}
+
+/** Follows pointer and keys on a pad. Whatever takes the pad out of sight, focus or reach lets go of it. */
+export function watchHands(pad: HTMLElement, hands: Hands, signal: AbortSignal): void {
+  const held = new Set<string>();
+  let pointer: number | null = null;
+  const release = () => {
+    const was = pointer;
+    pointer = null;
+    held.clear();
+    if (was !== null && pad.hasPointerCapture(was)) pad.releasePointerCapture(was);
+    hands.onRelease();
+  };
+  const toPlace = ({ clientX, clientY }: PointerEvent): Knob => {
+    const { left, top, width, height } = pad.getBoundingClientRect();
+    return toKnob(clientX - left - width / 2, clientY - top - height / 2, Math.min(width, height) / 2 - KNOB_RADIUS);
+  };
+
+  const onDown = (event: PointerEvent) => {
+    if (pointer !== null || event.button !== 0) return;
+    event.preventDefault();
+    pad.focus({ preventScroll: true });
+    pointer = event.pointerId;
+    pad.setPointerCapture(pointer);
+    hands.onHold(toPlace(event));
+  };
+  on(pad, "pointerdown", onDown, signal);
+  on(pad, "pointermove", (event) => event.pointerId === pointer && hands.onHold(toPlace(event)), signal);
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture"] as const) {
+    on(pad, end, (event) => event.pointerId === pointer && release(), signal);
+  }
+
+  const onKey = (event: KeyboardEvent) => {
+    if (event.key === " " || event.key === "Escape" || !isPlain(event)) {
+      if (event.key === " ") event.preventDefault();
+      release();
+    } else if (isDriving(event.code)) {
+      event.preventDefault();
+      if (event.repeat) return;
+      held.add(event.code);
+      if (pointer === null) hands.onHold(ofKeys(held));
+    }
+  };
+  on(pad, "keydown", onKey, signal);
+  const onKeyUp = ({ code }: KeyboardEvent) => {
+    if (!held.delete(code) || pointer !== null) return;
+    if (held.size) hands.onHold(ofKeys(held));
+    else hands.onRelease();
+  };
+  on(pad, "keyup", onKeyUp, signal);
+
+  on(pad, "blur", release, signal);
+  for (const gone of ["blur", "pagehide"]) window.addEventListener(gone, release, { signal });
+  document.addEventListener("visibilitychange", () => document.hidden && release(), { signal });
+  signal.addEventListener("abort", release);
+}
+
+/** Pixels. */
+export const KNOB_RADIUS = 19;

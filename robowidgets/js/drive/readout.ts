@@ -1,0 +1,31 @@
+import { make, setText } from "../shared/dom.ts";
+import { toFixed } from "../shared/format.ts";
+
+/** A speed as a number and as a bar from zero, with its limit. */
+export class Readout {
+  readonly root = make("div", "rw-readout");
+  readonly #value = make("span", "rw-readout-value");
+  readonly #limit = make("span", "rw-readout-limit");
+  readonly #bar = make("div", "rw-readout-bar");
+  readonly #unit: string;
+
+  constructor(name: string, unit: string) {
+    this.#unit = unit;
+    const track = make("div", "rw-readout-track");
+    track.append(this.#bar);
+    const row = make("div", "rw-readout-row");
+    row.append(make("span", "rw-readout-name", name), this.#limit);
+    const number = make("div", "rw-readout-number");
+    number.append(this.#value, make("span", "rw-readout-unit", unit));
+    this.root.append(row, number, track);
+  }
+
+  update(value: number, limit: number): void {
+    setText(this.#value, toFixed(value, 2));
+    setText(this.#limit, `limit ±${toFixed(limit, 2)}`);
+    const share = Math.max(-1, Math.min(1, value / limit)) / 2;
+    this.#bar.style.left = `${50 + 100 * Math.min(0, share)}%`;
+    this.#bar.style.width = `${100 * Math.abs(share)}%`;
+    this.root.title = `${value} ${this.#unit}`;
+  }
+}

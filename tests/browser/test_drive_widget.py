@@ -1,0 +1,255 @@
+"""What a person does with a drive pad, in JupyterLab, and what reaches the robot."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any, Literal
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from .chromium import shoot
+from .notebook import Notebook
+
+PAD = """
+import threading, time
+from robowidgets import DriveWidget
+heard, moves = [], threading.Event()
+def send(linear, angular):
+    heard.append((time.monotonic(), round(linear, 2), round(angular, 2)))
+    if linear or angular:
+        moves.set()
+pad = DriveWidget(send=send, title="/cmd_vel", linear_limit=0.4)
+pad
+"""
+BUSY = """
+import pathlib, time
+while not pathlib.Path({stop!r}).exists():
+    time.sleep(0.001)
+"""
+SPEEDS = "[speed for _, *speed in heard]"
+
+
+def pad_of(nb: Notebook, cell: int = 0) -> Locator:
+    return nb.widget(cell).locator(".rw-pad")
+
+
+def says(nb: Notebook, words: str, cell: int = 0) -> None:
+    expect(nb.widget(cell).locator(".rw-words")).to_have_text(words)
+
+
+def numbers(nb: Notebook, linear: str, angular: str) -> None:
+    expect(nb.widget(0).locator(".rw-readout-value")).to_have_text([linear, angular])
+
+
+def heard(nb: Notebook) -> list[list[float]]:
+    """The speeds that the robot heard, without repeats."""
+    speeds: list[list[float]] = eval(nb.python(SPEEDS))
+    return [speed for i, speed in enumerate(speeds) if i == 0 or speed != speeds[i - 1]]
+
+
+def grab(nb: Notebook, right: float, below: float) -> None:
+    """Press the pointer on the middle of the pad and drag it to shares of half its size."""
+    box: Any = pad_of(nb).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    nb.page.mouse.move(x, y)
+    nb.page.mouse.down()
+    nb.page.mouse.move(x + right * box["width"] / 2, y + below * box["height"] / 2)
+
+
+def test_the_knob_drives_ahead_and_to_the_left_until_it_is_let_go(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([PAD])
+    says(nb, "stopped")
+    numbers(nb, "0.00", "0.00")
+    grab(nb, 0, -1.5)
+    says(nb, "driving")
+    numbers(nb, "0.40", "0.00")
+    grab(nb, -2, 0)
+    numbers(nb, "0.00", "1.00")
+    grab(nb, 2, 2)
+    numbers(nb, "\u22120.40", "\u22121.00")
+    nb.page.mouse.up()
+    says(nb, "stopped")
+    numbers(nb, "0.00", "0.00")
+    assert nb.python("heard[-1][1:]") == "(0.0, 0.0)"
+    assert [0.4, 0.0] in heard(nb)
+
+
+def test_keys_drive_while_the_pad_has_the_focus_and_the_notebook_does_not_see_them(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([PAD, "1"])
+    pad_of(nb).focus()
+    nb.page.keyboard.down("w")
+    numbers(nb, "0.40", "0.00")
+    nb.page.keyboard.down("ArrowLeft")
+    numbers(nb, "0.40", "1.00")
+    nb.page.keyboard.up("w")
+    numbers(nb, "0.00", "1.00")
+    nb.page.keyboard.down("d")
+    numbers(nb, "0.00", "0.00")
+    says(nb, "driving")
+    nb.page.keyboard.up("ArrowLeft")
+    nb.page.keyboard.up("d")
+    says(nb, "stopped")
+    for key in ("x", "a", "b"):
+        nb.page.keyboard.press(key)
+    nb.page.keyboard.down("ArrowDown")
+    numbers(nb, "\u22120.40", "0.00")
+    nb.page.keyboard.press(" ")
+    says(nb, "stopped")
+    numbers(nb, "0.00", "0.00")
+    assert nb._ask("cells", nb.path) == ["code", "code"]
+
+
+LEAVE = {
+    "focus": "document.activeElement.blur()",
+    "window": "window.dispatchEvent(new Event('blur'))",
+    "hidden": """Object.defineProperty(document, 'hidden', { value: true, configurable: true });
+        document.dispatchEvent(new Event('visibilitychange')); delete document.hidden""",
+}
+
+
+@pytest.mark.parametrize("way", LEAVE)
+def test_who_looks_away_has_let_go(notebook: Callable[..., Notebook], way: str) -> None:
+    nb = notebook([PAD])
+    pad_of(nb).focus()
+    nb.page.keyboard.down("ArrowUp")
+    numbers(nb, "0.40", "0.00")
+    nb.page.evaluate(f"() => {{ {LEAVE[way]} }}")
+    says(nb, "stopped")
+    numbers(nb, "0.00", "0.00")
+    nb.page.keyboard.down("ArrowUp")  # held on, it repeats
+    nb.python("heard.clear()")
+    says(nb, "stopped")
+    assert heard(nb) == []
+    nb.page.keyboard.up("ArrowUp")
+
+
+def test_a_finger_drives_and_a_cancelled_touch_stops(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([PAD], touch=True)
+    box: Any = pad_of(nb).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + 5
+    session = nb.page.context.new_cdp_session(nb.page)
+    touch = {"touchPoints": [{"x": x, "y": y}]}
+    session.send("Input.dispatchTouchEvent", {"type": "touchStart", **touch})
+    numbers(nb, "0.40", "0.00")
+    touch["touchPoints"][0]["y"] += box["height"]
+    session.send("Input.dispatchTouchEvent", {"type": "touchMove", **touch})
+    numbers(nb, "\u22120.40", "0.00")
+    session.send("Input.dispatchTouchEvent", {"type": "touchCancel", "touchPoints": []})
+    says(nb, "stopped")
+    numbers(nb, "0.00", "0.00")
+
+
+HANG = "() => setTimeout(() => { const end = Date.now() + 1500; while (Date.now() < end) continue; })"
+
+
+def test_a_page_that_hangs_stops_the_robot_and_does_not_drive_on(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([PAD])
+    pad_of(nb).focus()
+    nb.page.keyboard.down("ArrowUp")
+    numbers(nb, "0.40", "0.00")
+    nb.page.evaluate(HANG)
+    says(nb, "no answer in time: stopped")
+    numbers(nb, "0.00", "0.00")
+    times = nb.python("[(t, l) for t, l, a in heard]")
+    stopped, last = next((t, before) for (before, _), (t, l) in pairwise(eval(times)) if l == 0)
+    assert 0.4 < stopped - last < 1.2
+    assert heard(nb) == [[0.4, 0.0], [0.0, 0.0]]
+    nb.page.keyboard.up("ArrowUp")
+    says(nb, "stopped")
+
+
+ALONE = """(path) => {
+    const panel = [...window.jupyterapp.shell.widgets("main")].find((widget) => widget.context?.path === path);
+    panel.sessionContext.session.kernel.commsOverSubshells = "disabled";
+}"""
+"""Messages of widgets wait until a cell ends, as they do with kernels that know no subshells."""
+
+
+def test_a_busy_kernel_stops_it_and_what_waited_moves_nothing(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([PAD], run=False)
+    nb.page.evaluate(ALONE, nb.path)
+    nb.run_all()
+    pad_of(nb).focus()
+    nb.page.keyboard.down("ArrowUp")
+    numbers(nb, "0.40", "0.00")
+    stop = nb.lab.files / "drive-busy"
+    busy = nb.append(BUSY.format(stop=str(stop)))
+    nb.start(busy)
+    numbers(nb, "0.00", "0.00")
+    nb.page.keyboard.up("ArrowUp")
+    pad_of(nb).focus()
+    for _ in range(3):
+        nb.page.keyboard.down("ArrowUp")
+        says(nb, "asking the kernel")
+        says(nb, "kernel busy: stopped")
+        nb.page.keyboard.up("ArrowUp")
+    nb.page.keyboard.down("ArrowUp")
+    says(nb, "asking the kernel")
+    says(nb, "kernel busy: stopped")
+    stop.touch()
+    nb.wait(busy)
+    says(nb, "no answer in time: stopped")
+    assert heard(nb) == [[0.4, 0.0], [0.0, 0.0]]
+    nb.page.keyboard.up("ArrowUp")
+    says(nb, "stopped")
+    nb.page.keyboard.down("ArrowUp")
+    says(nb, "driving")
+    numbers(nb, "0.40", "0.00")
+
+
+def test_a_process_that_hangs_hands_on_zero_when_it_wakes_and_nothing_that_waited(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([PAD])
+    pad_of(nb).focus()
+    nb.page.keyboard.down("ArrowUp")
+    numbers(nb, "0.40", "0.00")
+    nb.python("import ctypes; ctypes.PyDLL(None).usleep(1_500_000)")
+    says(nb, "no answer in time: stopped")
+    numbers(nb, "0.00", "0.00")
+    assert heard(nb) == [[0.4, 0.0], [0.0, 0.0]]
+
+
+def test_a_press_outlives_the_kernel_by_half_a_second(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([PAD])
+    pad_of(nb).focus()
+    nb.page.keyboard.down("ArrowUp")
+    says(nb, "driving")
+    nb.restart_kernel()
+    says(nb, "kernel busy: stopped")
+    nb.page.keyboard.up("ArrowUp")
+    nb.run_all()
+    pad_of(nb).focus()
+    nb.page.keyboard.down("ArrowUp")
+    says(nb, "driving")
+
+
+def test_two_pads_of_one_robot_give_way_to_the_newest_press(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([PAD, "pad"])
+    for cell in (0, 1):
+        pad_of(nb, cell).dispatch_event("pointerdown", {"pointerId": 1, "button": 0})
+    says(nb, "driving", 1)
+    says(nb, "driven from another pad", 0)
+
+
+def test_what_is_wrong_is_said(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook(["from robowidgets import DriveWidget\npad = DriveWidget()\npad"])
+    says(nb, "no feed")
+    nb.python(
+        "class Robot:\n    def drive(self, linear, angular):\n        raise OSError('no route to the <b>robot</b>')"
+    )
+    nb.python("pad.connect(Robot())")
+    says(nb, "stopped")
+    pad_of(nb).focus()
+    nb.page.keyboard.down("ArrowUp")
+    expect(nb.widget(0).locator(".rw-notice")).to_have_text(
+        "The robot could not be told to stop: OSError: no route to the <b>robot</b>"
+    )
+    nb.page.keyboard.up("ArrowUp")
+    nb.python("pad.enabled = False")
+    says(nb, "switched off")
