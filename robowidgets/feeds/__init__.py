@@ -6,6 +6,7 @@ when it is opened.
 
 from ._drive import Driving
 from ._topics import Topic
+from .dds import dds
 from .feed import Feed
 from .foxglove import foxglove
 from .middleware import Advert, FeedError, Listener, Middleware
@@ -22,6 +23,7 @@ __all__ = [
     "Listener",
     "Middleware",
     "Topic",
+    "dds",
     "foxglove",
     "recording",
     "ros1",

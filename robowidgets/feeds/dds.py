@@ -1,0 +1,164 @@
+"""The topics of ROS 2 where no ROS is installed, over DDS."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ._again import Again
+from ._encode import Encoder
+from .middleware import FeedError, Listener
+
+if TYPE_CHECKING:
+    from ._dds_session import Session
+    from .feed import Feed
+
+_LAST_DOMAIN = 232
+
+
+class Dds:
+    """A `Middleware` that takes part in a DDS domain.
+
+    Raises:
+        TypeError, ValueError: no such domain, or no name of an interface.
+    """
+
+    def __init__(self, domain: int = 0, *, interface: str | None = None) -> None:
+        if not isinstance(domain, int) or isinstance(domain, bool):
+            raise TypeError(f"domain: expected a whole number, as in ROS_DOMAIN_ID, got {domain!r}")
+        if not 0 <= domain <= _LAST_DOMAIN:
+            raise ValueError(f"domain: expected 0 to {_LAST_DOMAIN}, as in ROS_DOMAIN_ID, got {domain}")
+        if interface is not None and not isinstance(interface, str):
+            raise TypeError(f"interface: expected the name of a network interface, such as 'eth0', got {interface!r}")
+        self._domain, self._interface = domain, interface
+        self._encoder = Encoder()
+        self._again = Again()
+        self._lock = threading.Lock()
+        self._wanted: set[str] = set()
+        self._out: dict[tuple[str, str], bytes] = {}
+        self._session: Session | None = None
+        self._thread: threading.Thread | None = None
+
+    @property
+    def where(self) -> str:
+        """See `Middleware`."""
+        return f"DDS domain {self._domain}" + (f" on {self._interface}" if self._interface else "")
+
+    def open(self, listener: Listener) -> None:
+        """See `Middleware`."""
+        try:
+            import cyclonedds.domain  # noqa: F401
+        except ImportError as error:
+            raise FeedError(f"feeds.dds needs cyclonedds: pip install 'robowidgets[dds]' ({error})") from None
+        self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-dds", daemon=True)
+        self._thread.start()
+
+    def subscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        with self._lock:
+            self._wanted.add(topic)
+        self._wake()
+
+    def unsubscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        with self._lock:
+            self._wanted.discard(topic)
+        self._wake()
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        """See `Middleware`."""
+        raw = self._encoder.encode("cdr", message_type, message)
+        with self._lock:
+            if self._session is not None:
+                self._out[topic, message_type] = raw
+        self._wake()
+
+    def close(self) -> None:
+        """See `Middleware`."""
+        self._again.close()
+        self._wake()
+        thread = self._thread
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
+
+    def _wake(self) -> None:
+        with self._lock:
+            if self._session is not None:
+                self._session.wake()
+
+    def _run(self, listener: Listener) -> None:
+        while not self._again.closed:
+            why = self._take_part(listener)
+            if not self._again.closed:
+                pause = self._again.next_pause()
+                listener.on_lost(why, pause)
+                self._again.wait(pause)
+
+    def _take_part(self, listener: Listener) -> str:
+        """Take part until it is closed, or until the network cannot be used: why not."""
+        from cyclonedds.core import DDSException
+
+        try:
+            self._in_domain(listener)
+        except DDSException as error:
+            return f"{self.where} cannot be used: {error.msg or error}"
+        return ""
+
+    def _in_domain(self, listener: Listener) -> None:
+        from ._dds_domain import configured
+        from ._dds_session import Session
+
+        with configured(self._domain, self._interface):
+            session = Session(self._domain, listener)
+            with self._lock:
+                self._session = session
+            try:
+                listener.on_connected()
+                self._again.worked()
+                while not self._again.closed:
+                    self._step(session)
+                self._send(session)
+            finally:
+                with self._lock:
+                    self._session = None
+                    self._out.clear()
+
+    def _step(self, session: Session) -> None:
+        session.look()
+        with self._lock:
+            wanted = set(self._wanted)
+        session.follow(wanted)
+        self._send(session)
+        for wish in session.wishes:
+            with self._lock:
+                if self._again.closed or wish.topic not in self._wanted:
+                    continue
+            session.messages(wish)
+        if not self._again.closed:
+            session.wait()
+
+    def _send(self, session: Session) -> None:
+        with self._lock:
+            out, self._out = self._out, {}
+        for (topic, message_type), raw in out.items():
+            session.write(topic, message_type, raw)
+
+
+def dds(domain: int = 0, *, interface: str | None = None) -> Feed:
+    """A feed from the topics of ROS 2 where no ROS is installed.
+
+    Args:
+        domain: the robot's ``ROS_DOMAIN_ID``, 0 to 232.
+        interface: the network interface to use, by name (``"eth0"``) or address; the first that works by default, or
+            what ``CYCLONEDDS_URI`` says. ``"lo"`` stays on this machine.
+
+    Raises:
+        TypeError, ValueError: no such domain, or no name of an interface.
+        FeedError: cyclonedds is not installed.
+
+    Source: https://design.ros2.org/articles/topic_and_service_names.html
+    """
+    from .feed import Feed
+
+    return Feed(Dds(domain, interface=interface))

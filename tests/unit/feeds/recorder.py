@@ -1,0 +1,40 @@
+"""A listener that keeps what a middleware tells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from robowidgets.feeds.middleware import Advert
+
+
+class Recorder:
+    """See `Listener`."""
+
+    def __init__(self) -> None:
+        self.connected = 0
+        self.lost: list[tuple[str, float]] = []
+        self.topics: list[Advert] = []
+        self.messages: list[tuple[str, Any]] = []
+        self.troubles: list[tuple[str, str]] = []
+        self.then: Callable[[], None] = lambda: None
+
+    def on_connected(self) -> None:
+        self.connected += 1
+
+    def on_lost(self, why: str, again_in: float) -> None:
+        self.lost.append((why, again_in))
+
+    def on_topics(self, topics: Sequence[Advert]) -> None:
+        self.topics = list(topics)
+
+    def on_message(self, topic: str, message: Any) -> None:
+        self.messages.append((topic, message))
+        self.then()
+
+    def on_trouble(self, topic: str, words: str) -> None:
+        self.troubles.append((topic, words))
+
+    def words(self, topic: str) -> str:
+        """What is wrong with a topic now."""
+        return next((words for name, words in reversed(self.troubles) if name == topic), "")
