@@ -16,11 +16,16 @@ from .._picks import Pick, picks
 from .._spans import Marks, Seconds, TimeSpan
 from .._traits import Flag
 from ..player_widget import PlayerWidget
+from ..scanogram_widget import ScanogramWidget
 from ..touch_widget import TouchWidget
 from .recording import Recording, open
 from .sender import STRETCH, Sender, stretch
+from .source import RecordingError
 from .stills import NO_SCAN, NO_SPEED, LaserTrack, SpeedTrack, TouchTrack, Track
 from .touch_history import TouchHistory
+
+MOST_SCANS = 20_000
+"""With more scans a scanogram is made only when it is asked for: it reads them all."""
 
 _EARLY = 0.1
 
@@ -46,6 +51,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     Args:
         recording: what is shown. Nothing else may read it meanwhile.
         topics: names of topics in it; none: all that have a widget.
+        scanogram: whether the whole drive stands above them as one picture, of the first topic with scans; None: if
+            that is ready in about a second.
 
     Raises:
         UnknownTopicError: it has no such topic, or one that no widget shows.
@@ -58,7 +65,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None. Settable.")
     marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start. Settable.")
 
-    def __init__(self, recording: Recording, topics: Sequence[str] = ()) -> None:
+    def __init__(self, recording: Recording, topics: Sequence[str] = (), scanogram: bool | None = None) -> None:
         self.recording = recording
         self.views: tuple[View, ...] = ()
         recording.samples(topics or None)
@@ -67,10 +74,12 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._seeking = threading.Lock()
         self._problems = ipywidgets.HTML()
         for view in self.views:
-            view.widget.live, view.widget.led = False, True
-        self.bar = self._make_bar()
+            view.widget.live, view.widget.led, view.widget.history = False, True, 0
         moves = recording.duration and self.views
-        super().__init__([self._problems, *([self.bar] if moves else []), self._widgets()])
+        self.scanogram = _scanogram(recording, self.views, scanogram) if moves else None
+        self.bar = self._make_bar()
+        above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
+        super().__init__([self._problems, *above, self._widgets()])
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             traitlets.link((self.bar, name), (self, name))
         self._sender = Sender(self._open_tracks, self._send, recording.duration, self._complain)
@@ -79,6 +88,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         for view in self.views:
             if view.pick.widget == "laser":
                 view.widget.observe(lambda _: self._sender.start(), "angle_offset")
+        if self.scanogram:
+            self.bar.observe(self._on_selection, "selection")
         self._on_time(None)
 
     @property
@@ -97,9 +108,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def close(self) -> None:
         """Take it off the page and close the recording."""
         self._sender.close()
-        for view in self.views:
-            view.widget.close()
-        self.bar.close()
+        for widget in (*(view.widget for view in self.views), self.bar, self.scanogram):
+            if widget is not None:
+                widget.close()
         super().close()
         self.recording.close()
 
@@ -113,6 +124,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             time=seconds,
             _stretch=STRETCH,
             _targets=[view.widget.model_id for view in self.views],
+            _followers=[self.scanogram.model_id] if self.scanogram else [],
             _first={
                 "stretch": index,
                 "drop": [],
@@ -145,11 +157,31 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                     seek(self.bar.time)
             self._tell_problems()
 
+    def _on_selection(self, change: Any) -> None:
+        """The page tells the bar what was selected on the picture; the picture may know rays besides."""
+        known = self.scanogram.selection
+        if change["new"] != (known and known[:2]):
+            self.scanogram.selection = change["new"]
+
     def _tell_problems(self) -> None:
         """Some are found only where they lie, on the way through the recording."""
         lines = [f"⚠ {escape(line)}" for line in self.recording.problems]
         self._problems.value = "<br>".join(lines)
         self._problems.layout.display = None if lines else "none"
+
+
+def _scanogram(recording: Recording, views: Iterable[View], wanted: bool | None) -> ScanogramWidget | None:
+    topic = next((view.pick.topic for view in views if view.pick.widget == "laser"), None)
+    count = sum(t.count for t in recording.topics if t.name == topic)
+    if topic is None or wanted is False or (wanted is None and count > MOST_SCANS):
+        return None
+    try:
+        return ScanogramWidget.of(recording, topic)
+    except RecordingError:
+        # It holds no scan with rays.
+        if wanted:
+            raise
+        return None
 
 
 def _view(recording: Recording, pick: Pick) -> View:

@@ -94,6 +94,10 @@ def test_before_the_first_message_of_a_topic_nothing_of_later_is_shown(player: P
     assert all(isnan(value) for value in speed.commanded.values)  # type: ignore[attr-defined]
 
 
+def test_the_widgets_keep_no_history_of_their_own(player: Player) -> None:
+    assert [view.widget.history for view in player.views] == [0.0] * len(player.views) != []
+
+
 def test_it_reads_on_when_the_recording_is_closed(path: Path) -> None:
     with open(path) as recording:
         player = recording.show()
@@ -252,3 +256,30 @@ class TestATouchHistory:
             for seconds in (20.0, 20.1, 20.2, 5.0):
                 history.at(start_ns + round(seconds * S))
         assert len(applied) < 45
+
+
+def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def has_one(*topics: str, **more: bool) -> bool:
+        with open(path) as recording:
+            player = recording.show(*topics, **more)
+        there = player.scanogram is not None and player.scanogram in player.children
+        player.close()
+        return there
+
+    assert has_one()
+    assert not has_one(scanogram=False)
+    assert not has_one("/odom")
+    monkeypatch.setattr("robowidgets.recordings.show.MOST_SCANS", 10)
+    assert not has_one()
+    assert has_one(scanogram=True)
+
+
+def test_what_is_selected_to_be_played_is_selected_on_the_picture(player: Player) -> None:
+    assert player.scanogram is not None
+    player.selection = (2, 3)
+    assert player.scanogram.selection == (2.0, 3.0)
+    player.scanogram.selection = (4.0, 5.0, 0, 1)
+    player.bar.selection = (4.0, 5.0)
+    assert player.scanogram.selection == (4.0, 5.0, 0, 1)
