@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import atexit
 import logging
-import os
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from .. import _table
-from .._widget import RobotWidget
-from ..speed_widget import SpeedWidget
 from ._drive import Driver, Driving, twist, type_to_send
-from ._link import Link, Target, target_of
+from ._ending import still_open
+from ._link import target_of
+from ._links import Links
+from ._subscriptions import Subscriptions
 from ._topics import HEADS, Topic, cells, topics_of
 from .middleware import Advert, FeedError, Middleware
 
@@ -54,23 +53,19 @@ class Feed:
         self.driving = Driving()
         self._middleware = middleware
         self._changed = threading.Condition(threading.RLock())
-        self._links: dict[str, Link] = {}
-        self._widgets: dict[RobotWidget[Any], list[tuple[Link, Target]]] = {}
+        self._links = Links(f"connecting to {middleware.where}")
         self._views: list[FeedView] = []
         self._adverts: tuple[Advert, ...] = ()
-        self._there: dict[str, Topic] | None = None
-        self._down = f"connecting to {middleware.where}"
         self._reached = self._closed = False
         self._opened = time.monotonic()
         self._warned: set[str] = set()
-        self._subscribed: set[str] = set()
-        self._subscribing = False
-        self._driver = Driver(self._send_speed, lambda: not self._down)
-        _open.add(self)
+        self._subscriptions = Subscriptions(middleware, self._wanted)
+        self._driver = Driver(self._send_speed, lambda: not self._links.down)
+        still_open.add(self)
         try:
             middleware.open(self)
         except BaseException:
-            _open.discard(self)
+            still_open.discard(self)
             raise
 
     # -- what a person uses --------------------------------------------------------------------------------------------
@@ -83,19 +78,19 @@ class Feed:
     @property
     def topics(self) -> tuple[Topic, ...]:
         """The topics there are now."""
-        return tuple((self._there or {}).values())
+        return tuple((self._links.there or {}).values())
 
     @property
     def words(self) -> str:
         """What a person should know of the connection; empty when all is well."""
-        return self._down
+        return self._links.down
 
     @property
     def drive_words(self) -> str:
         """Why the robot would not move when it is driven; empty when nothing is known against it."""
-        if self._down or self._there is None:
-            return self._down
-        topic = self._there.get(self.driving.topic)
+        if self._links.down or self._links.there is None:
+            return self._links.down
+        topic = self._links.there.get(self.driving.topic)
         if topic is not None and topic.wanted is not False:
             return ""
         heard = [t.name for t in self.topics if t.widget == "speed" and t.commanded and t.wanted]
@@ -120,35 +115,16 @@ class Feed:
             raise TypeError(f"connect({topic!r}) needs a widget, or a function of a message")
         with self._changed:
             self._check_open()
-            link = self._links.get(topic)
-            if link is None:
-                link = self._links[topic] = Link(topic)
-                link.listed((self._there or {}).get(topic))
-            for target in found:
-                if target in link.targets:
-                    continue
-                link.targets += (target,)
-                if target.widget is not None:
-                    self._widgets.setdefault(target.widget, []).append((link, target))
-                    _give_title(target, topic)
-            self._tell(link)
-        self._subscribe()
+            self._links.connect(topic, found)
+        self._subscriptions.settle()
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """Hand no more messages of a topic on to these targets of `connect`; to none at all when none are named."""
         _check_name(topic)
         gone = [target_of(target) for target in targets]
         with self._changed:
-            link = self._links.get(topic)
-            if link is None:
-                return
-            gone = gone or list(link.targets)
-            link.targets = tuple(target for target in link.targets if target not in gone)
-            if not link.targets:
-                del self._links[topic]
-            for target in gone:
-                self._leave(target, link)
-        self._subscribe()
+            self._links.disconnect(topic, gone)
+        self._subscriptions.settle()
 
     def show(self, *topics: str) -> FeedView:
         """The widgets that fit its topics, live, for the page.
@@ -191,10 +167,10 @@ class Feed:
         """
         driving = self.driving
         speed = driving.within(linear, angular)
-        self._wait(lambda: self._reached and bool(self._down or self._there is not None), self._opened)
+        self._wait(lambda: self._reached and bool(self._links.down or self._links.there is not None), self._opened)
         self._check_open()
-        if self._down:
-            raise FeedError(f"cannot drive: {self._down}")
+        if self._links.down:
+            raise FeedError(f"cannot drive: {self._links.down}")
         if (words := self.drive_words) and words not in self._warned:
             self._warned.add(words)
             log.warning("%s: %s", self.where, words)
@@ -219,11 +195,10 @@ class Feed:
         try:
             self._middleware.close()
         finally:
-            _open.discard(self)
+            still_open.discard(self)
             with self._changed:
-                self._down = "the feed is closed"
+                self._links.lose("the feed is closed")
                 self._changed.notify_all()
-                self._tell_all()
             self._refresh_views()
 
     def __enter__(self) -> Feed:
@@ -247,9 +222,9 @@ class Feed:
         with self._changed:
             if self._closed:
                 return
-            self._down, self._reached = "", True
+            self._links.down, self._reached = "", True
+            self._links.tell_all()
             self._changed.notify_all()
-            self._tell_all()
         self._driver.nudge()
         self._refresh_views()
 
@@ -259,10 +234,7 @@ class Feed:
             if self._closed:
                 return
             lost = "connection lost" if self._reached else f"cannot reach {self.where}"
-            self._down = f"{lost}, trying again in {again_in:.2g} s: {why}"
-            for link in self._links.values():
-                link.came = False
-            self._tell_all()
+            self._links.lose(f"{lost}, trying again in {again_in:.2g} s: {why}")
         self._refresh_views()
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
@@ -271,34 +243,31 @@ class Feed:
             if self._closed:
                 return
             self._adverts = tuple(topics)
-            self._there = topics_of(topics)
-            for link in self._links.values():
-                link.listed(self._there.get(link.topic))
+            self._links.learn(topics_of(topics))
             self._changed.notify_all()
-            self._tell_all()
         self._refresh_views()
 
     def on_message(self, topic: str, message: Any) -> None:
         """See `Listener`."""
-        link = self._links.get(topic)
+        link = self._links.by_topic.get(topic)
         if link is not None and not self._closed and link.take(message):
             with self._changed:
-                self._tell(link)
+                self._links.tell(link)
 
     def on_trouble(self, topic: str, words: str) -> None:
         """See `Listener`."""
         with self._changed:
-            link = self._links.get(topic)
+            link = self._links.by_topic.get(topic)
             if link is not None and not self._closed:
                 link.trouble = words
-                self._tell(link)
+                self._links.tell(link)
 
     # -- within --------------------------------------------------------------------------------------------------------
 
     def words_of(self, topic: str) -> str:
         """What a person should know of a topic, connected or not; empty when all is well."""
         with self._changed:
-            return self._down or (self._links.get(topic) or Link(topic)).words(self._there)
+            return self._links.words_of(topic)
 
     @property
     def is_closed(self) -> bool:
@@ -308,7 +277,7 @@ class Feed:
     @property
     def is_listed(self) -> bool:
         """Whether it was told which topics there are."""
-        return self._there is not None
+        return self._links.there is not None
 
     def forget(self, view: FeedView) -> None:
         """Tell a view nothing more."""
@@ -329,62 +298,14 @@ class Feed:
         kind = type_to_send(self.driving.topic, self._adverts)
         self._middleware.publish(self.driving.topic, kind, twist(kind, linear, angular))
 
-    def _subscribe(self) -> None:
-        """Ask the middleware for the topics that are connected, and no more for others.
-
-        It is called without the lock, which a thread of its own may want; by one thread at a time, so that what is
-        wanted last is what it hears last.
-        """
+    def _wanted(self) -> Collection[str] | None:
         with self._changed:
-            if self._subscribing:
-                return  # that thread looks again before it leaves
-            self._subscribing = True
-        while True:
-            with self._changed:
-                changes = self._links.keys() ^ self._subscribed
-                if self._closed or not changes:
-                    self._subscribing = False
-                    return
-                topic = changes.pop()
-                wanted = topic in self._links
-                (self._subscribed.add if wanted else self._subscribed.discard)(topic)
-            try:
-                (self._middleware.subscribe if wanted else self._middleware.unsubscribe)(topic)
-            except BaseException:
-                self._subscribing = False
-                raise
-
-    def _leave(self, target: Target, link: Link) -> None:
-        if target.widget is None:
-            return
-        links = [pair for pair in self._widgets.pop(target.widget, []) if pair != (link, target)]
-        if links:
-            self._widgets[target.widget] = links
-        self._say(target.widget)
-
-    def _tell(self, link: Link) -> None:
-        for target in link.targets:
-            if target.widget is not None:
-                self._say(target.widget)
-
-    def _tell_all(self) -> None:
-        for widget in self._widgets:
-            self._say(widget)
+            return None if self._closed else tuple(self._links.by_topic)
 
     def _refresh_views(self) -> None:
         """Without the lock: a view may put up widgets, and connect them."""
         for view in list(self._views):
             view.refresh()
-
-    def _say(self, widget: RobotWidget[Any]) -> None:
-        links = sorted(self._widgets.get(widget, []), key=lambda pair: not pair[1].leads)
-        if not links:
-            widget._source = {}
-            return
-        first = links[0][0]
-        words = [link.words(self._there, leads=link is first) for link, _ in links]
-        told = self._down or "; ".join(dict.fromkeys(filter(None, words)))
-        widget._source = {"topic": first.topic, "type": first.type, "words": told}
 
     def _check_open(self) -> None:
         if self._closed:
@@ -393,31 +314,9 @@ class Feed:
     def _table(self) -> tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[str]]:
         topics = self.topics
         head = f"{self.where}: {_table.many(len(topics), 'topic')}"
-        return head, HEADS, [cells(topic) for topic in topics], (), [self._down] if self._down else []
-
-
-def _give_title(target: Target, topic: str) -> None:
-    widget = target.widget
-    if target.leads and widget is not None and not widget.title:
-        widget.title = topic
-    elif isinstance(widget, SpeedWidget) and target.hand == widget.command and not widget.command_title:
-        widget.command_title = topic
+        return head, HEADS, [cells(topic) for topic in topics], (), [self._links.down] if self._links.down else []
 
 
 def _check_name(topic: Any) -> None:
     if not isinstance(topic, str):
         raise TypeError(f"expected the name of a topic as text, got {topic!r}")
-
-
-_open: set[Feed] = set()
-"""Feeds that a process must close before it ends: a robot may be driving."""
-
-
-def _close_all() -> None:
-    for feed in list(_open):
-        feed.close()
-
-
-atexit.register(_close_all)
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_open.clear)

@@ -14,6 +14,7 @@ import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, feeds
 from robowidgets.feeds import Advert, Feed, FeedError
+from robowidgets.feeds._ending import still_open
 
 from ..waiting import wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
@@ -323,6 +324,8 @@ def test_a_closed_feed_says_so_and_hears_nothing_more(opened: Opened) -> None:
     script.listener.on_message("/scan", scan())
     assert source(laser)["words"] == "the feed is closed"
     assert laser.scan is None
+    feed.disconnect("/scan")
+    assert script.asked == [("subscribe", "/scan")]
 
 
 def test_a_middleware_that_cannot_be_opened_leaves_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -334,9 +337,7 @@ def test_a_middleware_that_cannot_be_opened_leaves_nothing_behind(monkeypatch: p
     monkeypatch.setattr(script, "open", refuse)
     with pytest.raises(FeedError, match="rclpy is not installed"):
         Feed(script)
-    from robowidgets.feeds import feed
-
-    assert not any(one.where == "the script" for one in feed._open)
+    assert still_open == set()
 
 
 def test_a_hundred_opens_and_closes_leave_no_thread_and_no_memory() -> None:

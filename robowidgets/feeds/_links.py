@@ -1,0 +1,107 @@
+"""Who is connected to which topics, and what each widget is told of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from .._widget import RobotWidget
+from ..speed_widget import SpeedWidget
+from ._link import Link, Target
+from ._topics import Topic
+
+
+class Links:
+    """The links of a feed, by topic. One thread at a time may use them.
+
+    Attributes:
+        there: the topics there are, by name; None until that is known.
+        down: why nothing comes at all; empty when all is well.
+    """
+
+    def __init__(self, down: str) -> None:
+        self.by_topic: dict[str, Link] = {}
+        self.there: dict[str, Topic] | None = None
+        self.down = down
+        self._widgets: dict[RobotWidget[Any], list[tuple[Link, Target]]] = {}
+
+    def connect(self, topic: str, targets: Sequence[Target]) -> None:
+        """Add targets to a topic; those that it has already are not added again."""
+        link = self.by_topic.get(topic)
+        if link is None:
+            link = self.by_topic[topic] = Link(topic)
+            link.listed((self.there or {}).get(topic))
+        for target in targets:
+            if target in link.targets:
+                continue
+            link.targets += (target,)
+            if target.widget is not None:
+                self._widgets.setdefault(target.widget, []).append((link, target))
+                _give_title(target, topic)
+        self.tell(link)
+
+    def disconnect(self, topic: str, targets: Sequence[Target]) -> None:
+        """Take targets off a topic, or all of them where none are named."""
+        link = self.by_topic.get(topic)
+        if link is None:
+            return
+        gone = targets or link.targets
+        link.targets = tuple(target for target in link.targets if target not in gone)
+        if not link.targets:
+            del self.by_topic[topic]
+        for target in gone:
+            if target.widget is not None:
+                self._leave(target.widget, link, target)
+
+    def learn(self, there: dict[str, Topic]) -> None:
+        """Learn which topics there are now."""
+        self.there = there
+        for link in self.by_topic.values():
+            link.listed(there.get(link.topic))
+        self.tell_all()
+
+    def lose(self, why: str) -> None:
+        """Learn that nothing comes any more, until it does again."""
+        self.down = why
+        for link in self.by_topic.values():
+            link.came = False
+        self.tell_all()
+
+    def words_of(self, topic: str) -> str:
+        """What a person should know of a topic, connected or not; empty when all is well."""
+        return self.down or (self.by_topic.get(topic) or Link(topic)).words(self.there)
+
+    def tell(self, link: Link) -> None:
+        """Tell the widgets of a link what is to be known."""
+        for target in link.targets:
+            if target.widget is not None:
+                self._say(target.widget)
+
+    def tell_all(self) -> None:
+        """Tell every widget what is to be known."""
+        for widget in self._widgets:
+            self._say(widget)
+
+    def _leave(self, widget: RobotWidget[Any], link: Link, target: Target) -> None:
+        left = [pair for pair in self._widgets.pop(widget, []) if pair != (link, target)]
+        if left:
+            self._widgets[widget] = left
+        self._say(widget)
+
+    def _say(self, widget: RobotWidget[Any]) -> None:
+        links = sorted(self._widgets.get(widget, []), key=lambda pair: not pair[1].leads)
+        if not links:
+            widget._source = {}
+            return
+        first = links[0][0]
+        words = [link.words(self.there, leads=link is first) for link, _ in links]
+        told = self.down or "; ".join(dict.fromkeys(filter(None, words)))
+        widget._source = {"topic": first.topic, "type": first.type, "words": told}
+
+
+def _give_title(target: Target, topic: str) -> None:
+    widget = target.widget
+    if target.leads and widget is not None and not widget.title:
+        widget.title = topic
+    elif isinstance(widget, SpeedWidget) and target.hand == widget.command and not widget.command_title:
+        widget.command_title = topic
