@@ -25,6 +25,8 @@ PATIENCE = 3.0
 CLOSING = 5.0
 """Seconds that closing waits for the thread at most: rospy's own calls to a master have no limit."""
 
+SHUT_DOWN = "rospy was shut down in this process and cannot start again: restart the kernel"
+
 _STARTING = threading.Lock()
 
 
@@ -85,7 +87,7 @@ class Ros1:
                 "venv with --system-site-packages; feeds.rosbridge() needs no ROS"
             ) from None
         if rospy.is_shutdown():
-            raise FeedError("rospy was shut down in this process and cannot start again: restart the kernel")
+            raise FeedError(SHUT_DOWN)
         if not rosgraph.names.is_legal_base_name(self._name):
             raise FeedError(f"name: expected the name of a node, letters, digits and _, got {self._name!r}")
         uri = rosgraph.get_master_uri()
@@ -147,8 +149,8 @@ class Ros1:
             self._thread.join(CLOSING)
 
     def failed(self, topic: str, words: str) -> None:
-        """A connection of a topic failed and rospy gave it up: of what it says until the next try, the first tells why."""
-        if topic not in self._failed:
+        """Rospy gave up a connection of a topic: of all that it says until the next try, the first tells why."""
+        if topic in self._wanted and topic not in self._failed:
             self._failed.add(topic)
             self._trouble(topic, words)
 
@@ -171,15 +173,19 @@ class Ros1:
                     connected = True
                     self._again.worked()
                 self._step(state)
-            except (MasterError, self._rospy.ROSException) as error:
-                connected = False
+            except MasterError as error:
                 hint = "is roscore running, and ROS_MASTER_URI right?"
-                pause = self._again.next_pause()
-                self._listener.on_lost(f"no ROS master at {self._master.uri} ({error}); {hint}", pause)
-                self._again.wait(pause)
+                why = f"no ROS master at {self._master.uri} ({error}); {hint}"
+            except self._rospy.ROSException as error:
+                why = f"the rospy node of this process cannot be used: {error}"
+            else:
+                self._stirred.wait(POLL)
+                self._stirred.clear()
                 continue
-            self._stirred.wait(POLL)
-            self._stirred.clear()
+            connected = False
+            pause = self._again.next_pause()
+            self._listener.on_lost(why, pause)
+            self._again.wait(pause)
         # rospy writes in a thread of its own, and forgets what is not out yet: it may be a zero.
         time.sleep(max(0.0, 0.1 - (time.monotonic() - self._published_at)))
         for subscription in self._subscriptions.values():
@@ -191,6 +197,8 @@ class Ros1:
         self._publications.clear()
 
     def _start_node(self) -> None:
+        if self._rospy.is_shutdown():
+            raise self._rospy.ROSException(SHUT_DOWN)
         with _STARTING:
             if not self._rospy.core.is_initialized():
                 self._rospy.init_node(self._name, argv=[], anonymous=True, disable_signals=True)

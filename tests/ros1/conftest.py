@@ -65,11 +65,12 @@ def master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Master]:
 
 @pytest.fixture
 def publish(master: Master) -> Iterator[Callable[..., subprocess.Popen[str]]]:
-    """`publish(topic, what, rays=...)` starts a process that publishes; see publisher.py for what."""
+    """`publish(topic, what, number, NAME="value")` starts publisher.py, with that in its environment."""
     started: list[subprocess.Popen[str]] = []
 
-    def start(topic: str, what: str, number: int = 5) -> subprocess.Popen[str]:
-        process = subprocess.Popen([PYTHON, PUBLISHER, topic, what, str(number)], stdout=subprocess.PIPE, text=True)
+    def start(topic: str, what: str, number: int = 5, **environ: str) -> subprocess.Popen[str]:
+        command = [PYTHON, str(PUBLISHER), topic, what, str(number)]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ | environ)
         started.append(process)
         assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"

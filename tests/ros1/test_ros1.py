@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import os
 import socket
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 
@@ -13,7 +15,9 @@ import pytest
 from robowidgets import LaserWidget, SpeedWidget, feeds
 from robowidgets.feeds.middleware import FeedError
 
+from ..conftest import ROOT
 from ..unit.waiting import wait_for
+from .conftest import PACKAGES
 
 MODULE = importlib.import_module("robowidgets.feeds.ros1")  # by its name there is the function in it
 
@@ -65,6 +69,14 @@ def test_a_publisher_that_was_killed_and_comes_back_is_heard_again(feed, publish
     publish("/three/scan", "scan", 9)
     wait_for(lambda: rays(laser) == 9, "a scan of the next one comes")
     wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+
+
+def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_told(feed, publish):
+    laser = LaserWidget()
+    feed.connect("/far/scan", laser)
+    publish("/far/scan", "scan", ROS_HOSTNAME="robot.invalid")
+    wait_for(lambda: "cannot be reached at robot.invalid:" in laser._source["words"], "the widget says so")
+    assert laser._source["words"].endswith("set ROS_IP where it runs")
 
 
 def test_a_master_that_was_killed_and_comes_back_hears_of_us_again(feed, publish, master):
@@ -137,6 +149,12 @@ def test_only_types_that_are_installed_can_be_published(feed):
         feed._middleware.publish("/go", "acme_msgs/msg/Go", {})
 
 
+def test_another_type_on_a_topic_that_is_published_already_is_refused(feed):
+    feed._middleware.publish("/go", "geometry_msgs/msg/Twist", {})
+    with pytest.raises(FeedError, match="cannot publish geometry_msgs/TwistStamped on /go: geometry_msgs/Twist is pub"):
+        feed._middleware.publish("/go", "geometry_msgs/msg/TwistStamped", {})
+
+
 def test_a_feed_may_be_closed_twice_and_in_a_callback(feed, publish):
     closed = threading.Event()
 
@@ -202,3 +220,31 @@ def test_a_master_that_cannot_be_is_refused_at_once(master, monkeypatch, uri):
 def test_a_name_that_no_node_may_have_is_refused(master):
     with pytest.raises(FeedError, match="name: expected the name of a node, letters, digits and _, got 'my robot'"):
         feeds.ros1("my robot")
+
+
+def test_without_rospy_a_feed_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "rospy", None)
+    with pytest.raises(FeedError, match="rospy cannot be imported here"):
+        feeds.ros1()
+
+
+def test_a_process_whose_rospy_was_shut_down_is_told_to_restart(master):
+    script = f"""
+import sys
+sys.path.append({PACKAGES!r})
+import rospy
+from robowidgets import feeds
+from tests.unit.waiting import wait_for
+feed = feeds.ros1()
+wait_for(lambda: not feed.words, "it is connected")
+rospy.signal_shutdown("by the test")
+wait_for(lambda: "cannot be used: rospy was shut down in this process" in feed.words, "the feed says so")
+feed.close()
+try:
+    feeds.ros1()
+except feeds.FeedError as error:
+    assert str(error) == "rospy was shut down in this process and cannot start again: restart the kernel"
+else:
+    raise AssertionError("it opened")
+"""
+    subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=60)
