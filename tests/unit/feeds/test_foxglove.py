@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from foxglove.websocket import Capability, ConnectionGraph, ServerListener
 
-from robowidgets import LaserWidget
+from robowidgets import LaserWidget, feeds
 from robowidgets.feeds import _websocket
 from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import Advert, FeedError
@@ -363,6 +363,20 @@ def test_a_speed_is_published_in_what_the_robot_takes(encoding: str, ears: Ears)
     doubles = np.array([0.25, 0, 0, 0, 0, 0]).tobytes()
     lead = {"cdr": b"\0\1\0\0", "ros1": b""}
     assert taken.payloads == [b'{"linear": {"x": 0.25}}' if encoding == "json" else lead[encoding] + doubles]
+
+
+def test_a_feed_that_drives_stops_the_robot_when_it_is_closed() -> None:
+    taken = Taken()
+    real = Real(capabilities=[Capability.ClientPublish], supported_encodings=["cdr"], server_listener=taken)
+    try:
+        with feeds.foxglove(real.address) as feed:
+            feed.drive(0.25, -0.5)
+            wait_for(lambda: taken.payloads, "the speed came")
+        wait_for(lambda: len(taken.payloads) >= 2, "the next came")
+    finally:
+        real.server.stop()
+    speeds = [np.frombuffer(payload[4:]).tolist() for payload in taken.payloads]
+    assert (speeds[0], speeds[-1]) == ([0.25, 0, 0, 0, 0, -0.5], [0.0] * 6)
 
 
 @pytest.mark.parametrize(

@@ -124,16 +124,29 @@ def test_a_robot_that_says_goodbye_is_quoted(scanning: tuple[OldFoxglove, Foxglo
     assert ears.lost == ["the connection ended: battery low"]
 
 
+def test_a_robot_that_falls_silent_is_given_up(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_websocket, "_ALIVE", 0.1)
+    with OldFoxglove([channel(1)]) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        wait_for(lambda: ears.topics, "it is connected")
+        go_on = threading.Event()
+        server._loop.call_soon_threadsafe(lambda: go_on.wait(20))
+        wait_for(lambda: ears.lost, "it was lost")
+        go_on.set()
+        wait_for(lambda: ears.connected == 2, "it is back")
+        middleware.close()
+    assert ears.lost[0] == "the robot did not answer for 0.1 s"
+
+
 def test_what_is_published_while_nobody_is_there_is_never_sent(ears: Ears) -> None:
     info: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
     with OldFoxglove([channel(1)], **info) as server:
         middleware = Foxglove(server.address)
-        ears_lost = threading.Event()
         middleware.open(ears)
         wait_for(lambda: ears.topics, "it is connected")
-        ears.on_lost = lambda *_: ears_lost.set()  # type: ignore[method-assign]
         server.drop()
-        assert ears_lost.wait(20)
+        wait_for(lambda: ears.lost, "it was lost")
         middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", {"linear": {"x": 1.0}})
         wait_for(lambda: ears.connected == 2, "it is back")
         middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", {})
