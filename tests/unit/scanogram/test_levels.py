@@ -13,7 +13,7 @@ GEOMETRY = (-1.0, 0.01, 0.1, 30.0)
 
 def made(ranges: np.ndarray, budget: int | None = None) -> Levels:
     ranges = ranges.astype(np.float32)
-    scans = Held(np.arange(len(ranges)) * 100_000_000, ranges)
+    scans = Held(np.arange(len(ranges)) * 100_000_000, [ranges[:700], ranges[700:]])
     sweep = Sweep.of(Scan(ranges[0], *GEOMETRY))
     return Levels(scans, sweep) if budget is None else Levels(scans, sweep, budget)
 
