@@ -120,8 +120,8 @@ class Driver:
         """Look again whether a zero that is due can be sent. Waits for nothing."""
         self._wake.set()
 
-    def close(self) -> None:
-        """Send zero if a speed still holds, and end the thread."""
+    def halt(self) -> None:
+        """Send zero if a speed still holds, and end the thread, until the next speed."""
         with self._sending:
             thread = self._thread
             if self._moving:

@@ -36,9 +36,6 @@ class Feed:
     Args:
         middleware: what connects; it is opened.
 
-    Attributes:
-        driving: how `drive` drives: topic, limits, and how long a speed holds.
-
     Raises:
         FeedError: it can never work; the text says why, and what to do.
 
@@ -50,7 +47,7 @@ class Feed:
     """
 
     def __init__(self, middleware: Middleware) -> None:
-        self.driving = Driving()
+        self._driving = Driving()
         self._middleware = middleware
         self._changed = threading.Condition(threading.RLock())
         self._links = Links(f"connecting to {middleware.where}")
@@ -84,6 +81,18 @@ class Feed:
     def words(self) -> str:
         """What a person should know of the connection; empty when all is well."""
         return self._links.down
+
+    @property
+    def driving(self) -> Driving:
+        """How `drive` drives: topic, limits, and how long a speed holds. To set it stops the robot."""
+        return self._driving
+
+    @driving.setter
+    def driving(self, driving: Driving) -> None:
+        if not isinstance(driving, Driving):
+            raise TypeError(f"driving: expected feeds.Driving(topic=..., max_linear=...), got {driving!r}")
+        self._driver.halt()
+        self._driving = driving
 
     @property
     def drive_words(self) -> str:
@@ -191,7 +200,7 @@ class Feed:
             if self._closed:
                 return
             self._closed = True
-        self._driver.close()
+        self._driver.halt()
         try:
             self._middleware.close()
         finally:
@@ -295,6 +304,8 @@ class Feed:
                 self._changed.wait(left)
 
     def _send_speed(self, linear: float, angular: float) -> None:
+        if linear or angular:
+            self._check_open()
         kind = type_to_send(self.driving.topic, self._adverts)
         self._middleware.publish(self.driving.topic, kind, twist(kind, linear, angular))
 

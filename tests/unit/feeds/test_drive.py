@@ -124,6 +124,32 @@ def test_closing_sends_zero_first_if_a_speed_still_holds(driven: Driven) -> None
         feed.drive(0.1)
 
 
+def test_driving_otherwise_stops_the_robot_first_where_it_was_driven(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=60.0)
+    feed.drive(0.3)
+    feed.driving = Driving(topic="/other")
+    feed.drive(0.2)
+    assert [topic for topic, _, _ in script.sent] == ["/cmd_vel", "/cmd_vel", "/other"]
+    assert script.speeds == [(0.3, 0.0), (0.0, 0.0), (0.2, 0.0)]
+    with pytest.raises(TypeError, match=r"driving: expected feeds.Driving\(topic=..., max_linear=...\), got 0.5"):
+        feed.driving = 0.5  # type: ignore[assignment]
+
+
+def test_a_speed_that_comes_while_it_closes_is_not_sent(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL)
+    said = []
+
+    def drive_while_closing() -> None:
+        with pytest.raises(FeedError, match="the feed of the script is closed") as error:
+            feed._driver.drive(0.3, 0.0, 1.0)
+        said.append(error)
+
+    script.close = drive_while_closing  # type: ignore[method-assign]
+    feed.close()
+    assert len(said) == 1
+    assert script.sent == []
+
+
 def test_closing_a_feed_that_does_not_drive_sends_nothing(driven: Driven) -> None:
     feed, script = driven(CMD_VEL)
     feed.drive(0.0, 0.0)
