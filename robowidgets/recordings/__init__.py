@@ -1,7 +1,7 @@
 """Recordings of robots: files of messages, opened for reading as samples."""
 
-from .recording import Recording, UnknownTopicError, open
-from .source import RecordingError
+from .recording import Recording, open
+from .source import RecordingError, UnknownTopicError
 from .timeline import Moment, Topic
 
 __all__ = ["Moment", "Recording", "RecordingError", "Topic", "UnknownTopicError", "open"]

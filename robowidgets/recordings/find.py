@@ -71,7 +71,12 @@ def find(recording: Recording, given: Any, topics: str | Iterable[str] | None) -
     start_ns = recording.start_ns or 0
     with progress(total, "Finding", " samples") as bar, one_bar():
         search = Search(recording, topics, bar)
-        held = wanted.steps(search)
+        try:
+            held = wanted.steps(search)
+        except KeyboardInterrupt:
+            # Where a condition does not look from sample to sample, nothing is known of any time.
+            search.cut(start_ns)
+            held = steps([], [])
     inside = held.times <= search.end_ns
     found = spans(Steps(held.times[inside], held.values[inside]), search.end_ns)
     return Spans(

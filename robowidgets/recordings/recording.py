@@ -8,14 +8,13 @@ from math import isfinite
 from numbers import Real
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from .._kinds import Widget
-from .memory import Memory
+from .all_series import AllSeries, AnySeries
 from .scan_series import Scans
-from .source import RecordingError
+from .source import RecordingError, UnknownTopicError
 from .speed_series import Speeds
-from .store import Store
 from .stretch import Stretch
 from .table import as_html, as_text, heading
 from .timeline import Moment, Timeline, Topic
@@ -27,14 +26,6 @@ if TYPE_CHECKING:
     from .function import Instant
     from .show import Player
     from .spans import Spans
-
-AnySeries = TypeVar("AnySeries", Scans, Speeds, Touches)
-
-
-class UnknownTopicError(RecordingError, KeyError):
-    """A topic that a recording does not have, or that no widget shows."""
-
-    __str__ = Exception.__str__
 
 
 def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the one word for it: robowidgets.open()
@@ -72,8 +63,7 @@ class Recording:
         self._path = path
         self._timeline = timeline
         self._closed = False
-        self._memory = Memory()
-        self._series: dict[str, Scans | Speeds | Touches] = {}
+        self._series = AllSeries(path.name, timeline)
 
     @property
     def path(self) -> Path:
@@ -160,11 +150,11 @@ class Recording:
             TypeError: it is set to what is no whole number.
             ValueError: it is set to 0 or less.
         """
-        return self._memory.limit
+        return self._series.memory.limit
 
     @memory.setter
     def memory(self, limit: int) -> None:
-        self._memory.limit = limit
+        self._series.memory.limit = limit
 
     def scans(self, topic: str | None = None) -> Scans:
         """The scans of a topic as columns: times, ranges (N, R), intensities, geometry.
@@ -241,13 +231,14 @@ class Recording:
         self._check_open()
         return find(self, condition, topics)
 
-    def show(self, *topics: str) -> Player:
+    def show(self, *topics: str, scanogram: bool | None = None) -> Player:
         """The widgets that fit its topics, with a player for its time, for the page.
 
         They read the file by themselves: this recording may be read on, or closed.
 
         Args:
             *topics: names of the topics to show; none: all that have a widget.
+            scanogram: whether the whole drive stands above them as one picture; None: if that is ready in a moment.
 
         Raises:
             UnknownTopicError: it has no such topic, or one that no widget shows.
@@ -260,7 +251,7 @@ class Recording:
         # Here, so that who only reads recordings needs no page.
         from .show import Player
 
-        return Player(open(self.path), topics)
+        return Player(open(self.path), topics, scanogram)
 
     def info(self) -> str:
         """The table of its topics, as text."""
@@ -300,31 +291,10 @@ class Recording:
         return {topic.name: topic for topic in self.topics if topic.widget}
 
     def _columns(self, topic: str | None, widget: Widget, kind: type[AnySeries]) -> AnySeries:
-        name = self._only(widget) if topic is None else topic
+        name = self._series.only(widget) if topic is None else topic
         self.check(name)
-        if (shown := self._shown()[name].widget) != widget:
-            there = ", ".join(self._named(widget)) or "none"
-            raise UnknownTopicError(f"{self.path.name}: {name!r} is a topic of {shown}: those of {widget} are {there}")
         self._check_open()
-        series = self._series.get(name)
-        if not isinstance(series, kind):
-            series = kind(Store(self._timeline.feed(name), self._memory), self.start_ns or 0)
-            self._series[name] = series
-        return series
-
-    def _only(self, widget: Widget) -> str:
-        """The one topic of a kind; of speeds, the one that is measured."""
-        names = self._named(widget)
-        measured = [name for name in names if not self._shown()[name].commanded]
-        for some in (names, measured):
-            if len(some) == 1:
-                return some[0]
-        if not names:
-            raise UnknownTopicError(f"{self.path.name} has no topic of {widget}")
-        raise UnknownTopicError(f"{self.path.name} has several topics of {widget}, name one: {', '.join(names)}")
-
-    def _named(self, widget: Widget) -> list[str]:
-        return [name for name, topic in self._shown().items() if topic.widget == widget]
+        return self._series.of(self._shown()[name], widget, kind)
 
     def check(self, name: str) -> None:
         """Nothing, if it has a topic of this name that a widget shows.

@@ -10,6 +10,12 @@ class RecordingError(Exception):
     """A recording that cannot be opened or read. The text is one line for a person: which file, and why."""
 
 
+class UnknownTopicError(RecordingError, KeyError):
+    """A topic that a recording does not have, or that no widget shows."""
+
+    __str__ = Exception.__str__
+
+
 class Channel(NamedTuple):
     """One stream of messages of one type.
 

@@ -11,7 +11,7 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError, conditions
-from robowidgets.recordings.recording import UnknownTopicError
+from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.spans import Span, Spans
 from robowidgets.recordings.steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
 
@@ -243,6 +243,16 @@ class TestInterrupts:
         last = (chunks[1].times_ns[-1] - START_NS) / 1e9
         assert [(span.start, span.end) for span in spans] == [(0, pytest.approx(min(10, last)))]
         assert spans.until == pytest.approx(last)
+
+    def test_before_anything_is_known_give_nothing(
+        self, drive: robowidgets.Recording, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def interrupted(*_: Any) -> Any:
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(drive, "touches", interrupted)
+        spans = drive.find(conditions.touched())
+        assert (len(spans), spans.until) == (0, 0)
 
 
 class TestSpans:

@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import robowidgets
 from robowidgets import RecordingError
-from robowidgets.recordings.recording import UnknownTopicError
+from robowidgets.recordings import UnknownTopicError
 
 from . import robot, sweeps
 from .sweeps import START_NS
@@ -266,7 +266,7 @@ class TestMemory:
         scans = recording.scans()
         seen = []
         for chunk in scans.chunks():
-            seen.append(recording._memory.held)
+            seen.append(recording._series.memory.held)
             assert chunk.ranges.base is None  # no view of all that was read
         assert 1_000_000 < max(seen) <= 3_000_000
         assert [moment.seconds for moment in scans[::1500]] == [0, 150]

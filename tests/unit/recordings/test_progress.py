@@ -1,0 +1,42 @@
+"""What takes long shows a bar, and only one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import robowidgets
+from robowidgets import conditions
+from robowidgets.recordings import progress
+
+from . import sweeps
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> robowidgets.Recording:
+    return robowidgets.open(sweeps.write(tmp_path / "x", sweeps.numbered(1200, rays=1000)))
+
+
+def test_what_is_quick_shows_no_bar(recording: robowidgets.Recording, capsys: pytest.CaptureFixture[str]) -> None:
+    len(recording.scans())
+    recording.find(conditions.nearest_below(1))
+    assert capsys.readouterr().err == ""
+
+
+def test_what_takes_long_says_what_it_does(
+    recording: robowidgets.Recording, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(progress, "SHOWN_AFTER", 0)
+    len(recording.scans())
+    assert "Reading /scan:   0%" in capsys.readouterr().err
+
+
+def test_a_search_shows_one_bar_for_all_it_does(
+    recording: robowidgets.Recording, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(progress, "SHOWN_AFTER", 0)
+    recording.find(conditions.nearest_below(1))
+    said = capsys.readouterr().err
+    assert "Finding:   0%" in said
+    assert "Reading" not in said
