@@ -39,6 +39,7 @@ class PlayerWidget(anywidget.AnyWidget):
 
     _stretch = traitlets.Float(1.0).tag(sync=True)
     _targets = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    _followers = traitlets.List(traitlets.Unicode()).tag(sync=True)
     _first = traitlets.Dict().tag(sync=True, echo_update=False)
     _words = traitlets.Unicode().tag(sync=True)
 

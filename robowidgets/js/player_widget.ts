@@ -7,9 +7,15 @@ export default () => {
   let playback: Playback;
   return {
     initialize({ model, signal }: { model: Model; signal: AbortSignal }) {
-      const ids = (model.get("_targets") as string[]).map((reference) => reference.replace("IPY_MODEL_", ""));
-      const targets = Promise.all(ids.map((id) => model.widget_manager.get_model(id)));
-      playback = new Playback(model, targets as unknown as Promise<Host[]>, signal);
+      const hosts = (name: string) =>
+        Promise.all(
+          (model.get(name) as string[]).map((id) => model.widget_manager.get_model(id)),
+        ) as unknown as Promise<Host[]>;
+      const moved = Promise.all([hosts("_targets"), hosts("_followers")]).then(([targets, followers]) => ({
+        targets,
+        followers,
+      }));
+      playback = new Playback(model, moved, signal);
     },
     render({ model, el, signal }: { model: Model; el: HTMLElement; signal: AbortSignal }) {
       new PlayerBar(model, el, playback, signal);

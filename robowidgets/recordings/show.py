@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from html import escape
 from typing import Any, NamedTuple
 
@@ -89,7 +90,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             if view.pick.widget == "laser":
                 view.widget.observe(lambda _: self._sender.start(), "angle_offset")
         if self.scanogram:
-            self.bar.observe(self._on_selection, "selection")
+            self.bar.observe(partial(_select, self.scanogram), "selection")
         self._on_time(None)
 
     @property
@@ -157,12 +158,6 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                     seek(self.bar.time)
             self._tell_problems()
 
-    def _on_selection(self, change: Any) -> None:
-        """The page tells the bar what was selected on the picture; the picture may know rays besides."""
-        known = self.scanogram.selection
-        if change["new"] != (known and known[:2]):
-            self.scanogram.selection = change["new"]
-
     def _tell_problems(self) -> None:
         """Some are found only where they lie, on the way through the recording."""
         lines = [f"⚠ {escape(line)}" for line in self.recording.problems]
@@ -176,12 +171,19 @@ def _scanogram(recording: Recording, views: Iterable[View], wanted: bool | None)
     if topic is None or wanted is False or (wanted is None and count > MOST_SCANS):
         return None
     try:
-        return ScanogramWidget.of(recording, topic)
+        return ScanogramWidget.of(recording, topic, layout=ipywidgets.Layout(margin="0 4px", width="calc(100% - 8px)"))
     except RecordingError:
         # It holds no scan with rays.
         if wanted:
             raise
         return None
+
+
+def _select(scanogram: ScanogramWidget, change: Any) -> None:
+    """The page tells the bar what was selected on the picture; the picture may know rays besides."""
+    known = scanogram.selection
+    if change["new"] != (known and known[:2]):
+        scanogram.selection = change["new"]
 
 
 def _view(recording: Recording, pick: Pick) -> View:

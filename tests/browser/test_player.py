@@ -46,7 +46,7 @@ def passes(nb: Notebook, seconds: float) -> None:
 def test_a_person_moves_the_slider_and_every_widget_follows(notebook: Open, data: Path) -> None:
     nb = opened(notebook, data / "good" / "neato_fsm")
     expect(nb.output(0).locator("table tbody tr")).to_have_count(10)
-    expect(nb.output(1).locator(".rw-picture")).to_have_count(4)
+    expect(nb.output(1).locator(".rw-picture")).to_have_count(5)
     tile = nb.output(1).locator(".rw-tile", has_text="left front")
     expect(tile).to_contain_text("free")
     for seconds, word in ((22, "touched"), (20, "free"), (22.5, "touched")):
@@ -86,6 +86,23 @@ def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(notebook: Open, da
     expect(bar(nb).locator(".rw-play-now")).to_have_text("6.00")
     nb.page.keyboard.press("x")
     expect(nb.page.locator(".jp-Cell")).to_have_count(2)
+
+
+def test_a_click_on_the_whole_drive_moves_all(notebook: Open, data: Path) -> None:
+    nb = opened(notebook, data / "good" / "neato_fsm")
+    picture = nb.output(1).locator(".rw-scanogram .rw-picture")
+    busy = nb.append(BUSY)
+    nb.python("import time\nwhile len(player._sender._sent) < 33: time.sleep(0.05)")
+    nb.start(busy)
+    before = now(nb)
+    picture.click(position={"x": 500, "y": 100})
+    passes(nb, before + 5)
+    shown = nb.output(1).locator(".rw-scanogram .rw-footer")
+    expect(shown).to_contain_text(f"{now(nb):.2f} s")
+    nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(busy)
+    wait_for(lambda: abs(float(nb.python("print(player.time)")) - now(nb)) < 0.01, "Python knew")
 
 
 def test_it_plays_steps_and_seeks_while_a_cell_runs(notebook: Open, data: Path) -> None:

@@ -76,6 +76,8 @@ function host(): Seen {
     host: {
       get: (name) => seen.state[name],
       set_state: (state) => Object.assign(seen.state, state),
+      on: () => {},
+      off: () => {},
     },
   };
   return seen;
@@ -111,7 +113,10 @@ async function play(values: Record<string, unknown> = {}, stretches = [0, 1, 2])
   Object.assign(fake, { send: (content: unknown) => sent.push(content) });
   const { state, host: target } = host();
   const controller = new AbortController();
-  const playback = new Playback(fake.model, Promise.resolve([target]), controller.signal);
+  const follower = new FakeModel({ time: 0, selection: null });
+  Object.assign(follower, { set_state: (state: Record<string, unknown>) => follower.receive(state) });
+  const moved = { targets: [target], followers: [follower as unknown as Host] };
+  const playback = new Playback(fake.model, Promise.resolve(moved), controller.signal);
   await Promise.resolve();
   const give = (index: number) =>
     fake.tell({ stretch: index, drop: [], abouts: [[{ frame_id: `${index}` }]] }, [
@@ -124,7 +129,7 @@ async function play(values: Record<string, unknown> = {}, stretches = [0, 1, 2])
     frame = undefined;
     call?.();
   };
-  return { fake, playback, state, sent, give, pass, end: () => controller.abort() };
+  return { fake, follower, playback, state, sent, give, pass, end: () => controller.abort() };
 }
 
 test("a page that has nothing says so, and shows what comes without a word to the kernel", async () => {
@@ -204,4 +209,21 @@ test("keys step, jump, go from mark to mark and change the speed", async () => {
   assert.equal(fake.get("loop"), true);
   assert.equal(actionOf("x", false), undefined);
   end();
+});
+
+test("another widget shows the time, is followed where a person points, and let go at the end", async () => {
+  const { fake, follower, playback, state, pass, end } = await play();
+  playback.toggle();
+  for (let i = 0; i < 3; i++) pass(100);
+  assert.equal(follower.get("time"), playback.time);
+  follower.set("time", 2.5);
+  assert.equal(playback.time, 2.5);
+  assert.deepEqual(state._about, { frame_id: "2" });
+  follower.set("selection", [1, 2, 30, 40]);
+  assert.deepEqual(fake.get("selection"), [1, 2]);
+  follower.set("selection", null);
+  assert.equal(fake.get("selection"), null);
+  end();
+  assert.equal(follower.listening, 0);
+  assert.equal(fake.listening, 0);
 });

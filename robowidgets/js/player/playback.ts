@@ -7,6 +7,16 @@ import { decodeStills, Stretches, type Track } from "./stretches.ts";
 export interface Host {
   get(name: string): unknown;
   set_state(state: Record<string, unknown>): void;
+  on(event: string, callback: () => void): void;
+  off(event: string, callback: () => void): void;
+}
+
+/** The models that a player moves. */
+export interface Moved {
+  /** Of widgets that show stills. */
+  targets: Host[];
+  /** Of widgets that show the time itself, and let a person choose it. */
+  followers: Host[];
 }
 
 interface Message {
@@ -28,14 +38,14 @@ export class Playback {
   readonly #listeners = new Set<() => void>();
   readonly #tell: () => void;
   readonly #nextFrame: () => void;
-  #targets: Host[] = [];
+  #moved: Moved = { targets: [], followers: [] };
   #shown: unknown[] = [];
   #time: number;
   #last = 0;
   /** Whether the moment asked for is not here yet. */
   waits = true;
 
-  constructor(model: Model, targets: Promise<Host[]>, signal: AbortSignal) {
+  constructor(model: Model, moved: Promise<Moved>, signal: AbortSignal) {
     this.#model = model;
     this.#time = getNumber(model, "time");
     this.#stretches = new Stretches(getNumber(model, "_stretch"));
@@ -49,8 +59,9 @@ export class Playback {
     signal.addEventListener("abort", () => model.off("msg:custom", onMessage));
     const first = model.get("_first") as Message;
     if (first.tracks) this.#onMessage(first, first.tracks);
-    targets.then((found) => {
-      this.#targets = found;
+    moved.then((found) => {
+      this.#moved = found;
+      for (const follower of found.followers) this.#follow(follower, signal);
       // This page has nothing yet, whatever another one has.
       model.send({ have: "nothing" });
       this.#show();
@@ -153,7 +164,7 @@ export class Playback {
     const stills = this.#stretches.at(this.#time);
     this.waits = stills === null;
     for (const [i, { track, still }] of (stills ?? []).entries()) {
-      const target = this.#targets[i];
+      const target = this.#moved.targets[i];
       if (!target || this.#shown[i] === still) continue;
       this.#shown[i] = still;
       const shown = toBytes(target.get("_frame"));
@@ -162,7 +173,28 @@ export class Playback {
       still.frame.setFloat64(0, number, true);
       target.set_state({ _frame: still.frame, _about: track.abouts[still.about] ?? {} });
     }
+    for (const follower of this.#moved.followers) {
+      if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
+    }
     this.#changed();
+  }
+
+  /** Goes where a person points on another widget, and plays what is selected there. */
+  #follow(follower: Host, signal: AbortSignal): void {
+    const onTime = () => {
+      const time = follower.get("time") as number;
+      if (time !== this.#time) this.seek(time);
+    };
+    const onSelection = () => {
+      const selection = follower.get("selection") as number[] | null;
+      put(this.#model, { selection: selection?.slice(0, 2) ?? null });
+    };
+    follower.on("change:time", onTime);
+    follower.on("change:selection", onSelection);
+    signal.addEventListener("abort", () => {
+      follower.off("change:time", onTime);
+      follower.off("change:selection", onSelection);
+    });
   }
 
   #changed(): void {

@@ -29,9 +29,9 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @contextmanager
-def shown(path: Path, *topics: str) -> Iterator[Player]:
+def shown(path: Path, *topics: str, **more: bool) -> Iterator[Player]:
     with open(path) as recording:
-        player = recording.show(*topics)
+        player = recording.show(*topics, **more)
     yield player
     player.close()
 
@@ -207,7 +207,7 @@ def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path) -> None:
-    with shown(robot.write(tmp_path / "drive", bad_scan_at=40)) as player:
+    with shown(robot.write(tmp_path / "drive", bad_scan_at=40), scanogram=False) as player:
         told = player.children[0]
         assert (told.value, told.layout.display) == ("", "none")
         player.seek(4.0)
@@ -262,11 +262,8 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def has_one(*topics: str, **more: bool) -> bool:
-        with open(path) as recording:
-            player = recording.show(*topics, **more)
-        there = player.scanogram is not None and player.scanogram in player.children
-        player.close()
-        return there
+        with shown(path, *topics, **more) as player:
+            return player.scanogram is not None and player.scanogram in player.children
 
     assert has_one()
     assert not has_one(scanogram=False)
