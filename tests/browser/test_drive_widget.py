@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any
 
 import pytest
 from playwright.sync_api import Locator, expect
 
-from .chromium import shoot
 from .notebook import Notebook
 
 PAD = """
@@ -155,8 +153,8 @@ def test_a_page_that_hangs_stops_the_robot_and_does_not_drive_on(notebook: Calla
     nb.page.evaluate(HANG)
     says(nb, "no answer in time: stopped")
     numbers(nb, "0.00", "0.00")
-    times = nb.python("[(t, l) for t, l, a in heard]")
-    stopped, last = next((t, before) for (before, _), (t, l) in pairwise(eval(times)) if l == 0)
+    times = eval(nb.python("[(when, linear) for when, linear, _ in heard]"))
+    stopped, last = next((at, before) for (before, _), (at, linear) in pairwise(times) if linear == 0)
     assert 0.4 < stopped - last < 1.2
     assert heard(nb) == [[0.4, 0.0], [0.0, 0.0]]
     nb.page.keyboard.up("ArrowUp")
@@ -215,7 +213,7 @@ def test_a_process_that_hangs_hands_on_zero_when_it_wakes_and_nothing_that_waite
     assert heard(nb) == [[0.4, 0.0], [0.0, 0.0]]
 
 
-def test_a_press_outlives_the_kernel_by_half_a_second(notebook: Callable[..., Notebook]) -> None:
+def test_a_pad_whose_kernel_is_gone_says_so_and_a_new_one_drives(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([PAD])
     pad_of(nb).focus()
     nb.page.keyboard.down("ArrowUp")

@@ -45,3 +45,25 @@ def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Liter
     nb.resize(1180)
     shoot(nb.output(4), f"gallery-recording-{theme}")
     shoot(nb.widget(5).locator(".rw-card"), f"gallery-scanogram-{theme}")
+
+
+PAD = """
+from robowidgets import DriveWidget
+from robowidgets.simulator import Robot, World
+pad = DriveWidget(send=Robot(World.rooms()).drive, title="/cmd_vel")
+pad
+"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_pictures_of_the_drive_pad(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
+    nb = notebook([PAD], scale=2, theme=theme)
+    card = nb.widget(0).locator(".rw-card")
+    box = card.locator(".rw-pad").bounding_box()
+    assert box is not None
+    nb.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    nb.page.mouse.down()
+    nb.page.mouse.move(box["x"] + 0.36 * box["width"], box["y"] + 0.24 * box["height"])
+    card.locator(".rw-words", has_text="driving").wait_for()
+    nb.page.wait_for_function("() => /^0[.]3/.test(document.querySelector('.rw-readout-value').textContent)")
+    shoot(card, f"gallery-drive-{theme}")

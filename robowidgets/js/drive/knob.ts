@@ -13,7 +13,7 @@ const clamp = (value: number) => Math.max(-1, Math.min(1, value));
 
 function toShare(value: number): number {
   const share = clamp(value);
-  return Math.sign(share) * Math.max(0, (Math.abs(share) - SLACK) / (1 - SLACK));
+  return Math.sign(share) * Math.max(0, (Math.abs(share) - SLACK) / (1 - SLACK)) || 0;
 }
 
 /** The knob under a pointer, from pixels right of and below the middle of a pad that reaches so many pixels. */

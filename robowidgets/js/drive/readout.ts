@@ -1,16 +1,18 @@
 import { make, setText } from "../shared/dom.ts";
 import { toFixed } from "../shared/format.ts";
 
-/** A speed as a number and as a bar from zero, with its limit. */
+/** A speed as a number and as a bar from zero, with its limit. The bar of a turn to the left goes left. */
 export class Readout {
   readonly root = make("div", "rw-readout");
   readonly #value = make("span", "rw-readout-value");
   readonly #limit = make("span", "rw-readout-limit");
   readonly #bar = make("div", "rw-readout-bar");
   readonly #unit: string;
+  readonly #side: 1 | -1;
 
-  constructor(name: string, unit: string) {
+  constructor(name: string, unit: string, side: 1 | -1) {
     this.#unit = unit;
+    this.#side = side;
     const track = make("div", "rw-readout-track");
     track.append(this.#bar);
     const row = make("div", "rw-readout-row");
@@ -23,7 +25,7 @@ export class Readout {
   update(value: number, limit: number): void {
     setText(this.#value, toFixed(value, 2));
     setText(this.#limit, `limit ±${toFixed(limit, 2)}`);
-    const share = Math.max(-1, Math.min(1, value / limit)) / 2;
+    const share = (this.#side * Math.max(-1, Math.min(1, value / limit))) / 2;
     this.#bar.style.left = `${50 + 100 * Math.min(0, share)}%`;
     this.#bar.style.width = `${100 * Math.abs(share)}%`;
     this.root.title = `${value} ${this.#unit}`;

@@ -33,8 +33,8 @@ export class DriveView {
   readonly #knob = make("div", "rw-knob");
   readonly #words = make("div", "rw-words");
   readonly #hint = make("div", "rw-hint");
-  readonly #linear = new Readout("linear", "m/s");
-  readonly #angular = new Readout("angular", "rad/s");
+  readonly #linear = new Readout("linear", "m/s", 1);
+  readonly #angular = new Readout("angular", "rad/s", -1);
   readonly #grip: Grip;
   readonly #redraw: () => void;
   #place: Knob = CENTER;

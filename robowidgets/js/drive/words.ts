@@ -32,5 +32,5 @@ export function toWords({ state, ready, enabled, elsewhere }: Situation): Words 
   if (!enabled) return rest("switched off");
   if (state === "asking") return rest("asking the kernel");
   if (elsewhere) return rest("driven from another pad");
-  return rest("stopped", "drag, arrow keys or W A S D");
+  return rest("stopped", "drag, or arrow keys");
 }
