@@ -57,13 +57,18 @@ class Seconds(traitlets.TraitType[Any, Any]):
 
 
 class Marks(traitlets.TraitType[Any, Any]):
-    """(start, end, text) for each stretch that is marked: seconds from the start, 0 <= start <= end."""
+    """(start, end, text) for each stretch that is marked, 0 <= start <= end in seconds from the start.
+
+    What `Recording.find` gives is taken as it is.
+    """
 
     default_value = ()
 
     def validate(self, _obj: Any, value: Any) -> tuple[tuple[float, float, str], ...]:
         """The marks in the order of time; TraitError names the one that is wrong."""
-        return tuple(sorted(self._mark(mark) for mark in value))
+        condition = getattr(value, "condition", None)
+        marks = value if condition is None else [(span.start, span.end, condition) for span in value]
+        return tuple(sorted(self._mark(mark) for mark in marks))
 
     def _mark(self, mark: Any) -> tuple[float, float, str]:
         try:

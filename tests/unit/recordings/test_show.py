@@ -130,6 +130,12 @@ def test_what_is_set_of_playing_reaches_the_bar_and_back(player: Player) -> None
     assert (player._sender.cursor.rate, player._sender.cursor.span) == (2.0, (2.0, 3.0))
 
 
+def test_what_was_found_is_marked(player: Player) -> None:
+    found = player.recording.find(lambda moment: moment.scan is not None and moment.scan.nearest().range > 1.8)
+    player.marks = found
+    assert player.marks == ((pytest.approx(8.1), 10.0, found.condition),)
+
+
 @pytest.mark.parametrize(
     ("name", "value", "error"),
     [
