@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
@@ -61,16 +62,19 @@ def whole(store: Store[Chunk], kind: np.dtype[Any], column: Callable[[Chunk], ND
     """
     array: NDArray[Any] | None = None
     given, fits = 0, True
-    for chunk in store.once():
-        part = column(chunk)
-        if array is None:
-            shape = (store.feed.total, part.shape[1])
-            fits = shape[0] * shape[1] * kind.itemsize <= store.memory.limit
-            array = np.empty(shape if fits else (0, 0), kind)
-        fits = fits and part.shape[1] == array.shape[1] and given + len(part) <= len(array)
-        if fits:
-            array[given : given + len(part)] = part
-        given += len(part)
+    with ExitStack() as stack:
+        for chunk in store.once():
+            part = column(chunk)
+            if array is None:
+                shape = (store.feed.total, part.shape[1])
+                size = shape[0] * shape[1] * kind.itemsize
+                fits = size <= store.memory.limit
+                array = np.empty(shape if fits else (0, 0), kind)
+                stack.enter_context(store.memory.reserved(array.nbytes, "", ""))
+            fits = fits and part.shape[1] == array.shape[1] and given + len(part) <= len(array)
+            if fits:
+                array[given : given + len(part)] = part
+            given += len(part)
     return array[:given] if fits and array is not None else None
 
 
