@@ -81,8 +81,9 @@ def test_in_the_middle_of_an_endless_loop_it_steps_and_drags(notebook: Callable[
     expect(slider).to_have_attribute("aria-valuetext", re.compile(r" s before the newest, 2 of \d+$"))
     expect(card.locator(".rw-popup:visible")).to_have_count(0)
     nb.page.keyboard.press("End")
-    nb.page.keyboard.press("Space")
-    expect(freeze_of(card)).to_have_text("Freeze")
+    for words in ("Freeze", re.compile("^Frozen"), "Freeze"):
+        nb.page.keyboard.press("Space")
+        expect(freeze_of(card)).to_have_text(words)
     expect(bar).to_be_hidden()
     (nb.lab.files / "history-seen").touch()
     nb.wait(1)
@@ -159,7 +160,7 @@ def test_speeds_and_touches_of_an_earlier_sample_are_right(notebook: Callable[..
     )
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
 def test_the_bar_moves_nothing(notebook: Callable[..., Notebook], theme: Literal["light", "dark"], scale: int) -> None:
     feed = (
         "from robowidgets import SpeedWidget, TouchWidget\n"
@@ -172,7 +173,7 @@ def test_the_bar_moves_nothing(notebook: Callable[..., Notebook], theme: Literal
         "speed"
     )
     nb = notebook([TWENTY, feed, "touch"], scale=scale, theme=theme)
-    for width in (320, 700, 1200):
+    for width in (320, 1200):
         nb.resize(width)
         for index, name in enumerate(("laser", "speed", "touch")):
             card = nb.widget(index).locator(".rw-card")

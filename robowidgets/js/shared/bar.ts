@@ -30,13 +30,13 @@ export class Bar {
     this.root.hidden = !place;
     if (!place) return;
     const { index, count, behind } = place;
-    const isKnown = behind > 0;
-    const age = toAge(behind, 2);
+    const isEarlier = index < count - 1;
+    const age = isEarlier && behind >= 0 ? toAge(behind, 2) : "";
     this.#slider.max = String(count - 1);
     this.#slider.value = String(index);
-    setText(this.#time, isKnown ? `\u2212${age}` : behind === 0 ? "newest" : "earlier");
-    setText(this.#word, isKnown ? " from newest" : "");
-    const words = isKnown ? `${age} before the newest` : this.#time.textContent;
+    setText(this.#time, age ? `\u2212${age}` : isEarlier ? "earlier" : "newest");
+    setText(this.#word, age && " from newest");
+    const words = age ? `${age} before the newest` : this.#time.textContent;
     this.#slider.setAttribute("aria-valuetext", `${words}, ${index + 1} of ${count}`);
   }
 }

@@ -163,6 +163,8 @@ export class Card {
     this.#stream.step(STEPS[event.key] ?? 0);
     if (event.key !== " " || event.target instanceof HTMLButtonElement) return;
     event.preventDefault();
+    // The bar goes when the picture is released; who pressed the key there is not to end up outside.
+    this.picture.focus({ preventScroll: true });
     this.#stream.toggle();
   }
 }

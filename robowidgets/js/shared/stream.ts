@@ -108,7 +108,7 @@ export class Stream<F extends Frame> {
     const own = moments.findIndex((moment) => moment.bytes === bytes);
     // Python holds a frame of its own, and so does a page that was loaded anew.
     const index = own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
-    return { index, count, behind: index === count - 1 ? 0 : newest.at - (moments[index]?.at ?? NaN) };
+    return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
   }
 
   toggle(): void {
