@@ -12,6 +12,7 @@ from .foxglove import foxglove
 from .middleware import Advert, FeedError, Listener, Middleware
 from .recording import recording
 from .ros1 import ros1
+from .ros2 import ros2
 from .rosbridge import rosbridge
 from .simulator import simulator
 
@@ -27,6 +28,7 @@ __all__ = [
     "foxglove",
     "recording",
     "ros1",
+    "ros2",
     "rosbridge",
     "simulator",
 ]

@@ -69,7 +69,7 @@ def _as_bytes(struct: Any) -> Any:
     def start(self: Any, raw: bytes) -> None:
         self.raw = raw
 
-    def load(cls: Any, data: bytes, **_: Any) -> Any:
+    def load(cls: Any, /, data: bytes, **_: Any) -> Any:
         return cls(data)
 
     struct.__init__ = start

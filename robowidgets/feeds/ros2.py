@@ -1,0 +1,199 @@
+"""ROS 2, by rclpy."""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from ._again import Again
+from ._ros2_node import Held, NodeTools, fill, message_class, own_node
+from .feed import Feed
+from .middleware import Advert, FeedError, Listener
+
+log = logging.getLogger("robowidgets")
+
+POLL = 1.0
+"""Seconds between two looks at the topics."""
+
+_MATCHING = 0.2
+
+
+class Ros2:
+    """A `Middleware` on a node of rclpy: the program's own, or one of ours with its own context.
+
+    A thread of ours looks at the topics and publishes. It also spins the node whenever nobody else does; where the
+    program spins its own node, messages come from there.
+
+    Raises:
+        TypeError, ValueError: no node, no domain, or both at once.
+    """
+
+    def __init__(self, node: Any = None, *, domain_id: int | None = None) -> None:
+        if node is not None and not hasattr(node, "create_subscription"):
+            raise TypeError(f"node: expected a node of rclpy, got {node!r}")
+        if domain_id is not None and (not isinstance(domain_id, int) or isinstance(domain_id, bool)):
+            raise TypeError(f"domain_id: expected a whole number, as in ROS_DOMAIN_ID, got {domain_id!r}")
+        if domain_id is not None and not 0 <= domain_id <= 232:
+            raise ValueError(f"domain_id: expected 0 to 232, as in ROS_DOMAIN_ID, got {domain_id}")
+        if node is not None and domain_id is not None:
+            raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
+        self._node, self._domain_id = node, domain_id
+        self._again = Again()
+        self._lock = threading.Lock()
+        self._wanted: set[str] = set()
+        self._out: dict[tuple[str, str], Any] = {}
+        self._executor: Any = None
+        self._stirred = False
+        self._thread: threading.Thread | None = None
+        self._troubles: dict[str, str] = {}
+
+    @property
+    def where(self) -> str:
+        """See `Middleware`."""
+        if self._node is not None:
+            return f"ROS 2, node {self._node.get_name()}"
+        domain = self._domain_id if self._domain_id is not None else os.environ.get("ROS_DOMAIN_ID") or 0
+        return f"ROS 2, domain {domain}"
+
+    def open(self, listener: Listener) -> None:
+        """See `Middleware`."""
+        try:
+            import rclpy  # noqa: F401
+            import rosidl_runtime_py.utilities  # noqa: F401
+        except ImportError as error:
+            raise FeedError(
+                f"rclpy cannot be imported here ({error}): start Jupyter where `source /opt/ros/<distro>/setup.bash` "
+                "was run, with the Python of that ROS; feeds.dds() needs no ROS"
+            ) from None
+        self._listener = listener
+        self._thread = threading.Thread(target=self._run, name="robowidgets-ros2", daemon=True)
+        self._thread.start()
+
+    def subscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        with self._lock:
+            self._wanted.add(topic)
+            self._wake()
+
+    def unsubscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        with self._lock:
+            self._wanted.discard(topic)
+            self._troubles.pop(topic, None)
+            self._wake()
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        """See `Middleware`."""
+        try:
+            filled = message_class(message_type)()
+        except LookupError as error:
+            raise FeedError(f"{message_type} cannot be published: {error}") from None
+        fill(filled, message)
+        with self._lock:
+            if self._executor is not None:
+                self._out[topic, message_type] = filled
+            self._wake()
+
+    def close(self) -> None:
+        """See `Middleware`."""
+        self._again.close()
+        with self._lock:
+            self._wake()
+        thread = self._thread
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
+
+    def _wake(self) -> None:
+        """Let the thread look now; the lock is held."""
+        self._stirred = True
+        if self._executor is not None:
+            self._executor.wake()
+
+    def _run(self) -> None:
+        while not self._again.closed:
+            why = self._take_part()
+            if not self._again.closed:
+                pause = self._again.next_pause()
+                self._listener.on_lost(why, pause)
+                self._again.wait(pause)
+
+    def _take_part(self) -> str:
+        """Take part until it is closed, or until ROS ends under us: why."""
+        try:
+            with own_node(self._domain_id) if self._node is None else Held(self._node) as held:
+                self._attend(held)
+        except Exception as error:  # rclpy raises a class of its own for each thing that was shut down or destroyed
+            log.debug("%s was lost", self.where, exc_info=True)
+            return f"{self.where} cannot be used: {error or type(error).__name__}"
+        return ""
+
+    def _attend(self, held: Held) -> None:
+        tools = NodeTools(held.node, self._hand_on, self._trouble)
+        with self._lock:
+            self._executor = held.executor
+            self._stirred = True
+        try:
+            self._listener.on_connected()
+            self._again.worked()
+            self._loop(held, tools)
+            self._send(tools)
+        finally:
+            with self._lock:
+                self._executor = None
+                self._out.clear()
+            tools.close()
+
+    def _loop(self, held: Held, tools: NodeTools) -> None:
+        told: list[Advert] | None = None
+        due = 0.0
+        while not self._again.closed:
+            with self._lock:
+                stirred, self._stirred = self._stirred, False
+                wanted = set(self._wanted)
+            if stirred or time.monotonic() >= due:
+                due = time.monotonic() + POLL
+                adverts = tools.adverts()
+                if adverts != told:
+                    told = adverts
+                    self._listener.on_topics(adverts)
+                tools.follow(wanted)
+                self._send(tools)
+            held.spin_once(max(0.0, due - time.monotonic()))
+
+    def _send(self, tools: NodeTools) -> None:
+        with self._lock:
+            out, self._out = self._out, {}
+        for (topic, message_type), message in out.items():
+            tools.publisher(topic, message_type, _MATCHING).publish(message)
+
+    def _hand_on(self, topic: str, message: Any) -> None:
+        with self._lock:
+            if self._again.closed or topic not in self._wanted:
+                return
+        self._trouble(topic, "")
+        self._listener.on_message(topic, message)
+
+    def _trouble(self, topic: str, words: str) -> None:
+        with self._lock:
+            if self._troubles.get(topic, "") == words:
+                return
+            self._troubles[topic] = words
+        self._listener.on_trouble(topic, words)
+
+
+def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
+    """A feed from ROS 2, by rclpy.
+
+    Args:
+        node: the program's own node, which may be spun by the program, or not; by default one of ours.
+        domain_id: the domain of our own node; by default what ``ROS_DOMAIN_ID`` says.
+
+    Raises:
+        TypeError, ValueError: no node, no domain, or both at once.
+        FeedError: rclpy cannot be imported.
+    """
+    return Feed(Ros2(node, domain_id=domain_id))
