@@ -215,12 +215,15 @@ def read_part(path: Path, start: int, size: int) -> bytes:
     Raises:
         RecordingError: they are not there, or more than a chunk may have.
     """
-    if not 0 <= size <= MAX_CHUNK or start + size > path.stat().st_size:
-        raise _damaged(path, start)
-    # Opened anew each time, so that any thread may read, and nothing stays open.
-    with path.open("rb", buffering=0) as file:
-        file.seek(start)
-        data = file.read(size)
+    try:
+        if not 0 <= size <= MAX_CHUNK or start + size > path.stat().st_size:
+            raise _damaged(path, start)
+        # Opened anew each time, so that any thread may read, and nothing stays open.
+        with path.open("rb", buffering=0) as file:
+            file.seek(start)
+            data = file.read(size)
+    except OSError as failed:
+        raise RecordingError(f"{path.name}: cannot be read: {failed.strerror or failed}") from None
     if len(data) != size:
         raise _damaged(path, start)
     return data

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator
 from functools import partial
 from itertools import groupby
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ Page = Callable[[], Held]
 """Reads one page. May be called again, and in any thread."""
 
 
+@runtime_checkable
 class Paged(Protocol):
     """A source that knows the parts of its file."""
 
@@ -45,8 +46,7 @@ class Paged(Protocol):
 
 def pages_of(source: Source, channels: Collection[Channel]) -> Iterator[Page]:
     """The pages of any source, in the order of arrival as far as the source knows it."""
-    ask: Any = getattr(source, "pages", None)
-    known = ask(channels) if ask else None
+    known = source.pages(channels) if isinstance(source, Paged) else None
     return by_time(source, channels) if known is None else iter(known)
 
 

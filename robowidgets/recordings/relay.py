@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
-from typing import Any
 
-from .pages import Page
+from .pages import Page, Paged
 from .source import Channel, Source
 
 
@@ -48,8 +47,8 @@ class Relay:
 
     def pages(self, channels: Collection[Channel]) -> Iterable[Page] | None:
         """See `pages.Paged`: those of the quick source, as long as nothing went wrong."""
-        ask: Any = getattr(self._quick, "pages", None)
-        return ask(channels) if ask and self._patient is None else None
+        quick = self._quick
+        return quick.pages(channels) if self._patient is None and isinstance(quick, Paged) else None
 
     def close(self) -> None:
         """See `Source`."""

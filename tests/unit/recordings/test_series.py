@@ -271,6 +271,15 @@ class TestMemory:
         assert 1_000_000 < max(seen) <= 3_000_000
         assert [moment.seconds for moment in scans[::1500]] == [0, 150]
 
+    def test_a_file_that_is_gone_is_said_to_be(self, tmp_path: Path) -> None:
+        recording = open_sweeps(tmp_path, *sweeps.numbered(900, rays=1000))
+        scans = recording.scans()
+        recording.memory = 1
+        assert len(scans) == 900
+        next((tmp_path / "sweeps").glob("*.mcap")).unlink()
+        with pytest.raises(RecordingError, match=r"sweeps\.mcap: cannot be read: No such file or directory"):
+            scans[3]
+
     @pytest.mark.parametrize(
         ("limit", "error", "text"),
         [
