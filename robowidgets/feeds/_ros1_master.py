@@ -74,7 +74,7 @@ class _Timed(xmlrpc.client.Transport):
 def _call(uri: str, method: str, *args: Any, caller: str = "/robowidgets") -> Any:
     try:
         with xmlrpc.client.ServerProxy(uri, _Timed()) as server:
-            code, words, value = getattr(server, method)(caller, *args)  # type: ignore[misc]
+            code, words, value = getattr(server, method)(caller, *args)
     except TimeoutError:
         raise MasterError(f"no answer within {SECONDS:g} s") from None
     except (OSError, xmlrpc.client.Error, http.client.HTTPException, ExpatError, TypeError, ValueError) as error:
