@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 
-rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here: run where /opt/ros/<distro>/setup.bash was sourced")
+pytest.importorskip("rclpy", reason="no ROS 2 here: run where /opt/ros/<distro>/setup.bash was sourced")
 
+import rclpy
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
