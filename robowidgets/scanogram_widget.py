@@ -253,7 +253,7 @@ class ScanogramWidget(NamedWidget):
             }  # fmt: skip
             arrays |= {"speed_starts": part.starts, "speeds": part.extremes}
         if touch:
-            facts["touch"] = {"title": touch.title, "sensors": touch.sensors, "count": touch.count}
+            facts["touch"] = {"title": touch.title, "sensors": touch.sensors}
             arrays["touches"] = touch.spans
         return overview(levels, clock).pack(facts, **arrays)
 

@@ -74,7 +74,6 @@ class TouchStrip:
 
     def __init__(self, title: str, sensors: Sequence[str], spans: NDArray[np.float64]) -> None:
         self.title, self.sensors = title, list(sensors)
-        self.count = len(spans)
         self.spans = _joined(spans)
 
 

@@ -46,7 +46,7 @@ export interface Whole {
   colors: [number, number];
   block: Block;
   speed: { title: string; axes: string[]; limits: [number, number][]; gap: number; speeds: Speeds } | null;
-  touch: { title: string; sensors: string[]; count: number; spans: Touch[] } | null;
+  touch: { title: string; sensors: string[]; spans: Touch[] } | null;
 }
 
 export interface Touch {
