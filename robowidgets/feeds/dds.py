@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from ._again import Again
 from ._encode import Encoder
+from .feed import Feed
 from .middleware import FeedError, Listener
 
 if TYPE_CHECKING:
     from ._dds_session import Session
-    from .feed import Feed
 
 _LAST_DOMAIN = 232
 
@@ -159,6 +159,4 @@ def dds(domain: int = 0, *, interface: str | None = None) -> Feed:
 
     Source: https://design.ros2.org/articles/topic_and_service_names.html
     """
-    from .feed import Feed
-
     return Feed(Dds(domain, interface=interface))

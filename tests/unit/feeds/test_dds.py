@@ -221,10 +221,11 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_socket() -> None:
         dds.close()
 
     open_and_close()
-    before = len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task"))
+    files, threads = len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task"))
     for _ in range(100):
         open_and_close()
-    assert (len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task"))) <= before
+    assert len(os.listdir("/proc/self/fd")) <= files
+    assert len(os.listdir("/proc/self/task")) <= threads
 
 
 def test_a_network_that_is_not_there_is_tried_again(heard: Recorder) -> None:
