@@ -6,7 +6,6 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
-import pytest
 from playwright.sync_api import Locator, expect
 
 from .notebook import Notebook
@@ -57,6 +56,14 @@ def grab(nb: Notebook, right: float, below: float) -> None:
     nb.page.mouse.move(x + right * box["width"] / 2, y + below * box["height"] / 2)
 
 
+LEAVE = {
+    "focus": "document.activeElement.blur()",
+    "window": "window.dispatchEvent(new Event('blur'))",
+    "hidden": """Object.defineProperty(document, 'hidden', { value: true, configurable: true });
+        document.dispatchEvent(new Event('visibilitychange')); delete document.hidden""",
+}
+
+
 def test_the_knob_drives_ahead_and_to_the_left_until_it_is_let_go(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([PAD])
     says(nb, "stopped")
@@ -75,9 +82,7 @@ def test_the_knob_drives_ahead_and_to_the_left_until_it_is_let_go(notebook: Call
     assert [0.4, 0.0] in heard(nb)
 
 
-def test_keys_drive_while_the_pad_has_the_focus_and_the_notebook_does_not_see_them(
-    notebook: Callable[..., Notebook],
-) -> None:
+def test_keys_drive_until_one_looks_away_and_the_notebook_does_not_see_them(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([PAD, "1"])
     pad_of(nb).focus()
     nb.page.keyboard.down("w")
@@ -100,30 +105,20 @@ def test_keys_drive_while_the_pad_has_the_focus_and_the_notebook_does_not_see_th
     says(nb, "stopped")
     numbers(nb, "0.00", "0.00")
     assert nb._ask("cells", nb.path) == ["code", "code"]
+    nb.page.keyboard.up("ArrowDown")
 
-
-LEAVE = {
-    "focus": "document.activeElement.blur()",
-    "window": "window.dispatchEvent(new Event('blur'))",
-    "hidden": """Object.defineProperty(document, 'hidden', { value: true, configurable: true });
-        document.dispatchEvent(new Event('visibilitychange')); delete document.hidden""",
-}
-
-
-@pytest.mark.parametrize("way", LEAVE)
-def test_who_looks_away_has_let_go(notebook: Callable[..., Notebook], way: str) -> None:
-    nb = notebook([PAD])
-    pad_of(nb).focus()
-    nb.page.keyboard.down("ArrowUp")
-    numbers(nb, "0.40", "0.00")
-    nb.page.evaluate(f"() => {{ {LEAVE[way]} }}")
-    says(nb, "stopped")
-    numbers(nb, "0.00", "0.00")
-    nb.page.keyboard.down("ArrowUp")  # held on, it repeats
-    nb.python("heard.clear()")
-    says(nb, "stopped")
-    assert heard(nb) == []
-    nb.page.keyboard.up("ArrowUp")
+    for way in LEAVE.values():
+        pad_of(nb).focus()
+        nb.page.keyboard.down("ArrowUp")
+        numbers(nb, "0.40", "0.00")
+        nb.page.evaluate(f"() => {{ {way} }}")
+        says(nb, "stopped")
+        numbers(nb, "0.00", "0.00")
+        nb.page.keyboard.down("ArrowUp")  # held on, it repeats
+        nb.python("heard.clear()")
+        says(nb, "stopped")
+        assert heard(nb) == [], way
+        nb.page.keyboard.up("ArrowUp")
 
 
 def test_a_finger_drives_and_a_cancelled_touch_stops(notebook: Callable[..., Notebook]) -> None:
@@ -145,7 +140,9 @@ def test_a_finger_drives_and_a_cancelled_touch_stops(notebook: Callable[..., Not
 HANG = "() => setTimeout(() => { const end = Date.now() + 1500; while (Date.now() < end) continue; })"
 
 
-def test_a_page_that_hangs_stops_the_robot_and_does_not_drive_on(notebook: Callable[..., Notebook]) -> None:
+def test_a_page_or_a_process_that_hangs_stops_the_robot_and_does_not_drive_on(
+    notebook: Callable[..., Notebook],
+) -> None:
     nb = notebook([PAD])
     pad_of(nb).focus()
     nb.page.keyboard.down("ArrowUp")
@@ -159,6 +156,13 @@ def test_a_page_that_hangs_stops_the_robot_and_does_not_drive_on(notebook: Calla
     assert heard(nb) == [[0.4, 0.0], [0.0, 0.0]]
     nb.page.keyboard.up("ArrowUp")
     says(nb, "stopped")
+
+    nb.page.keyboard.down("ArrowUp")
+    numbers(nb, "0.40", "0.00")
+    nb.python("import ctypes; ctypes.PyDLL(None).usleep(1_500_000)")
+    says(nb, "no answer in time: stopped")
+    numbers(nb, "0.00", "0.00")
+    assert heard(nb) == 2 * [[0.4, 0.0], [0.0, 0.0]]
 
 
 ALONE = """(path) => {
@@ -198,19 +202,6 @@ def test_a_busy_kernel_stops_it_and_what_waited_moves_nothing(notebook: Callable
     nb.page.keyboard.down("ArrowUp")
     says(nb, "driving")
     numbers(nb, "0.40", "0.00")
-
-
-def test_a_process_that_hangs_hands_on_zero_when_it_wakes_and_nothing_that_waited(
-    notebook: Callable[..., Notebook],
-) -> None:
-    nb = notebook([PAD])
-    pad_of(nb).focus()
-    nb.page.keyboard.down("ArrowUp")
-    numbers(nb, "0.40", "0.00")
-    nb.python("import ctypes; ctypes.PyDLL(None).usleep(1_500_000)")
-    says(nb, "no answer in time: stopped")
-    numbers(nb, "0.00", "0.00")
-    assert heard(nb) == [[0.4, 0.0], [0.0, 0.0]]
 
 
 def test_a_pad_whose_kernel_is_gone_says_so_and_a_new_one_drives(notebook: Callable[..., Notebook]) -> None:
