@@ -10,10 +10,10 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys.store import Typestore
 
 from ..recordings.ros_types import Decode, RosTypes
-from ..recordings.source import Channel
+from ..recordings.source import Channel, RecordingError
 
 _TYPE = re.compile(r"(\w+)::msg::dds_::(\w+)_")
-_NUMBERS = {
+_BASES = {
     "bool": bool,
     "octet": types.byte,
     "byte": types.byte,
@@ -87,7 +87,9 @@ def _field(store: Typestore, kind: int, what: Any) -> Any:
     if kind == Nodetype.NAME:
         return _struct(store, what)
     if kind == Nodetype.BASE:
-        return _NUMBERS[what[0]]
+        if what[0] not in _BASES:
+            raise RecordingError(f"a field of type {what[0]} cannot be described to DDS")
+        return _BASES[what[0]]
     (inner, name), count = what
     items = _field(store, inner, name)
     return types.array[items, count] if kind == Nodetype.ARRAY else types.sequence[items]
