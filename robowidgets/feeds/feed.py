@@ -100,7 +100,9 @@ class Feed:
         if self._links.down or self._links.there is None:
             return self._links.down
         topic = self._links.there.get(self.driving.topic)
-        if topic is not None and topic.wanted is not False:
+        # A middleware that tells of no listener at all may not be able to.
+        tells = any(known.wanted is not None for known in self.topics)
+        if topic.wanted is not False if topic else self.topics and not tells:
             return ""
         heard = [t.name for t in self.topics if t.widget == "speed" and t.commanded and t.wanted]
         return f"nobody listens to {self.driving.topic}" + (f"; speeds go to {', '.join(heard)}" if heard else "")

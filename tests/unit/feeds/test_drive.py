@@ -232,3 +232,10 @@ def test_limits_must_make_sense(given: dict[str, object], error: type[Exception]
 
 def _driving_threads() -> list[threading.Thread]:
     return [thread for thread in threading.enumerate() if thread.name == "robowidgets-drive"]
+
+
+def test_where_nobody_can_tell_who_listens_nothing_is_said(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+    feed, script = driven(SCAN._replace(wanted=None))
+    feed.drive(0.1)
+    assert (feed.drive_words, caplog.records) == ("", [])
+    assert script.speeds == [(0.1, 0.0)]
