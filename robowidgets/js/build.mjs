@@ -12,7 +12,14 @@ const shortened = Object.fromEntries(
 const watch = process.argv.includes("--watch");
 const builds = await Promise.all([
   context({
-    entryPoints: ["drive_widget.ts", "laser_widget.ts", "player_widget.ts", "scanogram_widget.ts", "speed_widget.ts", "touch_widget.ts"],
+    entryPoints: [
+      "drive_widget.ts",
+      "laser_widget.ts",
+      "player_widget.ts",
+      "scanogram_widget.ts",
+      "speed_widget.ts",
+      "touch_widget.ts",
+    ],
     outdir: "../static",
     bundle: true,
     format: "esm",
