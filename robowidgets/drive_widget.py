@@ -84,14 +84,14 @@ class DriveWidget(NamedWidget):
     )
 
     def __init__(self, *, send: Callable[[float, float], Any] | None = None, **kwargs: Any) -> None:
+        if send is not None and not callable(send):
+            raise TypeError(f"send: expected a function of linear and angular speed, got {send!r}")
         self._grip = Grip()
         self._telling = threading.Lock()
         super().__init__(**kwargs)
         self._tell(speed=ZERO, press="", error="")
         self.on_msg(self._on_page)
         if send is not None:
-            if not callable(send):
-                raise TypeError(f"send: expected a function of linear and angular speed, got {send!r}")
             self._drive_by(send, lambda: send(0.0, 0.0))
 
     def connect(self, robot: Any) -> None:
@@ -145,8 +145,8 @@ class DriveWidget(NamedWidget):
 
     def _end(self) -> None:
         dead_man, self._dead_man = self._dead_man, None
-        self._let_go()
         if dead_man is not None:
+            self._let_go()
             dead_man.close()
 
     def _let_go(self) -> None:

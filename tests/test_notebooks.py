@@ -26,7 +26,7 @@ def read(file: Path) -> Any:
 
 def test_there_is_a_tour_and_a_notebook_per_widget() -> None:
     stems = {file.stem for file in NOTEBOOKS}
-    assert stems >= {"tour", "laser_widget", "speed_widget", "touch_widget", "recordings"}
+    assert stems >= {"tour", "laser_widget", "speed_widget", "touch_widget", "drive_widget", "recordings"}
 
 
 @named

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import threading
 from collections.abc import Iterator
@@ -282,6 +283,17 @@ class TestProgram:
             "DriveWidget() has no keyword 'sned'; did you mean 'send'? "
             "It takes: angular_limit, enabled, header, layout, linear_limit, send, tabbable, title, tooltip"
         )
+
+    @pytest.mark.parametrize("wrong", [{"send": 3}, {"sned": print}, {"linear_limit": -1}])
+    def test_a_pad_that_could_not_be_made_leaves_no_complaint_behind(
+        self, wrong: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        complaints: list[object] = []
+        monkeypatch.setattr("sys.unraisablehook", complaints.append)
+        with pytest.raises((TypeError, traitlets.TraitError)):
+            DriveWidget(**wrong)
+        gc.collect()
+        assert complaints == []
 
     def test_a_new_view_finds_how_it_stands(self, pad: Pad) -> None:
         state = pad.get_state()
