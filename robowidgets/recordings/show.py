@@ -66,6 +66,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None. Settable.")
     marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start. Settable.")
 
+    _sender: Sender | None = None
+    scanogram: ScanogramWidget | None = None
+
     def __init__(self, recording: Recording, topics: Sequence[str] = (), scanogram: bool | None = None) -> None:
         self.recording = recording
         self.views: tuple[View, ...] = ()
@@ -83,15 +86,15 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         super().__init__([self._problems, *above, self._widgets()])
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             traitlets.link((self.bar, name), (self, name))
-        self._sender = Sender(self._open_tracks, self._send, recording.duration, self._complain)
-        self.bar.when_asked(self._sender.start)
-        self.bar.observe(self._on_time, ["time", "playing", "speed", "loop", "selection"])
+        self._sender = sender = Sender(self._open_tracks, self._send, recording.duration, self._complain)
+        self.bar.when_asked(sender.start)
+        self.bar.observe(partial(self._on_time, sender), ["time", "playing", "speed", "loop", "selection"])
         for view in self.views:
             if view.pick.widget == "laser":
-                view.widget.observe(lambda _: self._sender.start(), "angle_offset")
+                view.widget.observe(lambda _: sender.start(), "angle_offset")
         if self.scanogram:
             self.bar.observe(partial(_select, self.scanogram), "selection")
-        self._on_time(None)
+        self._on_time(sender, None)
 
     @property
     def duration(self) -> float:
@@ -108,10 +111,13 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def close(self) -> None:
         """Take it off the page and close the recording."""
-        self._sender.close()
-        for widget in (*(view.widget for view in self.views), self.bar, self.scanogram):
-            if widget is not None:
-                widget.close()
+        if self._sender:
+            self._sender.close()
+            self.bar.close()
+        if self.scanogram:
+            self.scanogram.close()
+        for view in self.views:
+            view.widget.close()
         super().close()
         self.recording.close()
 
@@ -149,8 +155,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _widgets(self) -> ipywidgets.Box:
         return ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
 
-    def _on_time(self, _change: Any) -> None:
-        self._sender.tell(self.bar.time, self.bar.speed if self.bar.playing else 0.0, self.bar.span)
+    def _on_time(self, sender: Sender, _change: Any) -> None:
+        sender.tell(self.bar.time, self.bar.speed if self.bar.playing else 0.0, self.bar.span)
         # What the page tells may come in a thread of its own while a cell runs.
         with self._seeking:
             for view in self.views:

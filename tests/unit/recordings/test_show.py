@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import isnan, nan
@@ -11,7 +14,7 @@ import pytest
 from traitlets import TraitError
 
 from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
-from robowidgets.recordings import Recording, open
+from robowidgets.recordings import Recording, UnknownTopicError, open
 from robowidgets.recordings.sender import stretch
 from robowidgets.recordings.show import Player, _tracks
 from robowidgets.recordings.touch_history import TouchHistory
@@ -128,6 +131,16 @@ def test_what_is_set_of_playing_reaches_the_bar_and_back(player: Player) -> None
     bar.playing = True
     assert player.playing
     assert (player._sender.cursor.rate, player._sender.cursor.span) == (2.0, (2.0, 3.0))
+
+
+def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    unseen: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", unseen.append)
+    threads = threading.active_count()
+    with open(path) as recording, pytest.raises(UnknownTopicError):
+        recording.show("/nothing")
+    gc.collect()
+    assert (threading.active_count(), unseen) == (threads, [])
 
 
 def test_what_was_found_is_marked(player: Player) -> None:
