@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from robowidgets import Scan, Speed
+from robowidgets._kinds import widget_by_type
 from robowidgets.messages import to_scan, to_speed
 from robowidgets.recordings.files import _open_file
-from robowidgets._kinds import widget_by_type
 from robowidgets.recordings.quick import ScanReader, SpeedReader
 from robowidgets.recordings.ros_types import Decode, RosTypes
 from robowidgets.recordings.source import Channel, RecordingError
