@@ -6,9 +6,9 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import columns, measure, recordings, table
+from . import columns, feeds, measure, recordings, table
 from .rivals import NAMES
-from .stage import open_stage, versions
+from .stage import Stage, open_stage, versions
 
 RESULTS = Path(__file__).with_name("RESULTS.md")
 OURS, LIMIT = "laser", "bare"
@@ -33,6 +33,9 @@ Absolute figures depend on the machine and move by a third from run to run; rati
 - All scans of a topic are decoded into one array, where rosbags deserialises the same messages, and mcap-ros2-support
   the first 500 of them (MCAP files only): each on a file that is open already, in one process, in turn. Of short
   recordings most of the time goes into the code that rosbags makes for a type of messages, for either.
+- Of a feed: a robot in a process of its own publishes scans at 40 Hz. When they come is noted by a bare subscriber's
+  callback in another process, by a function that is connected to the feed, and by the page that has painted them. The
+  widget alone is handed scans by a cell. CPU is that of the kernel's whole process, with four widgets on the feed.
 - Every library starts in a fresh kernel and page, {repeats} times, in turn. Figures are medians of these.
 
 {versions}
@@ -42,9 +45,14 @@ Absolute figures depend on the machine and move by a third from run to run; rati
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one short repeat, to see that all works; writes nothing")
+    parser.add_argument("--feeds", action="store_true", help="feeds only; writes nothing")
     parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="libraries; writes nothing")
     options = parser.parse_args()
     repeats, seconds, long = (1, 1.0, 6.0) if options.quick else (3, 3.0, 60.0)
+    if options.feeds:
+        with open_stage() as stage:
+            print("\n".join(feed_parts(stage, 2 * seconds, repeats, long)))
+        return
     names = {name: measure.facts(name)["NAME"] for name in options.only}
 
     imports = {name: measure.import_time(name, repeats + 2) for name in names}
@@ -68,6 +76,7 @@ def main() -> None:
             parts += ["\n## Four widgets at once\n", table.fours({"at 40 Hz": paced, "flooded": flooded})]
             parts += [f"\n## Flooded for {long:.0f} s\n", table.endurance({"first sixth": first, "last sixth": last})]
             parts += [f"\nIts newest scan was shown late by {late:.0f} ms."]
+            parts += feed_parts(stage, 2 * seconds, repeats, long)
         about = {"Chromium": stage.chromium, "Python": platform.python_version(), **versions()}
     if OURS in names:
         print("recordings", flush=True)
@@ -89,6 +98,19 @@ def main() -> None:
             print("missed:", line)
     if not options.quick and tuple(options.only) == NAMES:
         RESULTS.write_text(text + "\n", encoding="utf-8")
+
+
+def feed_parts(stage: Stage, seconds: float, repeats: int, long: float) -> list[str]:
+    """What is said of feeds."""
+    print("feeds", flush=True)
+    figures = {name: feeds.compare(stage, name, seconds, repeats) for name in feeds.available()}
+    first, last = feeds.endure(stage, "dds", long, long / 6)
+    return [
+        "\n## Feeds, from another process to paint\n",
+        table.feeds(figures),
+        f"\n## A feed at 1000 Hz for {long:.0f} s\n",
+        table.feed_endurance({"first sixth": first, "last sixth": last}),
+    ]
 
 
 if __name__ == "__main__":

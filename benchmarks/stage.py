@@ -144,12 +144,13 @@ class Stage:
         self._opened = 0
 
     @contextmanager
-    def show(self, rival: str, svg: str | None = None, count: int = 1) -> Iterator[Show]:
+    def show(self, rival: str, svg: str | None = None, count: int = 1, module: str = "kernel") -> Iterator[Show]:
         """A fresh notebook whose kernel has imported the library; its kernel ends with the block."""
         self._opened += 1
         path = f"{rival}-{self._opened}.ipynb"
         kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
-        cell = nbformat.v4.new_code_cell(f"from benchmarks.kernel import Source\nsource = Source({rival!r}, {count})")
+        code = f"from benchmarks.{module} import Source\nsource = Source({rival!r}, {count})"
+        cell = nbformat.v4.new_code_cell(code)
         nbformat.write(nbformat.v4.new_notebook(cells=[cell], metadata={"kernelspec": kernel}), self.lab.files / path)
         page = self._context.new_page()
         console = Console(page)

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isinf
 
 from .columns import Decoding
+from .feeds import Endurance as FeedEndurance
+from .feeds import Figures as FeedFigures
 from .measure import Endurance, Four
 from .recordings import Reading
 
@@ -89,6 +91,19 @@ def endurance(parts: Mapping[str, Endurance]) -> str:
     memories = ["page's heap, MB", "kernel, MB", "server, MB"]
     body = [[name, *map(say, vars(part).values())] for name, part in parts.items()]
     return markdown([*titles, *memories], body)
+
+
+def feeds(figures: Mapping[str, FeedFigures]) -> str:
+    """Feeds, one line per middleware."""
+    titles = ["", "bare subscriber's callback, ms", "handed on by the feed", "painted", "p95"]
+    more = ["the widget alone, `update` to paint", "added by the feed", "four widgets: % of one core"]
+    return markdown([*titles, *more], [[name, *map(say, vars(one).values())] for name, one in figures.items()])
+
+
+def feed_endurance(parts: Mapping[str, FeedEndurance]) -> str:
+    """A feed at 1000 Hz for long."""
+    titles = ["a feed at 1000 Hz", "latency, ms", "p95", "page's heap, MB", "kernel, MB"]
+    return markdown(titles, [[name, *map(say, vars(part).values())] for name, part in parts.items()])
 
 
 def decodings(files: Mapping[str, Decoding]) -> str:

@@ -1,0 +1,188 @@
+"""A robot and a bare subscriber, each in a process of its own, that speak one middleware and know nothing of feeds.
+
+`python -m benchmarks.middleware publish NAME WHERE` prints where it can be reached, and does what lines on its input
+say: `put NUMBER`, or `pace FIRST HZ SECONDS FILE`, after which FILE holds when each scan was published. A publisher's
+WHERE is empty. `python -m benchmarks.middleware hear NAME WHERE` notes when each scan came to its callback;
+`take FILE` writes that down.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from typing import Any
+
+import numpy as np
+
+from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, encode
+
+DOMAIN = 87
+SYSTEM = "/usr/lib/python3/dist-packages"
+"""Where Debian's packages have rospy."""
+GEOMETRY = (ANGLE_MIN, -ANGLE_MIN, ANGLE_INCREMENT, 0.0, 0.025, RANGE_MIN, RANGE_MAX)
+
+
+class Dds:
+    """Cyclone DDS, on loopback."""
+
+    def __init__(self, _where: str) -> None:
+        from cyclonedds.domain import Domain, DomainParticipant
+        from cyclonedds.topic import Topic
+
+        from tests.unit.feeds.dds_robot import LOOPBACK, LaserScan
+
+        self._held = Domain(DOMAIN, LOOPBACK)
+        self._participant = DomainParticipant(DOMAIN)
+        self._topic = Topic(self._participant, "rt/scan", LaserScan)
+        self.where = str(DOMAIN)
+
+    def publisher(self) -> Any:
+        from cyclonedds.core import Policy, Qos
+        from cyclonedds.pub import DataWriter
+        from cyclonedds.util import duration
+
+        from tests.unit.feeds.dds_robot import Header, LaserScan, Time
+
+        qos = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(1))
+        writer = DataWriter(self._participant, self._topic, qos)
+
+        def publish(number: int) -> None:
+            ranges = encode(number).tolist()
+            writer.write(LaserScan(Header(Time(number, 0), "laser"), *GEOMETRY, ranges, []))
+
+        return publish
+
+    def hear(self, call: Any) -> None:
+        from cyclonedds.core import Policy, Qos
+        from cyclonedds.sub import DataReader
+        from cyclonedds.util import duration
+
+        reader = DataReader(
+            self._participant, self._topic, Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(1))
+        )
+        for message in reader.take_iter(timeout=duration(seconds=3600)):
+            call(message.header.stamp.sec)
+
+
+class Foxglove:
+    """The server of foxglove-sdk, and tornado's client."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+
+    def publisher(self) -> Any:
+        import foxglove
+        from rosbags.typesys import Stores, get_typestore
+
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        kind = "sensor_msgs/msg/LaserScan"
+        text, _ = store.generate_msgdef(kind, ros_version=2)
+        server = foxglove.start_server(host="127.0.0.1", port=0)
+        self.where = f"ws://127.0.0.1:{server.port}"
+        schema = foxglove.Schema(name=kind, encoding="ros2msg", data=text.encode())
+        channel = foxglove.Channel("/scan", schema=schema, message_encoding="cdr")
+        time_type, header = store.types["builtin_interfaces/msg/Time"], store.types["std_msgs/msg/Header"]
+
+        def publish(number: int) -> None:
+            stamp = header(time_type(number, 0), "laser")
+            message = store.types[kind](stamp, *GEOMETRY, encode(number), np.empty(0, np.float32))
+            channel.log(bytes(store.serialize_cdr(message, kind)))
+
+        return publish
+
+    def hear(self, call: Any) -> None:
+        import asyncio
+        import json
+        import struct
+
+        from tornado.httpclient import HTTPRequest
+        from tornado.websocket import websocket_connect
+
+        async def listen() -> None:
+            client = await websocket_connect(HTTPRequest(self.where), subprotocols=["foxglove.sdk.v1"])
+            while (said := await client.read_message()) is not None:
+                if isinstance(said, bytes):
+                    call(struct.unpack_from("<i", said, 1 + 4 + 8 + 4)[0])
+                elif (told := json.loads(said))["op"] == "advertise":
+                    # Its server loses a subscription that comes at once.
+                    await asyncio.sleep(0.1)
+                    asked = [{"id": 1, "channelId": channel["id"]} for channel in told["channels"]]
+                    await client.write_message(json.dumps({"op": "subscribe", "subscriptions": asked}))
+
+        asyncio.run(listen())
+
+
+class Ros1:
+    """rospy; its master is where ROS_MASTER_URI says."""
+
+    def __init__(self, where: str) -> None:
+        sys.path.append(SYSTEM)
+        import rospy
+
+        self.where = where
+        rospy.init_node("robot", anonymous=True, disable_signals=True)
+
+    def publisher(self) -> Any:
+        import rospy
+        from sensor_msgs.msg import LaserScan
+
+        topic = rospy.Publisher("/scan", LaserScan, queue_size=1, tcp_nodelay=True)
+
+        def publish(number: int) -> None:
+            message = LaserScan(None, *GEOMETRY, encode(number), [])
+            message.header.stamp.secs = number
+            topic.publish(message)
+
+        return publish
+
+    def hear(self, call: Any) -> None:
+        import rospy
+        from sensor_msgs.msg import LaserScan
+
+        rospy.Subscriber("/scan", LaserScan, lambda message: call(message.header.stamp.secs), tcp_nodelay=True)
+        threading.Event().wait()
+
+
+NAMES = {"dds": Dds, "foxglove": Foxglove, "ros1": Ros1}
+
+
+def now_us() -> int:
+    return time.time_ns() // 1000
+
+
+def publish(name: str, where: str) -> None:
+    robot = NAMES[name](where)
+    send = robot.publisher()
+    print(robot.where, flush=True)
+    for line in sys.stdin:
+        do, *given = line.split()
+        if do == "put":
+            send(int(given[0]))
+            continue
+        first, hz, seconds = int(given[0]), float(given[1]), float(given[2])
+        stamps, due = [], time.perf_counter()
+        for number in range(first, first + round(hz * seconds)):
+            stamps.append(now_us())
+            send(number)
+            due += 1 / hz
+            time.sleep(max(0.0, due - time.perf_counter()))
+        np.save(given[3], np.array(stamps))
+        print("done", flush=True)
+
+
+def hear(name: str, where: str) -> None:
+    heard: list[tuple[int, int]] = []
+    subscriber = NAMES[name](where)
+    listen = lambda: subscriber.hear(lambda number: heard.append((number, now_us())))  # noqa: E731
+    threading.Thread(target=listen, daemon=True).start()
+    print("ready", flush=True)
+    for line in sys.stdin:
+        np.save(line.split()[1], np.array(heard).reshape(-1, 2))
+        print("done", flush=True)
+
+
+if __name__ == "__main__":
+    {"publish": publish, "hear": hear}[sys.argv[1]](sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else "")
+    os._exit(0)
