@@ -50,4 +50,5 @@ class PlayerWidget(anywidget.AnyWidget):
     @property
     def span(self) -> Span:
         """From where to where it is played."""
-        return self.selection if self.loop and self.selection else (0.0, self.duration)
+        start, end = self.selection if self.loop and self.selection else (0.0, self.duration)
+        return min(start, self.duration), min(end, self.duration)

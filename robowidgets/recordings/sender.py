@@ -46,20 +46,25 @@ class Cursor:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._told = (0.0, clock())
+        self.told = 0.0
+        self._told_at = clock()
         self.rate = 0.0
         self.span = (0.0, 0.0)
+        self.loops = False
 
-    def tell(self, seconds: float, rate: float, span: tuple[float, float]) -> None:
-        """Tell the time on show, how fast it passes (0: it stands), and from where to where it is played."""
-        self._told = (seconds, self._clock())
-        self.rate, self.span = rate, span
+    def tell(self, seconds: float, rate: float, span: tuple[float, float], *, loops: bool = False) -> None:
+        """Tell the time on show, how fast it passes (0: it stands), from where to where, and if again and again."""
+        self.told, self._told_at = seconds, self._clock()
+        self.rate, self.span, self.loops = rate, span, loops
 
     @property
     def seconds(self) -> float:
-        """The time on show now."""
-        seconds, told = self._told
-        return max(seconds, min(self.span[1], seconds + (self._clock() - told) * self.rate))
+        """The time on show now, if nothing had to be waited for."""
+        seconds = self.told + (self._clock() - self._told_at) * self.rate
+        start, end = self.span
+        if not self.rate or seconds <= end:
+            return seconds
+        return start + (seconds - start) % (end - start) if self.loops and end > start else max(self.told, end)
 
 
 class Sender:
@@ -88,21 +93,25 @@ class Sender:
         self._last = floor(duration / STRETCH)
         self._complain = complain
         self._sent: dict[int, int] = {}
+        self._stale: set[int] = set()
+        self._edition = 0
         self._change = threading.Condition()
         self._asked = False
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="robowidgets-player", daemon=True)
         self._thread.start()
 
-    def tell(self, seconds: float, rate: float, span: tuple[float, float]) -> None:
-        """Tell where the player is. See `Cursor`."""
+    def tell(self, seconds: float | None, rate: float, span: tuple[float, float], *, loops: bool = False) -> None:
+        """Tell where the player is; None: where it is reckoned to be. See `Cursor`."""
         with self._change:
-            self.cursor.tell(seconds, rate, span)
+            self.cursor.tell(self._here() if seconds is None else seconds, rate, span, loops=loops)
             self._change.notify()
 
     def start(self) -> None:
         """Send all anew: to a page that has nothing, or whose stills are not right any more."""
         with self._change:
+            self._edition += 1
+            self._stale.update(self._sent)
             self._sent.clear()
             self._asked = True
             self._change.notify()
@@ -122,10 +131,11 @@ class Sender:
             with self._open() as tracks:
                 while (index := self._await()) is not None:
                     began = time.monotonic()
-                    size = self._send_one(tracks, index)
+                    rest = self._send_one(tracks, index) / BYTES_PER_SECOND
                     if index not in self._soon():
-                        time.sleep(_AT_EASE * (time.monotonic() - began))
-                    time.sleep(size / BYTES_PER_SECOND)
+                        rest += _AT_EASE * (time.monotonic() - began)
+                    with self._change:
+                        self._change.wait_for(lambda: self._closed or self._lacks(), rest)
         except RecordingError as error:
             self._complain(str(error))
         except Exception as error:
@@ -143,27 +153,45 @@ class Sender:
                 self._change.wait(STRETCH / 4 / self.cursor.rate if self.cursor.rate else None)
             return None
 
-    def _soon(self) -> list[int]:
-        """The stretches that the page is about to show, the most urgent first."""
+    def _here(self) -> float:
+        """The time on show now: the page goes no further than what it has."""
         cursor = self.cursor
-        here, (first, last) = floor(cursor.seconds / STRETCH), (floor(s / STRETCH) for s in cursor.span)
+        seconds = cursor.seconds
+        passed = range(floor(cursor.told / STRETCH), floor(seconds / STRETCH) + 1)
+        missing = next((i for i in passed if i not in self._sent), None)
+        return seconds if missing is None else max(cursor.told, missing * STRETCH)
+
+    def _lacks(self) -> bool:
+        """Whether the page is about to show what it does not have."""
+        return any(index not in self._sent for index in self._soon()[:2])
+
+    def _soon(self) -> list[int]:
+        """The stretches that the page is about to show, the most urgent first; half of what it keeps, at most."""
+        cursor = self.cursor
+        here, (first, last) = floor(self._here() / STRETCH), (floor(s / STRETCH) for s in cursor.span)
+        each = sum(self._sent.values()) / max(1, len(self._sent))
         count = floor(AHEAD * max(cursor.rate, 1.0) / STRETCH) + 1
+        if each:
+            count = max(2, min(count, floor(KEPT_BYTES / 2 / each)))
         ahead = list(range(here, min(here + count, self._last + 1)))
         # At the end of what is looped the start comes next.
-        again = range(first, min(first + max(0, here + count - 1 - last), last + 1)) if cursor.rate else ()
+        again = range(first, min(first + max(0, here + count - 1 - last), last + 1)) if cursor.loops else ()
         return list(dict.fromkeys([*ahead[:2], here - 1, *ahead[2:], *again] if here else [*ahead, *again]))
 
     def _rest(self) -> Iterable[int]:
         """All others, the nearest first, as long as there is room for them."""
         if not self._asked or sum(self._sent.values()) > KEPT_BYTES - max(self._sent.values(), default=0):
             return ()
-        here = self.cursor.seconds / STRETCH
+        here = self._here() / STRETCH
         return sorted(range(self._last + 1), key=lambda i: abs(i - here))
 
     def _send_one(self, tracks: Sequence[Track], index: int) -> int:
+        edition = self._edition
         packed = stretch(tracks, index)
         size = sum(len(track) for _, track in packed)
         with self._change:
+            if edition != self._edition:
+                return 0
             self._sent[index] = size
             dropped = self._dropped()
         self._send(
@@ -172,10 +200,11 @@ class Sender:
         return size
 
     def _dropped(self) -> list[int]:
-        """Take out what is more than the page keeps."""
-        wanted, here = set(self._soon()), self.cursor.seconds / STRETCH
+        """Take out what is more than the page keeps, and what is stale."""
+        wanted, here = set(self._soon()), self._here() / STRETCH
         spare = sorted(self._sent.keys() - wanted, key=lambda i: abs(i - here))
-        dropped = []
+        dropped = sorted(self._stale - self._sent.keys())
+        self._stale.clear()
         while spare and sum(self._sent.values()) > KEPT_BYTES:
             dropped.append(spare.pop())
             del self._sent[dropped[-1]]

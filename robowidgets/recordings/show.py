@@ -85,7 +85,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
         super().__init__([self._problems, *above, self._widgets()])
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
-            traitlets.link((self.bar, name), (self, name))
+            setattr(self, name, getattr(self.bar, name))
+            self.observe(self._to_bar, name)
+            self.bar.observe(self._from_bar, name)
         self._sender = sender = Sender(self._open_tracks, self._send, recording.duration, self._complain)
         self.bar.when_asked(sender.start)
         self.bar.observe(partial(self._on_time, sender), ["time", "playing", "speed", "loop", "selection"])
@@ -155,8 +157,24 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _widgets(self) -> ipywidgets.Box:
         return ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
 
-    def _on_time(self, sender: Sender, _change: Any) -> None:
-        sender.tell(self.bar.time, self.bar.speed if self.bar.playing else 0.0, self.bar.span)
+    def _from_bar(self, change: Any) -> None:
+        setattr(self, change["name"], change["new"])
+
+    def _to_bar(self, change: Any) -> None:
+        name, value = change["name"], change["new"]
+        if getattr(self.bar, name) != value:
+            setattr(self.bar, name, value)
+            if name == "time":
+                # While it plays, a page takes a time that it is told for that of another page.
+                self.bar.send({"seek": value})
+
+    def _on_time(self, sender: Sender, change: Any) -> None:
+        bar = self.bar
+        # What the page told of the time is old where something else changed.
+        seconds = bar.time if change is None or change["name"] == "time" else None
+        sender.tell(seconds, bar.speed if bar.playing else 0.0, bar.span, loops=bar.loop)
+        if seconds is None:
+            return
         # What the page tells may come in a thread of its own while a cell runs.
         with self._seeking:
             for view in self.views:

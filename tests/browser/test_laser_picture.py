@@ -32,7 +32,7 @@ def test_every_reading_stands_at_its_place_in_the_area(notebook: Callable[..., N
     assert picture.colour(place.x, place.y - 6) == LIGHT["ink"], "the robot looks up"
     assert picture.colour(place.x, place.y + 6) == picture.paper
     expect(card.locator(".rw-title")).to_have_text("/scan")
-    expect(card.locator(".rw-facts")).to_have_text("laser · 19 rays")
+    expect(card.locator(".rw-facts")).to_contain_text("laser · 19 rays")
     expect(card.locator(".rw-nearest")).to_have_text("nearest 1.52 m at −80.0° [1]")
 
     for forward, nose in (("right", (6, 0)), ("down", (0, 6)), ("left", (-6, 0))):
@@ -51,7 +51,7 @@ def test_every_reading_stands_at_its_place_in_the_area(notebook: Callable[..., N
     locate(card, [(metres, degrees + 90) for metres, degrees in CIRCLE])
     nb.python("laser.angle_offset = 0; laser.update(**fan() | dict(ranges=[3.0], angle_min=0.0, angle_increment=nan))")
     eventually(lambda: len(Picture(card).dots()), 1)
-    expect(card.locator(".rw-facts")).to_have_text("laser · 1 ray")
+    expect(card.locator(".rw-facts")).to_contain_text("laser · 1 ray")
     expect(card.locator(".rw-notice")).to_contain_text("one ray, angle_increment is not a number: drawn at angle_min")
 
 
@@ -105,7 +105,7 @@ def test_an_empty_picture_says_why_and_words_stay_words(notebook: Callable[..., 
         assert Picture(card).dots() == []
     nb.python("laser.update(**fan(header={'frame_id': '<img src=x onerror=alert(1)>'}, angle_max=np.pi))")
     expect(empty).to_be_hidden()
-    expect(card.locator(".rw-facts")).to_have_text("<img src=x onerror=alert(1)> · 19 rays")
+    expect(card.locator(".rw-facts")).to_contain_text("<img src=x onerror=alert(1)> · 19 rays")
     expect(card.locator(".rw-title")).to_have_text("<b>/scan</b> &amp;")
     expect(card.locator("img, .rw-title b")).to_have_count(0)
     expect(card.locator(".rw-notice")).to_have_text(re.compile("^19 rays, but the header implies 28"))

@@ -185,6 +185,23 @@ test("a time that Python sets is shown, one that another page tells while both p
   end();
 });
 
+test("a time that a program asks for is gone to while it plays, and what comes anew is shown", async () => {
+  const { fake, playback, state, give, end } = await play({ playing: true });
+  fake.tell({ seek: 0.6 });
+  assert.equal(playback.time, 0.6);
+  const before = state._frame;
+  give(0);
+  assert.notEqual(state._frame, before);
+  end();
+});
+
+test("a loop that ends after the recording ends with it", async () => {
+  const { playback, pass, end } = await play({ playing: true, loop: true, selection: [1, 1e6], time: 2.9 });
+  for (let i = 0; i < 3; i++) pass(100);
+  assert.ok(playback.time >= 1 && playback.time < 1.5, String(playback.time));
+  end();
+});
+
 test("keys step, jump, go from mark to mark and change the speed", async () => {
   const { fake, playback, end } = await play({
     marks: [
@@ -220,8 +237,10 @@ test("another widget shows the time, is followed where a person points, and let 
   assert.equal(playback.time, 2.5);
   assert.deepEqual(state._about, { frame_id: "2" });
   follower.set("selection", [1, 2, 30, 40]);
+  await Promise.resolve();
   assert.deepEqual(fake.get("selection"), [1, 2]);
   follower.set("selection", null);
+  await Promise.resolve();
   assert.equal(fake.get("selection"), null);
   end();
   assert.equal(follower.listening, 0);

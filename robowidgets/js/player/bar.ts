@@ -110,7 +110,7 @@ export class PlayerBar {
   #drawSpeed(): void {
     const speed = getNumber(this.#model, "speed");
     const speeds = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
-    if (this.#speed.options.length !== speeds.length || !speeds.includes(Number(this.#speed.options[0]?.value))) {
+    if ([...this.#speed.options].map(({ value }) => value).join() !== speeds.join()) {
       this.#speed.replaceChildren(...speeds.map((value) => new Option(`${value}\u00d7`, String(value))));
     }
     if (this.#speed.value !== String(speed)) this.#speed.value = String(speed);

@@ -20,6 +20,8 @@ export interface Moved {
 }
 
 interface Message {
+  /** A time that a program asks for; such a message says nothing else. */
+  seek?: number;
   stretch: number;
   drop: number[];
   abouts: Record<string, unknown>[][];
@@ -84,7 +86,8 @@ export class Playback {
   /** The span that is played: the selection while it is looped, else all. */
   get span(): [number, number] {
     const chosen = this.#model.get("selection") as [number, number] | null;
-    return chosen && getFlag(this.#model, "loop") ? chosen : [0, this.duration];
+    const [start, end] = chosen && getFlag(this.#model, "loop") ? chosen : [0, this.duration];
+    return [Math.min(start, this.duration), Math.min(end, this.duration)];
   }
 
   /** Calls back on every change of what the player says. */
@@ -94,9 +97,7 @@ export class Playback {
   }
 
   toggle(): void {
-    const playing = !this.playing;
-    if (playing && this.#time >= this.span[1]) this.seek(this.span[0]);
-    put(this.#model, { playing, time: this.#time });
+    put(this.#model, { playing: !this.playing, time: this.#time });
   }
 
   seek(time: number): void {
@@ -128,7 +129,10 @@ export class Playback {
 
   #onPlaying(): void {
     this.#last = performance.now();
-    if (this.playing) this.#nextFrame();
+    if (this.playing) {
+      if (this.#time >= this.span[1]) this.seek(this.span[0]);
+      this.#nextFrame();
+    }
     this.#changed();
   }
 
@@ -151,13 +155,15 @@ export class Playback {
     this.#nextFrame();
   }
 
-  #onMessage({ stretch, drop, abouts }: Message, buffers: DataView[]): void {
+  #onMessage({ seek, stretch, drop, abouts }: Message, buffers: DataView[]): void {
+    if (seek !== undefined) return this.seek(seek);
     const tracks = buffers.map((buffer, i): Track => {
       return { stills: decodeStills(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
     });
     this.#stretches.drop(drop);
     this.#stretches.put(stretch, tracks);
-    if (this.waits) this.#show();
+    // Also what is on show may have come anew.
+    this.#show();
   }
 
   #show(): void {
@@ -187,7 +193,8 @@ export class Playback {
     };
     const onSelection = () => {
       const selection = follower.get("selection") as number[] | null;
-      put(this.#model, { selection: selection?.slice(0, 2) ?? null });
+      // After the other widget has told Python of it: Python then has nothing to correct.
+      queueMicrotask(() => put(this.#model, { selection: selection?.slice(0, 2) ?? null }));
     };
     follower.on("change:time", onTime);
     follower.on("change:selection", onSelection);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -37,7 +38,7 @@ class Page:
 
     def take(self, content: dict, buffers: list[bytes]) -> None:
         for index in content["drop"]:
-            del self.bytes[index]
+            self.bytes.pop(index)
         self.has.append(content["stretch"])
         self.bytes[content["stretch"]] = sum(map(len, buffers))
 
@@ -93,9 +94,33 @@ def test_what_plays_fast_is_further_ahead_and_goes_on_while_nothing_is_heard() -
         wait_for(lambda: max(page.has, default=0) >= 110, "it was reckoned where the page must be")
 
 
+def test_a_page_that_waits_gets_what_it_waits_for_however_fast_it_plays() -> None:
+    class Slow(Track):
+        def stills(self, start: float, end: float) -> Iterator[Still]:
+            time.sleep(0.02)
+            return super().stills(start, end)
+
+    with sending(Slow(), 1000) as (sender, page):
+        sender.start()
+        sender.tell(50.0, 100.0, (0.0, 1000.0))
+        wait_for(lambda: len(page.has) >= 20, "some came")
+        wanted = [index for index in page.has if index >= 50]
+        assert wanted == list(range(50, 50 + len(wanted)))
+
+
+def test_what_is_stale_is_dropped_from_the_page() -> None:
+    with sending(Track(), 1000) as (sender, page):
+        sender.start()
+        wait_for(lambda: len(page.bytes) > 20, "the start came")
+        sender.tell(900.0, 0.0, (0.0, 1000.0))
+        sender.start()
+        wait_for(lambda: 900 in page.bytes, "the time on show came anew")
+        assert all(index > 800 for index in page.bytes)
+
+
 def test_at_the_end_of_what_is_looped_its_start_comes() -> None:
     with sending(Track(), 1000) as (sender, page):
-        sender.tell(52.0, 1.0, (20.0, 54.0))
+        sender.tell(52.0, 1.0, (20.0, 54.0), loops=True)
         sender.start()
         wait_for(lambda: {52, 53, 54, 20, 21} <= set(page.has), "the start of the loop came")
 
@@ -109,14 +134,24 @@ def test_a_page_that_was_loaded_anew_gets_all_again() -> None:
 
 
 def test_the_page_keeps_no_more_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "KEPT_BYTES", 20_000)
+    monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
     with sending(Track(1000), 10_000) as (sender, page):
         sender.start()
         for seconds in (0, 50, 100, 150):
             sender.tell(seconds, 0.0, (0.0, 10_000.0))
             wait_for(lambda at=seconds: {at, at + 10} <= page.bytes.keys(), "what was sought came")
-            assert sum(page.bytes.values()) <= 20_000
-            assert len(page.bytes) < 20
+            assert sum(page.bytes.values()) <= 40_000
+            assert len(page.bytes) < 40
+
+
+def test_what_is_soon_shown_takes_half_of_what_a_page_keeps_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
+    with sending(Track(1000), 10_000) as (sender, page):
+        sender.start()
+        wait_for(lambda: len(page.bytes) > 5, "it began")
+        sender.tell(50.0, 10.0, (0.0, 10_000.0))
+        wait_for(lambda: 80 in page.has, "it went on")
+        assert sum(page.bytes.values()) <= 40_000
 
 
 def test_a_recording_that_cannot_be_read_on_is_told() -> None:
@@ -153,6 +188,9 @@ def test_between_two_words_the_time_is_reckoned_up_to_the_end() -> None:
     assert cursor.seconds == 8.0
     now[0] += 60
     assert cursor.seconds == 9.0
+    cursor.tell(8.0, 2.0, (4.0, 9.0), loops=True)
+    now[0] += 1.5
+    assert cursor.seconds == 6.0
     cursor.tell(3.0, 0.0, (0.0, 9.0))
     now[0] += 60
     assert cursor.seconds == 3.0

@@ -131,6 +131,17 @@ def test_what_is_set_of_playing_reaches_the_bar_and_back(player: Player) -> None
     bar.playing = True
     assert player.playing
     assert (player._sender.cursor.rate, player._sender.cursor.span) == (2.0, (2.0, 3.0))
+    player.selection = (2, 1e6)
+    assert bar.span == (2.0, 10.0)
+
+
+def test_one_who_observes_the_time_may_set_it(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
+    sent: list[object] = []
+    monkeypatch.setattr(player.bar, "send", sent.append)
+    player.observe(lambda change: change["new"] > 5 and player.seek(1.0), "time")
+    player.bar.time = 7.0
+    assert (player.time, player.bar.time) == (1.0, 1.0)
+    assert sent == [{"seek": 1.0}]
 
 
 def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -165,12 +176,13 @@ def test_what_cannot_be_is_refused(player: Player, name: str, value: object, err
 
 def test_a_page_that_has_nothing_gets_the_time_on_show_first(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
     sent: list[tuple[dict, list[bytes]]] = []
-    monkeypatch.setattr(player.bar, "send", lambda content, buffers: sent.append((content, buffers)))
+    monkeypatch.setattr(player.bar, "send", lambda content, buffers=(): sent.append((content, buffers)))
     player.time = 5.5
     player.bar._handle_custom_msg({"have": "nothing"}, [])
-    wait_for(lambda: len(sent) >= 5, "the last five seconds came, and the one before")
-    assert [content["stretch"] for content, _ in sent] == [5, 6, 4, 7, 8, 9, 10][: len(sent)]
-    assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in sent)
+    wait_for(lambda: len(sent) >= 6, "the last five seconds came, and the one before")
+    stretches = [(content, buffers) for content, buffers in sent if "stretch" in content]
+    assert [content["stretch"] for content, _ in stretches] == [5, 6, 4, 7, 8, 9, 10][: len(stretches)]
+    assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in stretches)
 
 
 def test_the_first_look_is_in_the_state_of_the_bar(player: Player) -> None:
