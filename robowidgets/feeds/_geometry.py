@@ -12,6 +12,12 @@ from ..messages.fields import reader, unwrap
 Shape = tuple[int, float, float]
 """Rays, first angle and increment in radians."""
 
+ALIKE = 0.05
+"""Of one scanner, rays and increment differ by no more than this share, and the first angle by this share of its sweep.
+
+Some publish each turn as it was measured: 359, 360 or 361 rays.
+"""
+
 FORGET = 3.0
 """Seconds without a change after which there is one scanner again."""
 
@@ -34,11 +40,11 @@ class Geometry:
         shape = _shape(message)
         if shape is None:
             return
-        if shape == self._now:
+        if _is_one(shape, self._now):
             if self.words and self._clock() - self._changed_at > FORGET:
                 self.words = ""
             return
-        if shape == self._before and self._now is not None and self._clock() - self._changed_at <= FORGET:
+        if self._now is not None and _is_one(shape, self._before) and self._clock() - self._changed_at <= FORGET:
             if not self.words:
                 first, second = sorted((shape, self._now))
                 self.words = f"two scanners take turns on this topic: {_told(first)}, and {_told(second)}"
@@ -51,8 +57,20 @@ def _shape(message: Any) -> Shape | None:
     read = reader(unwrap(message))
     try:
         return len(read("ranges", None)), float(read("angle_min", None)), float(read("angle_increment", None))
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         return None
+
+
+def _is_one(shape: Shape, other: Shape | None) -> bool:
+    """Whether two shapes may be turns of one scanner."""
+    if other is None:
+        return False
+    (rays, first, step), (other_rays, other_first, other_step) = shape, other
+    return (
+        abs(rays - other_rays) <= ALIKE * rays
+        and abs(step - other_step) <= ALIKE * abs(step)
+        and abs(first - other_first) <= ALIKE * rays * abs(step)
+    )
 
 
 def _told(shape: Shape) -> str:

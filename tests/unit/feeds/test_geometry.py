@@ -1,5 +1,7 @@
 """Two scanners on one topic."""
 
+import pytest
+
 from robowidgets import Scan
 from robowidgets.feeds._geometry import FORGET, Geometry
 
@@ -50,4 +52,30 @@ def test_what_is_no_scan_does_not_count():
     watch = Geometry()
     for message in (FEW, twist(0.1), {"ranges": 3}, "scan", FEW):
         watch.see(message)
+    assert watch.words == ""
+
+
+def test_one_scanner_whose_turns_differ_a_little_is_one():
+    watch = Geometry()
+    for turn in range(30):
+        rays, first = (359, 360, 361, 360)[turn % 4], (0.0, 0.1, 0.004, 0.1)[turn % 4]
+        step = 6.283 / rays
+        watch.see(Scan([1.0] * rays, angle_min=first, angle_increment=step, range_min=0.1, range_max=10.0))
+        assert watch.words == ""
+
+
+@pytest.mark.parametrize(
+    "other", [{"rays": 400}, {"angle_min": 0.7}, {"angle_increment": 0.012}, {"angle_increment": -0.01}]
+)
+def test_two_that_differ_in_one_thing_are_two(other: dict[str, float]):
+    watch = Geometry()
+    for changed in ({}, other, {}):
+        shape = {"rays": 360, "angle_min": 0.0, "angle_increment": 0.01, **changed}
+        watch.see(Scan([1.0] * int(shape.pop("rays")), range_min=0.1, range_max=10.0, **shape))
+    assert "two scanners take turns" in watch.words
+
+
+def test_an_angle_beyond_all_numbers_does_not_count():
+    watch = Geometry()
+    watch.see({"ranges": [1.0], "angle_min": 10**400, "angle_increment": 0.1})
     assert watch.words == ""
