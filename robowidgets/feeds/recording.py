@@ -70,6 +70,7 @@ class Played:
 
     def _run(self, listener: Listener) -> None:
         shown = {topic.name for topic in self._recording.topics if topic.widget}
+        others = {topic.name for topic in self._recording.topics} - shown
         listener.on_connected()
         listener.on_topics([Advert(topic.name, topic.type, wanted=False) for topic in self._recording.topics])
         started = time.monotonic()
@@ -79,6 +80,8 @@ class Played:
                 if self._closed:
                     return
                 names = self._subscribed & shown
+                for name in self._subscribed & others:
+                    listener.on_trouble(name, f"{name}: a recording hands on only what a widget shows")
                 ended = self._play(listener, names, started)
                 if ended and self._loop:
                     started += max(self._recording.duration / self._speed, _SHORTEST_ROUND)

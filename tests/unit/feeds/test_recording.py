@@ -13,6 +13,7 @@ import robowidgets
 from robowidgets import SAMPLE, LaserWidget, RecordingError, Scan, feeds
 from robowidgets.feeds import FeedError
 
+from ..recordings import robot
 from ..waiting import wait_for
 
 
@@ -61,6 +62,13 @@ def test_topics_that_are_connected_later_join_at_the_same_time() -> None:
         feed.connect("/odom", odometry.append)
         wait_for(lambda: odometry, "a speed has come")
         assert (odometry[0].stamp_ns or 0) >= (first[19].stamp_ns or 0)
+
+
+def test_a_topic_that_no_widget_shows_is_said_not_to_come(tmp_path: Path) -> None:
+    with feeds.recording(robot.write(tmp_path / "drive")) as feed:
+        feed.connect("/log", lambda _: None)
+        wait_for(lambda: "only" in feed.words_of("/log"), "it is said")
+        assert feed.words_of("/log") == "/log: a recording hands on only what a widget shows"
 
 
 def test_a_real_recording_plays(data: Path) -> None:
