@@ -225,6 +225,8 @@ class ScanogramWidget(NamedWidget):
         with self.hold_sync():
             self._frame = self._pack(picture)
             self._detail = b""
+            # The same question of the page is a new one.
+            self._wanted = []
             if notes is not None:
                 self._about = {"notes": list(notes)}
 

@@ -111,6 +111,24 @@ def test_it_answers_what_the_page_looks_at(scanogram: ScanogramWidget) -> None:
     assert scanogram._detail == b"", "what it knew of other scans is gone"
 
 
+@pytest.mark.parametrize("call", ["update", "set_speeds", "set_touches"])
+def test_it_answers_the_same_question_again_when_something_new_is_shown(call: str) -> None:
+    many = scans(count=20_000, rays=100)
+    widget = ScanogramWidget()
+    widget.update(**many)
+    widget._wanted = [100.0, 101.0, 800.0]
+    before = facts_of(widget._detail)["edition"]
+    if call == "update":
+        widget.update(**many)
+    elif call == "set_speeds":
+        widget.set_speeds(times_ns=many["times_ns"], values=np.zeros((20_000, 6)))
+    else:
+        widget.set_touches([(1.0, 2.0, "left")])
+    assert (widget._detail, widget._wanted) == (b"", [])
+    widget._wanted = [100.0, 101.0, 800.0]
+    assert facts_of(widget._detail)["edition"] == before + 1
+
+
 def test_a_file_that_is_gone_leaves_the_coarse_picture_and_a_word(caplog: pytest.LogCaptureFixture) -> None:
     class Gone:
         times_ns = np.arange(20_000) * SECOND // 10
