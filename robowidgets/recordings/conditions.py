@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ..samples import AXES, TouchState
 from ..samples.scan import number
 from .chunks import ScanChunk, SpeedChunk
+from .source import UnknownTopicError
 from .steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
 if TYPE_CHECKING:
@@ -108,6 +109,7 @@ def gap(seconds: float, topic: str | None = None) -> Condition:
     Raises:
         TypeError: it is no number.
         ValueError: it is not above 0.
+        UnknownTopicError: by `Recording.find`: none is named, and there is none of scans or measured speeds.
     """
     return _Gap(seconds, topic)
 
@@ -233,12 +235,17 @@ class _Gap(Condition):
     def _topics(self, search: Search) -> Sequence[str]:
         if self._topic is not None:
             return [self._topic]
-        return [t.name for t in search.recording.topics if t.widget in ("laser", "speed") and not t.commanded]
+        found = [t.name for t in search.recording.topics if t.widget in ("laser", "speed") and not t.commanded]
+        if not found:
+            name = search.recording.path.name
+            raise UnknownTopicError(f"{name} has no topic of scans or measured speeds: name one, as in gap(1.0, topic)")
+        return found
 
     def _of(self, search: Search, topic: str) -> Steps:
         widget = next((t.widget for t in search.recording.topics if t.name == topic), None)
         if widget == "touch":
-            times = search.recording.touches(topic).times_ns
+            touches = search.recording.touches(topic)
+            times = touches.times_ns[touches.said]
         else:
             series = search.recording.speeds(topic) if widget == "speed" else search.recording.scans(topic)
             times = search.over(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times

@@ -115,8 +115,9 @@ class Function(Condition):
                 instant._now, instant._samples[topic] = time_ns, sample
                 if not times or topic in instant._asked or _TIME in instant._asked:
                     value = self._call(instant)
-                times.append(time_ns)
+                # In this order, so that an interrupt in between leaves no time without a value.
                 values.append(value)
+                times.append(time_ns)
                 now, looked = time_ns, looked + 1
                 if looked % _BAR_EVERY == 0:
                     search.looked_at(_BAR_EVERY)

@@ -12,10 +12,11 @@ import pytest
 import robowidgets
 from robowidgets import RecordingError, conditions
 from robowidgets.recordings import UnknownTopicError
+from robowidgets.recordings.function import Function
 from robowidgets.recordings.spans import Span, Spans
 from robowidgets.recordings.steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
 
-from . import robot, sweeps
+from . import hazards, robot, sweeps
 from .sweeps import START_NS
 
 INF, NAN = float("inf"), float("nan")
@@ -110,6 +111,16 @@ class TestReadyMade:
         assert found(drive, conditions.gap(4, topic="/cmd_vel")) == [(0, 5)]
         assert found(drive, conditions.gap(2.5, topic="/bumper")) == [(3, 6), (7, 10)]
         assert found(drive, conditions.gap(0.5)) == []  # a command may be silent
+
+    def test_a_release_that_no_message_told_ends_no_silence(self, tmp_path: Path) -> None:
+        touches = {0.0: True, 2.0: True, 3.0: False}  # released at 0.15 s and 2.15 s by themselves
+        recording = robowidgets.open(hazards.write(tmp_path / "x", touches))
+        assert found(recording, conditions.gap(1.9, topic="/hazard_detection")) == [(0, 2)]
+
+    def test_a_gap_of_nothing_is_refused_with_words(self, tmp_path: Path) -> None:
+        recording = robowidgets.open(hazards.write(tmp_path / "x", {0.0: True, 2.0: True}))
+        with pytest.raises(UnknownTopicError, match=r"x has no topic of scans or measured speeds: name one, as in gap"):
+            recording.find(conditions.gap(1))
 
     def test_joined(self, drive: robowidgets.Recording) -> None:
         near, touched = conditions.nearest_below(1.255), conditions.touched()
@@ -216,6 +227,29 @@ class TestInterrupts:
         assert [(span.start, span.end) for span in spans] == [(2, 3), (6, 6.5)]
         assert (spans.is_complete, spans.until) == (False, 6.5)
         assert "! stopped at 6.50 s: nothing after that was looked at" in repr(spans)
+
+    def test_between_a_time_and_its_value_leave_no_time_without_a_value(self, drive: robowidgets.Recording) -> None:
+        line = 0
+
+        def interrupted(frame: Any, event: str, _: Any) -> Any:
+            nonlocal line
+            if event == "call":
+                return interrupted if frame.f_code is Function.steps.__code__ else None
+            if event == "line" and len(frame.f_locals.get("times", ())) >= 30:
+                line += 1
+                if line == at:
+                    raise KeyboardInterrupt
+            return interrupted
+
+        before = sys.gettrace()
+        for at in range(1, 12):  # at each line of a round
+            line = 0
+            sys.settrace(interrupted)
+            try:
+                spans = drive.find(lambda moment: moment.seconds >= 0)
+            finally:
+                sys.settrace(before)
+            assert (line, spans.is_complete, len(spans)) == (at, False, 1)
 
     def test_end_what_follows_at_the_same_time(self, drive: robowidgets.Recording) -> None:
         def stopped(moment: Any) -> bool:

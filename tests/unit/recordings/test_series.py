@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 import robowidgets
 from robowidgets import RecordingError
 from robowidgets.recordings import UnknownTopicError
 
-from . import robot, sweeps
+from . import hazards, robot, sweeps
 from .sweeps import START_NS
 
 NAN, INF = float("nan"), float("inf")
@@ -355,7 +354,8 @@ class TestTouches:
         assert touches.seconds[pressed][0] == pytest.approx(21.96, abs=0.01)
 
     def test_a_list_of_what_is_touched_releases_without_a_message(self, tmp_path: Path) -> None:
-        touches = robowidgets.open(hazards(tmp_path / "x", {0.0: True, 0.1: True, 0.2: False, 2.0: True})).touches()
+        touched = {0.0: True, 0.1: True, 0.2: False, 2.0: True}
+        touches = robowidgets.open(hazards.write(tmp_path / "x", touched)).touches()
         left = touches.labels.index("left")
         rows = zip(touches.seconds.tolist(), touches.states[:, left].tolist(), touches.said.tolist(), strict=True)
         assert [(round(t, 3), state, said) for t, state, said in rows] == [
@@ -366,22 +366,3 @@ class TestTouches:
             (2.0, 1, True),
             (2.15, 0, False),
         ]
-
-
-def hazards(folder: Path, touched: dict[float, bool]) -> Path:
-    """A recording of a Create 3 whose left bumper is listed, or not, at some times."""
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    one, several = (f"irobot_create_msgs/msg/HazardDetection{end}" for end in ("", "Vector"))
-    store.register(get_types_from_msg("std_msgs/Header header\nuint8 type\n", one))
-    store.register(
-        get_types_from_msg("std_msgs/Header header\nirobot_create_msgs/HazardDetection[] detections\n", several)
-    )
-    stamp = store.types["builtin_interfaces/msg/Time"](0, 0)
-    header = store.types["std_msgs/msg/Header"]
-    bump = store.types[one](header(stamp, "bump_left"), 1)
-    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connection = writer.add_connection("/hazard_detection", several, typestore=store)
-        for seconds, is_touched in touched.items():
-            message = store.types[several](header(stamp, ""), [bump] if is_touched else [])
-            writer.write(connection, START_NS + round(seconds * 1e9), store.serialize_cdr(message, several))
-    return folder
