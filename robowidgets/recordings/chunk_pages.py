@@ -154,6 +154,8 @@ class BagPage:
         if sizes is None or (sizes != sizes[:1]).any():
             return None
         size = int(sizes[0]) if sizes.size else 0
+        if size > len(raw):
+            return None
         heads = gathered(raw, offsets + _U32.itemsize, np.dtype(("u1", (size,))))
         lengths = gathered(raw, offsets + _U32.itemsize + size, _U32)
         places = _places(heads[0].tobytes()) if heads is not None and len(heads) else {}
@@ -180,8 +182,10 @@ def _places(head: bytes) -> dict[bytes, tuple[int, int | None]]:
 
 
 def gathered(raw: bytes, offsets: NDArray[np.int64], kind: np.dtype[Any]) -> NDArray[Any] | None:
-    """What stands at some offsets, each of a kind; None where one reaches out of the bytes."""
+    """What stands at some offsets, each of a kind; None where one reaches out of the bytes, or they overlap."""
     size = kind.itemsize
+    if offsets.size * size > len(raw):
+        return None
     if offsets.size and (int(offsets.min()) < 0 or int(offsets.max()) + size > len(raw)):
         return None
     if not size:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import tracemalloc
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import robowidgets
 from robowidgets import RecordingError
 from robowidgets.recordings import pages
 from robowidgets.recordings.ahead import read_ahead
+from robowidgets.recordings.chunk_pages import BagPage
 from robowidgets.recordings.files import open_timeline
 from robowidgets.recordings.pages import pages_of
 from robowidgets.recordings.salvage import open_file
@@ -141,6 +143,18 @@ class TestDamage:
             unpacked(source)
         assert [m[2] for m in source.messages(source.channels) if m[0].topic == topic]
         source.close()
+
+    @pytest.mark.parametrize("size", [50_000, 2**32 - 1])
+    def test_a_bag_whose_messages_all_claim_the_same_large_header(self, tmp_path: Path, size: int) -> None:
+        raw = struct.pack("<I", size) + bytes(60_000)
+        (tmp_path / "x.bag").write_bytes(raw)
+        page = BagPage(tmp_path / "x.bag", 0, len(raw), "", {0: [(0, 0)] * 500}, {})
+        tracemalloc.start()
+        with pytest.raises(RecordingError, match=r"x\.bag: the chunk at byte .* is damaged, or not as the index says"):
+            page()()
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert most < 1_000_000
 
 
 @pytest.mark.parametrize("packed", [True, False])
