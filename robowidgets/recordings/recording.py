@@ -251,7 +251,9 @@ class Recording:
         # Here, so that who only reads recordings needs no page.
         from .show import Player
 
-        return Player(open(self.path), topics, scanogram)
+        again = open(self.path)
+        again.memory = self.memory
+        return Player(again, topics, scanogram)
 
     def info(self) -> str:
         """The table of its topics, as text."""

@@ -62,6 +62,7 @@ def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series
     if held is None:
         # A file of its own, so that the recording given may be closed.
         widget._file = open(recording.path)
+        widget._file.memory = recording.memory
         own = _group(widget._file.scans(scans.topic), rays)
         likes = [chunk.like for chunk in own.chunks()]
         source = Read(own)

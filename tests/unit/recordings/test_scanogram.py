@@ -60,9 +60,12 @@ def test_a_recording_too_large_to_hold_is_read_again_where_it_is_looked_at(
 ) -> None:
     held = picture_of(sample.scanogram())
     monkeypatch.setattr(source, "HELD_BYTES", 1000)
+    sample.memory = 1 << 20
     widget = sample.scanogram()
     sample.close()
     picture = picture_of(widget)
+    assert widget._file
+    assert widget._file.memory == 1 << 20
     assert isinstance(picture.levels.scans, source.Read)
     assert np.array_equal(picture.levels.scans.read(40, 90), held.levels.scans.read(40, 90), equal_nan=True)
     assert (picture.levels.codes(2, 0, 20) == held.levels.codes(2, 0, 20)).all()

@@ -111,6 +111,14 @@ def test_it_reads_on_when_the_recording_is_closed(path: Path) -> None:
         player.recording.at("/scan", 1.0)
 
 
+def test_it_holds_no_more_in_memory_than_the_recording(path: Path) -> None:
+    with open(path) as recording:
+        recording.memory = 1 << 20
+        player = recording.show()
+        assert player.recording.memory == 1 << 20
+        player.close()
+
+
 def test_its_time_can_be_observed_and_kept_within_the_recording(player: Player) -> None:
     seen: list[float] = []
     player.observe(lambda change: seen.append(change["new"]), "time")
