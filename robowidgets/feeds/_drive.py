@@ -17,6 +17,9 @@ log = logging.getLogger("robowidgets")
 TWIST = "geometry_msgs/msg/Twist"
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 
+LATELY = 30.0
+"""Seconds for which a connection may be dead before that is noticed, generously."""
+
 
 @dataclass(frozen=True)
 class Driving:
@@ -30,7 +33,7 @@ class Driving:
 
     Raises:
         TypeError: something is not a number, or the topic no text.
-        ValueError: a limit that is not finite and above 0.
+        ValueError: a limit that is not finite and above 0, or an empty topic.
     """
 
     topic: str = "/cmd_vel"
@@ -41,6 +44,8 @@ class Driving:
     def __post_init__(self) -> None:
         if not isinstance(self.topic, str):
             raise TypeError(f"topic: expected the name of a topic as text, got {self.topic!r}")
+        if not self.topic.strip():
+            raise ValueError(f"topic: expected the name of a topic, such as /cmd_vel, got {self.topic!r}")
         for field in fields(self)[1:]:
             value = finite(field.name, getattr(self, field.name), "SI units")
             if value <= 0:
@@ -69,88 +74,125 @@ def type_to_send(topic: str, adverts: Sequence[Advert]) -> str:
 
 
 def twist(message_type: str, linear: float, angular: float) -> dict[str, Any]:
-    """The fields of a Twist or TwistStamped, in m/s and rad/s."""
+    """The fields of a Twist or TwistStamped, in m/s and rad/s.
+
+    The stamp is 0, by which controllers that judge the age of a speed take the time of its arrival: by the clock of
+    this machine, where it is ahead of the robot's, a speed would hold for too long when nothing comes any more.
+    """
     fields_of_twist = {
         "linear": {"x": linear, "y": 0.0, "z": 0.0},
         "angular": {"x": 0.0, "y": 0.0, "z": angular},
     }
     if message_type == TWIST:
         return fields_of_twist
-    seconds, nanoseconds = divmod(time.time_ns(), 1_000_000_000)
-    header = {"stamp": {"sec": seconds, "nanosec": nanoseconds}, "frame_id": "base_link"}
+    header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"}
     return {"header": header, "twist": fields_of_twist}
 
 
 class Driver:
-    """Sends speeds, and zero when a speed has not been renewed in time; from a thread of its own, while it moves.
+    """Sends speeds, and zero when a speed has not been renewed in time; from a thread of its own, while a zero is owed.
 
     Args:
-        send: publishes a linear and an angular speed.
-        reachable: says whether what is published arrives. A zero that is due waits until it does.
+        send: publishes on a topic a linear and an angular speed.
+        reachable: says whether what is published arrives. A zero is sent all the same, for a robot may hear it though
+            its master is gone; it is owed until it was sent to one that can be reached.
     """
 
-    def __init__(self, send: Callable[[float, float], None], reachable: Callable[[], bool]) -> None:
+    def __init__(self, send: Callable[[str, float, float], None], reachable: Callable[[], bool]) -> None:
         self._send = send
         self._reachable = reachable
         self._sending = threading.Lock()
         self._wake = threading.Event()
         self._thread: threading.Thread | None = None
-        self._moving = False
-        self._until = 0.0
+        self._due: dict[str, float] = {}
+        """The topics to which a zero is owed, and when it is due."""
+        self._moved: dict[str, float] = {}
+        """The topics to which a speed was sent, and when it was sent last."""
+        self._closed = False
 
-    def drive(self, linear: float, angular: float, hold: float) -> None:
+    def drive(self, topic: str, linear: float, angular: float, hold: float) -> None:
         """Send a speed that holds for so many seconds."""
         with self._sending:
-            self._send(linear, angular)
-            self._moving, self._until = bool(linear or angular), time.monotonic() + hold
-            if self._moving and self._thread is None:
-                self._thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
-                self._thread.start()
-
-    def stop(self) -> None:
-        """Send zero now; where the robot cannot be reached, as soon as it can, if it was left driving."""
-        with self._sending:
-            self._until = 0.0
-            if self._reachable():
-                self._moving = False
-                self._send(0.0, 0.0)
+            self._send(topic, linear, angular)
+            if linear or angular:
+                self._moved[topic] = time.monotonic()
+                self._due[topic] = time.monotonic() + hold
+                self._look_after()
+            else:
+                self._due.pop(topic, None)
         self._wake.set()
+
+    def stop(self, topic: str) -> bool:
+        """Send zero now; says whether it is still owed, as the robot was left driving and cannot be reached."""
+        with self._sending:
+            if topic in self._due:
+                self._due[topic] = 0.0
+            self._wake.set()
+            reached = self._reachable()
+            self._send(topic, 0.0, 0.0)
+            if reached:
+                self._due.pop(topic, None)
+            return topic in self._due
 
     def nudge(self) -> None:
         """Look again whether a zero that is due can be sent. Waits for nothing."""
         self._wake.set()
 
-    def halt(self) -> None:
-        """Send zero if a speed still holds, and end the thread, until the next speed."""
+    def lost(self) -> None:
+        """Owe a zero to every topic that was driven lately: what was sent since may not have arrived."""
         with self._sending:
+            since = time.monotonic() - LATELY
+            for topic in [topic for topic, at in self._moved.items() if at > since and not self._closed]:
+                self._due.setdefault(topic, 0.0)
+                self._look_after()
+
+    def halt(self) -> None:
+        """Send zero wherever a speed still holds."""
+        with self._sending:
+            for topic in list(self._due):
+                self._due[topic] = 0.0
+                self._send_zero(topic)
+        self._wake.set()
+
+    def close(self) -> None:
+        """Send zero wherever a speed still holds, owe none any more, and end the thread."""
+        self._closed = True
+        self.halt()
+        with self._sending:
+            self._due.clear()
             thread = self._thread
-            if self._moving:
-                self._moving = False
-                if self._reachable():
-                    self._send_zero()
         self._wake.set()
         if thread is not None and thread is not threading.current_thread():
             thread.join()
 
+    def _look_after(self) -> None:
+        if self._thread is None:
+            thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
+            thread.start()
+            self._thread = thread
+
     def _run(self) -> None:
         while True:
             with self._sending:
-                if self._moving and self._until <= time.monotonic() and self._reachable():
-                    self._moving = False
-                    self._send_zero()
-                if not self._moving:
+                now = time.monotonic()
+                for topic in [topic for topic, due in self._due.items() if due <= now]:
+                    self._send_zero(topic)
+                if not self._due:
                     self._thread = None
                     return
-                # Overdue is what cannot be sent: whoever reaches the robot again gives a nudge.
-                left = self._until - time.monotonic()
-            self._wake.wait(left if left > 0 else None)
+                # Overdue is what did not arrive: whoever reaches the robot again gives a nudge.
+                left = min((due - now for due in self._due.values() if due > now), default=None)
+            self._wake.wait(left)
             self._wake.clear()
 
-    def _send_zero(self) -> None:
+    def _send_zero(self, topic: str) -> None:
+        reached = self._reachable()
         try:
-            self._send(0.0, 0.0)
-        except FeedError as error:
-            log.error("the robot could not be told to stop: %s", error)
+            self._send(topic, 0.0, 0.0)
+        except Exception as error:  # whatever it is, the next zero must not be kept from being sent
+            log.error("the robot could not be told to stop: %s", error, exc_info=not isinstance(error, FeedError))
+        if reached:
+            del self._due[topic]
 
 
 def _cut(value: float, limit: float) -> float:

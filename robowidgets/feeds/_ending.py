@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import atexit
+import logging
 import os
 from typing import Protocol
+
+log = logging.getLogger("robowidgets")
 
 
 class Closable(Protocol):
@@ -18,11 +21,24 @@ still_open: set[Closable] = set()
 """What is closed at the end. A process that was forked off has none of it: the threads stay behind."""
 
 
+def close_first() -> None:
+    """At the end, close before all ends that was registered until now: that of rospy, say, by which zero is sent."""
+    atexit.unregister(_close_all)
+    atexit.register(_close_all)
+
+
 def _close_all() -> None:
     for one in list(still_open):
+        _close(one)
+
+
+def _close(one: Closable) -> None:
+    try:
         one.close()
+    except Exception:  # the others must be stopped, too
+        log.exception("a feed could not be closed")
 
 
-atexit.register(_close_all)
+close_first()
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=still_open.clear)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _table
 from ._drive import Driver, Driving, twist, type_to_send
-from ._ending import still_open
+from ._ending import close_first, still_open
 from ._link import target_of
 from ._links import Links
 from ._subscriptions import Subscriptions
@@ -64,6 +64,7 @@ class Feed:
         except BaseException:
             still_open.discard(self)
             raise
+        close_first()
 
     # -- what a person uses --------------------------------------------------------------------------------------------
 
@@ -178,23 +179,27 @@ class Feed:
         """
         driving = self.driving
         speed = driving.within(linear, angular)
-        self._wait(lambda: self._reached and bool(self._links.down or self._links.there is not None), self._opened)
+        self._await_robot()
         self._check_open()
         if self._links.down:
             raise FeedError(f"cannot drive: {self._links.down}")
         if (words := self.drive_words) and words not in self._warned:
             self._warned.add(words)
             log.warning("%s: %s", self.where, words)
-        self._driver.drive(*speed, driving.hold)
+        self._driver.drive(driving.topic, *speed, driving.hold)
 
     def stop(self) -> None:
         """Publish zero now. Where the connection was lost while driving, zero goes out as soon as it is back.
 
         Raises:
-            FeedError: the robot cannot be driven at all.
+            FeedError: the robot cannot be driven at all; or it cannot be reached, and was not left driving.
         """
-        if not self._closed:
-            self._driver.stop()
+        self._await_robot()
+        if self._closed:
+            return
+        down = self._links.down
+        if not self._driver.stop(self.driving.topic) and down:
+            raise FeedError(f"cannot stop: {down}")
 
     def close(self) -> None:
         """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing."""
@@ -202,9 +207,11 @@ class Feed:
             if self._closed:
                 return
             self._closed = True
-        self._driver.halt()
         try:
-            self._middleware.close()
+            try:
+                self._driver.close()
+            finally:
+                self._middleware.close()
         finally:
             still_open.discard(self)
             with self._changed:
@@ -246,6 +253,7 @@ class Feed:
                 return
             lost = "connection lost" if self._reached else f"cannot reach {self.where}"
             self._links.lose(f"{lost}, trying again in {again_in:.2g} s: {why}")
+        self._driver.lost()
         self._refresh_views()
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
@@ -305,11 +313,17 @@ class Feed:
             while not until() and not self._closed and (left := since + PATIENCE - time.monotonic()) > 0:
                 self._changed.wait(left)
 
-    def _send_speed(self, linear: float, angular: float) -> None:
+    def _await_robot(self) -> None:
+        """Wait for what is published to arrive, and for the type that it must have."""
+        self._wait(lambda: self._reached and bool(self._links.down or self._links.there is not None), self._opened)
+
+    def _send_speed(self, topic: str, linear: float, angular: float) -> None:
         if linear or angular:
             self._check_open()
-        kind = type_to_send(self.driving.topic, self._adverts)
-        self._middleware.publish(self.driving.topic, kind, twist(kind, linear, angular))
+        if self._links.down and self._links.there is None:
+            return  # it would not arrive, and of which type it must be is not known
+        kind = type_to_send(topic, self._adverts)
+        self._middleware.publish(topic, kind, twist(kind, linear, angular))
 
     def _wanted(self) -> Collection[str] | None:
         with self._changed:

@@ -14,7 +14,7 @@ IMU = Advert("/imu", "sensor_msgs/msg/Imu", wanted=False)
 
 
 class Scripted:
-    """Its `listener` is what a test talks to, as an adapter would."""
+    """Its `listener` is what a test talks to, as an adapter would. While it is ``deaf``, what is published is lost."""
 
     where = "the script"
 
@@ -23,6 +23,8 @@ class Scripted:
         self.sent: list[tuple[str, str, Mapping[str, Any]]] = []
         self.closed = 0
         self.broken = ""
+        self.deaf = False
+        self.unheard = 0
         self.listener: Listener
         self._topics = topics
         self._connected = connected
@@ -42,6 +44,9 @@ class Scripted:
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         if self.broken:
             raise FeedError(self.broken)
+        if self.deaf:
+            self.unheard += 1
+            return
         self.sent.append((topic, message_type, message))
 
     def close(self) -> None:

@@ -63,14 +63,10 @@ def test_the_message_is_the_one_that_the_robot_listens_to(driven: Driven, there:
     assert script.sent[0][1] == f"geometry_msgs/msg/{kind}"
 
 
-def test_a_stamped_speed_has_the_time_of_now(driven: Driven) -> None:
+def test_a_stamped_speed_does_not_carry_the_clock_of_this_machine(driven: Driven) -> None:
     feed, script = driven(STAMPED)
-    before = time.time_ns()
     feed.drive(0.1, 0.2)
-    message = script.sent[0][2]
-    stamp = message["header"]["stamp"]
-    assert before <= stamp["sec"] * 10**9 + stamp["nanosec"] <= time.time_ns()
-    assert message["header"]["frame_id"] == "base_link"
+    assert script.sent[0][2]["header"] == {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"}
     assert script.speeds[0] == (0.1, 0.2)
 
 
@@ -141,7 +137,7 @@ def test_a_speed_that_comes_while_it_closes_is_not_sent(driven: Driven) -> None:
 
     def drive_while_closing() -> None:
         with pytest.raises(FeedError, match="the feed of the script is closed") as error:
-            feed._driver.drive(0.3, 0.0, 1.0)
+            feed._driver.drive("/cmd_vel", 0.3, 0.0, 1.0)
         said.append(error)
 
     script.close = drive_while_closing  # type: ignore[method-assign]
@@ -160,14 +156,140 @@ def test_closing_a_feed_that_does_not_drive_sends_nothing(driven: Driven) -> Non
 def test_a_robot_that_was_lost_while_it_drove_is_stopped_when_it_is_back(driven: Driven) -> None:
     feed, script = driven(CMD_VEL, hold=0.05)
     feed.drive(0.3, 0.0)
+    script.deaf = True
     script.listener.on_lost("no route to host", 1.0)
     with pytest.raises(FeedError, match="cannot drive: connection lost, trying again in 1 s: no route to host"):
         feed.drive(0.1)
     feed.stop()
     assert script.speeds == [(0.3, 0.0)]
+    script.deaf = False
     script.listener.on_connected()
     wait_for(lambda: len(script.sent) == 2, "zero is sent")
     assert script.speeds[-1] == (0.0, 0.0)
+    wait_for(lambda: _driving_threads() == [], "nothing is owed any more")
+
+
+def test_zero_is_sent_to_a_robot_that_may_hear_it_though_the_connection_counts_as_lost(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=0.2)
+    feed.drive(0.3, 0.0)
+    script.listener.on_lost("no ROS master", 1.0)
+    wait_for(lambda: len(script.sent) == 2, "zero follows the speed all the same")
+    feed.stop()
+    assert script.speeds[1:] in [[(0.0, 0.0)] * 2, [(0.0, 0.0)] * 3]
+    count = len(script.sent)
+    feed.driving = Driving()
+    assert len(script.sent) > count
+    count = len(script.sent)
+    script.listener.on_connected()
+    wait_for(lambda: len(script.sent) > count, "it is sent once more when the connection is back")
+    assert set(script.speeds[1:]) == {(0.0, 0.0)}
+    wait_for(lambda: _driving_threads() == [], "then nothing is owed any more")
+
+
+def test_closing_while_the_connection_counts_as_lost_sends_zero_all_the_same(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=60.0)
+    feed.drive(0.3, 0.0)
+    script.listener.on_lost("no ROS master", 1.0)
+    feed.close()
+    assert script.speeds[-1] == (0.0, 0.0)
+    assert _driving_threads() == []
+
+
+def test_a_zero_into_a_dead_connection_is_sent_again_when_it_is_back(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=0.05)
+    feed.drive(0.3, 0.0)
+    script.deaf = True
+    wait_for(lambda: script.unheard and _driving_threads() == [], "zero went out, and nobody heard it")
+    script.listener.on_lost("the robot did not answer for 10 s", 1.0)
+    script.deaf = False
+    script.listener.on_connected()
+    wait_for(lambda: len(script.sent) == 2, "zero is sent")
+    assert script.speeds == [(0.3, 0.0), (0.0, 0.0)]
+
+
+def test_a_robot_that_was_not_driven_lately_is_left_alone_when_it_is_back(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets.feeds._drive.LATELY", 0.0)
+    feed, script = driven(CMD_VEL, hold=60.0)
+    feed.drive(0.3, 0.0)
+    feed.stop()
+    script.listener.on_lost("no route to host", 1.0)
+    script.listener.on_connected()
+    assert feed._driver._due == {}
+    assert script.speeds == [(0.3, 0.0), (0.0, 0.0)]
+
+
+def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=60.0)
+    feed.drive(0.3)
+    script.deaf = True
+    script.listener.on_lost("no route to host", 1.0)
+    feed.driving = Driving(topic="/other")
+    script.deaf = False
+    script.listener.on_connected()
+    wait_for(lambda: len(script.sent) == 2, "zero is sent")
+    assert [topic for topic, _, _ in script.sent] == ["/cmd_vel", "/cmd_vel"]
+    assert script.speeds[-1] == (0.0, 0.0)
+
+
+def test_stopping_waits_a_moment_for_the_robot_and_for_the_type_of_its_topic(driven: Driven) -> None:
+    feed, script = driven(connected=False)
+    listed = threading.Timer(0.1, lambda: script.listener.on_topics([STAMPED]))
+    reached = threading.Timer(0.05, lambda: (script.listener.on_connected(), listed.start()))
+    reached.start()
+    feed.stop()
+    assert [kind for _, kind, _ in script.sent] == [STAMPED.type]
+    assert script.speeds == [(0.0, 0.0)]
+
+
+def test_stopping_a_robot_that_cannot_be_reached_says_so_unless_zero_follows(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.05)
+    feed, script = driven(connected=False)
+    with pytest.raises(FeedError, match="cannot stop: connecting to the script"):
+        feed.stop()
+    assert script.sent == []
+    script.listener.on_connected()
+    script.listener.on_topics([CMD_VEL])
+    feed.drive(0.1)
+    script.deaf = True
+    script.listener.on_lost("no route to host", 1.0)
+    feed.stop()
+
+
+def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    feed, script = driven(CMD_VEL, hold=0.05)
+
+    def cut(*_: object) -> None:
+        raise OSError("the wire is cut")
+
+    feed.drive(0.3)
+    with monkeypatch.context() as patch:
+        patch.setattr(script, "publish", cut)
+        wait_for(lambda: caplog.records, "it is logged")
+        assert caplog.records[0].message == "the robot could not be told to stop: the wire is cut"
+        wait_for(lambda: _driving_threads() == [], "the thread ends")
+    feed.drive(0.3)
+    wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "zero is sent")
+
+
+def test_the_middleware_is_closed_whatever_keeps_zero_from_being_sent(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = driven(CMD_VEL)
+
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(feed._driver, "close", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            feed.close()
+    assert script.closed == 1
 
 
 def test_driving_waits_a_moment_for_the_robot_and_no_longer(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -222,6 +344,7 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
         ({"hold": -1.0}, ValueError, "hold: expected a limit above 0, got -1.0"),
         ({"max_angular": inf}, ValueError, "max_angular: expected"),
         ({"max_angular": "fast"}, TypeError, "max_angular"),
+        ({"topic": " "}, ValueError, "topic: expected the name of a topic, such as /cmd_vel, got ' '"),
         ({"topic": 3}, TypeError, "topic: expected the name of a topic as text, got 3"),
     ],
 )

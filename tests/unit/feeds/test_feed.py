@@ -382,6 +382,31 @@ def test_a_feed_that_nobody_closes_stops_the_robot_and_lets_the_process_end() ->
     assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.25", "0.0"], "")
 
 
+def test_at_the_end_feeds_are_closed_before_what_a_middleware_brings_along_and_one_that_fails_spares_the_others() -> (
+    None
+):
+    program = (
+        "import atexit\n"
+        "from robowidgets import feeds\n"
+        "from robowidgets.feeds.simulator import Simulated\n"
+        "publish, start = Simulated.publish, Simulated.open\n"
+        "Simulated.publish = lambda *a: (print(a[3]['linear']['x'], flush=True), publish(*a))\n"
+        "def open_late(*a):\n"
+        "    atexit.register(print, 'the end of the middleware')\n"
+        "    start(*a)\n"
+        "Simulated.open = open_late\n"
+        "def fail(): raise RuntimeError('cannot close')\n"
+        "both = [feeds.simulator(), feeds.simulator()]\n"
+        "for feed in both:\n"
+        "    feed.drive(0.25, 0.0)\n"
+        "    feed._middleware.close = fail\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    end = ["the end of the middleware"] * 2
+    assert (ended.returncode, ended.stdout.splitlines()) == (0, ["0.25", "0.25", "0.0", "0.0", *end])
+    assert ended.stderr.count("RuntimeError: cannot close") == 2
+
+
 def test_feeds_are_reached_from_the_package_without_being_imported_by_it() -> None:
     program = (
         "import sys, robowidgets\n"
