@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import atexit
+import logging
 import os
 import threading
 import time
 from collections.abc import Callable
+
+log = logging.getLogger("robowidgets")
 
 Speed2 = tuple[float, float]
 """Linear in m/s and angular in rad/s."""
@@ -25,6 +28,7 @@ class DeadMan:
 
     The sink is called by one thread of its own, which lives from the first speed to the zero after the last: a sink
     that takes long delays nobody, misses speeds that were replaced meanwhile, and gets zero when it comes back late.
+    Whatever is raised in it, be it a SystemExit, ends nothing but the press.
 
     Args:
         drive: the sink, of linear m/s and angular rad/s.
@@ -38,7 +42,7 @@ class DeadMan:
         drive: Callable[[float, float], object],
         halt: Callable[[], object],
         told: Callable[[Speed2], None],
-        failed: Callable[[Exception, Speed2], None],
+        failed: Callable[[BaseException, Speed2], None],
     ) -> None:
         self._drive, self._halt, self._told, self._failed = drive, halt, told, failed
         self._changed = threading.Condition()
@@ -76,9 +80,10 @@ class DeadMan:
             self._wanted, self._until = speed, until
             self._changed.notify()
             if self._thread is None:
-                self._thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
+                thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
+                thread.start()
+                self._thread = thread
                 _moving.add(self)
-                self._thread.start()
 
     def _run(self) -> None:
         while True:
@@ -107,13 +112,21 @@ class DeadMan:
                 self._halt()
             else:
                 self._drive(*speed)
-        except Exception as error:
-            self._failed(error, speed)
-            return False
-        finally:
+        except BaseException as error:
             self._entered = None
-        self._told(speed)
+            _say(self._failed, error, speed)
+            return False
+        self._entered = None
+        _say(self._told, speed)
         return True
+
+
+def _say(tell: Callable[..., None], *what: object) -> None:
+    """Tell something; whoever cannot be told must not keep zero from being handed on."""
+    try:
+        tell(*what)
+    except BaseException:
+        log.exception("what was handed on could not be told")
 
 
 _moving: set[DeadMan] = set()

@@ -153,7 +153,7 @@ class DriveWidget(NamedWidget):
         self._grip.let_go()
         self._tell(press="")
 
-    def _on_failed(self, error: Exception, speed: Speed2) -> None:
+    def _on_failed(self, error: BaseException, speed: Speed2) -> None:
         what = "could not be told to stop" if speed == ZERO else "could not be driven"
         text = f"The robot {what}: {type(error).__name__}: {error}"
         self._log_once(text)

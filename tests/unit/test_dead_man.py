@@ -32,7 +32,7 @@ class Robot:
         self.heard.append((linear, angular))
         self.at.append(time.monotonic())
 
-    def on_error(self, error: Exception, speed: tuple[float, float]) -> None:
+    def on_error(self, error: BaseException, speed: tuple[float, float]) -> None:
         self.errors.append((str(error), speed))
 
     def heard_all(self, *speeds: tuple[float, float]) -> None:
@@ -115,6 +115,32 @@ def test_a_sink_that_cannot_even_stop_says_both(robot: Robot) -> None:
     robot.dead_man.drive((0.3, 0.0))
     robot.rests()
     assert [speed for _, speed in robot.errors] == [(0.3, 0.0), ZERO]
+
+
+@pytest.mark.parametrize("error", [OSError("the wire is cut"), SystemExit("enough")])
+@pytest.mark.parametrize("where", ["sink", "told", "failed"])
+def test_whatever_is_raised_wherever_it_ends_in_zero_and_the_next_speed_goes_out(
+    robot: Robot, error: BaseException, where: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail(*_: object) -> None:
+        robot.before = lambda: None
+        raise error
+
+    if where == "told":
+        robot.dead_man._told = fail
+    else:
+        robot.before = fail
+    if where == "failed":
+        robot.dead_man._failed = fail
+    robot.dead_man.drive((0.3, 0.0))
+    wait_for(lambda: robot.heard[-1:] == [ZERO], "zero was handed on")
+    robot.rests()
+    robot.heard.clear()
+    robot.dead_man.drive((0.2, 0.0))
+    robot.heard_all((0.2, 0.0), ZERO)
+    robot.rests()
+    assert bool(caplog.records) is (where != "sink")
+    assert robot.errors == ([(str(error), (0.3, 0.0))] if where == "sink" else [])
 
 
 def test_close_waits_until_zero_was_handed_on(robot: Robot) -> None:
