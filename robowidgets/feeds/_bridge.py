@@ -22,7 +22,7 @@ class Bridge:
     """The part of a `Middleware` that knows topics and troubles but no protocol.
 
     All but the calls of `Middleware` runs in the thread of the line. Of each topic the newest frame is read, once those
-    that wait in the network are in.
+    that wait in the network are in. The protocol tells `Listener.on_connected`, as soon as it can publish.
 
     Raises:
         TypeError, ValueError: the address is not one.
@@ -76,7 +76,6 @@ class Bridge:
         """See `Talk`."""
         self._heard, self._pending, self._told = set(), {}, None
         self._begin()
-        self._listener.on_connected()
         for topic in self._wanted:
             self._start(topic)
 

@@ -108,7 +108,9 @@ class Foxglove(Bridge):
         self._sent_on: dict[tuple[str, str, str], int] = {}
 
     def _on_info(self, said: dict[str, Any]) -> None:
-        self._info = said
+        is_first, self._info = self._info is None, said
+        if is_first:
+            self._listener.on_connected()
         if "connectionGraph" in strings(said.get("capabilities")):
             self._write({"op": "subscribeConnectionGraph"})
         # A server without a channel advertises nothing, not even that.

@@ -40,6 +40,7 @@ class Rosbridge(Bridge):
             "status": self._on_status,
             "fragment": self._on_fragment,
         }
+        self._is_ros1 = False  # known for good: a speed may go out before a new connection tells it again
         super().__init__(address)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
@@ -80,6 +81,7 @@ class Rosbridge(Bridge):
     def on_open(self) -> None:
         """See `Talk`."""
         super().on_open()
+        self._listener.on_connected()
         self._poll()
 
     def _begin(self) -> None:
@@ -89,7 +91,7 @@ class Rosbridge(Bridge):
         self._refused: set[str] = set()
         self._with_null: set[str] = set()
         self._advertised: set[tuple[str, str]] = set()
-        self._is_ros1 = self._asked = self._has_no_rosapi = False
+        self._asked = self._has_no_rosapi = False
 
     def _poll(self) -> None:
         if self._asked:  # nobody answered in all that time

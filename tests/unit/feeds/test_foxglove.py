@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import os
 import signal
 import struct
@@ -377,6 +378,29 @@ def test_a_feed_that_drives_stops_the_robot_when_it_is_closed() -> None:
         real.server.stop()
     speeds = [np.frombuffer(payload[4:]).tolist() for payload in taken.payloads]
     assert (speeds[0], speeds[-1]) == ([0.25, 0, 0, 0, 0, -0.5], [0.0] * 6)
+
+
+def test_a_robot_that_was_lost_while_it_drove_is_stopped_though_its_server_takes_time_to_introduce_itself() -> None:
+    class Slow(OldFoxglove):
+        def on_open(self, client: Any) -> None:
+            if self.opened == 1:
+                super().on_open(client)
+
+    info = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
+    with Slow([channel(1)], **info) as server, feeds.foxglove(server.address) as feed:
+        feed.drive(0.25)
+        wait_for(lambda: _speeds(server) == [0.25], "the speed came")
+        server.drop()
+        wait_for(lambda: server.opened == 2, "it is called again")
+        server.send({"op": "status", "level": 0, "message": "soon"})
+        assert feed.words
+        server.send(server.info)
+        wait_for(lambda: _speeds(server)[1:] == [0.0], "zero came")
+        assert not feed.words
+
+
+def _speeds(server: OldFoxglove) -> list[float]:
+    return [json.loads(said[5:])["linear"]["x"] for said in server.heard if isinstance(said, bytes)]
 
 
 @pytest.mark.parametrize(

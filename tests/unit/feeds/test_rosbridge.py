@@ -299,6 +299,18 @@ def test_a_speed_is_published_as_the_robots_ros_writes_it(
     assert server.published == [("/cmd_vel", {"header": {"stamp": stamp}, "twist": {"linear": {"x": 0.25}}})]
 
 
+def test_a_speed_after_a_lost_connection_is_written_as_before(ears: Ears) -> None:
+    with Server({"/scan": "sensor_msgs/LaserScan"}) as server:
+        middleware = opened(server.address, ears)
+        wait_for(lambda: ears.topics, "the topics were told")
+        server.rosapi = False
+        ears.on_connected = lambda: middleware.publish("/cmd_vel", TWIST, {})  # type: ignore[method-assign]
+        server.drop()
+        wait_for(lambda: server.advertised, "a speed went out as soon as it could")
+        middleware.close()
+    assert server.advertised == {"/cmd_vel": "geometry_msgs/Twist"}
+
+
 def test_what_json_cannot_say_is_not_published(ears: Ears) -> None:
     with Server({"/scan": SCAN}) as server:
         middleware = opened(server.address, ears)
