@@ -78,16 +78,32 @@ class Memory:
         Raises:
             RecordingError: it is larger than the limit.
         """
-        if size > self._limit:
-            raise RecordingError(
-                f"{what} would take {megabytes(size)} of memory, and the limit is {megabytes(self._limit)}: {instead}"
-            )
-        self._reserved += size
-        self._drop(0)
+        self.take(size, what, instead)
         try:
             yield
         finally:
             self._reserved -= size
+
+    def take(self, size: int, what: str, instead: str) -> None:
+        """Let go of what is held, so that something has room that stays.
+
+        Raises:
+            RecordingError: it is larger than the limit.
+        """
+        self.check(size, what, instead)
+        self._reserved += size
+        self._drop(0)
+
+    def check(self, size: int, what: str, instead: str) -> None:
+        """Nothing, if something of a size may be made.
+
+        Raises:
+            RecordingError: it is larger than the limit.
+        """
+        if size > self._limit:
+            raise RecordingError(
+                f"{what} would take {megabytes(size)} of memory, and the limit is {megabytes(self._limit)}: {instead}"
+            )
 
     def _drop(self, size: int) -> None:
         """Let go of what was asked for longest ago, until so many bytes have room."""

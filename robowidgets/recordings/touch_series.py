@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from ..samples import Touch, TouchState
 from ..touch_tracker import TouchTracker
 from .chunks import TouchChunk
+from .memory import Memory
 from .series import Rows, Series
 from .store import Store
 
@@ -25,46 +27,73 @@ class Table:
 
     ``times_ns`` (N,), ``stamps_ns`` (N,), ``labels`` (L of them), ``states`` (N, L) of `TouchState`, ``said`` (N,):
     False in rows that are a release without a message.
+
+    Raises:
+        RecordingError: it is larger than the limit of the memory, in which it counts from then on.
     """
 
-    def __init__(self, chunks: Iterator[TouchChunk], tracker: TouchTracker) -> None:
-        self.labels: dict[str, int] = {}
+    def __init__(self, topic: str, chunks: Iterator[TouchChunk], tracker: TouchTracker, memory: Memory) -> None:
         self.dialect = ""
-        self._times: list[int] = []
-        self._stamps: list[int] = []
-        self._said: list[bool] = []
-        self._rows: list[dict[int, int]] = []
+        rows = _Growing()
         latest: int | None = None
         for chunk in chunks:
             for time_ns, touch in zip(chunk.times_ns.tolist(), chunk.touches, strict=True):
-                self._release(tracker, time_ns if latest is None else max(latest, time_ns))
+                rows.release(tracker, time_ns if latest is None else max(latest, time_ns))
                 tracker.apply(touch, time_ns)
-                self._add(tracker, time_ns, touch.stamp_ns or 0, said=True)
+                rows.add(tracker, time_ns, touch.stamp_ns or 0, said=True)
                 latest = time_ns
                 self.dialect = touch.dialect
-        self._release(tracker, None)
-        self.times_ns = np.array(self._times, np.int64)
-        self.stamps_ns = np.array(self._stamps, np.int64)
-        self.said = np.array(self._said, bool)
-        self.states = np.full((len(self._rows), len(self.labels)), TouchState.UNKNOWN, np.uint8)
-        for row, states in zip(self.states, self._rows, strict=True):
-            row[list(states)] = list(states.values())
+            memory.check(rows.nbytes, f"{topic}: the table of touches", "set recording.memory")
+        rows.release(tracker, None)
+        memory.take(rows.nbytes, f"{topic}: the table of touches", "set recording.memory")
+        self.labels = tuple(rows.labels)
+        self.times_ns = np.array(rows.times, np.int64)
+        self.stamps_ns = np.array(rows.stamps, np.int64)
+        self.said = np.array(rows.said, bool)
+        self.states = rows.states()
 
-    def _release(self, tracker: TouchTracker, until_ns: int | None) -> None:
+
+class _Growing:
+    """The rows of a table as they come."""
+
+    def __init__(self) -> None:
+        self.labels: list[str] = []
+        self.times, self.stamps = array("q"), array("q")
+        self.said = bytearray()
+        self._blocks: list[tuple[int, int, bytearray]] = []
+        """First row, number of sensors, their states: a new block when another sensor is first heard of."""
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the table that they make."""
+        return len(self.times) * (8 + 8 + 1 + len(self.labels))
+
+    def release(self, tracker: TouchTracker, until_ns: int | None) -> None:
         """Take in the releases that were due before a time; None: all that are."""
-        now = self._times[-1] if self._times else 0
+        now = self.times[-1] if self.times else 0
         while (due := tracker.next_change_ns(now)) is not None and (until_ns is None or due < until_ns):
-            self._add(tracker, due, 0, said=False)
+            self.add(tracker, due, 0, said=False)
             now = due
 
-    def _add(self, tracker: TouchTracker, time_ns: int, stamp_ns: int, said: bool) -> None:
+    def add(self, tracker: TouchTracker, time_ns: int, stamp_ns: int, said: bool) -> None:
+        """A row: what the tracker knows at a time. It forgets no sensor, and keeps their order."""
         states = tracker.states(time_ns)
-        for label in states:
-            self.labels.setdefault(label, len(self.labels))
-        self._times.append(time_ns)
-        self._stamps.append(stamp_ns)
-        self._said.append(said)
-        self._rows.append({self.labels[label]: int(sensor.state) for label, sensor in states.items()})
+        if not self._blocks or len(states) > len(self.labels):
+            self.labels = list(states)
+            self._blocks.append((len(self.times), len(states), bytearray()))
+        self.times.append(time_ns)
+        self.stamps.append(stamp_ns)
+        self.said.append(said)
+        self._blocks[-1][-1].extend(sensor.state for sensor in states.values())
+
+    def states(self) -> NDArray[np.uint8]:
+        """Shape (N, L); what was not heard of yet is unknown."""
+        states = np.full((len(self.times), len(self.labels)), TouchState.UNKNOWN, np.uint8)
+        for first, sensors, block in self._blocks:
+            if sensors:
+                part = np.frombuffer(block, np.uint8).reshape(-1, sensors)
+                states[first : first + len(part), :sensors] = part
+        return states
 
 
 class Touches(Series[Touch]):
@@ -90,7 +119,7 @@ class Touches(Series[Touch]):
     @property
     def labels(self) -> tuple[str, ...]:
         """The names of its L sensors."""
-        return tuple(self._known.labels)
+        return self._known.labels
 
     @property
     def states(self) -> NDArray[np.uint8]:
@@ -120,7 +149,7 @@ class Touches(Series[Touch]):
     @property
     def _known(self) -> Table:
         if self._table is None:
-            self._table = Table(self._store.chunks(), TouchTracker())
+            self._table = Table(self.topic, self._store.chunks(), TouchTracker(), self._store.memory)
         return self._table
 
     @property

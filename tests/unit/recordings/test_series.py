@@ -12,8 +12,12 @@ import pytest
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 import robowidgets
-from robowidgets import RecordingError
+from robowidgets import RecordingError, Touch
 from robowidgets.recordings import UnknownTopicError
+from robowidgets.recordings.chunks import single_touch
+from robowidgets.recordings.memory import Memory
+from robowidgets.recordings.touch_series import Table
+from robowidgets.touch_tracker import TouchTracker
 
 from . import hazards, robot, sweeps
 from .sweeps import START_NS
@@ -366,3 +370,26 @@ class TestTouches:
             (2.0, 1, True),
             (2.15, 0, False),
         ]
+
+    def test_a_sensor_is_unknown_in_the_rows_before_it_is_heard_of(self) -> None:
+        said = [{}, {"left": True}, {"left": False, "right": True}, {"left": True}]
+        chunks = (single_touch(Touch(touched), 10 + i) for i, touched in enumerate(said))
+        table = Table("/bumper", chunks, TouchTracker(), Memory())
+        assert table.labels == ("left", "right")
+        assert table.states.tolist() == [[2, 2], [1, 2], [0, 1], [1, 1]]
+        assert (table.times_ns.tolist(), table.said.tolist()) == ([10, 11, 12, 13], [True] * 4)
+
+    def test_their_table_counts_in_the_memory(self, drive: robowidgets.Recording) -> None:
+        size = 4 * (8 + 8 + 1 + 3)
+        memory = drive._series.memory
+        drive.memory = size - 1
+        with pytest.raises(
+            RecordingError, match=r"/bumper: the table of touches would take 0\.0 MB .*: set recording\."
+        ):
+            _ = drive.touches().states
+        drive.memory = 1 << 20
+        assert len(drive.touches()) == 4
+        memory.put("fits", [np.zeros((1 << 20) - size, np.uint8)])
+        assert memory.held == (1 << 20) - size
+        memory.put("fits no more", [np.zeros((1 << 20) - size + 1, np.uint8)])
+        assert memory.held == 0
