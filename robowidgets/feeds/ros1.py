@@ -16,6 +16,8 @@ from ._ros1_master import Master, MasterError, State
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener
 
+log = logging.getLogger("robowidgets")
+
 POLL = 1.0
 """Seconds between two questions to the master."""
 
@@ -176,8 +178,9 @@ class Ros1:
             except MasterError as error:
                 hint = "is roscore running, and ROS_MASTER_URI right?"
                 why = f"no ROS master at {self._master.uri} ({error}); {hint}"
-            except self._rospy.ROSException as error:
-                why = f"the rospy node of this process cannot be used: {error}"
+            except Exception as error:  # rospy's own, and whatever a master's odd answer may lead to
+                log.debug("%s was lost", self.where, exc_info=True)
+                why = f"the rospy node of this process cannot be used: {str(error) or type(error).__name__}"
             else:
                 self._stirred.wait(POLL)
                 self._stirred.clear()
@@ -294,7 +297,7 @@ class _RospyLog(logging.Handler):
         self._feed = feed
 
     def emit(self, record: logging.LogRecord) -> None:
-        lines = record.getMessage().strip().splitlines()
+        lines = record.getMessage().strip().splitlines() or [""]
         name, _, words = lines[-1].rpartition("Error: ")
         what = "a message of it cannot be read" if name.endswith("Deserialization") else "no connection to a publisher"
         if record.threadName:

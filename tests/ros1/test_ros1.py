@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import logging
 import os
 import socket
 import subprocess
@@ -142,6 +143,63 @@ def test_driving_sends_speeds_and_a_zero_when_the_feed_is_closed(feed, publish):
     robot.kill()
     listening.join()
     assert heard[0] == 0.25
+
+
+def test_zero_reaches_the_robot_though_the_master_is_gone(feed, publish, master):
+    robot = publish("/gone/cmd_vel", "hear")
+    feed.driving = feeds.Driving("/gone/cmd_vel", hold=2.0)
+    wait_for(lambda: any(topic.name == "/gone/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
+    heard: list[float] = []
+    listening = threading.Thread(target=lambda: heard.extend(map(float, robot.stdout)))
+    listening.start()
+    pause = threading.Event()
+    for _ in range(200):
+        feed.drive(0.25, 0.0)
+        if pause.wait(0.02) or heard:
+            break
+    wait_for(lambda: heard, "the robot hears a speed")
+    master.kill()
+    try:
+        wait_for(lambda: feed.words, "the feed says that the master has gone")
+        wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
+    finally:
+        master.start()
+        robot.kill()
+        listening.join()
+
+
+def test_a_process_that_ends_without_closing_stops_the_robot(publish):
+    robot = publish("/end/cmd_vel", "hear")
+    script = f"""
+import sys
+sys.path.append({PACKAGES!r})
+from robowidgets import feeds
+from tests.unit.waiting import wait_for
+feed = feeds.ros1()
+feed.driving = feeds.Driving("/end/cmd_vel", hold=60.0)
+wait_for(lambda: any(topic.name == "/end/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
+feed.drive(0.25)
+publication = lambda: feed._middleware._publications["/end/cmd_vel"].publisher
+wait_for(lambda: publication() and publication().get_num_connections(), "the robot is connected")
+feed.drive(0.25)
+"""
+    subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=60)
+    ends = threading.Timer(5.0, robot.kill)
+    ends.start()
+    assert "0.0\n" in iter(robot.stdout.readline, "")
+    ends.cancel()
+
+
+def test_an_error_of_any_kind_is_told_and_it_is_tried_again(feed, monkeypatch):
+    wait_for(lambda: not feed.words, "it is connected")
+    with monkeypatch.context() as patch:
+        patch.setattr(feed._middleware, "_adverts_of", lambda state: state["odd"])
+        wait_for(lambda: "the rospy node of this process cannot be used: tuple indices must be" in feed.words, "told")
+    wait_for(lambda: not feed.words, "it is connected again")
+
+
+def test_what_rospy_logs_may_be_empty(feed):
+    logging.getLogger("rospy.internal").warning("")
 
 
 def test_only_types_that_are_installed_can_be_published(feed):
