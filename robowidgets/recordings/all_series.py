@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from .._kinds import Widget
+from .clocks import about_clock
 from .memory import Memory
 from .scan_series import Scans
 from .source import UnknownTopicError
@@ -30,6 +31,15 @@ class AllSeries:
         self._name = name
         self._timeline = timeline
         self._made: dict[str, Scans | Speeds | Touches] = {}
+        self._steady: dict[str, Store[Any]] = {}
+        """Of topics that are not silent for long in a sound recording."""
+        self._clocks: dict[str, tuple[str, ...]] = {}
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What is wrong with the clocks of scans and measured speeds that were read from start to end."""
+        self._note_clocks()
+        return tuple(f"{name}: {line}" for name, lines in self._clocks.items() for line in lines)
 
     def of(self, topic: Topic, widget: Widget, kind: type[AnySeries]) -> AnySeries:
         """The series of a topic.
@@ -44,8 +54,11 @@ class AllSeries:
             )
         series = self._made.get(topic.name)
         if not isinstance(series, kind):
-            series = kind(Store(self._timeline.feed(topic.name), self.memory), self._timeline.start_ns or 0)
+            store: Store[Any] = Store(self._timeline.feed(topic.name), self.memory)
+            series = kind(store, self._timeline.start_ns or 0)
             self._made[topic.name] = series
+            if widget != "touch" and not topic.commanded:
+                self._steady[topic.name] = store
         return series
 
     def only(self, widget: Widget) -> str:
@@ -63,8 +76,15 @@ class AllSeries:
         raise UnknownTopicError(f"{self._name} has several topics of {widget}, name one: {', '.join(topics)}")
 
     def clear(self) -> None:
-        """Let go of all of them."""
+        """Let go of all of them, but not of what is wrong with their clocks."""
+        self._note_clocks()
         self._made.clear()
+        self._steady.clear()
+
+    def _note_clocks(self) -> None:
+        for name, store in list(self._steady.items()):
+            if store.is_known and name not in self._clocks:
+                self._clocks[name] = about_clock(store.times_ns, self._timeline.start_ns or 0)
 
 
 def _named(topics: tuple[Topic, ...], widget: Widget) -> Mapping[str, Topic]:

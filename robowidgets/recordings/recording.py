@@ -92,12 +92,15 @@ class Recording:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What was wrong so far, one line each: with the file, with a topic, with messages that could not be shown."""
+        """What was wrong so far, one line each: with the file, with a topic, with messages that could not be shown.
+
+        With the clock of a topic, too, once its `scans` or measured `speeds` were read.
+        """
         if self.start_ns is None:
             return (*self._timeline.problems, "there is no message in it: nothing was recorded")
         if not self._shown():
             return (*self._timeline.problems, "none of its topics has a widget that shows it")
-        return self._timeline.problems
+        return (*self._timeline.problems, *self._series.problems)
 
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None

@@ -230,6 +230,16 @@ class TestClocks:
         assert scans.between(1.0, 2.0).ranges[:, 0].tolist() == [2, 5]
         assert scans.at(0.6).sample.ranges[0] == 4
 
+    def test_are_told_of_the_recording_once_they_were_read_and_after_it_is_closed(self, tmp_path: Path) -> None:
+        times = [0.0, 1.0, 2.0, 0.5, 1.5, 2.5]
+        recording = open_sweeps(tmp_path, *((t, sweeps.scan(START_NS, [1.0])) for t in times))
+        assert recording.problems == ()
+        assert len(recording.scans()) == 6
+        told = ("/scan: the clock goes back once, first at 2.00 s, by up to 1.50 s: kept in the order of arrival",)
+        assert recording.problems == told
+        recording.close()
+        assert recording.problems == told
+
     def test_that_stand_still_or_jump_are_told(self, tmp_path: Path) -> None:
         still = open_sweeps(tmp_path, *((0, sweeps.scan(START_NS, [1.0])) for _ in range(20))).scans()
         assert still.problems == ("the clock stands still: 19 of 20 samples bear the time of the one before",)
