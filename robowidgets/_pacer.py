@@ -10,7 +10,6 @@ import threading
 import time
 from collections.abc import Callable
 from typing import Protocol
-from weakref import WeakKeyDictionary
 
 log = logging.getLogger("robowidgets")
 
@@ -27,8 +26,8 @@ REST = INTERVAL / 4
 """Seconds between the end of a send and the next of the same widget, at least, however late the first one was."""
 
 NAP = 0.0005
-"""Seconds that the thread sleeps after a send, so that the thread which writes to the wire need not wrestle with it:
-that costs the processor twice as much."""
+"""Seconds that the thread sleeps after a send, where nothing else is marked, so that the thread which writes to the
+wire need not wrestle with it: that costs the processor twice as much."""
 
 BURST = 0.05
 """Seconds of budget that may be spent at once after a rest."""
@@ -65,7 +64,8 @@ class Pacer:
         self._bell.acquire()
         self._turn = threading.Lock()
         self._due: dict[Sender, float] = {}
-        self._earliest: WeakKeyDictionary[Sender, float] = WeakKeyDictionary()
+        # By identity: looked up several times for each send, and the numbers of those gone are few.
+        self._earliest: dict[int, float] = {}
         self._timers: dict[Sender, float] = {}
         self._free_at = 0.0
         self._thread: threading.Thread | None = None
@@ -75,7 +75,7 @@ class Pacer:
         if sender in self._due:
             return
         with self._lock:
-            self._due[sender] = max(self._clock(), self._earliest.get(sender, 0.0))
+            self._due[sender] = max(self._clock(), self._earliest.get(id(sender), 0.0))
             self._wake()
 
     def mark_at(self, sender: Sender, when: float | None) -> None:
@@ -92,6 +92,7 @@ class Pacer:
         with self._lock:
             for table in (self._due, self._timers):
                 table.pop(sender, None)
+            self._earliest.pop(id(sender), None)
 
     def flush(self) -> None:
         """Send at once, in the caller's thread, whatever is marked, and see what is being sent to its end."""
@@ -103,7 +104,7 @@ class Pacer:
             for sender in waiting:
                 with self._lock:
                     marked = self._due.pop(sender, None) is not None
-                    self._earliest[sender] = self._clock() + INTERVAL
+                    self._earliest[id(sender)] = self._clock() + INTERVAL
                 if marked:
                     self._send(sender)
         finally:
@@ -128,13 +129,17 @@ class Pacer:
                 shell.events.register("post_execute", self.flush)
 
     def _run(self) -> None:
+        tired = False
         try:
             while True:
                 with self._lock:
                     wait = self._wait()
                 if wait == 0:
                     self._send_one()
+                    tired = True
+                elif wait is None and tired:
                     time.sleep(NAP)
+                    tired = False
                 else:
                     self._bell.acquire(timeout=-1 if wait is None else wait)
         finally:
@@ -153,7 +158,7 @@ class Pacer:
         now = self._clock()
         for sender in [s for s, when in self._timers.items() if when <= now]:
             del self._timers[sender]
-            self._due.setdefault(sender, max(now, self._earliest.get(sender, 0.0)))
+            self._due.setdefault(sender, max(now, self._earliest.get(id(sender), 0.0)))
         if not self._due or self._free_at > now:
             return None
         sender = min(self._due, key=self._due.__getitem__)
@@ -161,7 +166,7 @@ class Pacer:
             return None
         # Out of the table before it is sent: what comes meanwhile marks it again. The pace is kept from beat to beat:
         # the milliseconds by which a busy cell delays this thread must not add up.
-        self._earliest[sender] = self._due.pop(sender) + INTERVAL
+        self._earliest[id(sender)] = self._due.pop(sender) + INTERVAL
         return sender
 
     def _wait(self) -> float | None:
@@ -178,9 +183,9 @@ class Pacer:
             size = 0
         now = self._clock()
         with self._lock:
-            self._earliest[sender] = max(self._earliest[sender], now + REST)
+            self._earliest[id(sender)] = max(self._earliest.get(id(sender), 0.0), now + REST)
             if sender in self._due:
-                self._due[sender] = max(self._due[sender], self._earliest[sender])
+                self._due[sender] = max(self._due[sender], self._earliest[id(sender)])
             self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
 
 

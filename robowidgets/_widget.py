@@ -192,7 +192,11 @@ class RobotWidget(NamedWidget, Generic[S]):
                 self._unsent.clear()
             keys += unsent
             try:
-                if keys:
+                if keys == ["_frame"]:
+                    # As ipywidgets would pack it, many times a second.
+                    update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]]}
+                    self._send(update, buffers=[state["_frame"]])
+                elif keys:
                     super().send_state(keys)
             except BaseException:
                 with self._storing:

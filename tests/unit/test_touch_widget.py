@@ -42,11 +42,11 @@ def next_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[TouchWidget], Rows]
     """Waits for what a widget sends to the page next, one by one."""
     queues: defaultdict[TouchWidget, Queue[bytes]] = defaultdict(Queue)
 
-    def send_state(widget: TouchWidget, keys: list[str]) -> None:
-        if "_frame" in keys:
+    def send(widget: TouchWidget, message: dict, buffers: object = None) -> None:  # noqa: ARG001
+        if ["_frame"] in message["buffer_paths"]:
             queues[widget].put(widget._frame)
 
-    monkeypatch.setattr(AnyWidget, "send_state", send_state)
+    monkeypatch.setattr(AnyWidget, "_send", send)
     return lambda widget: rows(queues[widget].get(timeout=5))
 
 
