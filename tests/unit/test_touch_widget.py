@@ -42,7 +42,7 @@ def next_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[TouchWidget], Rows]
     """Waits for what a widget sends to the page next, one by one."""
     queues: defaultdict[TouchWidget, Queue[bytes]] = defaultdict(Queue)
 
-    def send(widget: TouchWidget, message: dict, buffers: object = None) -> None:  # noqa: ARG001
+    def send(widget: TouchWidget, message: dict, buffers: object = None) -> None:
         if ["_frame"] in message["buffer_paths"]:
             queues[widget].put(widget._frame)
 
