@@ -43,6 +43,9 @@ def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Liter
     for cell, name in ((1, "laser"), (2, "speed"), (3, "touch")):
         shoot(nb.widget(cell).locator(".rw-card"), f"gallery-{name}-{theme}")
     nb.resize(1180)
+    size = nb.page.viewport_size
+    assert size is not None
+    nb.page.set_viewport_size({**size, "height": 1700})
     shoot(nb.output(4), f"gallery-recording-{theme}")
     shoot(nb.widget(5).locator(".rw-card"), f"gallery-scanogram-{theme}")
 
