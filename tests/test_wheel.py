@@ -15,7 +15,14 @@ import pytest
 
 from .conftest import ROOT
 
-BUNDLES = ("drive_widget.js", "laser_widget.js", "scanogram_widget.js", "speed_widget.js", "touch_widget.js")
+BUNDLES = (
+    "drive_widget.js",
+    "laser_widget.js",
+    "player_widget.js",
+    "scanogram_widget.js",
+    "speed_widget.js",
+    "touch_widget.js",
+)
 LARGEST_BUNDLE = 30_000
 LARGEST_SAMPLE = 1_000_000
 RECORDINGS = (".bag", ".mcap", ".db3")
