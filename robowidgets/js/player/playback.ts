@@ -156,7 +156,10 @@ export class Playback {
   }
 
   #onMessage({ seek, stretch, drop, abouts }: Message, buffers: DataView[]): void {
-    if (seek !== undefined) return this.seek(seek);
+    if (seek !== undefined) {
+      this.seek(seek);
+      return;
+    }
     const tracks = buffers.map((buffer, i): Track => {
       return { stills: decodeStills(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
     });
