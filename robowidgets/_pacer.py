@@ -35,6 +35,13 @@ BURST = 0.05
 PATIENCE = 1.0
 """Seconds that the end of a cell waits for a send that hangs."""
 
+SWITCH_INTERVAL = 0.0001
+"""Seconds that a thread waits before it asks the one that computes for the interpreter. With CPython's own 5 ms, a loop
+that reads a file or prints every millisecond starves all other threads: each time it lets go for a moment, their wait
+begins anew."""
+
+CPYTHONS_SWITCH_INTERVAL = 0.005
+
 
 class Sender(Protocol):
     """What the pacer calls; a widget."""
@@ -117,6 +124,9 @@ class Pacer:
             self._start()
 
     def _start(self) -> None:
+        # What a program has set itself stays.
+        if sys.getswitchinterval() == CPYTHONS_SWITCH_INTERVAL:
+            sys.setswitchinterval(SWITCH_INTERVAL)
         self._thread = threading.Thread(target=self._run, name="robowidgets-pacer", daemon=True)
         self._thread.start()
         if not self._hooked:

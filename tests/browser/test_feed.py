@@ -21,11 +21,9 @@ lost
 """
 BUSY = """
 from pathlib import Path
-import time
 while not Path({stop!r}).exists():
     feed.drive(0.3, 0.4)
     sum(range(100_000))
-    time.sleep(0.002)
 """
 
 

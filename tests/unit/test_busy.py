@@ -1,0 +1,53 @@
+"""A program that computes without a pause leaves the widgets' threads their turns."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+STARVING = """
+import os, sys, threading, time
+from robowidgets._pacer import Pacer
+
+class Sender:
+    sent = 0
+    def send_newest(self):
+        self.sent += 1
+        return 0
+
+{before}
+sender, pacer = Sender(), Pacer()
+pacer.mark(sender)
+
+def feed():
+    while True:
+        time.sleep(0.025)
+        pacer.mark(sender)
+
+threading.Thread(target=feed, daemon=True).start()
+end = time.monotonic() + 2
+while time.monotonic() < end:
+    os.path.exists("/no/such/file")
+    sum(range({work}))
+print(sender.sent, sys.getswitchinterval())
+"""
+
+
+def run(before: str = "", work: int = 100_000) -> tuple[int, float]:
+    program = STARVING.format(before=before, work=work)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60)
+    sent, interval = done.stdout.split()
+    return int(sent), float(interval)
+
+
+@pytest.mark.parametrize("work", [30_000, 100_000, 200_000])
+def test_a_loop_that_reads_a_file_each_millisecond_does_not_starve_what_is_sent(work: int) -> None:
+    sent, _ = run(work=work)
+    assert sent > 20, "of 80"
+
+
+def test_a_switch_interval_that_the_program_has_set_stays() -> None:
+    _, interval = run(before="sys.setswitchinterval(0.002)", work=10)
+    assert interval == 0.002
