@@ -153,27 +153,31 @@ def locate(
         rays: metres and degrees of every reading; there are no others.
     """
     turn = _TURNS[forward]
-    wanted = Place(0, 0, 1, turn)
-    metric = [wanted.at(*ray) for ray in rays]
-    axis = int(
-        max(y for _, y in metric) - min(y for _, y in metric) > max(x for x, _ in metric) - min(x for x, _ in metric)
-    )
+    place: Place | None = None
 
-    def look() -> int:
-        nonlocal dots
+    def look() -> str:
+        nonlocal place
         dots = Picture(card).dots(colour)
-        return len(dots)
+        if len(dots) != len(rays):
+            return f"{len(dots)} dots for {len(rays)} rays"
+        place = _fit(dots, rays, turn)
+        return ", ".join(f"no dot at {ray}" for ray in rays if _distance(place.at(*ray), dots) >= 0.75)
 
-    dots: list[tuple[float, float]] = []
-    eventually(look, len(rays))
-    low, high = (
-        min(range(len(rays)), key=lambda i: metric[i][axis]),
-        max(range(len(rays)), key=lambda i: metric[i][axis]),
-    )
-    first, last = min(dots, key=lambda dot: dot[axis]), max(dots, key=lambda dot: dot[axis])
-    scale = (last[axis] - first[axis]) / (metric[high][axis] - metric[low][axis])
-    place = Place(first[0] - metric[low][0] * scale, first[1] - metric[low][1] * scale, scale, turn)
-    for ray in rays:
-        x, y = place.at(*ray)
-        assert min(hypot(x - dot[0], y - dot[1]) for dot in dots) < 0.75, f"no dot at {ray}"
+    # Again and again, not once: a cell may end before the page has painted what it sent.
+    eventually(look, "")
+    assert place is not None
     return place
+
+
+def _fit(dots: Sequence[tuple[float, float]], rays: Sequence[tuple[float, float]], turn: float) -> Place:
+    """Where the outermost dots put a scan, along the axis on which its rays lie farther apart."""
+    metric = [Place(0, 0, 1, turn).at(*ray) for ray in rays]
+    axis = int(np.argmax(np.ptp(metric, axis=0)))
+    low, high = min(metric, key=lambda point: point[axis]), max(metric, key=lambda point: point[axis])
+    first, last = min(dots, key=lambda dot: dot[axis]), max(dots, key=lambda dot: dot[axis])
+    scale = (last[axis] - first[axis]) / (high[axis] - low[axis])
+    return Place(first[0] - low[0] * scale, first[1] - low[1] * scale, scale, turn)
+
+
+def _distance(place: tuple[float, float], dots: Sequence[tuple[float, float]]) -> float:
+    return min(hypot(place[0] - x, place[1] - y) for x, y in dots)
