@@ -26,7 +26,8 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   that shows the scan, by the machine's one clock, over the scans that were painted.
 - Bytes are those of all websocket messages that reach the page, per scan, at 10 Hz. CPU is that of the kernel's whole
   process, per `update`, at 40 Hz.
-- Flooded: as many updates as the library takes. Its newest scan counts as never shown after {patience:.0f} s.
+- Flooded: as many updates as the library takes, three times. Its newest scan counts as never shown after
+  {patience:.0f} s.
 - Imports are timed in fresh processes that have loaded ipykernel, ipywidgets and NumPy.
 - A recording is opened and its topics are listed; then it is opened and every sample is made that a widget can show
   (of the topics that both know), where rosbags makes its messages. In one process, in turn.
