@@ -12,7 +12,7 @@ import traitlets
 from numpy.typing import ArrayLike, NDArray
 
 from ._limits import Pair
-from ._spans import TimeSpan
+from ._spans import Marks, TimeSpan
 from ._traits import Flag, bytes_trait
 from ._widget import NamedWidget, bundle
 from .samples import AXES, Scan
@@ -59,6 +59,8 @@ class ScanogramWidget(NamedWidget):
             stop not included; or None. The view writes it too. ``recording[selection]`` gives its samples.
         view: (start, end) in seconds, the time on show; None: all of it. The view writes it too.
         color_range: (near, far) in metres, the ends of the colours; None: fit to the readings.
+        marks: (start, end, text) in seconds from the start, of what is marked above the scans, or what
+            `Recording.find` gives; keys n and p go from one to the next.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
 
     Raises:
@@ -84,6 +86,7 @@ class ScanogramWidget(NamedWidget):
     color_range = traitlets.Tuple(
         traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True, help="Metres, near and far."
     ).tag(sync=True)
+    marks = Marks(help="What is marked above the scans: (start, end, text), in seconds from the start.").tag(sync=True)
 
     footer = Flag(True, help="Whether the legend stands below the picture.").tag(sync=True)
 

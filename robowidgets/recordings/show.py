@@ -64,7 +64,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording in one on the wall. Settable.")
     loop = Flag(False, help="Whether it begins again at the end; of the selection, if there is one. Settable.")
     selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None. Settable.")
-    marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start. Settable.")
+    marks = Marks(help="What is marked on slider and picture: (start, end, text), in seconds from the start. Settable.")
 
     _sender: Sender | None = None
     scanogram: ScanogramWidget | None = None
@@ -96,6 +96,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                 view.widget.observe(lambda _: sender.start(), "angle_offset")
         if self.scanogram:
             self.bar.observe(partial(_select, self.scanogram), "selection")
+            traitlets.link((self.bar, "marks"), (self.scanogram, "marks"))
         self._on_time(sender, None)
 
     @property

@@ -84,6 +84,9 @@ def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(notebook: Open, da
     expect(bar(nb).locator(".rw-play-now")).to_have_text("5.00")
     nb.page.keyboard.press("ArrowRight")
     expect(bar(nb).locator(".rw-play-now")).to_have_text("6.00")
+    nb.output(1).locator(".rw-scanogram .rw-picture").focus()
+    nb.page.keyboard.press("p")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("5.00")
     nb.page.keyboard.press("x")
     expect(nb.page.locator(".jp-Cell")).to_have_count(2)
 

@@ -124,6 +124,13 @@ def test_a_person_points_clicks_and_drags_and_python_knows(notebook: Callable[..
     eventually(lambda: nb.python("print(*(round(t) for t in scanogram.view or ()))").strip(), "200 400")
     nb.page.keyboard.press("Escape")
     eventually(lambda: nb.python("print(scanogram.selection)").strip(), "None")
+    nb.python("scanogram.marks = [(20, 30, 'too near'), (240.5, 240.5, 'bump')]\nscanogram.view = (0, 100)")
+    picture_of(card).hover(position=at(card, 25, (0, 100), y=9))
+    says(card, "too near", "20.00 – 30.00 s")
+    for key, now in (("Home", "0"), ("n", "20"), ("n", "240.5"), ("n", "240.5"), ("p", "20")):
+        nb.page.keyboard.press(key)
+        eventually(lambda: nb.python("print(f'{scanogram.time:.4g}')").strip(), now)
+        assert nb.python("print(scanogram.view[0] <= scanogram.time <= scanogram.view[1])") == "True\n"
 
 
 def test_the_wheel_zooms_down_to_single_scans_while_a_cell_runs(notebook: Callable[..., Notebook]) -> None:

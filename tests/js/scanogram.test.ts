@@ -3,11 +3,12 @@ import { test } from "node:test";
 import { moved, timeTicks, toTime, toX, zoomed } from "../../robowidgets/js/scanogram/axis.ts";
 import { Blocks, cellAt } from "../../robowidgets/js/scanogram/blocks.ts";
 import * as data from "../../robowidgets/js/scanogram/data.ts";
+import { layOut } from "../../robowidgets/js/scanogram/layout.ts";
 import { toRaster } from "../../robowidgets/js/scanogram/paint.ts";
 import { angleTicks, toRows } from "../../robowidgets/js/scanogram/rows.ts";
 import { runs } from "../../robowidgets/js/scanogram/scene.ts";
 import { State } from "../../robowidgets/js/scanogram/state.ts";
-import { describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/words.ts";
+import { describeMark, describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/words.ts";
 import { FakeModel } from "./models.ts";
 
 const SWEEP = { angleMin: -1, angleIncrement: 0.1, count: 21, rangeMin: 0.1, rangeMax: 10 };
@@ -165,13 +166,13 @@ test("columns that are known more finely are painted so, and where there is no s
 
 test("angles grow upwards, and forward is in the middle of a circle", () => {
   const circle = toRows({ ...SWEEP, angleMin: 0, angleIncrement: (2 * Math.PI) / 360, count: 360 });
-  assert.equal(circle.indices[0], 180);
-  assert.equal(circle.indices[180], 0);
+  assert.equal(circle.rayOf[0], 180);
+  assert.equal(circle.rayOf[180], 0);
   assert.equal(circle.rowOf[90], 270);
   const clockwise = toRows({ ...SWEEP, angleMin: 1, angleIncrement: -0.1 });
-  assert.deepEqual([clockwise.indices[0], clockwise.indices[20]], [20, 0]);
+  assert.deepEqual([clockwise.rayOf[0], clockwise.rayOf[20]], [20, 0]);
   assert.ok(clockwise.angles.every((angle, i) => i === 0 || angle > (clockwise.angles[i - 1] as number)));
-  assert.deepEqual(toRows({ ...SWEEP, count: 0 }).indices, []);
+  assert.deepEqual(toRows({ ...SWEEP, count: 0 }).rayOf, []);
 });
 
 test("a span of rays that a circle cuts is two stretches of rows", () => {
@@ -185,7 +186,7 @@ test("a span of rays that a circle cuts is two stretches of rows", () => {
 
 test("angle labels have round angles and room", () => {
   const circle = toRows({ ...SWEEP, angleMin: 0, angleIncrement: (2 * Math.PI) / 360, count: 360 });
-  const ticks = angleTicks(circle, 240, 34).map((row) => circle.indices[row]);
+  const ticks = angleTicks(circle, 240, 34).map((row) => circle.rayOf[row]);
   assert.deepEqual(ticks, [180, 270, 0, 90]);
   assert.deepEqual(angleTicks(toRows({ ...SWEEP, count: 1, angleIncrement: 0 }), 240, 34), [0]);
 });
@@ -251,6 +252,32 @@ test("a reload finds the detail that it had", () => {
   assert.equal(state.blocks?.at(32.55, 6)?.exact, true);
   assert.deepEqual(state.view, [30.5, 33]);
   end();
+});
+
+test("the cursor goes from mark to mark, whoever sets them", () => {
+  const { fake, state, end } = open({ _frame: coarse(), marks: [] });
+  let told = 0;
+  state.listen(() => told++, new AbortController().signal);
+  fake.receive({
+    marks: [
+      [20, 21, "slow"],
+      [20, 40, "near"],
+      [50, 50, "bump"],
+    ],
+    time: 20,
+  });
+  assert.equal(told, 1);
+  assert.deepEqual([state.markBeside(1), state.markBeside(-1)], [50, undefined]);
+  fake.receive({ time: 50.5 });
+  assert.deepEqual([state.markBeside(1), state.markBeside(-1)], [undefined, 50]);
+  end();
+});
+
+test("marks stand above the scans, and are told by name and span", () => {
+  const { marks, scans } = layOut({ width: 700, height: 380 }, known().whole, 30);
+  assert.ok(marks.top > 30 && marks.top + marks.height <= scans.top);
+  const { expression, distance } = describeMark({ start: 20, end: 40, name: "near" });
+  assert.deepEqual([expression, distance], ["near", "20.00 \u2013 40.00 s"]);
 });
 
 test("before there are scans there is an axis and nothing on it", () => {

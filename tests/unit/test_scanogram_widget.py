@@ -76,6 +76,13 @@ def test_what_is_no_selection_is_refused_with_words(scanogram: ScanogramWidget, 
     assert scanogram.selection is None
 
 
+def test_marks_are_kept_in_the_order_of_time(scanogram: ScanogramWidget) -> None:
+    scanogram.marks = [(2, 3, "late"), (1, 1, "early")]
+    assert scanogram.get_state("marks") == {"marks": ((1.0, 1.0, "early"), (2.0, 3.0, "late"))}
+    with pytest.raises(traitlets.TraitError, match=r"marks: expected \(start, end, text\), .*got \(2, 1, 'x'\)"):
+        scanogram.marks = [(2, 1, "x")]
+
+
 def test_rays_belong_to_no_view(scanogram: ScanogramWidget) -> None:
     scanogram.view = (1, 2)
     with pytest.raises(traitlets.TraitError, match=r"view: expected None or \(start, end\)"):

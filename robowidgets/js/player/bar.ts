@@ -1,5 +1,6 @@
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import { toFixed } from "../shared/format.ts";
+import { getMarks } from "../shared/marks.ts";
 import { getFlag, getNumber, getString, type Model, put } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
@@ -117,7 +118,7 @@ export class PlayerBar {
   }
 
   #drawMarks(duration: number): void {
-    const marks = this.#model.get("marks") as [number, number, string][];
+    const marks = getMarks(this.#model);
     const selection = this.#model.get("selection") as [number, number] | null;
     const key = JSON.stringify([marks, selection, duration]);
     if (key === this.#drawn) return;

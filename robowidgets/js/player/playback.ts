@@ -1,4 +1,5 @@
 import { toBytes } from "../shared/bytes.ts";
+import { markBeside } from "../shared/marks.ts";
 import { getFlag, getNumber, type Model, onChange, put } from "../shared/model.ts";
 import { onceAFrame, spaced } from "../shared/schedule.ts";
 import { decodeStills, Stretches, type Track } from "./stretches.ts";
@@ -115,8 +116,7 @@ export class Playback {
 
   /** To the start of the next mark, or of the one before. */
   toMark(direction: -1 | 1): void {
-    const starts = (this.#model.get("marks") as [number, number, string][]).map(([start]) => start);
-    const found = direction > 0 ? starts.find((t) => t > this.#time) : starts.filter((t) => t < this.#time).at(-1);
+    const found = markBeside(this.#model, this.#time, direction);
     if (found !== undefined) this.seek(found);
   }
 

@@ -46,13 +46,14 @@ export interface Whole {
   colors: [number, number];
   block: Block;
   speed: { title: string; axes: string[]; limits: [number, number][]; gap: number; speeds: Speeds } | null;
-  touch: { title: string; sensors: string[]; spans: Touch[] } | null;
+  touch: { title: string; sensors: string[]; spans: Stretch[] } | null;
 }
 
-export interface Touch {
+/** From when to when something was touched, or is marked; what, in words. */
+export interface Stretch {
   start: number;
   end: number;
-  sensor: string;
+  name: string;
 }
 
 /** What the page asked for. */
@@ -170,9 +171,9 @@ function toSpeeds(arrays: Unpacked["arrays"]): Speeds | null {
   return { starts, least: pick(0), greatest: pick(1) };
 }
 
-function toTouches(spans: Numbers | undefined, sensors: string[]): Touch[] {
+function toTouches(spans: Numbers | undefined, sensors: string[]): Stretch[] {
   return Array.from({ length: (spans?.length ?? 0) / 3 }, (_, i) => {
     const [start = 0, end = 0, sensor = 0] = spans?.subarray(3 * i, 3 * i + 3) ?? [];
-    return { start, end, sensor: sensors[sensor] ?? "" };
+    return { start, end, name: sensors[sensor] ?? "" };
   });
 }

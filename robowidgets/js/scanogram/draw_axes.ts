@@ -35,7 +35,7 @@ export function drawAngles(
   { left, width, scans }: Layout,
   theme: Theme,
 ): void {
-  const count = rows.indices.length;
+  const count = rows.rayOf.length;
   context.textAlign = "right";
   context.textBaseline = "middle";
   const [first, last] = [scans.top + 6, scans.top + scans.height - 18];
@@ -51,8 +51,23 @@ export function drawAngles(
     context.fillText(toDegrees(rows.angles[row] as number), left - 8, middle);
     context.fillStyle = theme.muted;
     context.font = `10px ${theme.mono}`;
-    context.fillText(`[${rows.indices[row]}]`, left - 8, middle + 12);
+    context.fillText(`[${rows.rayOf[row]}]`, left - 8, middle + 12);
   }
+}
+
+/** A filled triangle that points up or down. */
+export function drawTriangle(
+  context: CanvasRenderingContext2D,
+  x: number,
+  tip: number,
+  base: number,
+  half: number,
+): void {
+  context.beginPath();
+  context.moveTo(x, tip);
+  context.lineTo(x - half, base);
+  context.lineTo(x + half, base);
+  context.fill();
 }
 
 /** A thin frame round the scans. */

@@ -1,7 +1,7 @@
 import type { Theme } from "../shared/theme.ts";
 import { type TimeAxis, toX } from "./axis.ts";
-import type { Speeds, Touch, Whole } from "./data.ts";
-import { textFont } from "./draw_axes.ts";
+import type { Speeds, Stretch, Whole } from "./data.ts";
+import { drawTriangle, textFont } from "./draw_axes.ts";
 import type { Band } from "./layout.ts";
 import { firstWhere } from "./search.ts";
 
@@ -115,29 +115,37 @@ function drawOver(
     context.fillRect(x - 0.75, Math.min(y, zero), 1.5, Math.abs(zero - y));
     if (x - marked > 9) {
       const [tip, base] = up ? [y - 6, y - 1] : [y + 6, y + 1];
-      context.beginPath();
-      context.moveTo(x, tip);
-      context.lineTo(x - 4, base);
-      context.lineTo(x + 4, base);
-      context.fill();
+      drawTriangle(context, x, tip, base, 4);
     }
     marked = x;
   }
 }
 
-/** The spans in which something was touched; never too thin to be seen. */
+/** The spans in which something was touched. */
 export function drawTouches(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
   band: Band,
-  spans: Touch[],
+  spans: Stretch[],
   theme: Theme,
 ): void {
-  const { left, width, span } = axis;
+  const { left, width } = axis;
   drawLabel(context, band, left, "touch", theme);
   context.fillStyle = theme.line;
   context.fillRect(left, Math.round(band.top + band.height / 2), width, 1);
-  context.fillStyle = theme.touch;
+  drawSpans(context, axis, band, spans, theme.touch);
+}
+
+/** Spans of time, never too thin to be seen. */
+export function drawSpans(
+  context: CanvasRenderingContext2D,
+  axis: TimeAxis,
+  band: Band,
+  spans: Stretch[],
+  color: string,
+): void {
+  const { left, width, span } = axis;
+  context.fillStyle = color;
   for (const { start, end } of spans) {
     if (end < span[0] || start > span[1]) continue;
     const [from, to] = [Math.max(left, toX(axis, start)), Math.min(left + width, toX(axis, end))];

@@ -1,4 +1,5 @@
 import type { Point } from "../laser/projection.ts";
+import { isPlain, on as listen } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
 
 /** What a person can do to the picture. */
@@ -15,6 +16,8 @@ export interface Gestures {
   onClear(): void;
   /** So many scans on; or to either end. */
   onStep(by: number): void;
+  /** To the next mark, or to the one before. */
+  onMark(direction: -1 | 1): void;
 }
 
 const FEW = 4;
@@ -25,7 +28,7 @@ const MANY = 10;
 type Listen = <K extends keyof HTMLElementEventMap>(type: K, callback: (event: HTMLElementEventMap[K]) => void) => void;
 
 export function watchGestures(element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
-  const on: Listen = (type, callback) => element.addEventListener(type, callback, { signal });
+  const on: Listen = (type, callback) => listen(element, type, callback, signal);
   const toPoint = (event: MouseEvent): Point => {
     const { left, top } = element.getBoundingClientRect();
     return { x: event.clientX - left, y: event.clientY - top };
@@ -34,10 +37,11 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
   on("pointerleave", () => gestures.onHover(null));
   on("dblclick", () => gestures.onReset());
   on("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (!isPlain(event)) return;
     const [step, zoom] = [STEPS[event.key], ZOOMS[event.key]];
     if (step !== undefined) gestures.onStep(event.shiftKey ? MANY * step : step);
     else if (zoom !== undefined) gestures.onZoom(zoom, null);
+    else if (event.key === "n" || event.key === "p") gestures.onMark(event.key === "n" ? 1 : -1);
     else if (event.key === "0") gestures.onReset();
     else if (event.key === "Escape") gestures.onClear();
     else return;

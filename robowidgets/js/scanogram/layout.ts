@@ -11,6 +11,8 @@ export interface Band {
 export interface Layout {
   left: number;
   width: number;
+  /** Above the scans. */
+  marks: Band;
   scans: Band;
   /** One for each axis of the speeds. */
   speeds: Band[];
@@ -21,6 +23,7 @@ export interface Layout {
 }
 
 const TOP = 14;
+const MARKS = 7;
 const AXIS = 24;
 const GAP = 8;
 const SPEED = 30;
@@ -37,5 +40,6 @@ export function layOut({ width, height }: Size, whole: Whole | null, notice: num
   const touch = whole?.touch ? take(TOUCH) : null;
   const speeds = (whole?.speed?.axes ?? []).map(() => take(SPEED)).reverse();
   const scans = { top: TOP + notice, height: Math.max(20, top - TOP - notice) };
-  return { left, width: Math.max(20, width - left - right), scans, speeds, touch, bottom, height };
+  const marks = { top: scans.top - MARKS - 2, height: MARKS };
+  return { left, width: Math.max(20, width - left - right), marks, scans, speeds, touch, bottom, height };
 }

@@ -26,8 +26,7 @@ export class Legend {
   readonly #clear: HTMLButtonElement;
 
   constructor(footer: HTMLElement, onClear: () => void, signal: AbortSignal) {
-    this.#clear = makeButton("rw-scanogram-clear", "Clear the selection (Escape)", onClear, signal);
-    this.#clear.textContent = "\u00D7";
+    this.#clear = makeButton("rw-scanogram-clear", "Clear the selection (Escape)", onClear, signal, "\u00D7");
     this.#scale.append(this.#near, this.#bar, this.#far);
     const key = make("span", "rw-scanogram-key");
     key.append(this.#scale, this.#classes);

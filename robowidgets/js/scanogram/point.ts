@@ -1,12 +1,12 @@
 import type { Point } from "../laser/projection.ts";
 import type { RayWords } from "../laser/words.ts";
 import { toTime } from "./axis.ts";
-import type { Whole } from "./data.ts";
+import type { Stretch, Whole } from "./data.ts";
 import type { Band } from "./layout.ts";
 import type { Pointed, Scene } from "./scene.ts";
 import { firstWhere } from "./search.ts";
 import type { State } from "./state.ts";
-import { describePlace, describeSpeed, describeTouches } from "./words.ts";
+import { describeMark, describePlace, describeSpeed, describeTouches } from "./words.ts";
 
 /** What a person points at, where it stands, and what is said of it; null where there is nothing. */
 export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { y: number; words: RayWords }) | null {
@@ -17,14 +17,18 @@ export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { 
   const isIn = ({ top, height }: Band) => point.y >= top && point.y < top + height;
   if (isIn(scans)) {
     const row = scene.toRow(point.y);
-    const place = blocks.at(time, scene.rows.indices[row] ?? 0);
+    const place = blocks.at(time, scene.rows.rayOf[row] ?? 0);
     const angle = scene.rows.angles[row] ?? 0;
     return place && { time, row, y: scene.toY(row), words: describePlace(place, angle, whole.sweep) };
   }
   const axis = speeds.findIndex(isIn);
-  const below = (words: RayWords | null) => words && { time, row: null, y: point.y, words };
-  if (axis >= 0) return below(speedAt(whole, state, axis, time));
-  return below(touch && isIn(touch) ? touchAt(whole, time, (scene.axis.span[1] - scene.axis.span[0]) / width) : null);
+  const beside = (words: RayWords | null | undefined) => (words ? { time, row: null, y: point.y, words } : null);
+  if (axis >= 0) return beside(speedAt(whole, state, axis, time));
+  const perPixel = (scene.axis.span[1] - scene.axis.span[0]) / width;
+  if (touch && isIn(touch)) {
+    return beside(whole.touch && describeTouches(near(whole.touch.spans, time, perPixel), whole.touch.title, time));
+  }
+  return beside(point.y < scans.top ? near(state.marks, time, perPixel).map(describeMark)[0] : null);
 }
 
 function speedAt({ speed }: Whole, { blocks, view }: State, axis: number, time: number): RayWords | null {
@@ -36,10 +40,8 @@ function speedAt({ speed }: Whole, { blocks, view }: State, axis: number, time: 
   return describeSpeed(speed.axes[axis] ?? "", speed.title, low, high, start);
 }
 
-/** Touches count within a pixel or two: short ones are drawn wider than they are. */
-function touchAt({ touch }: Whole, time: number, perPixel: number): RayWords | null {
-  if (!touch) return null;
+/** Stretches count within a pixel or two: short ones are drawn wider than they are. */
+function near(stretches: Stretch[], time: number, perPixel: number): Stretch[] {
   const close = 2 * perPixel;
-  const there = touch.spans.filter(({ start, end }) => time >= start - close && time <= end + close);
-  return describeTouches(there, touch.title, time);
+  return stretches.filter(({ start, end }) => time >= start - close && time <= end + close);
 }

@@ -9,7 +9,7 @@ const STEPS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90];
 /** Which ray stands in which row, from the bottom up: angles grow upwards. */
 export interface Rows {
   /** By row: the index of the ray, and its angle in radians. */
-  indices: number[];
+  rayOf: number[];
   angles: number[];
   /** By index: the row. */
   rowOf: number[];
@@ -21,10 +21,10 @@ export function toRows({ angleMin, angleIncrement, count }: Sweep): Rows {
   const bottom = -Math.PI - ROUNDING;
   const turn = (angle: number) => (isCircle ? angle - TURN * Math.floor((angle - bottom) / TURN) : angle);
   const byIndex = Array.from({ length: count }, (_, i) => turn(angleMin + i * angleIncrement));
-  const indices = byIndex.map((_, i) => i).sort((a, b) => (byIndex[a] as number) - (byIndex[b] as number));
+  const rayOf = byIndex.map((_, i) => i).sort((a, b) => (byIndex[a] as number) - (byIndex[b] as number));
   const rowOf: number[] = [];
-  for (const [row, index] of indices.entries()) rowOf[index] = row;
-  return { indices, angles: indices.map((index) => byIndex[index] as number), rowOf };
+  for (const [row, index] of rayOf.entries()) rowOf[index] = row;
+  return { rayOf, angles: rayOf.map((index) => byIndex[index] as number), rowOf };
 }
 
 /** Rows with round angles, at least `apart` pixels from each other in a picture of a height. */

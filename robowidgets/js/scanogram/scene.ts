@@ -2,15 +2,15 @@ import { Layer, type Size } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type Span, type TimeAxis, toX } from "./axis.ts";
 import type { Whole } from "./data.ts";
-import { drawAngles, drawFrame, drawTimes } from "./draw_axes.ts";
-import { drawSpeed, drawTouches } from "./draw_strips.ts";
+import { drawAngles, drawFrame, drawTimes, drawTriangle } from "./draw_axes.ts";
+import { drawSpans, drawSpeed, drawTouches } from "./draw_strips.ts";
 import { type Layout, layOut } from "./layout.ts";
 import { toRaster } from "./paint.ts";
 import { toPalette } from "./palette.ts";
 import { type Rows, toRows } from "./rows.ts";
 import type { State } from "./state.ts";
 
-const NO_ROWS: Rows = { indices: [], angles: [], rowOf: [] };
+const NO_ROWS: Rows = { rayOf: [], angles: [], rowOf: [] };
 
 /** Where a person points: in a row, or below the scans. */
 export interface Pointed {
@@ -72,6 +72,7 @@ export class Scene {
     context.drawImage(this.#pixels, layout.left, layout.scans.top, layout.width, layout.scans.height);
     drawAngles(context, rows, layout, theme);
     drawTimes(context, axis, layout, theme);
+    drawSpans(context, axis, layout.marks, state.marks, theme.reading);
     const speeds = blocks.speedsIn(axis.span);
     for (const [i, band] of layout.speeds.entries()) {
       if (whole.speed && speeds) drawSpeed(context, axis, band, whole.speed, speeds, i, theme);
@@ -104,11 +105,7 @@ export class Scene {
       context.fillRect(x - 1.5, scans.top, 3, scans.height);
       context.fillStyle = theme.ink;
       context.fillRect(x - 0.5, scans.top - 2, 1, bottom - scans.top + 2);
-      context.beginPath();
-      context.moveTo(x, scans.top - 1);
-      context.lineTo(x - 5.5, scans.top - 9);
-      context.lineTo(x + 5.5, scans.top - 9);
-      context.fill();
+      drawTriangle(context, x, scans.top - 1, scans.top - 9, 5.5);
     }
     context.restore();
   }
@@ -116,14 +113,14 @@ export class Scene {
   /** The row at a height of the picture, from the bottom up; kept within the picture. */
   toRow(y: number): number {
     const { top, height } = this.layout.scans;
-    const count = this.rows.indices.length;
+    const count = this.rows.rayOf.length;
     return Math.min(count - 1, Math.max(0, Math.floor((1 - (y - top) / height) * count)));
   }
 
   /** The middle of a row. */
   toY(row: number): number {
     const { top, height } = this.layout.scans;
-    return top + (1 - (row + 0.5) / this.rows.indices.length) * height;
+    return top + (1 - (row + 0.5) / this.rows.rayOf.length) * height;
   }
 
   #drawSelection(context: CanvasRenderingContext2D, selection: number[], theme: Theme): void {
@@ -137,8 +134,8 @@ export class Scene {
       boxes.push([scans.top, bottom - scans.top]);
     } else {
       for (const [low, high] of runs(this.rows, first, stop)) {
-        const top = this.toY(high) - scans.height / this.rows.indices.length / 2;
-        boxes.push([top, this.toY(low) + scans.height / this.rows.indices.length / 2 - top]);
+        const top = this.toY(high) - scans.height / this.rows.rayOf.length / 2;
+        boxes.push([top, this.toY(low) + scans.height / this.rows.rayOf.length / 2 - top]);
       }
     }
     for (const [top, height] of boxes) {
@@ -146,12 +143,9 @@ export class Scene {
       context.fillStyle = theme.pointer;
       context.fillRect(from, top, to - from, height);
       context.globalAlpha = 1;
-      context.lineWidth = 3;
-      context.strokeStyle = theme.background;
-      context.strokeRect(from, top, to - from, height);
-      context.lineWidth = 1.5;
-      context.strokeStyle = theme.pointer;
-      context.strokeRect(from, top, to - from, height);
+      context.beginPath();
+      context.rect(from, top, to - from, height);
+      strokeTwice(context, 3, 1.5, theme);
     }
   }
 
@@ -165,10 +159,15 @@ export class Scene {
 function drawRing(context: CanvasRenderingContext2D, x: number, y: number, theme: Theme): void {
   context.beginPath();
   context.arc(x, y, 4.5, 0, 2 * Math.PI);
-  context.lineWidth = 3.5;
+  strokeTwice(context, 3.5, 2, theme);
+}
+
+/** A line that is seen on any colour. */
+function strokeTwice(context: CanvasRenderingContext2D, outer: number, inner: number, theme: Theme): void {
+  context.lineWidth = outer;
   context.strokeStyle = theme.background;
   context.stroke();
-  context.lineWidth = 2;
+  context.lineWidth = inner;
   context.strokeStyle = theme.pointer;
   context.stroke();
 }

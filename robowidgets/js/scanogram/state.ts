@@ -1,9 +1,11 @@
 import { toBytes } from "../shared/bytes.ts";
+import { atEnd } from "../shared/events.ts";
+import { getMarks, markBeside } from "../shared/marks.ts";
 import { type Model, onChange, put } from "../shared/model.ts";
 import { spaced } from "../shared/schedule.ts";
 import type { Span } from "./axis.ts";
 import { Blocks } from "./blocks.ts";
-import { type Detail, decodeDetail, decodeWhole, type Whole } from "./data.ts";
+import { type Detail, decodeDetail, decodeWhole, type Stretch, type Whole } from "./data.ts";
 
 const ASK_MS = 120;
 const LATE_MS = 400;
@@ -26,14 +28,14 @@ export class State {
     this.#signal = signal;
     this.#ask = spaced(() => this.#askNow(), ASK_MS, signal);
     const tell = () => this.#tell();
-    onChange(model, ["_frame", "_about", "view", "color_range"], tell, signal);
+    onChange(model, ["_frame", "_about", "view", "color_range", "marks"], tell, signal);
     onChange(model, ["_detail"], () => this.#onDetail(), signal);
-    signal.addEventListener("abort", () => clearTimeout(this.#late));
+    atEnd(signal, () => clearTimeout(this.#late));
   }
 
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
-    signal.addEventListener("abort", () => this.#listeners.delete(callback));
+    atEnd(signal, () => this.#listeners.delete(callback));
   }
 
   get whole(): Whole | null {
@@ -50,6 +52,15 @@ export class State {
 
   get selection(): number[] | null {
     return this.#model.get("selection") as number[] | null;
+  }
+
+  get marks(): Stretch[] {
+    return getMarks(this.#model).map(([start, end, name]) => ({ start, end, name }));
+  }
+
+  /** The start of the next mark, or of the one before. */
+  markBeside(direction: -1 | 1): number | undefined {
+    return markBeside(this.#model, this.time, direction);
   }
 
   /** The time on show. */

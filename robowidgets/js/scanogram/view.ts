@@ -43,12 +43,9 @@ export class ScanogramView {
     this.#legend = new Legend(footer, () => this.onClear(), signal);
     this.#popup = new Popup(picture);
     picture.append(this.#empty, this.#chip);
-    const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(0.5, null), signal);
-    closer.textContent = "+";
-    const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(2, null), signal);
-    farther.textContent = "\u2212";
-    this.#all = makeButton("", "Show all of it (0, double click)", () => this.onReset(), signal);
-    this.#all.textContent = "All";
+    const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(0.5, null), signal, "+");
+    const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(2, null), signal, "\u2212");
+    this.#all = makeButton("", "Show all of it (0, double click)", () => this.onReset(), signal, "All");
     this.#frame.controls.append(farther, closer, this.#all);
     onChange(model, ["time", "selection"], this.#redrawTop, signal);
     state.listen(this.#redraw, signal);
@@ -78,7 +75,7 @@ export class ScanogramView {
     if (!this.#state.whole) return;
     const times = [from, to].map(({ x }) => Math.round(toTime(this.#scene.axis, x) * 1e4) / 1e4);
     const [start, end] = [Math.min(...times), Math.max(...times)];
-    const rows = [from, to].map(({ y }) => this.#scene.rows.indices[this.#scene.toRow(y)] ?? 0);
+    const rows = [from, to].map(({ y }) => this.#scene.rows.rayOf[this.#scene.toRow(y)] ?? 0);
     this.#draft = rays ? [start, end, Math.min(...rows), Math.max(...rows) + 1] : [start, end];
     if (done) {
       const selection = this.#draft;
@@ -117,12 +114,21 @@ export class ScanogramView {
   }
 
   onStep(by: number): void {
-    const { whole, blocks, time, view } = this.#state;
+    const { whole, blocks, time } = this.#state;
     if (!whole || !blocks) return;
-    const next = Number.isFinite(by) ? blocks.step(time, by) : by < 0 ? 0 : whole.duration;
-    this.#state.set({ time: next });
-    if (next < view[0] || next > view[1]) {
-      this.#look(moved(view, next - (view[0] + view[1]) / 2, whole.duration));
+    this.#goTo(Number.isFinite(by) ? blocks.step(time, by) : by < 0 ? 0 : whole.duration);
+  }
+
+  onMark(direction: -1 | 1): void {
+    this.#goTo(this.#state.markBeside(direction));
+  }
+
+  /** Moves the cursor, and the picture where it would lose it. */
+  #goTo(time = this.#state.time): void {
+    const { whole, view } = this.#state;
+    this.#state.set({ time });
+    if (whole && (time < view[0] || time > view[1])) {
+      this.#look(moved(view, time - (view[0] + view[1]) / 2, whole.duration));
     }
   }
 

@@ -74,9 +74,9 @@ export function describeSpeed(axis: string, title: string, low: number, high: nu
 }
 
 /** What the pop-up says of the touches at a moment. */
-export function describeTouches(touches: codes.Touch[], title: string, time: number): RayWords {
-  const sensors = [...new Set(touches.map(({ sensor }) => sensor))];
-  const spans = touches.map(({ start, end }) => `${toFixed(start, 2)} \u2013 ${toSeconds(end)}`);
+export function describeTouches(touches: codes.Stretch[], title: string, time: number): RayWords {
+  const sensors = [...new Set(touches.map(({ name }) => name))];
+  const spans = touches.map(toWords);
   return {
     expression: title,
     distance: sensors.length ? "touched" : "not touched",
@@ -84,6 +84,15 @@ export function describeTouches(touches: codes.Touch[], title: string, time: num
     details: sensors.length ? `${sensors.join(", ")}\n${spans[0]}` : toSeconds(time),
     side: "",
   };
+}
+
+/** What the pop-up says of a mark. */
+export function describeMark(mark: codes.Stretch): RayWords {
+  return { expression: mark.name, distance: toWords(mark), angle: "", details: "marked", side: "" };
+}
+
+function toWords({ start, end }: codes.Stretch): string {
+  return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}`;
 }
 
 /** What the header says of all of it. */

@@ -166,6 +166,10 @@ def test_what_was_found_is_marked(player: Player) -> None:
     found = player.recording.find(lambda moment: moment.scan is not None and moment.scan.nearest().range > 1.8)
     player.marks = found
     assert player.marks == ((pytest.approx(8.1), 10.0, found.condition),)
+    assert player.scanogram is not None
+    assert player.scanogram.marks == player.bar.marks == player.marks
+    player.scanogram.marks = [(1, 2, "seen")]
+    assert player.marks == player.bar.marks == ((1.0, 2.0, "seen"),)
 
 
 @pytest.mark.parametrize(
