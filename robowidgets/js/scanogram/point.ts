@@ -22,13 +22,15 @@ export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { 
     return place && { time, row, y: scene.toY(row), words: describePlace(place, angle, whole.sweep) };
   }
   const axis = speeds.findIndex(isIn);
-  const beside = (words: RayWords | null | undefined) => (words ? { time, row: null, y: point.y, words } : null);
+  const beside = (words: RayWords | null | undefined, y = point.y) => (words ? { time, row: null, y, words } : null);
   if (axis >= 0) return beside(speedAt(whole, state, axis, time));
   const perPixel = (scene.axis.span[1] - scene.axis.span[0]) / width;
   if (touch && isIn(touch)) {
     return beside(whole.touch && describeTouches(near(whole.touch.spans, time, perPixel), whole.touch.title, time));
   }
-  return beside(point.y < scans.top ? near(state.marks, time, perPixel).map(describeMark)[0] : null);
+  // Its pop-up keeps off the other marks.
+  const isAbove = point.y < scans.top;
+  return beside(isAbove ? near(state.marks, time, perPixel).map(describeMark)[0] : null, scans.top + scans.height / 2);
 }
 
 function speedAt({ speed }: Whole, { blocks, view }: State, axis: number, time: number): RayWords | null {
