@@ -71,7 +71,7 @@ export class DriveView {
   #build(): void {
     const side = make("div", "rw-side");
     const said = make("div", "rw-said-words");
-    said.setAttribute("role", "status");
+    said.role = "status";
     said.append(this.#words, this.#hint);
     side.append(said, this.#linear.root, this.#angular.root);
     for (const edge of ["up", "left", "right", "down"]) {
@@ -81,12 +81,12 @@ export class DriveView {
     }
     this.#pad.append(this.#stem, this.#knob);
     this.#pad.tabIndex = 0;
-    this.#pad.setAttribute("role", "application");
-    this.#pad.setAttribute("aria-label", "Drive pad: arrow keys or W, A, S, D drive, space stops");
+    this.#pad.role = "application";
+    this.#pad.ariaLabel = "Drive pad: arrow keys or W, A, S, D drive, space stops";
     const field = make("div", "rw-picture");
     field.append(this.#pad, side);
     this.#header.append(this.#title);
-    this.#notice.setAttribute("role", "alert");
+    this.#notice.role = "alert";
     this.#root.append(this.#header, this.#notice, field);
   }
 

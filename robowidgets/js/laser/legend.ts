@@ -30,7 +30,7 @@ export class Legend {
   update(scan: Scan | null, shown: string[]): void {
     for (const { name, item, count, kind } of this.#items) {
       setText(count, toCount(scan?.counts[kind] ?? 0));
-      if (kind !== READING) item.setAttribute("aria-pressed", String(shown.includes(name)));
+      if (kind !== READING) item.ariaPressed = String(shown.includes(name));
     }
     const parts: (string | HTMLElement)[] = [];
     const nearest = scan?.nearest ?? -1;

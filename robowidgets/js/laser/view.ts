@@ -135,7 +135,7 @@ export class LaserView {
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];
     this.#scene.draw(scan, this.#size, this.#card.noticeHeight, covered, theme);
     setText(this.#range, toShortMetres(this.#scene.viewRange));
-    this.#fit.setAttribute("aria-pressed", String(this.#model.get("view_range") === "data"));
+    this.#fit.ariaPressed = String(this.#model.get("view_range") === "data");
     this.#drawPopups(scan);
   }
 

@@ -42,7 +42,7 @@ export class PlayerBar {
     this.#loop.append(makeIcon(REPEAT));
     this.#makeSlider(signal);
     this.#makeSpeed(signal);
-    this.#words.setAttribute("role", "status");
+    this.#words.role = "status";
     const time = make("span", "rw-play-time");
     time.append(this.#time, this.#duration);
     const track = make("div", "rw-play-line");
@@ -64,14 +64,14 @@ export class PlayerBar {
     slider.min = "0";
     slider.step = "any";
     slider.title = "Time in the recording (arrows: 1 s, with shift 10 s)";
-    slider.setAttribute("aria-label", "Time in the recording");
+    slider.ariaLabel = "Time in the recording";
     slider.setAttribute("data-lm-suppress-shortcuts", "true");
     slider.addEventListener("input", () => this.#playback.seek(Number(slider.value)), { signal });
   }
 
   #makeSpeed(signal: AbortSignal): void {
     this.#speed.title = "How fast it plays (+ and \u2212)";
-    this.#speed.setAttribute("aria-label", "How fast it plays");
+    this.#speed.ariaLabel = "How fast it plays";
     const onSpeed = () => put(this.#model, { speed: Number(this.#speed.value) });
     this.#speed.addEventListener("change", onSpeed, { signal });
   }
@@ -94,15 +94,15 @@ export class PlayerBar {
     setText(this.#duration, ` / ${toFixed(duration, DECIMALS)} s`);
     this.#slider.max = String(duration);
     if (Number(this.#slider.value) !== time) this.#slider.value = String(time);
-    this.#slider.setAttribute("aria-valuetext", `${toFixed(time, DECIMALS)} of ${toFixed(duration, DECIMALS)} seconds`);
+    this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${toFixed(duration, DECIMALS)} seconds`;
     const icon = playing ? PAUSE : PLAY;
     if (this.#icon !== icon) {
       this.#icon = icon;
       this.#play.replaceChildren(makeIcon(icon));
       this.#play.title = playing ? "Stop here (space)" : "Play (space)";
-      this.#play.setAttribute("aria-label", this.#play.title);
+      this.#play.ariaLabel = this.#play.title;
     }
-    this.#loop.setAttribute("aria-pressed", String(getFlag(this.#model, "loop")));
+    this.#loop.ariaPressed = String(getFlag(this.#model, "loop"));
     setText(this.#words, waits ? "waiting for the kernel" : getString(this.#model, "_words"));
     this.#drawSpeed();
     this.#drawMarks(duration);

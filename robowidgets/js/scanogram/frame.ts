@@ -20,9 +20,9 @@ export class Frame {
   constructor(element: HTMLElement, model: Model, redraw: () => void, signal: AbortSignal) {
     this.#model = model;
     this.picture.tabIndex = 0;
-    this.picture.setAttribute("role", "group");
-    this.picture.setAttribute("aria-label", "scanogram widget");
-    this.#notice.setAttribute("role", "status");
+    this.picture.role = "group";
+    this.picture.ariaLabel = "scanogram widget";
+    this.#notice.role = "status";
     this.#header.append(this.#title, this.#facts, this.controls);
     this.picture.append(this.#notice);
     this.root.append(this.#header, this.picture, this.footer);

@@ -14,7 +14,7 @@ export class Bar {
     const slider = this.#slider;
     slider.type = "range";
     slider.title = "What came before (, and . step)";
-    slider.setAttribute("aria-label", "Sample on show");
+    slider.ariaLabel = "Sample on show";
     on(slider, "input", () => stream.seek(Number(slider.value)), signal);
     // These are the slider's own; elsewhere on the card they walk through the picture.
     on(slider, "keydown", (event) => /^(Arrow|Home|End)/.test(event.key) && event.stopPropagation(), signal);
@@ -37,6 +37,6 @@ export class Bar {
     setText(this.#time, age ? `\u2212${age}` : isEarlier ? "earlier" : "newest");
     setText(this.#word, age && " from newest");
     const words = age ? `${age} before the newest` : this.#time.textContent;
-    this.#slider.setAttribute("aria-valuetext", `${words}, ${index + 1} of ${count}`);
+    this.#slider.ariaValueText = `${words}, ${index + 1} of ${count}`;
   }
 }

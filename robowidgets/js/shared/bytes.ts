@@ -1,11 +1,8 @@
 /** A binary trait as a DataView of exactly its bytes; null when nothing came yet. */
 export function toBytes(value: unknown): DataView | null {
-  if (value instanceof DataView) return value.byteLength ? value : null;
-  if (value instanceof ArrayBuffer) return value.byteLength ? new DataView(value) : null;
-  if (ArrayBuffer.isView(value)) {
-    return value.byteLength ? new DataView(value.buffer, value.byteOffset, value.byteLength) : null;
-  }
-  return null;
+  const view = value instanceof ArrayBuffer ? new DataView(value) : value;
+  if (!ArrayBuffer.isView(view) || !view.byteLength) return null;
+  return view instanceof DataView ? view : new DataView(view.buffer, view.byteOffset, view.byteLength);
 }
 
 /** A copy of a stretch of bytes, which may start at any offset of a larger buffer; a typed array may not. */

@@ -13,7 +13,7 @@ export class Layer {
 
   constructor(parent: HTMLElement) {
     const canvas = make("canvas", "rw-layer");
-    canvas.setAttribute("aria-hidden", "true");
+    canvas.ariaHidden = "true";
     const context = canvas.getContext("2d");
     if (!context) throw new Error("robowidgets: no 2D canvas here");
     this.canvas = canvas;

@@ -53,9 +53,9 @@ export class Card {
     this.controls = make("span", "rw-controls");
     this.picture = make("div", "rw-picture");
     this.picture.tabIndex = 0;
-    this.picture.setAttribute("role", "group");
+    this.picture.role = "group";
     this.footer = make("div", "rw-footer");
-    this.#notice.setAttribute("role", "status");
+    this.#notice.role = "status";
     this.#freeze = makeButton("rw-freeze", "", () => stream.toggle(), signal);
     this.#freezeText.append(...this.#freezeWords);
     this.#header.append(this.#title, this.#facts, this.controls);
@@ -74,7 +74,7 @@ export class Card {
     on(this.#header, "pointerenter", () => this.#tellAll(), signal);
     on(this.root, "keydown", (event) => this.#onKey(event), signal);
     keepKeys(this.root, signal);
-    this.picture.setAttribute("aria-label", `${kind} widget`);
+    this.picture.ariaLabel = `${kind} widget`;
   }
 
   /** Colours and fonts; to be asked for when drawing, for an element outside the page has none. */
@@ -131,7 +131,7 @@ export class Card {
     this.root.classList.toggle("rw-frozen", paused);
     if (this.#paused !== paused) {
       this.#paused = paused;
-      this.#freeze.setAttribute("aria-pressed", String(paused));
+      this.#freeze.ariaPressed = String(paused);
       setLabel(this.#freeze, paused ? "Show the newest again (space)" : "Freeze the picture (space)");
       this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), this.#freezeText);
     }

@@ -20,7 +20,7 @@ export function setText(element: HTMLElement, text: string): void {
 /** Says what a button does, to readers of screens and as a tooltip. */
 export function setLabel(button: HTMLButtonElement, label: string): void {
   button.title = label;
-  button.setAttribute("aria-label", label);
+  button.ariaLabel = label;
 }
 
 /** A button that calls back. */
@@ -44,16 +44,9 @@ export function boxWithin(parent: HTMLElement, element: HTMLElement) {
   return { x: inner.left - outer.left, y: inner.top - outer.top, width: inner.width, height: inner.height };
 }
 
-const SVG = "http://www.w3.org/2000/svg";
-
-/** A 12 by 12 icon from path data. */
-export function makeIcon(path: string): SVGSVGElement {
-  const svg = document.createElementNS(SVG, "svg");
-  svg.setAttribute("viewBox", "0 0 12 12");
-  svg.setAttribute("aria-hidden", "true");
-  svg.classList.add("rw-icon");
-  const shape = document.createElementNS(SVG, "path");
-  shape.setAttribute("d", path);
-  svg.append(shape);
-  return svg;
+/** A 12 by 12 icon from path data, in the colour of the text. */
+export function makeIcon(path: string): HTMLElement {
+  const icon = make("span", "rw-icon");
+  icon.style.clipPath = `path("${path}")`;
+  return icon;
 }

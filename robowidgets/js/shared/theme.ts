@@ -6,15 +6,15 @@ const NAMES = ["ink", "muted", "line", "area", "reading", "pointer", "touch", "m
 /** The colours and fonts of the picture. */
 export type Theme = Record<(typeof NAMES)[number] | "background" | "font", string> & { dark: boolean };
 
+const prefersDark = () => matchMedia("(prefers-color-scheme: dark)");
+
 function isDark(): boolean {
   const { body, documentElement: root } = document;
   const jupyter = body.dataset.jpThemeLight;
   if (jupyter) return jupyter === "false";
-  const code = body.dataset.vscodeThemeKind;
-  if (code) return code.includes("dark") || code === "vscode-high-contrast";
-  const colab = root.getAttribute("theme");
-  if (colab) return colab === "dark";
-  return matchMedia("(prefers-color-scheme: dark)").matches;
+  // VS Code's and Colab's.
+  const theme = body.dataset.vscodeThemeKind || root.getAttribute("theme");
+  return theme ? /dark|^vscode-high-contrast$/.test(theme) : prefersDark().matches;
 }
 
 /** Sets light or dark on an element and reads the colours that follow. */
@@ -38,5 +38,5 @@ export function watchTheme(callback: () => void, signal: AbortSignal): void {
     observer.observe(element, { attributes: true, attributeFilter: attributes });
   }
   atEnd(signal, () => observer.disconnect());
-  on(matchMedia("(prefers-color-scheme: dark)"), "change", callback, signal);
+  on(prefersDark(), "change", callback, signal);
 }

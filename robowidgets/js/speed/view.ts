@@ -135,7 +135,7 @@ export class SpeedView {
     const command = speeds?.commanded ? `with ${getString(model, "command_title") || "commands"}` : "";
     this.#card.update([getAbout(model).frame_id ?? "", command], "speed");
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
-    this.#planar.setAttribute("aria-pressed", String(getFlag(model, "planar")));
+    this.#planar.ariaPressed = String(getFlag(model, "planar"));
     this.#reset.hidden = !getFlag(model, "hold_peaks");
     this.#empty.hidden = speeds !== null;
     setText(this.#empty, this.#card.waiting("speed"));

@@ -10,7 +10,7 @@ export class Body {
 
   constructor() {
     this.element.classList.add("rw-body");
-    this.element.setAttribute("aria-hidden", "true");
+    this.element.ariaHidden = "true";
   }
 
   draw({ center, radius, leads, height }: Around, width: number, sensors: Sensor[]): void {

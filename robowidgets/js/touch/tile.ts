@@ -13,7 +13,7 @@ export class Tile {
   constructor() {
     const words = make("span", "rw-tile-words");
     words.append(this.#state, this.#detail);
-    this.element.setAttribute("role", "listitem");
+    this.element.role = "listitem";
     this.element.append(this.#label, words);
   }
 

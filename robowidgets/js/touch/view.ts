@@ -46,7 +46,7 @@ export class TouchView {
     this.#redraw = onceAFrame(() => this.#draw(), signal);
     this.#card = new Card(element, "touch", model, stream, this.#redraw, signal);
     this.#footer = new Footer(this.#card.footer);
-    this.#field.setAttribute("role", "list");
+    this.#field.role = "list";
     this.#card.picture.append(this.#field, this.#empty);
     stream.listen(this.#redraw, signal);
     onChange(model, ["sensors", "labels", "angles"], this.#redraw, signal);
