@@ -67,7 +67,7 @@ test-wheel: setup
 
 test-browser: build $(EXPORT_MODULES)
 	scripts/chromium.sh
-	$(PYTEST) tests/browser
+	$(PYTEST) --numprocesses 2 --dist worksteal tests/browser
 
 bench: build
 	scripts/chromium.sh
