@@ -1,17 +1,11 @@
-"""What all widgets share: the way of a sample to the page, freezing, and words when something is wrong."""
+"""What all widgets share: names, the way of a sample to the page, and words when something is wrong."""
 
 from __future__ import annotations
 
 import gc
 import logging
 import os
-import re
-import struct
-import sys
-import threading
-import weakref
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,46 +17,11 @@ import traitlets
 
 from robowidgets import _widget
 from robowidgets._pacer import pacer
-from robowidgets._widget import HEAD, MOST_LOGGED, RobotWidget, bundle
+from robowidgets._widget import MOST_LOGGED, bundle
 
+from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
 from .pages import Page
 from .waiting import wait_for
-
-
-@dataclass(frozen=True)
-class Number:
-    value: int
-    stamp_ns: int | None = None
-
-
-class NumberWidget(RobotWidget[Number]):
-    """The smallest widget there can be."""
-
-    _esm = "export default {}"
-    color = traitlets.Unicode("red").tag(sync=True)
-
-    def update(self, value: object) -> None:
-        if not isinstance(value, int):
-            self._refuse(TypeError(f"expected a whole number, got {value!r}"))
-        else:
-            self._show(Number(value), {"value": value})
-
-    def _pack(self, sample: Number) -> bytes:
-        return struct.pack("<q", sample.value)
-
-
-def number_in(frame: bytes) -> int | None:
-    return struct.unpack_from("<q", frame, HEAD.size)[0] if frame else None
-
-
-def head_of(frame: bytes) -> tuple[float, float, int]:
-    return HEAD.unpack_from(frame)
-
-
-def in_a_thread(call: object, *args: object) -> None:
-    thread = threading.Thread(target=call, args=args)
-    thread.start()
-    thread.join()
 
 
 @pytest.fixture
@@ -324,128 +283,6 @@ class TestRefusing:
         assert len(caplog.records) == len(widget._logged) == MOST_LOGGED
 
 
-class TestFreezing:
-    def test_python_holds_what_came_last(self, widget: NumberWidget, page: Page) -> None:
-        widget.update(1)
-        widget.update(2)
-        widget.paused = True
-        widget.update(3)
-        pacer.flush()
-        assert page.state["paused"] is True
-        assert number_in(page.state["_held"]) == 2
-        assert number_in(page.state["_frame"]) == 3
-        assert page.state["_about"] == {"value": 3}
-        assert page.sent("_held") == [page.state["_held"]]
-
-    def test_what_is_held_is_there_before_the_widget_counts_as_frozen(
-        self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        held = []
-
-        def notice(change: dict) -> None:
-            held.append(number_in(widget._held) if widget.paused else None)
-
-        widget.update(2)
-        monkeypatch.setattr(widget, "notify_change", notice)
-        widget.paused = True
-        assert held[-1] == 2
-
-    def test_the_page_is_told_that_it_is_frozen_and_what_is_held_at_once(
-        self, widget: NumberWidget, page: Page
-    ) -> None:
-        widget.update(2)
-        widget.paused = True
-        pacer.flush()
-        (told,) = (message for message in page.messages if "paused" in message)
-        assert number_in(told["_held"]) == 2
-
-    def test_python_releases_it(self, widget: NumberWidget, page: Page) -> None:
-        widget.update(2)
-        widget.paused = True
-        widget.update(3)
-        widget.paused = False
-        assert page.state["_held"] == b""
-        assert page.state["paused"] is False
-
-    def test_frozen_at_once_the_page_still_hears_the_words(self, widget: NumberWidget, page: Page) -> None:
-        with pacer._turn:
-            widget.update(1)
-            widget.paused = True
-        pacer.flush()
-        assert page.state["_about"] == {"value": 1}
-        assert number_in(page.state["_frame"]) == number_in(page.state["_held"]) == 1
-
-    def test_frozen_again_it_holds_anew(self, widget: NumberWidget, page: Page) -> None:
-        for value in (1, 2, 3):
-            widget.update(value)
-            widget.paused = True
-            pacer.flush()
-            assert number_in(page.state["_held"]) == value
-            widget.paused = False
-
-    def test_a_person_holds_what_was_on_the_page(self, widget: NumberWidget, page: Page) -> None:
-        widget.update(1)
-        pacer.flush()
-        on_the_page = memoryview(page.state["_frame"])
-        widget.update(2)
-        widget.set_state({"_held": on_the_page, "paused": True})
-        widget.update(3)
-        pacer.flush()
-        assert widget.paused is True
-        assert number_in(widget._held) == 1
-        assert page.sent("_held") == [], "what the page said needs no echo"
-        assert number_in(page.state["_frame"]) == 3
-
-    def test_a_person_steps_back_while_frozen(self, widget: NumberWidget, page: Page) -> None:
-        frames = []
-        for value in (1, 2):
-            widget.update(value)
-            pacer.flush()
-            frames.append(memoryview(page.state["_frame"]))
-        widget.set_state({"_held": frames[1], "paused": True})
-        widget.set_state({"_held": frames[0]})
-        assert (number_in(widget._held), number_in(widget.get_state()["_held"])) == (1, 1)
-
-    def test_a_person_releases_what_python_froze(self, widget: NumberWidget) -> None:
-        widget.update(1)
-        widget.paused = True
-        widget.set_state({"_held": memoryview(b""), "paused": False})
-        assert (widget.paused, widget._held) == (False, b"")
-
-    def test_python_releases_what_a_person_froze(self, widget: NumberWidget, page: Page) -> None:
-        widget.update(1)
-        pacer.flush()
-        widget.set_state({"_held": memoryview(page.state["_frame"]), "paused": True})
-        widget.paused = False
-        assert widget._held == b""
-        assert page.state["_held"] == b""
-
-    def test_a_new_view_finds_what_is_held(self, widget: NumberWidget) -> None:
-        widget.update(1)
-        widget.paused = True
-        widget.update(2)
-        state = widget.get_state()
-        assert (number_in(state["_held"]), number_in(state["_frame"]), state["paused"]) == (1, 2, True)
-
-    def test_the_page_is_told_how_many_seconds_to_keep(self, widget: NumberWidget, page: Page) -> None:
-        assert widget.get_state()["history"] == 30.0
-        widget.history = 0
-        pacer.flush()
-        assert page.state["history"] == 0.0
-        for seconds in (-1.0, 601.0, float("nan"), float("inf")):
-            message = f"history: expected seconds from 0 (none) to 600, got {seconds!r}; the page keeps"
-            with pytest.raises(traitlets.TraitError, match=re.escape(message)):
-                widget.history = seconds
-        assert widget.history == 0.0
-
-    def test_it_may_be_frozen_from_the_start(self) -> None:
-        made = NumberWidget(paused=True)
-        made.update(1)
-        state = made.get_state()
-        assert (state["paused"], state["_held"], number_in(state["_frame"])) == (True, b"", 1)
-        made.close()
-
-
 class TestRate:
     def test_is_unknown_until_two_came(self, widget: NumberWidget) -> None:
         assert isnan(widget.rate)
@@ -467,98 +304,6 @@ class TestRate:
         for _ in range(3):
             widget.update(1)
         assert isnan(widget.rate)
-
-
-@pytest.fixture
-def _restless_threads() -> Iterator[None]:
-    """Threads take turns a thousand times more often than they do, so that what can mix does."""
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(5e-6)
-    yield
-    sys.setswitchinterval(before)
-
-
-@pytest.mark.usefixtures("_restless_threads")
-@pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
-class TestThreads:
-    def test_nothing_is_lost_or_mixed_up_while_many_update_and_settings_change(
-        self, widget: NumberWidget, page: Page, caplog: pytest.LogCaptureFixture
-    ) -> None:
-        each = 2000
-
-        def flood(first: int) -> None:
-            for value in range(first, first + each):
-                widget.update(value)
-                if value % 500 == 0:
-                    widget.update("no number")
-
-        threads = [threading.Thread(target=flood, args=(i * each,)) for i in range(8)]
-        for thread in threads:
-            thread.start()
-        settings = 0
-        while any(thread.is_alive() for thread in threads):
-            settings += 1
-            widget.color = f"color {settings}"
-            widget.paused = settings % 2 == 1
-            assert widget.rate != 0
-            number_in(widget.get_state()["_frame"])
-        widget.paused = False
-        for thread in threads:
-            thread.join()
-        widget.update(-1)
-        wait_for(lambda: number_in(page.state["_frame"]) == -1, "the last one was on the page")
-        assert page.state["_about"] == {"value": -1}
-        assert head_of(page.state["_frame"])[0] == 8 * each + 1
-        assert page.state["color"] == f"color {settings}"
-        assert page.state["paused"] is False
-        assert page.state["_held"] == b""
-        sequences = [head_of(frame)[0] for frame in page.sent("_frame")]
-        assert sequences == sorted(sequences)
-        for message in page.messages:
-            if "_frame" in message and "_about" in message and "error" not in message["_about"]:
-                assert number_in(message["_frame"]) == message["_about"]["value"]
-        assert {record.getMessage() for record in caplog.records} == {
-            "NumberWidget : a message could not be shown: expected a whole number, got 'no number'"
-        }
-
-    def test_closing_in_a_flood_ends_it_quietly(self, caplog: pytest.LogCaptureFixture) -> None:
-        widget = NumberWidget()
-        page = Page(widget)
-        stop = threading.Event()
-
-        def flood() -> None:
-            while not stop.is_set():
-                widget.update(1)
-
-        thread = threading.Thread(target=flood)
-        thread.start()
-        wait_for(lambda: len(page.messages) >= 3, "the flood was on the page")
-        widget.close()
-        sent, came = len(page.messages), widget._sequence
-        wait_for(lambda: widget._sequence > came + 20_000, "many more came")
-        stop.set()
-        thread.join()
-        pacer.flush()
-        assert len(page.messages) == sent
-        assert caplog.records == []
-
-    def test_a_closed_widget_can_be_forgotten(self) -> None:
-        widget = NumberWidget()
-        page = Page(widget)
-        widget.update(1)
-        wait_for(lambda: page.messages, "it was sent")
-        widget.close()
-        widget.update(2)
-        pacer.flush()
-        gone = weakref.ref(widget)
-        del widget
-        gc.collect()
-        assert gone() is None
-
-    def test_closing_twice_is_closing(self) -> None:
-        widget = NumberWidget()
-        widget.close()
-        widget.close()
 
 
 class TestBundle:

@@ -1,0 +1,47 @@
+"""The smallest widget there can be, and what its frames say."""
+
+from __future__ import annotations
+
+import struct
+import threading
+from dataclasses import dataclass
+
+import traitlets
+
+from robowidgets._widget import HEAD, RobotWidget
+
+
+@dataclass(frozen=True)
+class Number:
+    value: int
+    stamp_ns: int | None = None
+
+
+class NumberWidget(RobotWidget[Number]):
+    """The smallest widget there can be."""
+
+    _esm = "export default {}"
+    color = traitlets.Unicode("red").tag(sync=True)
+
+    def update(self, value: object) -> None:
+        if not isinstance(value, int):
+            self._refuse(TypeError(f"expected a whole number, got {value!r}"))
+        else:
+            self._show(Number(value), {"value": value})
+
+    def _pack(self, sample: Number) -> bytes:
+        return struct.pack("<q", sample.value)
+
+
+def number_in(frame: bytes) -> int | None:
+    return struct.unpack_from("<q", frame, HEAD.size)[0] if frame else None
+
+
+def head_of(frame: bytes) -> tuple[float, float, int]:
+    return HEAD.unpack_from(frame)
+
+
+def in_a_thread(call: object, *args: object) -> None:
+    thread = threading.Thread(target=call, args=args)
+    thread.start()
+    thread.join()

@@ -1,0 +1,84 @@
+"""What a pacer sends for, and a pacer whose time a test lets pass."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from robowidgets._pacer import Pacer
+
+MOST_IN_A_SECOND = 300
+
+
+class Sender:
+    """Stores a newest value and notes what was sent, and when."""
+
+    def __init__(self, clock=time.monotonic, size: int = 0) -> None:
+        self.clock = clock
+        self.size = size
+        self.newest = 0
+        self.sent: list[int] = []
+        self.times: list[float] = []
+
+    def send_newest(self) -> int:
+        self.sent.append(self.newest)
+        self.times.append(self.clock())
+        return self.size
+
+
+class Restless(Sender):
+    """Has something newer whenever it was sent: a source that floods."""
+
+    def __init__(self, pacer: Pacer, **more: object) -> None:
+        super().__init__(**more)
+        self.pacer = pacer
+
+    def send_newest(self) -> int:
+        size = super().send_newest()
+        self.newest += 1
+        self.pacer.mark(self)
+        return size
+
+
+class Gated(Sender):
+    """Is sent only when the gate opens."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.gate = threading.Event()
+        self.begun = threading.Event()
+
+    def send_newest(self) -> int:
+        self.begun.set()
+        assert self.gate.wait(20)
+        return super().send_newest()
+
+
+class ByHand(Pacer):
+    """A pacer without a thread, whose time passes when the test says so."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+        super().__init__(clock=lambda: self.now)
+
+    def _start(self) -> None:
+        pass
+
+    def run(self, seconds: float) -> None:
+        """What the thread does, for some seconds of its clock."""
+        end = self.now + seconds
+        while (wait := self._wait()) is not None and self.now + wait <= end:
+            # Floating point may end a wait a hair early, as a real clock may.
+            self.now += max(wait, 1e-9)
+            self._send_one()
+        self.now = end
+
+
+def most_in_a_second(times: list[float]) -> int:
+    times = sorted(times)
+    most = first = 0
+    for last, when in enumerate(times):
+        while times[first] <= when - 1:
+            first += 1
+        most = max(most, last - first + 1)
+    return most
