@@ -16,11 +16,13 @@ from .carmen_lines import (
     SPEEDS,
     new_scan,
     old_scan,
+    pose,
     range_max_of,
     speed,
     time_of,
     word_of,
 )
+from .joints import Joint
 from .timeline import Moment, Sample, Topic
 
 _SHOWN = frozenset((*SPEEDS, *OLD_SCANS, *NEW_SCANS))
@@ -89,6 +91,13 @@ class CarmenLog:
     def feed(self, topic: str) -> CarmenFeed:
         """See `Timeline`."""
         return CarmenFeed(topic, self._places.get(topic, []), lambda place: self._moment(topic, place))
+
+    def joints(self) -> Iterator[Joint]:
+        """See `Timeline`. Its scans stand at the robot: a log does not tell where its scanners are on it."""
+        for topic in SPEEDS:
+            for place in self._places.get(topic, []):
+                if (moment := self._moment(topic, place)) and (at := pose(self._lines[place])):
+                    yield Joint("odom", "base_link", moment.time_ns, moment.sample.stamp_ns or 0, at, odometry=True)
 
     def close(self) -> None:
         """See `Timeline`: the file is closed already."""

@@ -6,12 +6,13 @@ Source: the Carnegie Mellon Robot Navigation Toolkit, http://carmen.sourceforge.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, nan, radians
+from math import cos, isfinite, nan, radians, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Scan, Speed
+from .joints import Pose
 
 SPEEDS = ("ODOM",)
 OLD_SCANS = ("FLASER", "RLASER")
@@ -47,6 +48,15 @@ def speed(line: bytes) -> Speed:
     words = _words(line, 10)
     forward, turn = float(words[4]), float(words[5])
     return Speed((forward, 0.0, 0.0), (0.0, 0.0, turn), _stamp_ns(words), "base_link")
+
+
+def pose(line: bytes) -> Pose | None:
+    """Where odometry has the robot, from a line that `speed` reads; None when it says no place."""
+    try:
+        x, y, turn = (float(word) for word in line.split()[1:4])
+    except ValueError:
+        return None
+    return (x, y, 0.0, 0.0, 0.0, sin(turn / 2), cos(turn / 2)) if isfinite(x + y + turn) else None
 
 
 def old_scan(line: bytes, range_max: float) -> Scan:

@@ -9,6 +9,7 @@ from typing import Any
 from .._kinds import Widget, is_command, is_standard, widget_by_shape, widget_by_type
 from ..messages.touch import to_touch
 from .columns import TouchColumns, scan_columns, speed_columns
+from .joints import ODOMETRY, TRANSFORMS, Joint, joints_of
 from .quick import ScanReader, SpeedReader
 from .raw_feed import RawFeed
 from .ros_types import ENCODINGS, RosTypes, one_line
@@ -82,6 +83,19 @@ class MessageTimeline:
         channels = self._shown[topic]
         columns = {channel.id: self._columns(channel) for channel in channels}
         return RawFeed(self._source, channels, columns, self._note, self._stop)
+
+    def joints(self) -> Iterator[Joint]:
+        """See `Timeline`."""
+        channels = [c for c in self._source.channels if c.type in (ODOMETRY, *TRANSFORMS) and c.encoding in ENCODINGS]
+        try:
+            decoders = {channel.id: self._types.decoder(channel) for channel in channels}
+            for channel, time_ns, raw in self._source.messages(channels):
+                try:
+                    yield from joints_of(decoders[channel.id](raw), channel.topic, time_ns)
+                except (RecordingError, ValueError) as error:
+                    self._note(channel, time_ns, error)
+        except RecordingError as error:
+            self._stop(error)
 
     def close(self) -> None:
         """See `Timeline`."""

@@ -9,6 +9,7 @@ from .._kinds import Widget
 from ..samples import Scan, Speed, Touch
 
 if TYPE_CHECKING:
+    from .joints import Joint
     from .store import Feed
 
 Sample = Scan | Speed | Touch
@@ -71,6 +72,9 @@ class Timeline(Protocol):
 
     def feed(self, topic: str) -> Feed[Any]:
         """The chunks of columns of a topic that a widget shows."""
+
+    def joints(self) -> Iterator[Joint]:
+        """Where frames were in each other, as far as odometry and tf tell, in the order of arrival."""
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
