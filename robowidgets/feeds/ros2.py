@@ -10,7 +10,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from ._again import Again
-from ._ros2_node import Held, NodeTools, fill, message_class, own_node
+from ._ros2_messages import fill, message_class
+from ._ros2_node import NodeTools
+from ._ros2_spin import Held, own_node
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener
 
@@ -30,6 +32,7 @@ class Ros2:
 
     Raises:
         TypeError, ValueError: no node, no domain, or both at once.
+        FeedError: the node was destroyed.
     """
 
     def __init__(self, node: Any = None, *, domain_id: int | None = None) -> None:
@@ -42,6 +45,7 @@ class Ros2:
         if node is not None and domain_id is not None:
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
         self._node, self._domain_id = node, domain_id
+        self._name = _name(node)
         self._again = Again()
         self._lock = threading.Lock()
         self._wanted: set[str] = set()
@@ -54,8 +58,8 @@ class Ros2:
     @property
     def where(self) -> str:
         """See `Middleware`."""
-        if self._node is not None:
-            return f"ROS 2, node {self._node.get_name()}"
+        if self._name:
+            return f"ROS 2, node {self._name}"
         domain = self._domain_id if self._domain_id is not None else os.environ.get("ROS_DOMAIN_ID") or 0
         return f"ROS 2, domain {domain}"
 
@@ -77,6 +81,7 @@ class Ros2:
         """See `Middleware`."""
         with self._lock:
             self._wanted.add(topic)
+            self._stirred = True
             self._wake()
 
     def unsubscribe(self, topic: str) -> None:
@@ -84,10 +89,18 @@ class Ros2:
         with self._lock:
             self._wanted.discard(topic)
             self._troubles.pop(topic, None)
+            self._stirred = True
             self._wake()
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
+        from rclpy.exceptions import NameValidationException
+        from rclpy.validate_topic_name import validate_topic_name
+
+        try:
+            validate_topic_name(topic)
+        except NameValidationException as error:
+            raise FeedError(f"cannot publish on {topic!r}: {' '.join(str(error).split())}") from None
         try:
             filled = message_class(message_type)()
         except LookupError as error:
@@ -108,8 +121,7 @@ class Ros2:
             thread.join()
 
     def _wake(self) -> None:
-        """Let the thread look now; the lock is held."""
-        self._stirred = True
+        """Let the thread see what there is to do; the lock is held."""
         if self._executor is not None:
             self._executor.wake()
 
@@ -123,45 +135,51 @@ class Ros2:
 
     def _take_part(self) -> str:
         """Take part until it is closed, or until ROS ends under us: why."""
+        from rclpy.executors import ExternalShutdownException
+
         try:
             with own_node(self._domain_id) if self._node is None else Held(self._node) as held:
                 self._attend(held)
+        except ExternalShutdownException:
+            return f"{self.where} cannot be used: rclpy was shut down"
         except Exception as error:  # rclpy raises a class of its own for each thing that was shut down or destroyed
             log.debug("%s was lost", self.where, exc_info=True)
-            return f"{self.where} cannot be used: {error or type(error).__name__}"
+            return f"{self.where} cannot be used: {str(error) or type(error).__name__}"
         return ""
 
     def _attend(self, held: Held) -> None:
         tools = NodeTools(held.node, self._hand_on, self._trouble)
+        told = tools.look()
         with self._lock:
             self._executor = held.executor
             self._stirred = True
         try:
             self._listener.on_connected()
             self._again.worked()
-            self._loop(held, tools)
+            self._listener.on_topics(told)
+            self._loop(held, tools, told)
             self._send(tools)
+            tools.flush()
         finally:
             with self._lock:
                 self._executor = None
                 self._out.clear()
             tools.close()
 
-    def _loop(self, held: Held, tools: NodeTools) -> None:
-        told: list[Advert] | None = None
+    def _loop(self, held: Held, tools: NodeTools, told: list[Advert]) -> None:
         due = 0.0
         while not self._again.closed:
+            self._send(tools)
             with self._lock:
                 stirred, self._stirred = self._stirred, False
                 wanted = set(self._wanted)
             if stirred or time.monotonic() >= due:
                 due = time.monotonic() + POLL
-                adverts = tools.adverts()
+                adverts = tools.look()
                 if adverts != told:
                     told = adverts
                     self._listener.on_topics(adverts)
                 tools.follow(wanted)
-                self._send(tools)
             held.spin_once(max(0.0, due - time.monotonic()))
 
     def _send(self, tools: NodeTools) -> None:
@@ -185,6 +203,16 @@ class Ros2:
         self._listener.on_trouble(topic, words)
 
 
+def _name(node: Any) -> str:
+    """The name of a node, as long as it can tell it; empty where there is none."""
+    if node is None:
+        return ""
+    try:
+        return str(node.get_name())
+    except Exception as error:  # a class of rclpy's, which need not be installed
+        raise FeedError(f"node: it cannot be used, was it destroyed? {error}") from None
+
+
 def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
     """A feed from ROS 2, by rclpy.
 
@@ -194,6 +222,6 @@ def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
 
     Raises:
         TypeError, ValueError: no node, no domain, or both at once.
-        FeedError: rclpy cannot be imported.
+        FeedError: rclpy cannot be imported, or the node was destroyed.
     """
     return Feed(Ros2(node, domain_id=domain_id))

@@ -20,7 +20,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import LaserScan
 
-from robowidgets.feeds.middleware import Advert
+from robowidgets.feeds.middleware import Advert, FeedError
 from robowidgets.feeds.ros2 import Ros2
 
 from ..waiting import wait_for
@@ -50,6 +50,17 @@ def robot() -> Iterator[Any]:
     done.set()
     thread.join()
     executor.shutdown()
+    node.destroy_node()
+    context.try_shutdown()
+
+
+@pytest.fixture
+def mine() -> Iterator[Any]:
+    """A node in a context of its own that nobody spins."""
+    context = Context()
+    rclpy.init(args=[], context=context, domain_id=DOMAIN, signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("mine", context=context)
+    yield node
     node.destroy_node()
     context.try_shutdown()
 
@@ -103,8 +114,13 @@ def test_the_robot_hears_a_speed(ros2: Ros2, heard: Recorder, robot: Any, kind: 
     name = f"geometry_msgs/msg/{kind.__name__}"
     wait_for(lambda: Advert("/cmd_vel", name, False, True) in heard.topics, "the topic is known")
     twist = {"linear": {"x": 0.25}}
-    ros2.publish("/cmd_vel", name, twist if kind is Twist else {"header": {"frame_id": "base"}, "twist": twist})
-    wait_for(lambda: got, "the robot heard it")
+    message = twist if kind is Twist else {"header": {"frame_id": "base"}, "twist": twist}
+
+    def done() -> bool:
+        ros2.publish("/cmd_vel", name, message)
+        return bool(got)
+
+    wait_for(done, "the robot heard it")
     assert (got[0] if kind is Twist else got[0].twist).linear.x == 0.25
 
 
@@ -117,6 +133,54 @@ def test_the_program_s_own_node_is_used_and_left_whole(heard: Recorder, robot: A
     ros2.close()
     assert robot.get_name() == "robot"
     assert [s.topic_name for s in robot.subscriptions if s.topic_name == "/scan"] == []
+
+
+def test_a_node_that_nobody_spins_is_spun_until_the_program_does(heard: Recorder, robot: Any, mine: Any) -> None:
+    publisher = robot.create_publisher(LaserScan, "/scan", 1)
+    own: list[Any] = []
+    mine.create_subscription(LaserScan, "/scan", own.append, 1)
+    threads: list[str] = []
+    heard.then = lambda: threads.append(threading.current_thread().name)
+    ros2 = Ros2(mine)
+    ros2.open(heard)
+    ros2.subscribe("/scan")
+    publish_until(publisher, scan(), lambda: own and "robowidgets-ros2" in threads, "both heard a scan")
+    executor = SingleThreadedExecutor(context=mine.context)
+    executor.add_node(mine)
+
+    def spun_here() -> bool:
+        executor.spin_once(timeout_sec=0.05)
+        return "MainThread" in threads
+
+    publish_until(publisher, scan(), spun_here, "a scan came where the program spins")
+    executor.remove_node(mine)
+    threads.clear()
+    publish_until(publisher, scan(), lambda: "robowidgets-ros2" in threads, "it is spun again")
+    ros2.close()
+    executor.shutdown()
+    assert (heard.connected, heard.lost) == (1, [])
+
+
+def test_subscriptions_come_and_go_while_the_program_spins(heard: Recorder, robot: Any) -> None:
+    publisher = robot.create_publisher(LaserScan, "/scan", 10)
+    ros2 = Ros2(robot)
+    ros2.open(heard)
+    for _ in range(20):
+        heard.messages.clear()
+        ros2.subscribe("/scan")
+        publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
+        ros2.unsubscribe("/scan")
+    ros2.close()
+    assert heard.lost == []
+
+
+def test_a_name_that_ros_refuses_stops_nothing(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+    publisher = robot.create_publisher(LaserScan, "/scan", 1)
+    ros2.subscribe("/my scan")
+    ros2.subscribe("/scan")
+    publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
+    with pytest.raises(FeedError, match="cannot publish on '/cmd vel'"):
+        ros2.publish("/cmd vel", "geometry_msgs/msg/Twist", {})
 
 
 def test_it_can_be_closed_in_a_callback_and_opened_again(heard: Recorder, robot: Any) -> None:
