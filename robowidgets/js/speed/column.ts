@@ -29,10 +29,11 @@ export class Column {
     this.track.append(this.#bar, ...this.#peaks, ...this.#limits);
     const lane = make("div", "rw-lane");
     lane.append(this.track, make("div", "rw-zero"), this.#tick, ...this.#labels);
+    // The key stands after the number: before it, it reads as a minus sign.
     this.#command.append(
-      make("span", "rw-key rw-key-command"),
       make("span", "rw-command-word", "cmd "),
       this.#commandNumber,
+      make("span", "rw-key rw-key-command"),
     );
     const said = make("div", "rw-said");
     said.append(this.#command, this.#state);
