@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .pages import Held, Raws
+from .pages import Buffer, Held, Raws
 from .salvage.inflate import COMPRESSIONS, MAX_CHUNK, inflate
 from .source import Channel, RecordingError
 
@@ -39,7 +39,7 @@ class McapPage:
     Args:
         path: the file.
         start, size: where the record of the chunk lies, as the index has it, and the records of its own index after it.
-        packed: whether it is compressed, as the index has it.
+        slow: whether it takes long to decompress, as the index has it.
         channels: those that are wanted, by their ids in the file.
 
     Raises:
@@ -49,16 +49,17 @@ class McapPage:
     path: Path
     start: int
     size: int
-    packed: bool
+    slow: bool
     channels: Mapping[int, Channel]
 
     def __call__(self) -> Held:
         """The messages, to be found."""
-        record = read_part(self.path, self.start, self.size)
+        # A view, so that no part of it is copied.
+        record = memoryview(read_part(self.path, self.start, self.size))
         try:
             op, outer, _, _, size, checksum, length = _CHUNK_HEAD.unpack_from(record)
             at = _CHUNK_HEAD.size
-            compression = record[at : at + length].decode("ascii", "replace")
+            compression = bytes(record[at : at + length]).decode("ascii", "replace")
             (packed,) = _U64.unpack_from(record, at + length)
         except error:
             raise self._damaged() from None
@@ -71,7 +72,7 @@ class McapPage:
             raise self._damaged()
         return partial(self._messages, raw, record[end:])
 
-    def _messages(self, raw: bytes, index: bytes) -> list[Raws]:
+    def _messages(self, raw: Buffer, index: Buffer) -> list[Raws]:
         entries = self._entries(index)
         offsets = np.concatenate([np.empty(0, np.int64), *(entry["offset"].astype(np.int64) for _, entry in entries)])
         heads = gathered(raw, offsets, _HEAD)
@@ -86,7 +87,7 @@ class McapPage:
             raise self._damaged()
         return in_order(raw, ids.astype(np.int64), times.astype(np.int64), starts, ends, self.channels)
 
-    def _entries(self, index: bytes) -> list[tuple[int, NDArray[Any]]]:
+    def _entries(self, index: Buffer) -> list[tuple[int, NDArray[Any]]]:
         """What the records of the chunk's own index say of the channels that are wanted."""
         entries = []
         at = 0
@@ -127,8 +128,8 @@ class BagPage:
     channels: Mapping[int, Channel]
 
     @property
-    def packed(self) -> bool:
-        """Whether it is compressed."""
+    def slow(self) -> bool:
+        """Whether it takes long to read: it is compressed, mostly by bzip2."""
         return bool(self.compression)
 
     def __call__(self) -> Held:
@@ -138,7 +139,7 @@ class BagPage:
             raise _damaged(self.path, self.start)
         return partial(self._messages, raw)
 
-    def _messages(self, raw: bytes) -> list[Raws]:
+    def _messages(self, raw: Buffer) -> list[Raws]:
         ids = np.repeat(list(self.index), [len(entries) for entries in self.index.values()]).astype(np.int64)
         table = np.array([entry for entries in self.index.values() for entry in entries], np.int64).reshape(-1, 2)
         times, offsets = table[:, 0], table[:, 1]
@@ -147,7 +148,7 @@ class BagPage:
             raise _damaged(self.path, self.start)
         return in_order(raw, ids, times, *found, self.channels)
 
-    def _found(self, raw: bytes, *said: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
+    def _found(self, raw: Buffer, *said: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
         """Starts and ends of the messages, if there are such as the index says."""
         ids, times, offsets = said
         sizes = gathered(raw, offsets, _U32)
@@ -181,7 +182,7 @@ def _places(head: bytes) -> dict[bytes, tuple[int, int | None]]:
     return {name: (head.find(name), value) for name, value in _OF_MESSAGE.items() if name in head}
 
 
-def gathered(raw: bytes, offsets: NDArray[np.int64], kind: np.dtype[Any]) -> NDArray[Any] | None:
+def gathered(raw: Buffer, offsets: NDArray[np.int64], kind: np.dtype[Any]) -> NDArray[Any] | None:
     """What stands at some offsets, each of a kind; None where one reaches out of the bytes, or they overlap."""
     size = kind.itemsize
     if offsets.size * size > len(raw):
@@ -196,7 +197,7 @@ def gathered(raw: bytes, offsets: NDArray[np.int64], kind: np.dtype[Any]) -> NDA
 
 
 def in_order(
-    raw: bytes,
+    raw: Buffer,
     ids: NDArray[np.int64],
     times: NDArray[np.int64],
     starts: NDArray[np.int64],
@@ -233,14 +234,14 @@ def read_part(path: Path, start: int, size: int) -> bytes:
     return data
 
 
-def unpacked(compression: str, data: bytes, size: int | None = None) -> bytes | None:
+def unpacked(compression: str, data: Buffer, size: int | None = None) -> Buffer | None:
     """A chunk's data, decompressed into no more than it claims or a chunk may have; None if there is other."""
     if not compression:
         raw, whole = data, True
     elif compression not in COMPRESSIONS:
         return None
     else:
-        raw, whole = inflate(compression, data, MAX_CHUNK if size is None else min(size, MAX_CHUNK))
+        raw, whole = inflate(compression, bytes(data), MAX_CHUNK if size is None else min(size, MAX_CHUNK))
     return raw if whole and (size is None or len(raw) == size) else None
 
 

@@ -99,7 +99,7 @@ class TouchColumns:
     def _chunks(self, raws: Raws, note: Note) -> Iterator[TouchChunk]:
         for i, (start, end) in enumerate(zip(raws.starts.tolist(), raws.ends.tolist(), strict=True)):
             try:
-                touch = self._read(raws.buffer[start:end])
+                touch = self._read(bytes(raws.buffer[start:end]))
             except (RecordingError, TypeError, ValueError) as error:
                 note(raws, i, error)
                 continue

@@ -15,6 +15,8 @@ from .source import Channel, Source
 PAGE_BYTES = 1 << 22
 """About how many bytes of messages make a page where the file itself has no such parts."""
 
+Buffer = bytes | memoryview
+
 
 class Raws(NamedTuple):
     """Messages of one channel that came one after the other, as they lie in a buffer.
@@ -24,7 +26,7 @@ class Raws(NamedTuple):
 
     channel: Channel
     times: NDArray[np.int64]
-    buffer: bytes
+    buffer: Buffer
     starts: NDArray[np.int64]
     ends: NDArray[np.int64]
 

@@ -14,6 +14,7 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_
 from rosbags.typesys.store import Typestore
 
 from .._kinds import Shape
+from . import scan_bytes
 from .definitions import definitions
 from .salvage.inflate import plain
 from .source import Channel, RecordingError
@@ -51,12 +52,16 @@ class RosTypes:
             RecordingError: the type or the encoding is not known; what is returned raises it for bytes that are no such
                 message.
         """
-        store, type_name = self.store(channel), channel.type
-        read = store.deserialize_ros1 if channel.encoding == "ros1" else store.deserialize_cdr
+        store, type_name, encoding = self.store(channel), channel.type, channel.encoding
+        read = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
+        is_scan = scan_bytes.is_usual(self.shape(channel), encoding)
 
         def decode(raw: bytes) -> Any:
+            raw = plain(raw)
+            if is_scan and (scan := scan_bytes.read(raw, encoding)) is not None:
+                return scan
             try:
-                return read(memoryview(plain(raw)), type_name)
+                return read(memoryview(raw), type_name)
             except Exception as error:  # whatever rosbags stumbles over: its own errors, KeyError, IndexError
                 raise RecordingError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
 

@@ -157,15 +157,15 @@ class TestDamage:
         assert most < 1_000_000
 
 
-@pytest.mark.parametrize("packed", [True, False])
-def test_reading_ahead_keeps_the_order_and_passes_on_errors(packed: bool) -> None:
+@pytest.mark.parametrize("slow", [True, False])
+def test_reading_ahead_keeps_the_order_and_passes_on_errors(slow: bool) -> None:
     def page(number: int) -> Any:
         def read() -> int:
             if number == 3:
                 raise OSError("the disk is gone")
             return number
 
-        read.packed = packed  # type: ignore[attr-defined]
+        read.slow = slow  # type: ignore[attr-defined]
         return read
 
     read = read_ahead(page(number) for number in range(5))
