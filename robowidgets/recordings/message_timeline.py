@@ -90,10 +90,7 @@ class MessageTimeline:
         try:
             decoders = {channel.id: self._types.decoder(channel) for channel in channels}
             for channel, time_ns, raw in self._source.messages(channels):
-                try:
-                    yield from joints_of(decoders[channel.id](raw), channel.topic, time_ns)
-                except (RecordingError, ValueError) as error:
-                    self._note(channel, time_ns, error)
+                yield from self._joints(channel, time_ns, decoders[channel.id], raw)
         except RecordingError as error:
             self._stop(error)
 
@@ -154,6 +151,13 @@ class MessageTimeline:
         if seconds < _SHORTEST:
             return tuple(topics.values())
         return tuple(t._replace(rate=(t.count - 1) / seconds) if t.count > 1 else t for t in topics.values())
+
+    def _joints(self, channel: Channel, time_ns: int, decode: Callable[[bytes], Any], raw: bytes) -> list[Joint]:
+        try:
+            return list(joints_of(decode(raw), channel.topic, time_ns))
+        except (RecordingError, ValueError) as error:
+            self._note(channel, time_ns, error)
+            return []
 
     def _moment(self, channel: Channel, time_ns: int, raw: bytes) -> Moment | None:
         try:

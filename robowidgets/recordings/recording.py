@@ -21,6 +21,7 @@ from .timeline import Moment, Timeline, Topic
 from .touch_series import Touches
 
 if TYPE_CHECKING:
+    from ..in_rerun.widget import RerunWidget
     from ..scanogram_widget import ScanogramWidget
     from .conditions import Condition
     from .function import Instant
@@ -234,7 +235,7 @@ class Recording:
         self._check_open()
         return find(self, condition, topics)
 
-    def show(self, *topics: str, scanogram: bool | None = None) -> Player:
+    def show(self, *topics: str, scanogram: bool | None = None, rerun: bool = False) -> Player:
         """The widgets that fit its topics, with a player for its time, for the page.
 
         They read the file by themselves: this recording may be read on, or closed.
@@ -242,6 +243,7 @@ class Recording:
         Args:
             *topics: names of the topics to show; none: all that have a widget.
             scanogram: whether the whole drive stands above them as one picture; None: if that is ready in a moment.
+            rerun: whether Rerun stands beside them, with what was seen in the world (extra ``rerun``).
 
         Raises:
             UnknownTopicError: it has no such topic, or one that no widget shows.
@@ -256,7 +258,24 @@ class Recording:
 
         again = open(self.path)
         again.memory = self.memory
-        return Player(again, topics, scanogram)
+        return Player(again, topics, scanogram, rerun)
+
+    def to_rerun(self, path: str | os.PathLike[str] | None = None, *topics: str) -> Path | RerunWidget:
+        """Write a file for Rerun, and return its path; without a path, the viewer for the page: see `RerunWidget`.
+
+        Args:
+            path: such as ``"drive.rrd"``; what was there is replaced.
+            *topics: as for `show`.
+
+        Raises:
+            ImportError: Rerun is not installed (extra ``rerun``).
+            UnknownTopicError, RecordingError, OSError: no such topic; it is closed; the file cannot be written.
+        """
+        self._check_open()
+        # Here, so that who does without Rerun needs none of it.
+        from ..in_rerun.export import to_rerun
+
+        return to_rerun(self, path, topics)
 
     def info(self) -> str:
         """The table of its topics, as text."""

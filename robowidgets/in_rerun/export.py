@@ -1,0 +1,31 @@
+"""A recording to Rerun: into a file, or into the page."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..recordings.recording import Recording
+from .log import Log
+from .widget import RerunWidget
+
+_TOGETHER = 8
+"""Pieces that may wait to be written."""
+
+
+def to_rerun(recording: Recording, path: str | os.PathLike[str] | None, topics: Sequence[str]) -> Path | RerunWidget:
+    """See `Recording.to_rerun`."""
+    if path is None:
+        return RerunWidget(recording, topics)
+    where = Path(os.fsdecode(path)).expanduser()
+    log = Log(recording, topics)
+    with where.open("wb"):  # says what is wrong where nothing can be written
+        pass
+    stream = log.stream()
+    stream.save(where)
+    for number, _ in enumerate(log.steps(stream), start=1):
+        if number % _TOGETHER == 0:
+            stream.flush()
+    stream.disconnect()
+    return where

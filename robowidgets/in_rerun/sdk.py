@@ -1,0 +1,24 @@
+"""Rerun's own library, which robowidgets does without until it is asked for."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+INSTALL = "pip install 'robowidgets[rerun]'"
+
+
+def library(name: str) -> Any:
+    """A module of rerun-sdk.
+
+    Raises:
+        ImportError: it is not installed, or is too old; the text says what to type.
+    """
+    try:
+        module = import_module(name)
+    except ImportError as error:
+        raise ImportError(f"Rerun is not installed here ({error}): {INSTALL}, with Python 3.11 or later") from None
+    if name == "rerun" and not hasattr(module, "StateChange"):
+        version = getattr(module, "__version__", "of another package of that name")
+        raise ImportError(f"rerun-sdk 0.41 or later is needed, and what is installed is {version}: {INSTALL}")
+    return module

@@ -1,0 +1,111 @@
+"""What the Rerun viewer in a page fetches, served from this machine to this machine."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache, partial
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+log = logging.getLogger("robowidgets")
+
+HOST = "127.0.0.1"
+_TYPES = {".js": "text/javascript", ".wasm": "application/wasm", ".rrd": "application/octet-stream"}
+_PIECE = 1 << 20
+
+_HERE = """\
+const fetch = (asked, ...more) => {
+  const { origin } = new URL(asked.url ?? asked, import.meta.url);
+  const here = origin === new URL(import.meta.url).origin;
+  return here ? globalThis.fetch(asked, ...more) : Promise.resolve(new Response(null, { status: 403 }));
+};
+"""
+
+Content = Callable[[], Iterable[bytes]]
+
+
+class Server:
+    """An HTTP server on a free port of 127.0.0.1, for as long as the process lives.
+
+    Every page in the browser may ask it, for those of JupyterLab come from another port; so nothing is found without a
+    secret that is part of each address.
+    """
+
+    def __init__(self) -> None:
+        self._contents: dict[str, Content] = {}
+        self._secret = secrets.token_urlsafe(16)
+        self._server = ThreadingHTTPServer((HOST, 0), partial(_Handler, self._contents))
+        self._server.daemon_threads = True
+        threading.Thread(target=self._server.serve_forever, name="robowidgets-rerun", daemon=True).start()
+
+    def put(self, name: str, content: Content) -> str:
+        """Serve what a function gives, called anew for each that asks; the address."""
+        path = f"/{self._secret}/{name}"
+        self._contents[path] = content
+        return f"http://{HOST}:{self._server.server_port}{path}"
+
+    def drop(self, address: str) -> None:
+        """Serve it no longer."""
+        self._contents.pop(address.removeprefix(f"http://{HOST}:{self._server.server_port}"), None)
+
+
+@cache
+def server() -> Server:
+    """The one of this process."""
+    return Server()
+
+
+def kept_here(script: str) -> str:
+    """A module that fetches from where it came from, and from nowhere else.
+
+    The viewer looks for newer releases of itself in the web whenever it starts, and no option turns that off.
+
+    Raises:
+        RuntimeError: it fetches in a way that is not known.
+    """
+    script = script.replace("arg0.fetch(arg1", "fetch(arg1")
+    if ".fetch(" in script:
+        raise RuntimeError("the viewer of this rerun-notebook may ask the web: rerun-sdk>=0.41,<0.42 is known not to")
+    return _HERE + script
+
+
+def read(path: Path) -> Iterator[bytes]:
+    """The content of a file."""
+    with path.open("rb") as file:
+        while piece := file.read(_PIECE):
+            yield piece
+
+
+class _Handler(BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.1"
+
+    def __init__(self, contents: dict[str, Content], *given: object) -> None:
+        self._contents = contents
+        super().__init__(*given)  # type: ignore[arg-type]  # what the server gives, untouched
+
+    def do_GET(self) -> None:  # as http.server calls it
+        content = self._contents.get(self.path)
+        if content is None:
+            self.send_error(404)
+            return
+        self.send_response(200)
+        self.send_header("Content-Type", _TYPES[Path(self.path).suffix])
+        self.send_header("Access-Control-Allow-Origin", "*")
+        self.send_header("Transfer-Encoding", "chunked")
+        self.end_headers()
+        try:
+            for piece in content():
+                if piece:
+                    self.wfile.write(b"%x\r\n%b\r\n" % (len(piece), piece))
+            self.wfile.write(b"0\r\n\r\n")
+        except ConnectionError:
+            self.close_connection = True  # the page was closed before it had all
+        except Exception:
+            log.exception("robowidgets: the Rerun viewer gets no more of %s", Path(self.path).name)
+            self.close_connection = True
+
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002  # as http.server calls it
+        """Nothing: a notebook is no place for the log of a server."""

@@ -1,0 +1,145 @@
+"""The Rerun viewer in a page, with a time that can be set and observed."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections import deque
+from collections.abc import Iterator, Sequence
+from functools import cache, partial
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import ipywidgets
+
+from .._pacer import pacer
+from .._spans import Seconds
+from ..recordings.recording import Recording, open
+from .log import CLOCK, SECONDS, Log
+from .sdk import library
+from .server import kept_here, read, server
+
+HEIGHT = 720
+"""Pixels."""
+
+PACE = 0.05
+"""Seconds between two times that are taken from the viewer while it plays."""
+
+_numbers = count(1)
+
+
+class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no types
+    """A recording in the Rerun viewer.
+
+    The page fetches viewer and data from this process alone, which reads the file for it, piece by piece: the browser
+    must run on the same machine.
+
+    Args:
+        recording: what is shown; it may be read on, or closed.
+        topics: names of topics in it; none: all that have a widget.
+
+    Raises:
+        ImportError: rerun-sdk is not installed, or not its part for notebooks.
+        UnknownTopicError: it has no such topic, or one that no widget shows.
+    """
+
+    time = Seconds(help="Seconds from the start of the recording, on show now. Python and the viewer write it.")
+
+    def __init__(self, recording: Recording, topics: Sequence[str] = (), **kwargs: Any) -> None:
+        Log(recording, topics)
+        viewer = _viewer()
+        self.duration = recording.duration
+        self._start_ns = recording.start_ns or 0
+        self._lock = threading.RLock()
+        self._told: deque[int] = deque(maxlen=1000)
+        self._heard: int | None = None
+        self._shown: int | None = None
+        self._agrees = False
+        self._clock = False
+        self._next = 0.0
+        self._url = server().put(f"{next(_numbers)}.rrd", partial(_pieces, recording.path, topics))
+        self._viewer = viewer(width="auto", height=HEIGHT, url=self._url)
+        self._viewer._on_raw_event(self._hear)
+        super().__init__([self._viewer], **kwargs)
+        self.observe(self._on_time, "time")
+
+    def close(self) -> None:
+        """Take it off the page."""
+        pacer.forget(self)
+        server().drop(self._url)
+        self._viewer.close()
+        super().close()
+
+    def send_newest(self) -> int:
+        """Bring time and viewer together; the pacer's call."""
+        with self._lock:
+            self._next = time.monotonic() + PACE
+            heard, self._heard = self._heard, None
+            if heard is not None:
+                self._shown = heard
+        if heard is not None:
+            self.time = heard / 1e9
+        self._tell()
+        return 0
+
+    def _on_time(self, _change: Any) -> None:
+        with self._lock:
+            self._heard = None
+        pacer.mark(self)
+
+    def _tell(self) -> None:
+        """Tell the viewer the time, if it does not show that already."""
+        with self._lock:
+            now = round(self.time * 1e9)
+            if now == self._shown:
+                return
+            self._shown = now
+            self._told.append(now)
+        self._viewer.set_time_ctrl(SECONDS, duration_nanos=now, play=False)
+
+    def _hear(self, text: str) -> None:
+        """Take in what happened in the viewer. It also says where it was told to go: that is no news."""
+        event = json.loads(text)
+        kind = event["type"]
+        if kind == "recording_open":
+            # A page that has just loaded it, and knows nothing of the time yet.
+            with self._lock:
+                self._told.clear()
+                self._shown, self._agrees, self._clock = None, False, False
+            self._tell()
+        elif kind == "timeline_change":
+            self._clock = event["timeline"] == CLOCK
+            self._hear_time(event["time"])
+        elif kind == "time_update":
+            self._hear_time(event["time"])
+
+    def _hear_time(self, told: float) -> None:
+        now = round(told) - (self._start_ns if self._clock else 0)
+        with self._lock:
+            if now in self._told:
+                while self._told.popleft() != now:
+                    pass
+                self._agrees = True
+            elif self._agrees and now != self._shown:
+                self._heard = now
+                pacer.mark_at(self, self._next)
+
+
+def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
+    with open(path) as recording:
+        log = Log(recording, topics)
+        stream = log.stream()
+        drain = stream.binary_stream()
+        for _ in log.steps(stream):
+            yield drain.read() or b""
+
+
+@cache
+def _viewer() -> Any:
+    """Rerun's widget, which by itself would fetch the viewer from the web."""
+    notebook = library("rerun_notebook")
+    server().put(notebook.WASM_PATH.name, partial(read, notebook.WASM_PATH))
+    script = kept_here(notebook.WIDGET_PATH.read_text(encoding="utf-8")).encode()
+    return type("LocalViewer", (notebook.Viewer,), {"_esm": server().put(notebook.WIDGET_PATH.name, lambda: [script])})
