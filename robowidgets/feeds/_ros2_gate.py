@@ -39,6 +39,11 @@ class Gate(CallbackGroup):  # type: ignore[misc]
             self._inside = False
             self._moved.notify_all()
 
+    @property
+    def is_inside(self) -> bool:
+        """Whether a callback has begun and not ended; for ever, if its message could not be taken."""
+        return self._inside
+
     def shut(self, patience: float) -> None:
         """Let no callback begin, and wait up to so many seconds for one that has."""
         with self._moved:

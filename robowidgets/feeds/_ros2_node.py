@@ -78,6 +78,16 @@ class NodeTools:
                 time.sleep(0.005)
         return self._publishers[topic, message_type]
 
+    def blame(self, error: Exception) -> bool:
+        """End the subscription whose message led to an error, until the next look; says whether there is one."""
+        stuck = [wish for wish, (_, gate) in self._subscriptions.items() if gate.is_inside]
+        for wish in stuck:
+            self._trouble(wish[0], f"a message of {wish[0]} cannot be read: {_words(error)}")
+            subscription, gate = self._subscriptions.pop(wish)
+            gate.shut(0.0)
+            self._node.destroy_subscription(subscription)
+        return bool(stuck)
+
     def flush(self) -> None:
         """Wait a moment until everybody has heard what was published: it may be a zero."""
         from rclpy.duration import Duration
@@ -111,8 +121,7 @@ class NodeTools:
         try:
             self._subscriptions[wish] = self._subscription(known, topic, qos)
         except Exception as error:  # a package that is half installed raises whatever it likes
-            words = " ".join(str(error).split()) or type(error).__name__
-            self._trouble(topic, f"{topic} cannot be subscribed to as {kind}: {words}")
+            self._trouble(topic, f"{topic} cannot be subscribed to as {kind}: {_words(error)}")
 
     def _subscription(self, known: Any, topic: str, qos: Any) -> tuple[Any, Gate]:
         from rclpy.qos import qos_policy_name_from_kind
@@ -160,6 +169,10 @@ def _events() -> Any:
     except ImportError:  # before Iron
         from rclpy import qos_event as event_handler
     return event_handler
+
+
+def _words(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _refusal(topic: str, name: str) -> str:

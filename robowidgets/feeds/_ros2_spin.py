@@ -14,23 +14,15 @@ log = logging.getLogger("robowidgets")
 FREE = 2.0
 """Seconds for which a program must have let go of its node before it is spun for it again."""
 
-_PAUSE = 0.01
-
 
 class Held:
-    """A node that is spun while nobody else does.
+    """A node that is spun while nobody else does: the program may take its own back at any time."""
 
-    Args:
-        node: the node.
-        lent: it is the program's, which may take it back at any time by spinning it, and whose callbacks may raise.
-    """
-
-    def __init__(self, node: Any, *, lent: bool = True) -> None:
+    def __init__(self, node: Any) -> None:
         from rclpy.executors import SingleThreadedExecutor
 
         self.node = node
         self.executor = SingleThreadedExecutor(context=node.context)
-        self._lent = lent
         self._free_since: float | None = None
 
     def __enter__(self) -> Held:
@@ -41,20 +33,24 @@ class Held:
             self.node.executor = None
         self.executor.shutdown()
 
-    def spin_once(self, seconds: float) -> None:
-        """Do what is due, or wait for it. A node that the program spins is left to it."""
+    def spin_once(self, seconds: float) -> Exception | None:
+        """Do what is due, or wait for it. A node that the program spins is left to it.
+
+        Returns:
+            What a callback raised, or rclpy for a message that it cannot read; both stop nothing else.
+        """
         taken = self._take()
         try:
             self.executor.spin_once(timeout_sec=seconds)
-        except Exception:
-            if not self._lent or not self.node.context.ok():
+        except Exception as error:
+            if not self.node.context.ok():
                 raise
             if taken and self.node not in self.executor.get_nodes():
                 # rclpy keeps in each event of a node its place in one executor's list, and finds another's there.
                 log.debug("the program spins its node again", exc_info=True)
-                return
-            log.exception("a callback of the node %s raised", self.node.get_name())
-            time.sleep(_PAUSE)
+                return None
+            return error
+        return None
 
     def _take(self) -> bool:
         """Take the node if nobody spins it; says whether it is ours."""
@@ -84,7 +80,7 @@ def own_node(domain_id: int | None) -> Iterator[Held]:
     try:
         node = rclpy.create_node(f"robowidgets_{os.getpid()}", context=context, use_global_arguments=False)
         try:
-            with Held(node, lent=False) as held:
+            with Held(node) as held:
                 yield held
         finally:
             node.destroy_node()

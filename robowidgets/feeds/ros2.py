@@ -22,6 +22,7 @@ POLL = 1.0
 """Seconds between two looks at the topics."""
 
 _MATCHING = 0.2
+_PAUSE = 0.01  # after an error of a callback that may come at any rate
 
 
 class Ros2:
@@ -180,7 +181,12 @@ class Ros2:
                     told = adverts
                     self._listener.on_topics(adverts)
                 tools.follow(wanted)
-            held.spin_once(max(0.0, due - time.monotonic()))
+            error = held.spin_once(max(0.0, due - time.monotonic()))
+            if error is not None and not tools.blame(error):
+                if self._node is None:
+                    raise error
+                log.error("a callback of the node %s raised", self._name, exc_info=error)
+                self._again.wait(_PAUSE)
 
     def _send(self, tools: NodeTools) -> None:
         with self._lock:

@@ -4,16 +4,21 @@ scan      LaserScan with so many rays
 cut       LaserScan of which the end is missing
 cut_sweep the same, of a package that is not installed
 sweep     a LaserScan by another name, of a package that is not installed
+image     Image of 100 MB, once a second
+huge      a sweep of 100 MB, once a second
 odom      Odometry at so many hundredths of m/s
 hear      nothing; it prints the forward speed of each TwistStamped that it hears
 """
 
+import struct
 import sys
 
 import rospy
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import Image, LaserScan
+
+MEGABYTES = 100
 
 
 class Cut(LaserScan):
@@ -29,7 +34,20 @@ class Sweep(LaserScan):
     _type = "acme_msgs/Sweep"
 
 
+class Huge(Sweep):
+    def serialize(self, buff):  # rospy's own takes a number of Python for each
+        ranges, self.ranges = self.ranges, []
+        super().serialize(buff)
+        self.ranges = ranges
+        buff.seek(-8, 1)
+        buff.write(struct.pack("<I", len(ranges) // 4) + ranges + bytes(4))
+
+
 def message_of(kind, number):
+    if kind is Image:
+        return Image(height=1, width=MEGABYTES * 10**6, encoding="mono8", data=bytes(MEGABYTES * 10**6))
+    if kind is Huge:
+        return Huge(angle_increment=1e-9, range_max=30.0, ranges=bytes(MEGABYTES * 10**6))
     if kind is Odometry:
         message = Odometry()
         message.twist.twist.linear.x = number / 100
@@ -44,11 +62,19 @@ def main(topic, what, number):
         print("ready", flush=True)
         rospy.spin()
         return
-    kind = {"scan": LaserScan, "cut": Cut, "cut_sweep": CutSweep, "sweep": Sweep, "odom": Odometry}[what]
+    kind = {
+        "scan": LaserScan,
+        "cut": Cut,
+        "cut_sweep": CutSweep,
+        "sweep": Sweep,
+        "odom": Odometry,
+        "image": Image,
+        "huge": Huge,
+    }[what]
     publisher = rospy.Publisher(topic, kind, queue_size=1)
     message = message_of(kind, number)
     print("ready", flush=True)
-    rate = rospy.Rate(50)
+    rate = rospy.Rate(1 if kind in (Image, Huge) else 50)
     while not rospy.is_shutdown():
         publisher.publish(message)
         rate.sleep()

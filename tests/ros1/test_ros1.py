@@ -5,11 +5,13 @@ from __future__ import annotations
 import importlib
 import logging
 import os
+import resource
 import socket
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -29,6 +31,11 @@ def feed(master, monkeypatch) -> Iterator[feeds.Feed]:
     monkeypatch.setattr(MODULE, "PATIENCE", 0.5)
     with feeds.ros1() as opened:
         yield opened
+
+
+def memory() -> int:
+    """Bytes that this process holds."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
 def rays(laser: LaserWidget) -> int:
@@ -116,6 +123,28 @@ def test_messages_that_cannot_be_read_are_told_and_the_next_good_one_is_shown(fe
     publish(topic, "sweep" if what == "cut_sweep" else "scan", 4)
     wait_for(lambda: rays(laser) == 4, "a good scan comes")
     wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        ("image", "expected a message like sensor_msgs/LaserScan"),
+        ("huge", "ranges: expected at most 1,000,000 rays, got 25,000,000"),
+    ],
+)
+def test_a_message_of_100_mb_is_refused_in_words_and_holds_up_no_other_topic(feed, publish, what, words):
+    laser, topic, scans, came = LaserWidget(), f"/big/{what}", [], []
+    feed.connect("/big/scan", scans.append)
+    publish("/big/scan", "scan")
+    wait_for(lambda: scans, "a scan comes")
+    before = memory()
+    feed.connect(topic, laser, lambda _: came.append(len(scans)))
+    publisher = publish(topic, what)
+    wait_for(lambda: len(came) == 3, "three of them come")
+    assert words in laser.get_state()["_about"]["error"]
+    assert came[2] > came[0] + 20, "scans came meanwhile"
+    publisher.kill()
+    wait_for(lambda: memory() < before + 150e6, "the memory is given back")
 
 
 def test_two_publishers_with_different_geometry_are_told(feed, publish):

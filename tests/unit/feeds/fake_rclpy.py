@@ -213,10 +213,12 @@ class SingleThreadedExecutor:
         group = subscription.callback_group
         if not (group.can_execute(subscription) and group.beginning_execution(subscription)):
             return
+        subscription.node.graph.before_taking(subscription)
+        if subscription.destroyed:  # Jazzy goes on; Humble does not
+            raise InvalidHandle
+        if isinstance(argument, bytes):  # the group never hears that it has ended
+            raise RuntimeError("failed to take message from subscription: error not set")
         try:
-            subscription.node.graph.before_taking(subscription)
-            if subscription.destroyed:  # Jazzy goes on; Humble does not
-                raise InvalidHandle
             callback(argument)
         finally:
             group.ending_execution(subscription)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import subprocess
 import sys
 import threading
@@ -78,6 +79,11 @@ def publish_until(robot: Robot, condition: Any, what: str, *message: Any) -> Non
         return False
 
     wait_for(done, what)
+
+
+def memory() -> int:
+    """Bytes that this process holds."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
 def counts(heard: Recorder) -> set[int]:
@@ -163,6 +169,29 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Recorder) ->
     session.messages(wish)
     assert heard.words("/speed") == ""
     assert heard.messages[0][1].linear.x == 0.5
+
+
+def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behind(
+    dds: Dds, heard: Recorder, robot: Robot
+) -> None:
+    other = Robot()
+    scan = "/scan", "LaserScan", [1.0], 0.5
+    dds.subscribe("/scan")
+    publish_until(other, lambda: heard.messages, "a scan came", *scan)
+    before = memory()
+    for _ in range(3):
+        heard.messages.clear()
+        robot.do("latch", "/image", "Image", 100_000_000)
+        dds.subscribe("/image")
+        publish_until(other, lambda: "/image" in [topic for topic, _ in heard.messages], "the image came", *scan)
+        publish_until(other, lambda: heard.messages[-1][0] == "/scan", "scans go on", *scan)
+        dds.unsubscribe("/image")
+    came = [(topic, len(message.data) if topic == "/image" else 0) for topic, message in heard.messages]
+    assert came.index(("/image", 100_000_000)) > 10, "scans came while it was under way"
+    heard.messages.clear()
+    # What was freed in small pieces may stay with the process: as much as one of them, but not three.
+    wait_for(lambda: memory() < before + 150e6, "the memory is given back")
+    other.kill()
 
 
 @pytest.mark.parametrize(("kind", "name"), [("Twist", TWIST), ("TwistStamped", STAMPED)])

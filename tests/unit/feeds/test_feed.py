@@ -10,6 +10,7 @@ import tracemalloc
 import weakref
 from collections.abc import Callable, Iterator
 
+import numpy as np
 import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, feeds
@@ -273,6 +274,28 @@ def test_a_message_of_the_wrong_type_keeps_the_last_picture_and_says_so(opened: 
     assert "expected a message like sensor_msgs/LaserScan" in laser.get_state()["_about"]["error"]
     script.listener.on_message("/scan", scan(3.5))
     assert laser.scan.ranges[0] == 3.5
+    assert "error" not in laser.get_state()["_about"]
+
+
+def test_a_scan_of_100_mb_is_refused_in_words_and_not_kept(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    script.listener.on_message("/scan", scan(2.5))
+    kept: list[weakref.ref[object]] = []
+
+    def come() -> None:
+        huge = scan() | {"ranges": np.ones(25_000_000, np.float32)}
+        kept.append(weakref.ref(huge["ranges"]))
+        script.listener.on_message("/scan", huge)
+
+    in_a_thread(come)
+    assert laser.scan is not None
+    assert laser.scan.ranges[0] == 2.5
+    assert "expected at most 1,000,000 rays, got 25,000,000" in laser.get_state()["_about"]["error"]
+    script.listener.on_message("/scan", scan(3.5))
+    assert laser.scan.ranges[0] == 3.5
+    assert kept[0]() is None
     assert "error" not in laser.get_state()["_about"]
 
 

@@ -128,6 +128,27 @@ def test_a_refusal_is_told_and_gone_with_the_next_message(ros2: Ros2, graph: Gra
     assert heard.words("/scan") == ""
 
 
+def test_a_truncated_message_is_told_until_a_whole_one_comes_and_holds_up_no_other(
+    ros2: Ros2, graph: Graph, heard: Recorder
+) -> None:
+    publisher, other = offer(graph, "/scan", SCAN), offer(graph, "/other", SCAN)
+    ros2.subscribe("/other")
+    ros2.subscribe("/scan")
+    wait_for(lambda: len(subscriptions(graph)) == 2, "it subscribed to both")
+    first = next(s for s in subscriptions(graph) if s.topic_name == "/scan")
+    graph.call(first, b"half a scan", first.callback)
+    wait_for(lambda: heard.troubles, "it is told")
+    assert heard.words("/scan") == (
+        "a message of /scan cannot be read: failed to take message from subscription: error not set"
+    )
+    other.publish(get_message(SCAN)())
+    wait_for(lambda: [topic for topic, _ in heard.messages] == ["/other"], "the other goes on")
+    wait_for(lambda: len(subscriptions(graph)) == 2, "it subscribed again")
+    publisher.publish(get_message(SCAN)())
+    wait_for(lambda: heard.words("/scan") == "", "a whole one came")
+    assert (heard.connected, heard.lost) == (1, [])
+
+
 def test_it_subscribes_where_refusals_cannot_be_told(ros2: Ros2, graph: Graph) -> None:
     graph.tells_refusals = False
     offer(graph, "/scan", SCAN)
