@@ -268,13 +268,11 @@ class Recording:
             *topics: as for `show`.
 
         Raises:
-            ImportError: Rerun is not installed (extra ``rerun``).
-            UnknownTopicError, RecordingError, OSError: no such topic; it is closed; the file cannot be written.
+            ImportError: Rerun is not installed (extra ``rerun``); and as `show`, and OSError.
         """
-        self._check_open()
-        # Here, so that who does without Rerun needs none of it.
-        from ..in_rerun.export import to_rerun
+        from ..in_rerun.export import to_rerun  # Here, so that who does without Rerun needs none of it.
 
+        self._check_open()
         return to_rerun(self, path, topics)
 
     def info(self) -> str:
