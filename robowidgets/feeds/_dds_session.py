@@ -20,6 +20,8 @@ from ._dds_types import DdsTypes, opaque, ros_topic, ros_type
 from .middleware import Advert, Listener
 
 _MANY = 1000
+_DEPTH = 5
+"""Messages that wait for us, as for sensor data: events of several bumpers come at once."""
 _LOOK = duration(milliseconds=500)
 _MATCHING = duration(milliseconds=200)
 _NEW = ViewState.Any | SampleState.NotRead | InstanceState.Any
@@ -123,7 +125,7 @@ class Session:
                 self._trouble(wish.topic, f"a publisher of {wish.topic} {does}, so its messages do not come")
 
     def messages(self, wish: Wish) -> None:
-        """Hand on the newest message of a reader, if one came."""
+        """Hand on the next message of a reader, if one came."""
         reader = self._readers[wish]
         for sample in reader.reader.take(N=1):
             if not hasattr(sample, "raw"):  # the publisher is gone, which comes as a sample without data
@@ -175,7 +177,7 @@ class Session:
             else (Policy.Reliability.BestEffort, Policy.Durability.Volatile)
         )
         topic = Topic(self._participant, f"rt{wish.topic}", kind)
-        reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(1)))
+        reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(_DEPTH)))
         condition = ReadCondition(reader, _NEW)
         self._waitset.attach(condition)
         self._readers[wish] = _Reader(reader, condition, decode)

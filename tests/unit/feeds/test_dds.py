@@ -117,6 +117,29 @@ def test_two_publishers_with_different_geometry_are_both_heard(dds: Dds, heard: 
     other.kill()
 
 
+def test_events_that_come_at_once_all_come(dds: Dds, heard: Recorder, robot: Robot) -> None:
+    dds.subscribe("/scan")
+    dds.subscribe("/bump")
+    publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
+    publish_until(robot, lambda: heard.messages[-1][0] == "/bump", "a bump came", "/bump", "Twist", 0.0)
+    held, go_on = threading.Event(), threading.Event()
+
+    def hold() -> None:
+        held.set()
+        assert go_on.wait(20.0)
+
+    heard.then = hold
+    publish_until(robot, held.is_set, "it is busy", "/scan", "LaserScan", [1.0], 0.5)
+    heard.messages.clear()
+    for x in (1.0, 2.0, 3.0):
+        robot.do("write", "/bump", "Twist", x)
+    robot.do("hear", "/done", "Twist")
+    assert robot.heard() == "ready"
+    go_on.set()
+    wait_for(lambda: len([1 for topic, _ in heard.messages if topic == "/bump"]) == 3, "all three came")
+    assert [message.linear.x for topic, message in heard.messages if topic == "/bump"] == [1.0, 2.0, 3.0]
+
+
 def test_a_topic_that_changes_its_type_is_heard_on(dds: Dds, heard: Recorder, robot: Robot) -> None:
     dds.subscribe("/speed")
     publish_until(robot, lambda: heard.messages, "a Twist came", "/speed", "Twist", 0.5)
