@@ -13,4 +13,4 @@ export const {
   sign: $sign,
   sin: $sin,
 } = Math;
-export const { isFinite: $isFinite, isInteger: $isInteger, isNaN: $isNaN } = Number;
+export const { isFinite: $isFinite, isInteger: $isInteger, isNaN: $isNaN, parseInt: $parseInt } = Number;

@@ -121,7 +121,7 @@ test("the cursor steps from scan to scan", () => {
 });
 
 test("a cell without length is still found, and a gap is none", () => {
-  const block = { ...known().whole.block, starts: Float64Array.of(0, 1, 5), ends: Float64Array.of(1, 1, 6) };
+  const block = { ...known().whole.block, startsAt: Float64Array.of(0, 1, 5), endsAt: Float64Array.of(1, 1, 6) };
   assert.deepEqual(
     [0.5, 1, 3, 5.5, 7].map((time) => cellAt(block, time)),
     [0, 1, -1, 2, -1],

@@ -1,3 +1,4 @@
+import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import { arcFont } from "./draw_area.ts";
@@ -42,16 +43,13 @@ export function drawColorScale(
 ): void {
   const [bar, thick, right, top] = [110, 8, width - 12, height - SCALE_HEIGHT + 6];
   const [low, high] = domain.map((value) => toFixed(value, Number.isInteger(value) ? 0 : 2)) as [string, string];
-  context.font = arcFont(theme);
-  context.textBaseline = "middle";
-  context.fillStyle = theme.muted;
-  context.textAlign = "right";
-  context.fillText(high, right, top + thick / 2);
+  const say = (text: string, x: number) =>
+    write(context, text, x, top + thick / 2, theme.muted, arcFont(theme), "right");
+  say(high, right);
   const barRight = right - context.measureText(high).width - 6;
   for (let x = 0; x < bar; x++) {
     context.fillStyle = colorOf(domain[0] + ((x + 0.5) / bar) * (domain[1] - domain[0]));
     context.fillRect(barRight - bar + x, top, 1.5, thick);
   }
-  context.fillStyle = theme.muted;
-  context.fillText(`intensity ${low}`, barRight - bar - 6, top + thick / 2);
+  say(`intensity ${low}`, barRight - bar - 6);
 }

@@ -1,3 +1,4 @@
+import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { RayLabel } from "./guides.ts";
 import { type Projection, rimBox, toPixel } from "./projection.ts";
@@ -94,17 +95,11 @@ export function drawRayLabels(
   labels: RayLabel[],
   theme: Theme,
 ): void {
-  context.textAlign = "center";
-  context.textBaseline = "middle";
   for (const label of labels) {
     const box = rimBox(projection, label);
     const x = box.x + label.halfWidth;
-    context.font = angleFont(theme);
-    context.fillStyle = theme.ink;
-    context.fillText(label.lines[0], x, box.y + 8);
-    context.font = indexFont(theme);
-    context.fillStyle = theme.muted;
-    context.fillText(label.lines[1], x, box.y + 23);
+    write(context, label.lines[0], x, box.y + 8, theme.ink, angleFont(theme), "center");
+    write(context, label.lines[1], x, box.y + 23, theme.muted, indexFont(theme), "center");
   }
 }
 

@@ -1,3 +1,4 @@
+import { write } from "../shared/canvas.ts";
 import { toShortMetres } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import { arcFont } from "./draw_area.ts";
@@ -139,10 +140,7 @@ export function drawBeyond(
     y: bottom,
   };
   drawMark(context, BEYOND, x + 3, y + height / 2, 0, -1, theme);
-  context.textAlign = "left";
-  context.textBaseline = "middle";
-  context.fillStyle = theme.muted;
-  context.fillText(words, x + 12, y + height / 2 + 0.5);
+  write(context, words, x + 12, y + height / 2 + 0.5, theme.muted, arcFont(theme), "left");
 }
 
 /** The distance at each arc, with a halo. */

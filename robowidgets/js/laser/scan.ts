@@ -67,15 +67,17 @@ export function classify(range: number, rangeMin: number, rangeMax: number): Val
   return OUTSIDE_LIMITS;
 }
 
+type Counts = [number, number, number, number, number];
+
 export interface Census {
   /** How many rays there are of each class. */
-  counts: [number, number, number, number, number];
+  counts: Counts;
   /** Index of the nearest reading, or -1. */
   nearest: number;
 }
 
 export function takeCensus(ranges: Float32Array, kinds: Validity[]): Census {
-  const counts: Census["counts"] = [0, 0, 0, 0, 0];
+  const counts: Counts = [0, 0, 0, 0, 0];
   let nearest = -1;
   for (const [i, kind] of kinds.entries()) {
     counts[kind]++;

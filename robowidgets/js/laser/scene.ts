@@ -1,4 +1,4 @@
-import { Layer, type Size } from "../shared/canvas.ts";
+import { Layer, type Surface } from "../shared/canvas.ts";
 import { toCount, toShortMetres } from "../shared/format.ts";
 import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
@@ -74,7 +74,7 @@ export class Scene {
    * @param insetTop room at the top that a notice takes, in pixels
    * @param covered parts of the picture that something covers
    */
-  draw(scan: Scan | null, size: Size, insetTop: number, covered: Box[], theme: Theme): void {
+  draw(scan: Scan | null, size: Surface, insetTop: number, covered: Box[], theme: Theme): void {
     const colored = scan?.intensities.length && this.#model.get("color_by_intensity");
     this.#domain = scan && colored ? intensityDomain(scan, this.#domain) : null;
     const insetBottom = this.#domain ? SCALE_HEIGHT : 0;
@@ -123,14 +123,14 @@ export class Scene {
     return Math.min(isMeasured ? Math.max(0, scan.ranges[index] as number) : scan.rangeMax, this.viewRange);
   }
 
-  #drawBase(scan: Scan | null, size: Size, theme: Theme): void {
+  #drawBase(scan: Scan | null, size: Surface, theme: Theme): void {
     const [range, ...settings] = SETTINGS.map((name) => this.#model.get(name)) as Settings;
     const [arcCount, rayCount, asked, forward] = settings;
     const { angleMin, angleIncrement, count, rangeMin, rangeMax } = scan ?? PLACEHOLDER;
     const sweep = { angleMin, angleIncrement, count, rangeMin, rangeMax };
     const viewRange = resolveRange(range, scan, this.#fitted);
     this.#fitted = range === "data" ? viewRange : 0;
-    const key = JSON.stringify([sweep, viewRange, settings, this.box, size, window.devicePixelRatio, theme]);
+    const key = JSON.stringify([sweep, viewRange, settings, this.box, size, theme]);
     if (key === this.#baseKey) return;
     this.#baseKey = key;
 

@@ -1,8 +1,9 @@
-import { type Size, watchSize } from "../shared/canvas.ts";
+import { type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { getAbout, type Model, onChange, put } from "../shared/model.ts";
+import { offerPng } from "../shared/png.ts";
 import { onceAFrame, READING_MS, spaced } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { watchGestures } from "./gestures.ts";
@@ -32,7 +33,7 @@ export class LaserView {
   readonly #fit: HTMLButtonElement;
   readonly #redraw: () => void;
   readonly #tell: () => void;
-  #size: Size = { width: 0, height: 0 };
+  #size: Surface = { width: 0, height: 0, ratio: 1 };
 
   constructor(model: Model, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
     this.#model = model;
@@ -56,11 +57,16 @@ export class LaserView {
     stream.listen(this.#redraw, signal);
     onChange(model, TRAITS, this.#redraw, signal);
     watchGestures(picture, this, signal);
-    const onSize = (size: Size) => {
+    const onSize = (size: Surface) => {
       this.#size = size;
       this.#draw();
     };
-    watchSize(picture, onSize, signal);
+    const resize = watchSize(picture, onSize, signal);
+    const draw = (ratio?: number) => {
+      tell();
+      resize(ratio);
+    };
+    offerPng(this.#card, model, draw, signal);
   }
 
   onHover(point: Point | null): void {

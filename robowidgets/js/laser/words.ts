@@ -13,7 +13,7 @@ import {
 
 /** "1 ray", "1040 rays". */
 export function toRays(count: number): string {
-  return `${toCount(count)} ${count === 1 ? "ray" : "rays"}`;
+  return `${toCount(count)} ray${count === 1 ? "" : "s"}`;
 }
 
 /** What each class is called: in the legend, and by Python's trait `marks`. */
@@ -43,8 +43,12 @@ export const CLASSES: { kind: Validity; name: string; symbol: string; word: stri
   },
 ];
 
+interface Classed extends Limits {
+  kinds: Validity[];
+}
+
 /** What a ray without a reading means; nothing for a reading. */
-export function meaningOf({ kinds, rangeMin, rangeMax }: Pick<Scan, "kinds" | keyof Limits>, index: number): string {
+export function meaningOf({ kinds, rangeMin, rangeMax }: Classed, index: number): string {
   switch (kinds[index]) {
     case READING:
       return "";

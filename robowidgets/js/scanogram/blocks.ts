@@ -36,14 +36,14 @@ export class Blocks {
     this.#details = [detail, ...this.#details.filter((old) => !isWithin(old, detail))];
     let bytes = 0;
     this.#details = this.#details.filter(({ block }) => {
-      bytes += 16 * block.starts.length + 2 * block.codes.length + 4 * block.ranges.length;
+      bytes += 16 * block.startsAt.length + 2 * block.codes.length + 4 * block.ranges.length;
       return bytes <= KEPT_BYTES;
     });
   }
 
   /** All blocks, the finest first, the whole last. */
   get all(): Block[] {
-    const details = this.#details.map(({ block }) => block).filter(({ starts }) => starts.length > 0);
+    const details = this.#details.map(({ block }) => block).filter(({ startsAt }) => startsAt.length > 0);
     return [...details.sort((a, b) => a.size - b.size || b.ranges.length - a.ranges.length), this.#whole.block];
   }
 
@@ -56,7 +56,8 @@ export class Blocks {
   wants(span: Span, columns: number): boolean {
     const block = this.over(span);
     if (block.size === 1 && block.ranges.length) return false;
-    const seen = firstWhere(block.starts, (start) => start >= span[1]) - firstWhere(block.ends, (end) => end > span[0]);
+    const seen =
+      firstWhere(block.startsAt, (start) => start >= span[1]) - firstWhere(block.endsAt, (end) => end > span[0]);
     const isWhole = span[1] - span[0] >= this.#whole.duration * 0.999;
     return block.size === 1 ? !isWhole : seen < columns;
   }
@@ -85,8 +86,8 @@ export class Blocks {
         scans: Math.min(block.size, this.#whole.scanCount - scan),
         rays: Math.min(block.rayStep, sweep.count - ray * block.rayStep),
         scan,
-        time: block.starts[cell] as number,
-        end: block.ends[cell] as number,
+        time: block.startsAt[cell] as number,
+        end: block.endsAt[cell] as number,
         code,
         range: exact
           ? (block.ranges[cell * block.rays + ray] as number)
@@ -102,32 +103,32 @@ export class Blocks {
   /** The start of the scan so many further on than the one at a time; as far as the page knows them. */
   step(time: number, by: number): number {
     const block = this.over([time, time]);
-    const at = firstWhere(block.starts, (start) => start > time + 1e-9) - 1;
-    const onTheWay = by < 0 && (block.starts[at] ?? time) < time - 1e-9 ? by + 1 : by;
-    return block.starts[Math.min(block.starts.length - 1, Math.max(0, at + onTheWay))] ?? time;
+    const at = firstWhere(block.startsAt, (start) => start > time + 1e-9) - 1;
+    const onTheWay = by < 0 && (block.startsAt[at] ?? time) < time - 1e-9 ? by + 1 : by;
+    return block.startsAt[Math.min(block.startsAt.length - 1, Math.max(0, at + onTheWay))] ?? time;
   }
 
   /** How many scans start in a span, and whether that is exact. */
   count([start, end]: Span): { scans: number; exact: boolean } {
     const block = this.over([start, end]);
-    const [first, stop] = [start, end].map((time) => firstWhere(block.starts, (other) => other >= time - 1e-9));
+    const [first, stop] = [start, end].map((time) => firstWhere(block.startsAt, (other) => other >= time - 1e-9));
     const scans = Math.min(this.#whole.scanCount, ((stop ?? 0) - (first ?? 0)) * block.size);
     return { scans, exact: block.size === 1 };
   }
 }
 
 /** The number of the cell at a time; -1 where there is none. */
-export function cellAt({ starts, ends }: Block, time: number): number {
-  const cell = firstWhere(starts, (start) => start > time) - 1;
-  return cell >= 0 && ((ends[cell] as number) > time || starts[cell] === time) ? cell : -1;
+export function cellAt({ startsAt, endsAt }: Block, time: number): number {
+  const cell = firstWhere(startsAt, (start) => start > time) - 1;
+  return cell >= 0 && ((endsAt[cell] as number) > time || startsAt[cell] === time) ? cell : -1;
 }
 
-export function covers({ starts, ends }: Block, [start, end]: Span): boolean {
-  return starts.length > 0 && (starts[0] as number) <= start && (ends.at(-1) as number) >= end;
+export function covers({ startsAt, endsAt }: Block, [start, end]: Span): boolean {
+  return startsAt.length > 0 && (startsAt[0] as number) <= start && (endsAt.at(-1) as number) >= end;
 }
 
 function isWithin({ block }: Detail, { block: other }: Detail): boolean {
-  if (!block.starts.length || block.size < other.size) return !block.starts.length;
+  if (!block.startsAt.length || block.size < other.size) return !block.startsAt.length;
   if (block.size === other.size && block.ranges.length && !other.ranges.length) return false;
-  return covers(other, [block.starts[0] as number, block.ends.at(-1) as number]);
+  return covers(other, [block.startsAt[0] as number, block.endsAt.at(-1) as number]);
 }

@@ -1,3 +1,5 @@
+import type { Validity } from "../laser/scan.ts";
+import * as validity from "../laser/scan.ts";
 import { copyOf } from "../shared/bytes.ts";
 
 /** Cells in a row: each is of `size` scans, and holds a code for each ray (or for each few neighbours). */
@@ -9,8 +11,8 @@ export interface Block {
   /** Rays of a cell. */
   rays: number;
   /** Seconds at which each cell starts and ends. */
-  starts: Float64Array;
-  ends: Float64Array;
+  startsAt: Float64Array;
+  endsAt: Float64Array;
   /** Cell after cell, ray after ray. */
   codes: Uint16Array;
   /** The ranges themselves, where they are known; else empty. */
@@ -19,7 +21,7 @@ export interface Block {
 
 /** Stretches of speed: when each starts, and by axis the least and the greatest in it. */
 export interface Speeds {
-  starts: Float64Array;
+  startsAt: Float64Array;
   least: Float32Array[];
   greatest: Float32Array[];
 }
@@ -73,31 +75,62 @@ export const NO_MEASUREMENT = 65_533;
 export const NOTHING_IN_RANGE = 65_534;
 export const NO_SCAN = 65_535;
 
-const KINDS = { f8: Float64Array, f4: Float32Array, u2: Uint16Array };
+/** The classes of the codes that stand for no reading, numbered as in Python. */
+export const KINDS: Record<number, Validity> = {
+  [TOO_CLOSE]: validity.TOO_CLOSE,
+  [OUTSIDE_LIMITS]: validity.OUTSIDE_LIMITS,
+  [NO_MEASUREMENT]: validity.NO_MEASUREMENT,
+  [NOTHING_IN_RANGE]: validity.NOTHING_IN_RANGE,
+};
+
+export function kindOf(code: number): Validity {
+  return KINDS[code] ?? validity.READING;
+}
+
+const ARRAYS = { f8: Float64Array, f4: Float32Array, u2: Uint16Array };
 type Numbers = Float64Array | Float32Array | Uint16Array;
-type Facts = Record<string, unknown> & { arrays: [string, keyof typeof KINDS, number][] };
+/** What Python says of the whole, or of a part, which has fewer of them. */
+interface Facts {
+  arrays: [string, keyof typeof ARRAYS, number][];
+  edition: number;
+  level: number;
+  first: number;
+  ray_step: number;
+  span: [number, number];
+  angle_min: number;
+  angle_increment: number;
+  ray_count: number;
+  range_min: number;
+  range_max: number;
+  scan_count: number;
+  duration: number;
+  pause: number;
+  class_counts: number[];
+  colors: [number, number];
+  speed: Omit<NonNullable<Whole["speed"]>, "speeds"> | undefined;
+  touch: Omit<NonNullable<Whole["touch"]>, "spans"> | undefined;
+}
 type Unpacked = { facts: Facts; arrays: Map<string, Numbers> };
 
 export function decodeWhole(bytes: DataView): Whole {
   const { facts, arrays } = unpack(bytes);
   const sweep: Sweep = {
-    angleMin: Number(facts.angle_min),
-    angleIncrement: Number(facts.angle_increment),
-    count: Number(facts.ray_count),
-    rangeMin: Number(facts.range_min),
-    rangeMax: Number(facts.range_max),
+    angleMin: facts.angle_min,
+    angleIncrement: facts.angle_increment,
+    count: facts.ray_count,
+    rangeMin: facts.range_min,
+    rangeMax: facts.range_max,
   };
-  const speed = facts.speed as Omit<NonNullable<Whole["speed"]>, "speeds"> | undefined;
-  const touch = facts.touch as Omit<NonNullable<Whole["touch"]>, "spans"> | undefined;
+  const { speed, touch } = facts;
   const speeds = toSpeeds(arrays);
   return {
-    edition: Number(facts.edition),
+    edition: facts.edition,
     sweep,
-    scanCount: Number(facts.scan_count),
-    duration: Number(facts.duration),
-    pause: Number(facts.pause),
-    counts: facts.class_counts as number[],
-    colors: facts.colors as [number, number],
+    scanCount: facts.scan_count,
+    duration: facts.duration,
+    pause: facts.pause,
+    counts: facts.class_counts,
+    colors: facts.colors,
     block: toBlock(facts, arrays, sweep),
     speed: speed && speeds ? { ...speed, speeds } : null,
     touch: touch ? { ...touch, spans: toTouches(arrays.get("touches"), touch.sensors) } : null,
@@ -107,8 +140,8 @@ export function decodeWhole(bytes: DataView): Whole {
 export function decodeDetail(bytes: DataView, sweep: Sweep): Detail {
   const { facts, arrays } = unpack(bytes);
   return {
-    edition: Number(facts.edition),
-    span: facts.span as [number, number],
+    edition: facts.edition,
+    span: facts.span,
     block: toBlock(facts, arrays, sweep),
     speeds: toSpeeds(arrays),
   };
@@ -136,7 +169,7 @@ function unpack(bytes: DataView): Unpacked {
   let next = 4 + length;
   const arrays = new Map<string, Numbers>();
   for (const [name, kind, count] of facts.arrays) {
-    const Kind = KINDS[kind];
+    const Kind = ARRAYS[kind];
     arrays.set(name, new Kind(copyOf(bytes, next, count * Kind.BYTES_PER_ELEMENT)));
     next += count * Kind.BYTES_PER_ELEMENT;
   }
@@ -144,31 +177,31 @@ function unpack(bytes: DataView): Unpacked {
 }
 
 function toBlock(facts: Facts, arrays: Unpacked["arrays"], sweep: Sweep): Block {
-  const starts = arrays.get("starts") as Float64Array;
+  const startsAt = arrays.get("starts") as Float64Array;
   const cells = arrays.get("cells");
   const ranges = cells instanceof Float32Array ? cells : new Float32Array();
   const codes = cells instanceof Uint16Array ? cells : Uint16Array.from(ranges, (range) => toCode(range, sweep));
   return {
-    size: 2 ** Number(facts.level),
-    first: Number(facts.first),
-    rayStep: Number(facts.ray_step),
-    rays: starts.length ? codes.length / starts.length : 0,
-    starts,
-    ends: arrays.get("ends") as Float64Array,
+    size: 2 ** facts.level,
+    first: facts.first,
+    rayStep: facts.ray_step,
+    rays: startsAt.length ? codes.length / startsAt.length : 0,
+    startsAt,
+    endsAt: arrays.get("ends") as Float64Array,
     codes,
     ranges,
   };
 }
 
 function toSpeeds(arrays: Unpacked["arrays"]): Speeds | null {
-  const starts = arrays.get("speed_starts") as Float64Array | undefined;
+  const startsAt = arrays.get("speed_starts") as Float64Array | undefined;
   const values = arrays.get("speeds") as Float32Array | undefined;
-  if (!starts || !values) return null;
-  const count = starts.length;
+  if (!startsAt || !values) return null;
+  const count = startsAt.length;
   const rows = count ? values.length / count : 0;
   const row = (i: number) => values.subarray(i * count, (i + 1) * count);
   const pick = (offset: number) => Array.from({ length: rows / 2 }, (_, axis) => row(2 * axis + offset));
-  return { starts, least: pick(0), greatest: pick(1) };
+  return { startsAt, least: pick(0), greatest: pick(1) };
 }
 
 function toTouches(spans: Numbers | undefined, sensors: string[]): Stretch[] {

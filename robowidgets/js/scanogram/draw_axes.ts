@@ -1,3 +1,4 @@
+import { write } from "../shared/canvas.ts";
 import { toDegrees } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type TimeAxis, timeTicks, toX } from "./axis.ts";
@@ -36,8 +37,6 @@ export function drawAngles(
   theme: Theme,
 ): void {
   const count = rows.rayOf.length;
-  context.textAlign = "right";
-  context.textBaseline = "middle";
   const [first, last] = [scans.top + 6, scans.top + scans.height - 18];
   for (const row of angleTicks(rows, scans.height, APART)) {
     const y = scans.top + (1 - (row + 0.5) / count) * scans.height;
@@ -46,12 +45,9 @@ export function drawAngles(
     context.fillStyle = theme.line;
     context.fillRect(left - 4, Math.round(y), 4, 1);
     const middle = Math.min(last, Math.max(first, y - 6));
-    context.fillStyle = theme.ink;
-    context.font = `600 ${textFont(theme)}`;
-    context.fillText(toDegrees(rows.angles[row] as number), left - 8, middle);
-    context.fillStyle = theme.muted;
-    context.font = `10px ${theme.mono}`;
-    context.fillText(`[${rows.rayOf[row]}]`, left - 8, middle + 12);
+    const degrees = toDegrees(rows.angles[row] as number);
+    write(context, degrees, left - 8, middle, theme.ink, `600 ${textFont(theme)}`, "right");
+    write(context, `[${rows.rayOf[row]}]`, left - 8, middle + 12, theme.muted, `10px ${theme.mono}`, "right");
   }
 }
 

@@ -1,3 +1,4 @@
+import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type TimeAxis, toX } from "./axis.ts";
 import type { Speeds, Stretch, Whole } from "./data.ts";
@@ -59,7 +60,7 @@ export function drawSpeed(
   context.rect(left, band.top - 7, width, band.height + 14);
   context.clip();
   const [least, greatest] = [speeds.least[number], speeds.greatest[number]];
-  if (least && greatest) drawLine(context, axis, speed.gap, speeds.starts, least, greatest, limits, toY, theme);
+  if (least && greatest) drawLine(context, axis, speed.gap, speeds.startsAt, least, greatest, limits, toY, theme);
   context.restore();
 }
 
@@ -67,22 +68,22 @@ function drawLine(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
   gap: number,
-  starts: Float64Array,
+  startsAt: Float64Array,
   least: Float32Array,
   greatest: Float32Array,
   limits: [number, number],
   toY: (value: number) => number,
   theme: Theme,
 ): void {
-  const first = Math.max(0, firstWhere(starts, (start) => start >= axis.span[0]) - 1);
-  const stop = Math.min(starts.length, firstWhere(starts, (start) => start > axis.span[1]) + 1);
-  const stretch = ((starts.at(-1) ?? 0) - (starts[0] ?? 0)) / Math.max(1, starts.length - 1);
+  const first = Math.max(0, firstWhere(startsAt, (start) => start >= axis.span[0]) - 1);
+  const stop = Math.min(startsAt.length, firstWhere(startsAt, (start) => start > axis.span[1]) + 1);
+  const stretch = ((startsAt.at(-1) ?? 0) - (startsAt[0] ?? 0)) / Math.max(1, startsAt.length - 1);
   const longest = Math.max(gap, 3 * stretch);
   const over: { x: number; y: number; up: boolean }[] = [];
   context.beginPath();
   let before = NaN;
   for (let i = first; i < stop; i++) {
-    const [low, high, start] = [least[i] as number, greatest[i] as number, starts[i] as number];
+    const [low, high, start] = [least[i] as number, greatest[i] as number, startsAt[i] as number];
     const x = toX(axis, start);
     if (Number.isNaN(low)) {
       before = NaN;
@@ -154,9 +155,5 @@ export function drawSpans(
 }
 
 function drawLabel(context: CanvasRenderingContext2D, band: Band, left: number, text: string, theme: Theme): void {
-  context.font = textFont(theme);
-  context.textAlign = "right";
-  context.textBaseline = "middle";
-  context.fillStyle = theme.muted;
-  context.fillText(text, left - 8, band.top + band.height / 2 + 0.5);
+  write(context, text, left - 8, band.top + band.height / 2 + 0.5, theme.muted, textFont(theme), "right");
 }

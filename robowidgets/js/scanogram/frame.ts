@@ -44,7 +44,7 @@ export class Frame {
 
   /** Room that the notice takes at the top of the picture, in pixels. */
   get noticeHeight(): number {
-    return this.#notice.hidden ? 0 : this.#notice.offsetHeight;
+    return this.#notice.offsetHeight;
   }
 
   update(facts: string[]): void {
@@ -52,10 +52,8 @@ export class Frame {
     this.#header.hidden = !getFlag(this.#model, "header");
     this.footer.hidden = !getFlag(this.#model, "footer");
     setText(this.#title, getString(this.#model, "title"));
-    this.#title.hidden = !getString(this.#model, "title");
     setText(this.#facts, facts.join(" · "));
     const lines = error ? [error, ...notes] : notes;
-    this.#notice.hidden = lines.length === 0;
     this.#notice.classList.toggle("rw-error", Boolean(error));
     setText(this.#notice, lines.join(" · "));
     this.#notice.title = lines.join("\n");

@@ -66,11 +66,11 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
 function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent) => Point, gestures: Gestures): void {
   let from: Point | null = null;
   let last: Point = { x: 0, y: 0 };
-  let kind: "none" | "select" | "rays" | "pan" = "none";
+  let kind: "select" | "rays" | "pan" | null = null;
   on("pointerdown", (event) => {
     if (event.button > 1 || (event.target as HTMLElement).closest("button")) return;
     from = last = toPoint(event);
-    kind = "none";
+    kind = null;
     element.setPointerCapture(event.pointerId);
   });
   on("pointermove", (event) => {
@@ -79,7 +79,7 @@ function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent
       if (event.pointerType !== "touch") gestures.onHover(point);
       return;
     }
-    if (kind === "none") {
+    if (!kind) {
       if (Math.hypot(point.x - from.x, point.y - from.y) < FEW) return;
       kind = event.altKey || event.buttons & 4 ? "pan" : event.shiftKey ? "rays" : "select";
       gestures.onHover(null);
@@ -93,7 +93,7 @@ function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent
     const [start, point] = [from, toPoint(event)];
     from = null;
     if (cancelled) return;
-    if (kind === "none" && event.button === 0) gestures.onPick(point);
+    if (!kind && event.button === 0) gestures.onPick(point);
     else if (kind !== "pan") gestures.onSelect(start, point, kind === "rays", true);
   };
   on("pointerup", (event) => onEnd(event, false));

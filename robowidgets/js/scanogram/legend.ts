@@ -3,16 +3,9 @@ import { CLASSES } from "../laser/words.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { toMetres } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
-import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, TOO_CLOSE, type Whole } from "./data.ts";
+import type { Whole } from "./data.ts";
 import { classColors, distanceColors } from "./palette.ts";
 import { toShare } from "./words.ts";
-
-const CODES: Record<string, number> = {
-  too_close: TOO_CLOSE,
-  outside_limits: OUTSIDE_LIMITS,
-  no_measurement: NO_MEASUREMENT,
-  nothing_in_range: NOTHING_IN_RANGE,
-};
 
 /** Below the picture: what the colours mean, how much there is of each class, the time cursor and the selection. */
 export class Legend {
@@ -46,11 +39,11 @@ export class Legend {
     const shown = CLASSES.filter(({ kind }) => kind !== READING && (whole?.counts[kind] ?? 0) > 0);
     const colors = classColors(theme);
     this.#classes.replaceChildren(
-      ...shown.map(({ kind, name, word, explained }) => {
+      ...shown.map(({ kind, word, explained }) => {
         const item = make("span", "rw-class");
         item.title = explained;
         const swatch = make("span", "rw-scanogram-swatch");
-        swatch.style.background = colors[CODES[name] ?? 0] ?? "";
+        swatch.style.background = colors[kind] ?? "";
         item.append(swatch, make("b", "", toShare(whole?.counts[kind] ?? 0, all)), make("span", "rw-class-word", word));
         return item;
       }),

@@ -44,11 +44,11 @@ export function toRaster(blocks: Block[], rows: Rows, span: Span, width: number,
 /** The cells of the finest block that knows a time; null where there is none. */
 function cellsIn(blocks: Block[], from: number, to: number): { block: Block; first: number; stop: number } | null {
   for (const block of blocks) {
-    const { starts, ends } = block;
-    const knows = from >= (starts[0] as number) && to <= (ends.at(-1) as number);
+    const { startsAt, endsAt } = block;
+    const knows = from >= (startsAt[0] as number) && to <= (endsAt.at(-1) as number);
     if (!knows && block !== blocks.at(-1)) continue;
-    const first = firstWhere(ends, (end) => end > from);
-    const stop = firstWhere(starts, (start) => start >= to);
+    const first = firstWhere(endsAt, (end) => end > from);
+    const stop = firstWhere(startsAt, (start) => start >= to);
     if (stop > first) return { block, first, stop };
   }
   return null;

@@ -1,9 +1,10 @@
+import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, TOO_CLOSE, type Validity } from "../laser/scan.ts";
 import { VIRIDIS } from "../laser/viridis.ts";
 import type { Theme } from "../shared/theme.ts";
-import { FARTHEST, NO_MEASUREMENT, NO_SCAN, NOTHING_IN_RANGE, OUTSIDE_LIMITS, type Sweep, TOO_CLOSE } from "./data.ts";
+import { FARTHEST, KINDS, NO_SCAN, type Sweep } from "./data.ts";
 
-/** How a class without a distance is painted. */
-export function classColors(theme: Theme): Record<number, string> {
+/** How each class without a distance is painted. */
+export function classColors(theme: Theme): Partial<Record<Validity, string>> {
   const grays = theme.dark ? ["#262d34", "#6b7785", "#a9b4c0"] : ["#eef1f4", "#b9c2cc", "#7d8997"];
   const [nothing = "", outside = "", none = ""] = grays;
   return {
@@ -28,7 +29,8 @@ export function toPalette(theme: Theme, sweep: Sweep, [near, far]: [number, numb
     const part = (sweep.rangeMin + code * perCode - near) / (far - near || 1);
     palette[code] = colors[Math.min(colors.length - 1, Math.max(0, Math.floor(part * colors.length)))] ?? 0;
   }
-  for (const [code, color] of Object.entries(classColors(theme))) palette[Number(code)] = toPixel(color);
+  const classes = classColors(theme);
+  for (const [code, kind] of Object.entries(KINDS)) palette[Number(code)] = toPixel(classes[kind] ?? "");
   palette[NO_SCAN] = 0;
   return palette;
 }

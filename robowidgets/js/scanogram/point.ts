@@ -36,8 +36,8 @@ export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { 
 function speedAt({ speed }: Whole, { blocks, view }: State, axis: number, time: number): RayWords | null {
   const speeds = blocks?.speedsIn(view);
   if (!speed || !speeds) return null;
-  const at = firstWhere(speeds.starts, (start) => start > time) - 1;
-  const [low, high, start] = [speeds.least[axis]?.[at], speeds.greatest[axis]?.[at], speeds.starts[at]];
+  const at = firstWhere(speeds.startsAt, (start) => start > time) - 1;
+  const [low, high, start] = [speeds.least[axis]?.[at], speeds.greatest[axis]?.[at], speeds.startsAt[at]];
   if (low === undefined || high === undefined || start === undefined) return null;
   return describeSpeed(speed.axes[axis] ?? "", speed.title, low, high, start);
 }

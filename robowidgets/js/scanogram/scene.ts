@@ -1,4 +1,4 @@
-import { Layer, type Size } from "../shared/canvas.ts";
+import { Layer, type Surface } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type Span, type TimeAxis, toX } from "./axis.ts";
 import type { Whole } from "./data.ts";
@@ -26,7 +26,7 @@ export class Scene {
   readonly #base: Layer;
   readonly #top: Layer;
   readonly #pixels = document.createElement("canvas");
-  #size: Size = { width: 0, height: 0 };
+  #size: Surface = { width: 0, height: 0, ratio: 1 };
   #whole: Whole | null = null;
   #palette: { key: string; colors: Uint32Array } | null = null;
 
@@ -37,10 +37,10 @@ export class Scene {
 
   /** Columns of the picture on the screen. */
   get columns(): number {
-    return Math.round(this.layout.width * (window.devicePixelRatio || 1));
+    return Math.round(this.layout.width * devicePixelRatio);
   }
 
-  measure(size: Size, whole: Whole | null, span: Span, notice: number): void {
+  measure(size: Surface, whole: Whole | null, span: Span, notice: number): void {
     this.#size = size;
     if (whole !== this.#whole) {
       this.#whole = whole;
@@ -59,7 +59,7 @@ export class Scene {
     if (!whole || !blocks) context.fillRect(layout.left, layout.scans.top, layout.width, layout.scans.height);
     drawFrame(context, layout, theme);
     if (!whole || !blocks) return;
-    const height = Math.round(layout.scans.height * (window.devicePixelRatio || 1));
+    const height = Math.round(layout.scans.height * devicePixelRatio);
     const raster = toRaster(blocks.all, rows, axis.span, this.columns, height);
     const palette = this.#paletteFor(whole, state.colors, theme);
     const image = new ImageData(raster.width, raster.height);

@@ -1,8 +1,9 @@
 import { Popup } from "../laser/popup.ts";
 import type { Point } from "../laser/projection.ts";
-import { type Size, watchSize } from "../shared/canvas.ts";
+import { type Surface, watchSize } from "../shared/canvas.ts";
 import { make, makeButton } from "../shared/dom.ts";
 import { type Model, onChange } from "../shared/model.ts";
+import { offerPng } from "../shared/png.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import { moved, type Span, toSeconds, toTime, toX, zoomed } from "./axis.ts";
 import { Frame } from "./frame.ts";
@@ -28,7 +29,7 @@ export class ScanogramView {
   readonly #all: HTMLButtonElement;
   readonly #redraw: () => void;
   readonly #redrawTop: () => void;
-  #size: Size = { width: 0, height: 0 };
+  #size: Surface = { width: 0, height: 0, ratio: 1 };
   #pointer: Point | null = null;
   /** A selection that is being dragged. */
   #draft: number[] | null = null;
@@ -50,11 +51,11 @@ export class ScanogramView {
     onChange(model, ["time", "selection"], this.#redrawTop, signal);
     state.listen(this.#redraw, signal);
     watchGestures(picture, this, signal);
-    const onSize = (size: Size) => {
+    const onSize = (size: Surface) => {
       this.#size = size;
       this.#draw();
     };
-    watchSize(picture, onSize, signal);
+    offerPng(this.#frame, model, watchSize(picture, onSize, signal), signal);
   }
 
   onHover(point: Point | null): void {

@@ -1,16 +1,10 @@
-import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, TOO_CLOSE, type Validity } from "../laser/scan.ts";
+import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, TOO_CLOSE } from "../laser/scan.ts";
 import { meaningOf, type RayWords, sideOf } from "../laser/words.ts";
 import { toCount, toDegrees, toFixed, toMetres } from "../shared/format.ts";
 import { toSeconds } from "./axis.ts";
 import type { Place } from "./blocks.ts";
-import * as codes from "./data.ts";
+import { kindOf, type Stretch, type Sweep, type Whole } from "./data.ts";
 
-const KINDS: Record<number, Validity> = {
-  [codes.TOO_CLOSE]: TOO_CLOSE,
-  [codes.OUTSIDE_LIMITS]: OUTSIDE_LIMITS,
-  [codes.NO_MEASUREMENT]: NO_MEASUREMENT,
-  [codes.NOTHING_IN_RANGE]: NOTHING_IN_RANGE,
-};
 const SYMBOLS: Record<number, string> = {
   [TOO_CLOSE]: "\u2212inf",
   [NOTHING_IN_RANGE]: "+inf",
@@ -18,12 +12,8 @@ const SYMBOLS: Record<number, string> = {
   [OUTSIDE_LIMITS]: "outside",
 };
 
-export function kindOf(code: number): Validity {
-  return KINDS[code] ?? READING;
-}
-
 /** What the pop-up says of a ray at a moment. */
-export function describePlace(place: Place, angle: number, sweep: codes.Sweep): RayWords {
+export function describePlace(place: Place, angle: number, sweep: Sweep): RayWords {
   const kind = kindOf(place.code);
   const known = kind === OUTSIDE_LIMITS && place.exact ? `${toFixed(place.range, 3)} m` : SYMBOLS[kind];
   const lines = [meaningOf({ kinds: [kind], ...sweep }, 0), toMoment(place), nearestOf(place)];
@@ -60,8 +50,8 @@ export function toShare(count: number, all: number): string {
 export function describeSelection(selection: number[], scans: { scans: number; exact: boolean }): string {
   const [start = 0, end = 0, first, stop] = selection;
   const rays = first === undefined || stop === undefined ? "" : ` · [${first}] to [${stop - 1}]`;
-  return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}${rays} · ${scans.exact ? "" : "about "}${toCount(scans.scans)} ${
-    scans.scans === 1 ? "scan" : "scans"
+  return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}${rays} · ${scans.exact ? "" : "about "}${toCount(scans.scans)} scan${
+    scans.scans === 1 ? "" : "s"
   }`;
 }
 
@@ -74,7 +64,7 @@ export function describeSpeed(axis: string, title: string, low: number, high: nu
 }
 
 /** What the pop-up says of the touches at a moment. */
-export function describeTouches(touches: codes.Stretch[], title: string, time: number): RayWords {
+export function describeTouches(touches: Stretch[], title: string, time: number): RayWords {
   const sensors = [...new Set(touches.map(({ name }) => name))];
   const spans = touches.map(toWords);
   return {
@@ -87,15 +77,15 @@ export function describeTouches(touches: codes.Stretch[], title: string, time: n
 }
 
 /** What the pop-up says of a mark. */
-export function describeMark(mark: codes.Stretch): RayWords {
+export function describeMark(mark: Stretch): RayWords {
   return { expression: mark.name, distance: toWords(mark), angle: "", details: "marked", side: "" };
 }
 
-function toWords({ start, end }: codes.Stretch): string {
+function toWords({ start, end }: Stretch): string {
   return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}`;
 }
 
 /** What the header says of all of it. */
-export function toFacts({ scanCount, sweep, duration }: codes.Whole): string[] {
+export function toFacts({ scanCount, sweep, duration }: Whole): string[] {
   return [`${toCount(scanCount)} scans`, `${toCount(sweep.count)} rays`, toSeconds(duration, 1)];
 }

@@ -6,6 +6,11 @@ export interface Size {
   height: number;
 }
 
+/** The size of a picture, and how many device pixels each of its pixels has. */
+export interface Surface extends Size {
+  ratio: number;
+}
+
 /** A canvas that stays sharp at any pixel ratio; drawn on in CSS pixels. */
 export class Layer {
   readonly canvas: HTMLCanvasElement;
@@ -22,8 +27,7 @@ export class Layer {
   }
 
   /** Clears the layer for a picture of this size. */
-  begin({ width, height }: Size): CanvasRenderingContext2D {
-    const ratio = window.devicePixelRatio || 1;
+  begin({ width, height, ratio }: Surface): CanvasRenderingContext2D {
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (this.canvas.width !== w || this.canvas.height !== h) {
       this.canvas.width = w;
@@ -38,14 +42,39 @@ export class Layer {
   }
 }
 
-/** Calls back with the size of an element now and whenever it or the pixel ratio changes. */
-export function watchSize(element: HTMLElement, callback: (size: Size) => void, signal: AbortSignal): void {
-  const tell = () => callback({ width: element.clientWidth, height: element.clientHeight });
-  const observer = new ResizeObserver(tell);
+/** Writes text, the middle of its letters at a height. */
+export function write(
+  context: CanvasRenderingContext2D,
+  text: string,
+  x: number,
+  y: number,
+  color: string,
+  font: string,
+  align: CanvasTextAlign,
+): void {
+  context.font = font;
+  context.fillStyle = color;
+  context.textAlign = align;
+  context.textBaseline = "middle";
+  context.fillText(text, x, y);
+}
+
+/**
+ * Calls back with the size of an element now and whenever it or the pixel ratio changes. What it returns does so at once,
+ * for the ratio that it is told, else for the screen's.
+ */
+export function watchSize(
+  element: HTMLElement,
+  callback: (size: Surface) => void,
+  signal: AbortSignal,
+): (ratio?: number) => void {
+  const tell = (ratio = devicePixelRatio) =>
+    callback({ width: element.clientWidth, height: element.clientHeight, ratio });
+  const observer = new ResizeObserver(() => tell());
   observer.observe(element);
   atEnd(signal, () => observer.disconnect());
   const watchRatio = () => {
-    const query = matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`);
+    const query = matchMedia(`(resolution: ${devicePixelRatio}dppx)`);
     const onRatio = () => {
       tell();
       watchRatio();
@@ -53,4 +82,5 @@ export function watchSize(element: HTMLElement, callback: (size: Size) => void, 
     on(query, "change", onRatio, signal, { once: true });
   };
   watchRatio();
+  return tell;
 }

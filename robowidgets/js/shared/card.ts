@@ -90,7 +90,7 @@ export class Card {
 
   /** Room that the notice takes at the top of the picture, in pixels. */
   get noticeHeight(): number {
-    return this.#notice.hidden ? 0 : this.#notice.offsetHeight;
+    return this.#notice.offsetHeight;
   }
 
   /** What an empty picture says, before the first sample: a noun with its article. */
@@ -112,7 +112,6 @@ export class Card {
     this.#header.hidden = !getFlag(this.#model, "header");
     this.footer.hidden = !getFlag(this.#model, "footer");
     setText(this.#title, getString(this.#model, "title"));
-    this.#title.hidden = !getString(this.#model, "title");
     this.#known = facts.filter(Boolean);
     this.#paced = paced;
     this.#tellFacts();
@@ -121,7 +120,6 @@ export class Card {
     // An empty picture says the words itself.
     const words = shown && getSource(this.#model).words;
     const lines = words ? [...said, words] : said;
-    this.#notice.hidden = lines.length === 0;
     this.#notice.classList.toggle("rw-error", Boolean(error));
     this.#notice.classList.toggle("rw-status", said.length === 0);
     this.#bar.update(this.footer.hidden ? null : place);

@@ -33,7 +33,7 @@ export interface Place {
 
 const STALE_MS = 2000;
 const SAVE_MS = 100;
-const NOTHING = new DataView(new ArrayBuffer(0));
+const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
 
 /**
  * The newest sample, those before it and the frozen one, of one model and for all its views.

@@ -2,6 +2,7 @@ import { watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import { getAbout, getFlag, getNumber, getString, type Model, onChange, put } from "../shared/model.ts";
+import { offerPng } from "../shared/png.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { GROUPS } from "./axes.ts";
@@ -57,7 +58,12 @@ export class SpeedView {
     stream.listen(this.#redraw, signal);
     onChange(model, SETTINGS, this.#redraw, signal);
     watchGestures(picture, this, signal);
-    watchSize(picture, () => this.#draw(), signal);
+    offerPng(
+      this.#card,
+      model,
+      watchSize(picture, () => this.#draw(), signal),
+      signal,
+    );
   }
 
   onHover(axis: number | null): void {

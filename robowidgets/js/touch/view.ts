@@ -3,6 +3,7 @@ import { Card } from "../shared/card.ts";
 import { make, setText } from "../shared/dom.ts";
 import { atEnd } from "../shared/events.ts";
 import { type About, getAbout, type Model, onChange } from "../shared/model.ts";
+import { offerPng } from "../shared/png.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { layAround } from "./around.ts";
@@ -56,6 +57,7 @@ export class TouchView {
       this.#draw();
     };
     watchSize(this.#card.picture, onSize, signal);
+    offerPng(this.#card, model, () => this.#draw(), signal);
     atEnd(signal, () => clearTimeout(this.#tick));
   }
 

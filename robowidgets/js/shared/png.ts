@@ -1,0 +1,80 @@
+import { make, makeButton, makeIcon, setLabel } from "./dom.ts";
+import { atEnd } from "./events.ts";
+import { getString, type Model } from "./model.ts";
+import type { Theme } from "./theme.ts";
+
+const LABEL = "Save as PNG";
+const ICON = "M5 1h2v4h2.5l-3.5 3.5-3.5-3.5h2.5z M1.5 9.5h9v1.5h-9z";
+/** Characters that no XML may hold. */
+const FORBIDDEN = /[^\P{C}\p{Cf}\p{Co}\n]/gu;
+
+interface Shown {
+  root: HTMLElement;
+  controls: HTMLElement;
+  theme: Theme;
+}
+
+/**
+ * Offers the card as a PNG: by a button, the last of its controls, and to Python, which asks by a number.
+ *
+ * @param draw draws the card at once, in so many device pixels for each of the page's; as many as the screen has
+ */
+export function offerPng(card: Shown, model: Model, draw: (ratio?: number) => void, signal: AbortSignal): void {
+  const take = () => {
+    const ratio = Math.max(2, devicePixelRatio);
+    draw(ratio);
+    const png = toPng(card, getString(model, "_css"), ratio);
+    draw();
+    return png;
+  };
+  const save = (url: string) => {
+    const link = make("a", "");
+    link.href = url;
+    // Swedish dates are those of ISO 8601, in local time.
+    const words = `${getString(model, "title")} ${new Date().toLocaleString("sv")}`.match(/[^\s/:]+/g);
+    link.download = `${words?.join("-")}.png`;
+    link.click();
+    return LABEL;
+  };
+  const onClick = () => {
+    take()
+      .then(save, (error) => `Not saved: ${error}`)
+      .then((label) => setLabel(button, label));
+  };
+  const button = makeButton("", LABEL, onClick, signal);
+  button.append(makeIcon(ICON));
+  card.controls.append(button);
+
+  const onMessage = async ({ png }: { png?: number }) => {
+    // A view that is scrolled away may have no size. Python says so if no other answers.
+    if (png && card.root.offsetWidth) model.send({ png, url: await take() });
+  };
+  model.on("msg:custom", onMessage);
+  atEnd(signal, () => model.off("msg:custom", onMessage));
+}
+
+/** The card as it is at the call, as a data URL: drawn from a copy that has all styles with it, and fetches nothing. */
+async function toPng({ root, theme }: Shown, css: string, ratio: number): Promise<string> {
+  const { width, height } = root.getBoundingClientRect();
+  const copy = root.cloneNode(true) as HTMLElement;
+  copy.classList.add("rw-still");
+  copy.style.cssText = `--jp-layout-color0:${theme.background};font-family:${theme.font}`;
+  copy.append(make("style", "", css));
+  const canvases = [...root.querySelectorAll("canvas")];
+  const xml = new XMLSerializer()
+    .serializeToString(copy)
+    .replace(
+      /<canvas(.*?)><\/canvas>/g,
+      (_, attributes) => `<img src="${canvases.shift()?.toDataURL()}"${attributes}/>`,
+    )
+    .replace(FORBIDDEN, "");
+  const svg = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}"><foreignObject width="100%" height="100%">${xml}</foreignObject></svg>`;
+  const image = new Image();
+  image.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
+  await image.decode();
+  const paper = make("canvas", "");
+  paper.width = Math.round(width * ratio);
+  paper.height = Math.round(height * ratio);
+  paper.getContext("2d")?.drawImage(image, 0, 0, paper.width, paper.height);
+  return paper.toDataURL();
+}
