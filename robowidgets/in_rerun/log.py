@@ -141,7 +141,9 @@ class Log:
 
     def _blueprint(self, world: World) -> Any:
         blueprint = self._rr.blueprint
-        views = [blueprint.Spatial3DView(origin="world", name=f"World ({world.name})", eye_controls=self._eye(world))]
+        space = blueprint.Spatial3DView(origin="world", name=f"World ({world.name})", eye_controls=self._eye(world))
+        unknown = blueprint.TextDocumentView(origin="notes", name="Not known")
+        views = [blueprint.Tabs(space, unknown, active_tab=0) if world.notes else space]
         shares = [_WORLD]
         for name, axes in (("Speed, m/s", AXES[:3]), ("Turn, rad/s", AXES[3:])):
             lines = [entity for topic in self._topics["speed"] for entity in self._moving(topic, axes)]
@@ -152,9 +154,6 @@ class Log:
         if sensors:
             views.append(blueprint.StateTimelineView(origin="touches", name="Touch"))
             shares.append(_PLOT + min(sensors, _MOST_LANES) * _LANE)
-        if world.notes:
-            views.append(blueprint.TextDocumentView(origin="notes", name="Not known"))
-            shares.append(_PLOT)
         return blueprint.Blueprint(
             blueprint.Vertical(*views, row_shares=shares),
             blueprint.TimePanel(timeline=SECONDS, state="collapsed", play_state="paused"),
