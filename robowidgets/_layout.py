@@ -8,8 +8,8 @@ import ipywidgets
 
 from .laser_widget import LaserWidget
 
-WIDE = ipywidgets.Layout(display="flex", flex_flow="row wrap", align_items="flex-start", width="100%")
-"""Of a box that holds columns."""
+WIDE = {"display": "flex", "flex_flow": "row wrap", "align_items": "flex-start", "width": "100%"}
+"""Layout of a box that holds columns."""
 
 _CARD = "764px"
 
@@ -18,8 +18,8 @@ def columns(widgets: Sequence[ipywidgets.Widget]) -> list[ipywidgets.VBox]:
     """Lasers in the wide column, the rest one under the other beside them, or below where room is short."""
     lasers = [widget for widget in widgets if isinstance(widget, LaserWidget)]
     others = [widget for widget in widgets if widget not in lasers]
-    both = [_column(lasers, "2 1 460px", max_width=_CARD), _column(others, "1 1 340px")]
-    return [column for column in both if column.children]
+    wide = [_column(lasers, "2 1 460px", max_width=_CARD)] if lasers else []
+    return [*wide, *([_column(others, "1 1 340px")] if others else [])]
 
 
 def _column(widgets: Sequence[ipywidgets.Widget], flex: str, **limits: str) -> ipywidgets.VBox:

@@ -11,6 +11,7 @@ import numpy as np
 import traitlets
 from numpy.typing import ArrayLike, NDArray
 
+from ._cells import take_the_place
 from ._limits import Pair
 from ._spans import Marks, TimeSpan
 from ._traits import Flag, bytes_trait
@@ -107,7 +108,8 @@ class ScanogramWidget(NamedWidget):
     def of(cls, recording: Recording, topic: str | None = None, **options: Any) -> ScanogramWidget:
         """The scanogram of a recording, with its speeds and touches.
 
-        It reads the file by itself: the recording may be read on, or closed.
+        It reads the file by itself: the recording may be read on, or closed. Running the cell again that made it closes
+        it.
 
         Args:
             recording: where the scans are.
@@ -121,6 +123,7 @@ class ScanogramWidget(NamedWidget):
         from .recordings.scanogram import fill
 
         widget = cls(**options)
+        take_the_place(widget)
         with widget.hold_sync():
             fill(widget, recording, topic)
         return widget

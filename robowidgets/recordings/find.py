@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .conditions import condition
-from .progress import one_bar, progress
+from .progress import Progress, one_bar
 from .spans import Span, Spans
 from .steps import Steps, spans, steps
 
@@ -69,7 +69,7 @@ def find(recording: Recording, given: Any, topics: str | Iterable[str] | None) -
     wanted = condition(given)
     total = sum(topic.count for topic in recording.topics if topic.widget)
     start_ns = recording.start_ns or 0
-    with progress(total, "Finding", " samples") as bar, one_bar():
+    with Progress(total, "Finding", " samples") as bar, one_bar():
         search = Search(recording, topics, bar)
         try:
             held = wanted.steps(search)

@@ -31,6 +31,9 @@ BYTES_PER_SECOND = 10_000_000
 PATIENCE = 3.0
 """Seconds until a page that says nothing is taken to be there: a busy kernel does not hear it."""
 
+LINGER = 5.0
+"""Seconds without anything to do after which the thread ends and its file is closed, until there is."""
+
 _AT_EASE = 4
 """How much longer than it works the thread rests while nothing is urgent."""
 
@@ -68,13 +71,13 @@ class Cursor:
 
 
 class Sender:
-    """Keeps the page supplied, from a thread of its own that rests while there is nothing to do.
+    """Keeps the page supplied, from a thread that is there while there is something to do.
 
     First comes what is shown soon; then, to a page that asked, all the rest as far as it is kept, because a page that
     plays while a cell runs is not heard.
 
     Args:
-        tracks: opens what each widget shows; called in the thread, once.
+        tracks: opens what each widget shows; called in each thread, once.
         send: hands a message to the page.
         duration: seconds of the recording.
         complain: is told in a line why it can go on no further.
@@ -98,14 +101,16 @@ class Sender:
         self._change = threading.Condition()
         self._asked = False
         self._closed = False
-        self._thread = threading.Thread(target=self._run, name="robowidgets-player", daemon=True)
-        self._thread.start()
+        self._patience = PATIENCE
+        self._thread: threading.Thread | None = None
+        with self._change:
+            self._wake()
 
     def tell(self, seconds: float | None, rate: float, span: tuple[float, float], *, loops: bool = False) -> None:
         """Tell where the player is; None: where it is reckoned to be. See `Cursor`."""
         with self._change:
             self.cursor.tell(self._here() if seconds is None else seconds, rate, span, loops=loops)
-            self._change.notify()
+            self._wake()
 
     def start(self) -> None:
         """Send all anew: to a page that has nothing, or whose stills are not right any more."""
@@ -114,44 +119,66 @@ class Sender:
             self._stale.update(self._sent)
             self._sent.clear()
             self._asked = True
-            self._change.notify()
+            self._wake()
 
     def close(self) -> None:
         """End the thread; doing it again does nothing."""
         with self._change:
             self._closed = True
+            thread = self._thread
             self._change.notify()
-        if self._thread is not threading.current_thread():
-            self._thread.join()
+        if thread and thread is not threading.current_thread():
+            thread.join()
+
+    def _wake(self) -> None:
+        """Tell the thread of a change; have one, if there is something to do. With the lock held."""
+        if self._thread:
+            self._change.notify()
+        elif not self._closed and self._wanted() is not None:
+            self._thread = threading.Thread(target=self._run, name="robowidgets-player", daemon=True)
+            self._thread.start()
 
     def _run(self) -> None:
         try:
             with self._change:
-                self._change.wait_for(lambda: self._asked or self._closed, PATIENCE)
+                self._change.wait_for(lambda: self._asked or self._closed, self._patience)
+                self._patience = 0.0
             with self._open() as tracks:
                 while (index := self._await()) is not None:
-                    began = time.monotonic()
+                    began = time.thread_time()
                     rest = self._send_one(tracks, index) / BYTES_PER_SECOND
                     if index not in self._soon():
-                        rest += _AT_EASE * (time.monotonic() - began)
+                        rest += _AT_EASE * (time.thread_time() - began)
                     with self._change:
                         self._change.wait_for(lambda: self._closed or self._lacks(), rest)
         except RecordingError as error:
-            self._complain(str(error))
+            self._give_up(str(error))
         except Exception as error:
             log.exception("robowidgets: a recording can be played no further")
-            self._complain(f"{type(error).__name__}: {error}")
+            self._give_up(f"{type(error).__name__}: {error}")
 
     def _await(self) -> int | None:
-        """The stretch that is wanted next, when there is one; None when the player was closed."""
+        """The stretch that is wanted next, when there is one; None when this thread is not needed any more."""
         with self._change:
             while not self._closed:
-                wanted = chain(self._soon(), self._rest())
-                index = next((i for i in wanted if i not in self._sent), None)
+                index = self._wanted()
                 if index is not None:
                     return index
-                self._change.wait(STRETCH / 4 / self.cursor.rate if self.cursor.rate else None)
+                moves = self.cursor.rate and len(self._sent) <= self._last
+                told = self._change.wait(STRETCH / 4 / self.cursor.rate if moves else LINGER)
+                if not (told or moves):
+                    break
+            self._thread = None
             return None
+
+    def _wanted(self) -> int | None:
+        """The stretch that the page lacks most, if there is one."""
+        return next((i for i in chain(self._soon(), self._rest()) if i not in self._sent), None)
+
+    def _give_up(self, words: str) -> None:
+        with self._change:
+            self._closed = True
+        self._complain(words)
 
     def _here(self) -> float:
         """The time on show now: the page goes no further than what it has."""

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import ipywidgets
 import traitlets
 
+from .._cells import close_all, take_the_place
 from .._layout import WIDE, columns
 from .._picks import Pick, picks
 from .._spans import Marks, Seconds, TimeSpan
@@ -47,7 +48,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     Each widget shows the last sample at that time or before it; a commanded speed is a tick on the bars of the measured
     one. Playing, stepping and dragging happen in the page, from what was sent ahead, also while a cell runs. `close`
-    takes all of it off the page and closes the recording.
+    takes all of it off the page and closes the recording. So does running the cell again that made it.
 
     Args:
         recording: what is shown. Nothing else may read it meanwhile.
@@ -70,6 +71,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     scanogram: ScanogramWidget | None = None
 
     def __init__(self, recording: Recording, topics: Sequence[str] = (), scanogram: bool | None = None) -> None:
+        take_the_place(self)
         self.recording = recording
         self.views: tuple[View, ...] = ()
         recording.samples(topics or None)
@@ -116,11 +118,13 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Take it off the page and close the recording."""
         if self._sender:
             self._sender.close()
-            self.bar.close()
+            close_all(self.bar)
         if self.scanogram:
-            self.scanogram.close()
-        for view in self.views:
-            view.widget.close()
+            close_all(self.scanogram)
+        for widget in (*self.children, *(view.widget for view in self.views)):
+            close_all(widget)
+        if self.comm is not None:
+            self.layout.close()
         super().close()
         self.recording.close()
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .ahead import read_ahead
 from .chunks import Chunk, ScanChunk, compact
 from .memory import Memory
-from .progress import progress
+from .progress import Progress
 
 _numbers = count()
 
@@ -145,7 +145,7 @@ class Store(Generic[Chunk]):
     def _walk(self, keep: bool) -> Iterator[Chunk]:
         """All chunks, while it is noted where they are. Where one way breaks off, the next goes on."""
         given = 0
-        with progress(self.feed.total, f"Reading {self.feed.name}") as bar:
+        with Progress(self.feed.total, f"Reading {self.feed.name}") as bar:
             while True:
                 index = Index()
                 try:

@@ -159,6 +159,28 @@ def test_a_reloaded_page_goes_on_where_it_was(notebook: Open, data: Path) -> Non
     passes(nb, 23.0)
 
 
+HELD = """
+import gc, os, threading
+from comm import get_comm_manager
+gc.collect()
+files = [os.path.realpath(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd")]
+senders = [thread for thread in threading.enumerate() if thread.name == "robowidgets-player"]
+print(len(get_comm_manager().comms), len(senders), sum("fsm_0" in file for file in files))
+"""
+
+
+def test_a_cell_that_runs_again_replaces_its_player(notebook: Open, data: Path) -> None:
+    nb = opened(notebook, data / "good" / "neato_fsm")
+    wait_for(lambda: nb.python(HELD).split()[1:] == ["1", "3"], "a thread, and files for it, the player and the table")
+    held = nb.python(HELD)
+    for _ in range(5):
+        nb.run(1)
+    expect(nb.output(1).locator(".rw-player")).to_have_count(1)
+    wait_for(lambda: nb.python(HELD) == held, "what the earlier runs held is gone")
+    to_time(nb, 22.5)
+    expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
+
+
 def test_it_fits_wide_and_narrow_pages(notebook: Open, data: Path) -> None:
     show = (
         "player = recording.show()\nplayer.selection = (20, 25)\n"

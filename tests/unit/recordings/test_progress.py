@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from comm import get_comm_manager
+from tqdm.notebook import tqdm_notebook
 
 import robowidgets
 from robowidgets import conditions
@@ -22,6 +24,28 @@ def test_what_is_quick_shows_no_bar(recording: robowidgets.Recording, capsys: py
     len(recording.scans())
     recording.find(conditions.nearest_below(1))
     assert capsys.readouterr().err == ""
+
+
+def test_the_bar_of_a_notebook_leaves_nothing_behind_unless_it_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tqdm.auto.tqdm", tqdm_notebook)
+    comms = get_comm_manager().comms
+    before = len(comms)
+    with progress.Progress(10, "Reading") as bar:
+        bar.update(5)
+        assert len(comms) == before, "nothing is made for what is quick"
+        monkeypatch.setattr(progress, "SHOWN_AFTER", 0)
+        bar.update(1)
+        assert len(comms) > before
+    assert len(comms) == before
+
+    def fail() -> None:
+        with progress.Progress(10, "Reading") as bar:
+            bar.update(5)
+            raise ValueError("the file")
+
+    with pytest.raises(ValueError, match="the file"):
+        fail()
+    assert len(comms) > before
 
 
 def test_what_takes_long_says_what_it_does(

@@ -180,6 +180,19 @@ def test_closed_it_leaves_no_thread_and_may_be_closed_again() -> None:
         assert threading.active_count() == before
 
 
+def test_with_nothing_to_do_it_has_no_thread_and_no_file_until_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "LINGER", 0.01)
+    before = threading.active_count()
+    with sending(Track(), 1000) as (sender, page):
+        monkeypatch.setattr(module, "KEPT_BYTES", 200)
+        sender.start()
+        wait_for(lambda: threading.active_count() == before, "the thread ended")
+        assert page.has[:2] == [0, 1]
+        sender.tell(900.5, 0.0, (0.0, 1000.0))
+        wait_for(lambda: 900 in page.has, "what was sought came")
+        wait_for(lambda: threading.active_count() == before, "the thread ended again")
+
+
 def test_between_two_words_the_time_is_reckoned_up_to_the_end() -> None:
     now = [100.0]
     cursor = Cursor(lambda: now[0])

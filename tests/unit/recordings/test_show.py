@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 import threading
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import isnan, nan
 from pathlib import Path
 
 import pytest
+from comm import get_comm_manager
 from traitlets import TraitError
 
-from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
+from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget, _cells
 from robowidgets.recordings import Recording, UnknownTopicError, open
 from robowidgets.recordings.sender import stretch
 from robowidgets.recordings.show import Player, _tracks
@@ -222,6 +225,22 @@ def test_the_neato_bumps_where_it_bumped(data: Path) -> None:
         player.seek(22.0)
         touched = {name for name, state in touch.states.items() if state is TouchState.TOUCHED}  # type: ignore[attr-defined]
         assert touched == {"left front", "right front"}
+
+
+def test_a_cell_that_runs_again_and_again_holds_no_more_than_once(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_cells, "_made", {})
+    held, players = set(), []
+    with open(path) as recording:
+        for run in range(50):
+            monkeypatch.setattr(_cells, "_running", lambda run=run: ("this cell", str(run)))
+            player = recording.show("/scan")
+            players.append(weakref.ref(player))
+            files = len(os.listdir("/proc/self/fd"))
+            held.add((threading.active_count(), files, len(get_comm_manager().comms)))
+    assert len(held) == 1, held
+    gc.collect()
+    assert [made() for made in players] == [None] * 49 + [player]
+    player.close()
 
 
 @pytest.mark.parametrize(

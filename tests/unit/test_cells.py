@@ -1,0 +1,67 @@
+"""What a cell made goes when it runs again."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import pytest
+
+from robowidgets import _cells
+
+Run = Callable[[str, str], "Made"]
+
+
+class Made:
+    """Notes whether it was closed."""
+
+    closed = False
+
+    def close(self) -> None:
+        self.closed = True
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Makes something in a run of a cell, as the kernel names both."""
+    request: dict[str, dict[str, str]] = {}
+    shell = SimpleNamespace(get_parent=lambda: request)
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setattr(_cells, "_made", {})
+
+    def made_in(cell: str, number: str) -> Made:
+        request.update(metadata={"cellId": cell} if cell else {}, header={"msg_id": number})
+        made = Made()
+        _cells.take_the_place(made)
+        return made
+
+    return made_in
+
+
+def test_what_earlier_runs_of_a_cell_made_is_closed(run: Run) -> None:
+    earlier = [run("a", "1"), run("a", "1")]
+    assert not any(made.closed for made in earlier)
+    now = run("a", "2")
+    assert all(made.closed for made in earlier)
+    assert not now.closed
+
+
+def test_what_other_cells_made_stays(run: Run) -> None:
+    first, second = run("a", "1"), run("b", "2")
+    run("b", "3")
+    assert (first.closed, second.closed) == (False, True)
+
+
+def test_where_nobody_tells_which_cell_runs_nothing_is_closed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = run("", "1")
+    run("", "2")
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
+    run("a", "3")
+    assert not first.closed
+    assert not _cells._made
+
+
+def test_what_nobody_holds_is_not_held_for_the_next_run(run: Run) -> None:
+    run("a", "1")
+    assert not _cells._made["a"][1]
