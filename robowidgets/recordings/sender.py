@@ -37,6 +37,9 @@ LINGER = 5.0
 _AT_EASE = 4
 """How much longer than it works the thread rests while nothing is urgent."""
 
+_BEHIND = 3
+"""How many times as far what lies behind counts."""
+
 Send = Callable[[dict[str, Any], list[bytes]], None]
 
 
@@ -209,8 +212,12 @@ class Sender:
         """All others, the nearest first, as long as there is room for them."""
         if not self._asked or sum(self._sent.values()) > KEPT_BYTES - max(self._sent.values(), default=0):
             return ()
+        return sorted(range(self._last + 1), key=self._distance())
+
+    def _distance(self) -> Callable[[int], float]:
+        """How far a stretch is from the time on show; more so when it lies behind, for time goes on."""
         here = self._here() / STRETCH
-        return sorted(range(self._last + 1), key=lambda i: abs(i - here))
+        return lambda index: index - here if index > here else _BEHIND * (here - index)
 
     def _send_one(self, tracks: Sequence[Track], index: int) -> int:
         edition = self._edition
@@ -228,8 +235,7 @@ class Sender:
 
     def _dropped(self) -> list[int]:
         """Take out what is more than the page keeps, and what is stale."""
-        wanted, here = set(self._soon()), self._here() / STRETCH
-        spare = sorted(self._sent.keys() - wanted, key=lambda i: abs(i - here))
+        spare = sorted(self._sent.keys() - set(self._soon()), key=self._distance())
         dropped = sorted(self._stale - self._sent.keys())
         self._stale.clear()
         while spare and sum(self._sent.values()) > KEPT_BYTES:

@@ -104,7 +104,9 @@ export class Playback {
   seek(time: number): void {
     this.#time = Math.min(Math.max(0, time), this.duration);
     this.#show();
-    this.#tell();
+    // What is not here is asked for at once.
+    if (this.waits) put(this.#model, { time: this.#time });
+    else this.#tell();
   }
 
   /** To the next scan, or the one before; without a laser, to what the first widget shows next. */
