@@ -27,7 +27,7 @@ _WORLD, _PLOT, _LANE, _MOST_LANES = 300.0, 100.0, 24.0, 5
 """Heights in the viewer, as they relate to each other."""
 
 _COLOURS = ((0, 140, 149), (180, 83, 9), (88, 80, 176), (190, 24, 93))
-_TOUCHED = {TouchState.FREE: "free", TouchState.TOUCHED: "touched", TouchState.UNKNOWN: None}
+_TOUCHED = {TouchState.FREE: "free", TouchState.TOUCHED: "touched", TouchState.UNKNOWN: ""}
 
 
 class Log:

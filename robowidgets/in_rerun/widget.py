@@ -47,6 +47,8 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
 
     time = Seconds(help="Seconds from the start of the recording, on show now. Python and the viewer write it.")
 
+    _viewer: Any = None
+
     def __init__(self, recording: Recording, topics: Sequence[str] = (), **kwargs: Any) -> None:
         Log(recording, topics)
         viewer = _viewer()
@@ -67,9 +69,10 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
 
     def close(self) -> None:
         """Take it off the page."""
-        pacer.forget(self)
-        server().drop(self._url)
-        self._viewer.close()
+        if self._viewer:
+            pacer.forget(self)
+            server().drop(self._url)
+            self._viewer.close()
         super().close()
 
     def send_newest(self) -> int:

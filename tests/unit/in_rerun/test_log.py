@@ -1,0 +1,177 @@
+"""What a file for Rerun holds, read by Rerun's own reader."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets.in_rerun.widget import _pieces
+from robowidgets.recordings import Recording, RecordingError, UnknownTopicError
+from robowidgets.recordings.frames import Poses, _turned
+from robowidgets.simulator import World
+
+chunk = pytest.importorskip("rerun.chunk", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")
+
+SCAN = "/world/scans/scan"
+
+
+class Read:
+    """The columns of a ``.rrd`` file by entity."""
+
+    def __init__(self, path: Path) -> None:
+        self._chunks = list(chunk.RrdReader(path).stream().collect().stream())
+        self.entities = {held.entity_path for held in self._chunks}
+
+    def rows(self, entity: str, *names: str, static: bool = False) -> list[tuple[Any, ...]]:
+        """The values of some columns, row by row, in the order of time."""
+        rows: list[tuple[Any, ...]] = []
+        for held in self._chunks:
+            batch = held.to_record_batch()
+            if held.entity_path == entity and held.is_static == static and set(names) <= set(batch.schema.names):
+                rows += zip(*(batch.column(name).to_pylist() for name in names), strict=True)
+        return rows if static else sorted(rows, key=lambda row: row[0])
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    return robowidgets.open(robowidgets.SAMPLE)
+
+
+@pytest.fixture(scope="module")
+def drive(recording: Recording, tmp_path_factory: pytest.TempPathFactory) -> Read:
+    path = tmp_path_factory.mktemp("rerun") / "drive.rrd"
+    assert recording.to_rerun(path) == path
+    return Read(path)
+
+
+def test_a_point_for_each_ray_bears_its_index_and_stands_where_the_scan_has_it(
+    drive: Read, recording: Recording
+) -> None:
+    rows = drive.rows(SCAN, "recording_time", "Points3D:positions")
+    ((labels, shown),) = drive.rows(SCAN, "Points3D:labels", "Points3D:show_labels", static=True)
+    scans = recording.scans("/scan")
+    assert len(rows) == len(scans) == 581
+    assert labels == [f"ranges[{i}]" for i in range(scans.ray_count)]
+    assert shown == [False]
+    seen = 0
+    for (_, points), moment in zip(rows, scans, strict=True):
+        assert len(points) == len(labels)
+        for index in range(0, len(points), 50):
+            point, ray = points[index], moment.sample[index]
+            seen += ray.x is not None
+            x, y = (np.nan if part is None else part for part in (ray.x, ray.y))
+            assert point == pytest.approx([x, y, 0], abs=1e-5, nan_ok=True)
+    assert seen > 1000
+
+
+def test_times_are_those_of_the_recording_to_the_nanosecond(drive: Read, recording: Recording) -> None:
+    rows = drive.rows(SCAN, "recording_time", "message_log_time")
+    scans = recording.scans("/scan")
+    assert [row[1].value for row in rows] == scans.times_ns.tolist()
+    assert [row[0].value for row in rows] == (scans.times_ns - recording.start_ns).tolist()
+
+
+def test_scans_land_on_the_walls_of_the_house(drive: Read) -> None:
+    world = World.rooms()
+    names = ("recording_time", "Points3D:positions", "Transform3D:translation", "Transform3D:quaternion")
+    for _, points, places, turns in drive.rows(SCAN, *names)[::20]:
+        known = np.array([point for point in points if np.isfinite(point[0])])
+        poses = Poses(np.repeat(places, len(known), axis=0), np.repeat(turns, len(known), axis=0))
+        landed = poses.places + _turned(poses.turns, known)
+        away = [abs(world.clearance(x, y)) for x, y, _ in landed[::20]]
+        assert np.median(away) < 0.03, away
+
+
+def test_speeds_are_numbers_by_axis_and_a_command_holds_until_the_next(drive: Read, recording: Recording) -> None:
+    for topic, holds in (("/odom", None), ("/cmd_vel", [2])):
+        entity = f"/speeds{topic}/angular.z"
+        rows = drive.rows(entity, "recording_time", "Scalars:scalars")
+        speeds = recording.speeds(topic)
+        assert [row[1][0] for row in rows] == speeds.angular[:, 2].tolist()
+        assert [row[0].value / 1e9 for row in rows] == pytest.approx(speeds.seconds.tolist())
+        ((name,),) = drive.rows(entity, "SeriesLines:names", static=True)
+        assert name == [f"{topic} angular.z"]
+        modes = drive.rows(entity, "SeriesLines:interpolation_mode", static=True)
+        assert (modes[0][0] if modes else None) == holds
+
+
+def test_each_touch_sensor_has_a_state_from_each_change_on(drive: Read, recording: Recording) -> None:
+    touches = recording.touches("/bumper")
+    for number, label in enumerate(touches.labels):
+        rows = drive.rows(f"/touches/bumper/{label}", "message_log_time", "StateChange:state")
+        told = {"free": 0, "touched": 1, "": 2}
+        states = [told[row[1][0]] for row in rows]
+        assert len(states) > 3
+        assert all(one != other for one, other in pairwise(states))
+        last = np.searchsorted([row[0].value for row in rows], touches.times_ns, side="right") - 1
+        settled = np.append(np.diff(touches.times_ns) > 0, True)
+        assert np.array(states)[last][settled].tolist() == touches.states[settled, number].tolist()
+
+
+def test_the_path_goes_through_every_pose_of_the_odometry(drive: Read, recording: Recording) -> None:
+    ((strips,),) = drive.rows("/world/path", "LineStrips3D:strips", static=True)
+    told = [joint.pose[:3] for joint in recording._timeline.joints()]
+    assert len(told) == 1161
+    assert np.array(strips[0]) == pytest.approx(np.array(told), abs=1e-5)
+    robot = drive.rows("/world/robot", "recording_time", "Transform3D:translation")
+    assert np.array([row[1][0] for row in robot]) == pytest.approx(np.array(told), abs=1e-5)
+
+
+def test_what_is_not_known_is_said(drive: Read, tmp_path: Path, data: Path) -> None:
+    ((text,),) = drive.rows("/notes", "TextDocument:text", static=True)
+    assert text == ["Nothing says where laser is on the robot: its scans stand at base_link."]
+    with robowidgets.open(data / "good" / "urg_681.bag") as still:
+        still.to_rerun(tmp_path / "still.rrd")
+    ((text,),) = Read(tmp_path / "still.rrd").rows("/notes", "TextDocument:text", static=True)
+    assert text == ["Neither odometry nor tf says where the robot was: all scans stand at one place."]
+
+
+def test_a_mounted_scanner_has_a_pose_of_its_own_and_nothing_to_be_said(tmp_path: Path, data: Path) -> None:
+    with robowidgets.open(data / "good" / "neato_fsm") as real:
+        real.to_rerun(tmp_path / "neato.rrd", "/scan", "/bump")
+    read = Read(tmp_path / "neato.rrd")
+    assert "/notes" not in read.entities
+    assert {"/touches/bump/left_front", SCAN} <= read.entities
+    assert not [entity for entity in read.entities if "stable" in entity or "odom" in entity]
+    (first, *_) = read.rows(SCAN, "recording_time", "Transform3D:translation")
+    assert first[1][0] == pytest.approx([2.42687, 4.09899, 0.166], abs=1e-4)
+
+
+def test_what_a_page_gets_piece_by_piece_is_the_same(drive: Read, recording: Recording, tmp_path: Path) -> None:
+    entities, rows = set(), []
+    names = ("recording_time", "Transform3D:translation")
+    for piece in _pieces(recording.path, ()):
+        (tmp_path / "piece.rrd").write_bytes(piece)
+        read = Read(tmp_path / "piece.rrd")
+        entities |= read.entities
+        rows += read.rows(SCAN, *names)
+    assert entities == drive.entities
+    assert rows == drive.rows(SCAN, *names)
+
+
+def test_scans_of_several_ray_counts_keep_their_indices(tmp_path: Path, data: Path) -> None:
+    changing = next(path for path in (data / "odd").iterdir() if path.name.startswith("every_ros2_type"))
+    with robowidgets.open(changing) as odd:
+        (scans,) = (odd.scans(topic.name) for topic in odd.topics if topic.widget == "laser")
+        counts = sorted(len(moment.sample) for moment in scans)
+        odd.to_rerun(tmp_path / "odd.rrd")
+    read = Read(tmp_path / "odd.rrd")
+    (entity,) = (entity for entity in read.entities if entity.startswith("/world/scans/"))
+    assert sorted(len(row[1] or ()) for row in read.rows(entity, "recording_time", "Points3D:positions")) == counts
+
+
+def test_errors_are_those_of_show(recording: Recording, tmp_path: Path) -> None:
+    with pytest.raises(UnknownTopicError, match=r"sample\.mcap has no topic '/scam'"):
+        recording.to_rerun(tmp_path / "x.rrd", "/scam")
+    assert not (tmp_path / "x.rrd").exists()
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        recording.to_rerun(tmp_path / "nowhere" / "x.rrd")
+    closed = robowidgets.open(robowidgets.SAMPLE)
+    closed.close()
+    with pytest.raises(RecordingError, match="is closed: open it again"):
+        closed.to_rerun(tmp_path / "x.rrd")

@@ -1,0 +1,162 @@
+"""Where a frame of a robot is in another, from what tf and odometry say of each."""
+
+from __future__ import annotations
+
+from math import cos, nan, pi, sin
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+from robowidgets.recordings import open
+from robowidgets.recordings.frames import Frames, Poses
+from robowidgets.recordings.joints import Joint, Pose, joints_of
+
+S = 1_000_000_000
+STILL = np.zeros(1, np.int64)
+
+
+def pose(x: float, y: float, yaw: float = 0.0) -> Pose:
+    return x, y, 0.0, 0.0, 0.0, sin(yaw / 2), cos(yaw / 2)
+
+
+def joint(parent: str, child: str, seconds: float, at: Pose, stamp: float = 0.0, **kind: bool) -> Joint:
+    return Joint(parent, child, round(seconds * S), round(stamp * S), at, **kind)
+
+
+def at(frames: Frames, frame: str, world: str, seconds: float, stamp: float = 0.0) -> tuple[float, float, float]:
+    """X, y and yaw."""
+    times, stamps = (np.array([round(value * S)], np.int64) for value in (seconds, stamp))
+    (place,), (turn,) = frames.poses(frame, world, times, stamps)
+    assert np.linalg.norm(turn) == pytest.approx(1)
+    yaw = 2 * np.arctan2(turn[2], turn[3])
+    return float(place[0]), float(place[1]), float((yaw + pi) % (2 * pi) - pi)
+
+
+def test_between_two_messages_a_frame_is_between_their_poses_and_beyond_them_it_stays() -> None:
+    frames = Frames([joint("odom", "base", 1, pose(0, 0)), joint("odom", "base", 3, pose(2, 4, pi / 2))])
+    assert at(frames, "base", "odom", 2) == pytest.approx((1, 2, pi / 4))
+    assert at(frames, "base", "odom", 0) == pytest.approx((0, 0, 0))
+    assert at(frames, "base", "odom", 9) == pytest.approx((2, 4, pi / 2))
+
+
+def test_a_turn_goes_the_short_way_whatever_sign_its_quaternion_has() -> None:
+    x, y, z, *turn = pose(0, 0, 0.2)
+    frames = Frames([joint("odom", "base", 0, pose(0, 0)), joint("odom", "base", 2, (x, y, z, *(-q for q in turn)))])
+    assert at(frames, "base", "odom", 1)[2] == pytest.approx(0.1, abs=1e-4)
+
+
+def test_the_robots_own_clock_goes_before_that_of_the_recorder() -> None:
+    late = [joint("odom", "base", 10 + t, pose(t, 0), stamp=5 + t) for t in (0, 1, 2)]
+    assert at(Frames(late), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
+    assert at(Frames(late), "base", "odom", 11.5)[0] == pytest.approx(1.5)
+    assert at(Frames(late[::-1]), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
+
+
+def test_a_scanner_stands_where_the_robot_is_and_turned_as_it_is_mounted() -> None:
+    mounted = joint("base", "laser", 0, pose(1, 0, pi), static=True)
+    frames = Frames([mounted, joint("odom", "base", 0, pose(5, 5, pi / 2), odometry=True)])
+    assert frames.chain("laser") == ["laser", "base", "odom"]
+    assert frames.odometry == ("odom", "base")
+    assert at(frames, "laser", "odom", 7) == pytest.approx((5, 6, -pi / 2))
+    assert frames.chain("camera") == ["camera"]
+
+
+def test_tf_goes_before_odometry_that_says_the_same() -> None:
+    said = [joint("odom", "base", 0, pose(9, 9), odometry=True), joint("odom", "base", 0, pose(1, 0))]
+    assert at(Frames(said), "base", "odom", 0) == pytest.approx((1, 0, 0))
+
+
+def test_odometry_of_a_frame_below_the_root_of_tf_moves_the_root() -> None:
+    above = joint("footprint", "base", 0, pose(1, 0), static=True)
+    frames = Frames([above, joint("odom", "base", 0, pose(5, 5, pi / 2), odometry=True)])
+    assert frames.chain("base") == ["base", "footprint", "odom"]
+    assert at(frames, "footprint", "odom", 0) == pytest.approx((5, 4, pi / 2))
+    assert at(frames, "base", "odom", 0) == pytest.approx((5, 5, pi / 2))
+
+
+def test_frames_that_hold_each_other_end_somewhere() -> None:
+    frames = Frames([joint("a", "b", 0, pose(1, 0)), joint("b", "a", 0, pose(1, 0))])
+    assert frames.chain("a") == ["a", "b"]
+
+
+def test_a_pose_and_its_inverse_undo_each_other() -> None:
+    turn = np.array([[0.1, -0.5, 0.3, 0.8]])
+    there = Poses(np.array([[1.0, 2.0, 3.0]]), turn / np.linalg.norm(turn))
+    places, turns = there.of(there.inverse())
+    assert places == pytest.approx(np.zeros((1, 3)))
+    assert np.abs(turns) == pytest.approx(np.array([[0, 0, 0, 1]]), abs=1e-12)
+
+
+def message(turn: tuple[float, ...], x: float = 1.0) -> Any:
+    stamp = SimpleNamespace(sec=3, nanosec=5)
+    place, rotation = SimpleNamespace(x=x, y=2.0, z=0.0), SimpleNamespace(**dict(zip("xyzw", turn, strict=True)))
+    transform = SimpleNamespace(translation=place, rotation=rotation)
+    header = SimpleNamespace(stamp=stamp, frame_id="/base_link")
+    return SimpleNamespace(transforms=[SimpleNamespace(header=header, child_frame_id="/laser", transform=transform)])
+
+
+def test_a_transform_is_read_without_slashes_and_its_turn_made_one() -> None:
+    (told,) = joints_of(message((0.0, 0.0, 2.0, 0.0)), "/robot/tf_static", 7)
+    assert told == Joint("base_link", "laser", 7, 3 * S + 5, (1, 2, 0, 0, 0, 1, 0), static=True)
+    (told,) = joints_of(message((0.0, 0.0, 0.0, 1.0)), "/tf", 7)
+    assert not told.static
+
+
+@pytest.mark.parametrize(("turn", "x"), [((0.0,) * 4, 1.0), ((0.0, 0.0, nan, 1.0), 1.0), ((0.0, 0.0, 0.0, 1.0), nan)])
+def test_a_transform_that_says_no_pose_is_an_error_that_names_the_frames(turn: tuple[float, ...], x: float) -> None:
+    with pytest.raises(ValueError, match="'/laser' in '/base_link' is at no pose"):
+        list(joints_of(message(turn, x), "/tf", 7))
+
+
+def test_odometry_without_a_pose_is_left_out_and_told(tmp_path: Path) -> None:
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    types = store.types
+
+    def odometry(x: float) -> Any:
+        vector, quaternion = types["geometry_msgs/msg/Vector3"], types["geometry_msgs/msg/Quaternion"]
+        held = types["geometry_msgs/msg/Pose"](types["geometry_msgs/msg/Point"](x, 0, 0), quaternion(0, 0, 0, 1))
+        twist = types["geometry_msgs/msg/Twist"](vector(0, 0, 0), vector(0, 0, 0))
+        return types["nav_msgs/msg/Odometry"](
+            header=types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](1, 0), "odom"),
+            child_frame_id="base_link",
+            pose=types["geometry_msgs/msg/PoseWithCovariance"](held, np.zeros(36)),
+            twist=types["geometry_msgs/msg/TwistWithCovariance"](twist, np.zeros(36)),
+        )
+
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/odom", "nav_msgs/msg/Odometry", typestore=store)
+        for number, x in enumerate((1.0, nan, 3.0)):
+            raw = store.serialize_cdr(odometry(x), "nav_msgs/msg/Odometry")
+            writer.write(connection, 100 * S + number * S, raw)
+    with open(tmp_path / "bag") as recording:
+        assert [told.pose[0] for told in recording._timeline.joints()] == [1, 3]
+        assert "the first at 1.00 s: 'base_link' in 'odom' is at no pose" in " ".join(recording.problems)
+
+
+def test_a_real_robot_has_its_scanner_behind_its_middle_and_turned_round(data: Path) -> None:
+    with open(data / "good" / "neato_fsm") as recording:
+        frames = Frames(recording._timeline.joints())
+        scans = recording.scans("/scan")
+        assert frames.chain("base_laser_link") == ["base_laser_link", "base_link", "base_footprint", "odom"]
+        robot = frames.poses("base_footprint", "odom", scans.times_ns, scans.stamps_ns)
+        laser = frames.poses("base_laser_link", "odom", scans.times_ns, scans.stamps_ns)
+    yaw = 2 * np.arctan2(robot.turns[:, 2], robot.turns[:, 3])
+    # It is said twice, first 0.1016 m: as in tf, what was said last holds.
+    behind = robot.places[:, :2] - 0.084 * np.stack([np.cos(yaw), np.sin(yaw)], axis=1)
+    assert laser.places[:, :2] == pytest.approx(behind, abs=1e-5)
+    turned = 2 * np.arctan2(laser.turns[:, 2], laser.turns[:, 3]) - yaw
+    assert np.cos(turned) == pytest.approx(-np.ones(len(yaw)), abs=1e-6)
+
+
+def test_a_carmen_log_has_its_path_in_its_odometry(data: Path) -> None:
+    with open(data / "good" / "edmonton.log.gz") as recording:
+        told = list(recording._timeline.joints())
+        assert len(told) == len(recording.speeds("ODOM")) == 6011
+        assert {(each.parent, each.child, each.odometry) for each in told} == {("odom", "base_link", True)}
+        steps = np.diff([each.pose[:2] for each in told], axis=0)
+    assert 0 < np.hypot(*steps.T).max() < 1
