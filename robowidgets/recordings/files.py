@@ -33,6 +33,9 @@ _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zs
 _PACKED = re.compile(r"^\s*compression_mode:\s*['\"]?(file|message)", re.MULTILINE | re.IGNORECASE)
 _BLOCK = 1 << 16
 _LOOKED_AT = 1 << 20
+_SMALL = 1 << 26
+_RATIO = 20
+"""Bytes of text from one of a gzipped log, at most: real ones give ten. Up to `_SMALL` any do."""
 
 
 def open_timeline(path: Path) -> Timeline:
@@ -133,14 +136,19 @@ def _open_log(path: Path, head: bytes) -> CarmenLog:
     packed = head.startswith(_GZIP)
     with path.open("rb") as file:
         start = file.read(_LOOKED_AT)
-        start = _gunzip(start)[0] if packed else start
+        start = _gunzip(start, _LOOKED_AT)[0] if packed else start
         if not any(word_of(line) for line in start.splitlines()):
             raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {_kind(start, head)}")
         file.seek(0)
         text = file.read()
     if not packed:
         return CarmenLog(text)
-    text, whole = _gunzip(text)
+    limit = max(_SMALL, _RATIO * len(text))
+    text, whole = _gunzip(text, limit)
+    if len(text) == limit and not whole:
+        return CarmenLog(
+            text, [f"more than {_RATIO} times its size comes out of the file: read the first {limit:,} bytes"]
+        )
     return CarmenLog(text, [] if whole else ["the file was cut off or is damaged: read what could be decompressed"])
 
 
@@ -151,13 +159,15 @@ def _kind(start: bytes, head: bytes) -> str:
     return f"{kind(start[:64])} in gzip: unpack it with gunzip"
 
 
-def _gunzip(data: bytes) -> tuple[bytes, bool]:
-    """What can be decompressed, and whether that is all of it."""
+def _gunzip(data: bytes, limit: int) -> tuple[bytes, bool]:
+    """What can be decompressed, up to a limit, and whether that is all of it."""
     text = bytearray()
     stream = zlib.decompressobj(wbits=31)
     try:
         for start in range(0, len(data), _BLOCK):
-            text += stream.decompress(data[start : start + _BLOCK])
+            text += stream.decompress(data[start : start + _BLOCK], limit - len(text) + 1)
+            if len(text) > limit:
+                return bytes(text[:limit]), False
     except zlib.error:
         return bytes(text), False
     return bytes(text), stream.eof
