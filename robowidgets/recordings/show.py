@@ -17,6 +17,7 @@ from .._layout import WIDE, columns
 from .._picks import Pick, picks
 from .._spans import Marks, Seconds, TimeSpan
 from .._traits import Flag
+from ..in_rerun.widget import RerunWidget
 from ..player_widget import PlayerWidget
 from ..scanogram_widget import ScanogramWidget
 from ..touch_widget import TouchWidget
@@ -30,6 +31,7 @@ MOST_SCANS = 20_000
 """With more scans a scanogram is made only when it is asked for: it reads them all."""
 
 _EARLY = 0.1
+_BESIDE = {"min_width": "min(100%, 300px)", "margin": "0 4px"}
 
 Seek = Callable[[float], None]
 """Makes a widget show a topic at a time, in seconds from the start."""
@@ -55,9 +57,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         topics: names of topics in it; none: all that have a widget.
         scanogram: whether the whole drive stands above them as one picture, of the first topic with scans; None: if
             that is ready in about a second.
+        rerun: whether the Rerun viewer stands beside them, on the same time.
 
     Raises:
         UnknownTopicError: it has no such topic, or one that no widget shows.
+        ImportError: Rerun is asked for, and is not installed.
     """
 
     time = Seconds(help="Seconds from the start of the recording, on show now. Settable.")
@@ -70,11 +74,14 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     _sender: Sender | None = None
     scanogram: ScanogramWidget | None = None
 
-    def __init__(self, recording: Recording, topics: Sequence[str] = (), scanogram: bool | None = None) -> None:
+    def __init__(
+        self, recording: Recording, topics: Sequence[str] = (), scanogram: bool | None = None, rerun: bool = False
+    ) -> None:
         take_the_place(self)
         self.recording = recording
         self.views: tuple[View, ...] = ()
         recording.samples(topics or None)
+        self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": "3 2 520px"}) if rerun else None
         shown = picks(t for t in recording.topics if not topics or t.name in topics)
         self.views = tuple(_view(recording, pick) for pick in shown)
         self._seeking = threading.Lock()
@@ -99,6 +106,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         if self.scanogram:
             self.bar.observe(partial(_select, self.scanogram), "selection")
             traitlets.link((self.bar, "marks"), (self.scanogram, "marks"))
+        if self.rerun:
+            traitlets.link((self, "time"), (self.rerun, "time"))
         self._on_time(sender, None)
 
     @property
@@ -160,7 +169,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar._words = words
 
     def _widgets(self) -> ipywidgets.Box:
-        return ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
+        widgets = ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
+        if not self.rerun:
+            return widgets
+        beside = ipywidgets.Box([widgets], layout={**_BESIDE, "flex": "2 1 400px"})
+        return ipywidgets.Box([self.rerun, beside], layout=WIDE)
 
     def _from_bar(self, change: Any) -> None:
         setattr(self, change["name"], change["new"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -38,8 +39,9 @@ class Read:
 
 
 @pytest.fixture(scope="module")
-def recording() -> Recording:
-    return robowidgets.open(robowidgets.SAMPLE)
+def recording() -> Iterator[Recording]:
+    with robowidgets.open(robowidgets.SAMPLE) as opened:
+        yield opened
 
 
 @pytest.fixture(scope="module")

@@ -133,7 +133,8 @@ def test_of_a_viewer_that_plays_the_newest_time_is_taken_now_and_then(widget: Re
 
 
 def test_the_other_timeline_of_the_viewer_is_understood(widget: RerunWidget, viewer: Viewer) -> None:
-    start = robowidgets.open(robowidgets.SAMPLE).start_ns or 0
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        start = recording.start_ns or 0
     viewer.says("timeline_change", timeline="message_log_time", time=float(start + 12_500_000_000))
     wait_for(lambda: widget.time == pytest.approx(12.5, abs=1e-6), "it is 12.5 s")
     viewer.says("timeline_change", timeline="recording_time", time=2e9)
