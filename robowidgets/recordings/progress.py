@@ -34,7 +34,7 @@ class Progress:
     needs none, nor the time that it takes to load tqdm.
     """
 
-    def __init__(self, total: int, what: str, unit: str = " messages") -> None:
+    def __init__(self, total: int | None, what: str, unit: str = " messages") -> None:
         self._options = {"total": total, "desc": what, "unit": unit}
         self._is_hidden = _hidden.get()
         self._began = time.monotonic()

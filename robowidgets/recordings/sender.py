@@ -11,6 +11,7 @@ from itertools import chain
 from math import floor
 from typing import Any
 
+from .progress import one_bar
 from .source import RecordingError
 from .stills import Track, pack
 
@@ -146,7 +147,8 @@ class Sender:
             with self._change:
                 self._change.wait_for(lambda: self._asked or self._closed, self._patience)
                 self._patience = 0.0
-            with self._open() as tracks:
+            # Nobody asked for what a thread does; its bars would stand in any cell.
+            with one_bar(), self._open() as tracks:
                 while (index := self._await()) is not None:
                     began = time.thread_time()
                     rest = self._send_one(tracks, index) / BYTES_PER_SECOND

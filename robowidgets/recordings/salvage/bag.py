@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..source import Channel, RecordingError
 from .inflate import COMPRESSIONS, MAX_CHUNK, inflate
-from .records import MAX_TEXT, Damage, Format, Frame, walk
+from .records import MAX_TEXT, Damage, Format, Frame, walk, with_bar
 from .report import foreign
 from .saved import Chunk, Findings, SavedFile
 from .stretch import FileStretch, MemoryStretch, Stretch, find
@@ -73,7 +73,8 @@ class _Scan:
 
     def records(self, data: Stretch, chunk: int, damage: Damage, start: int = 0) -> None:
         """Take in the records of the file (chunk -1) or of a chunk."""
-        for frame in walk(data, _LAYOUT, damage, start):
+        frames = walk(data, _LAYOUT, damage, start)
+        for frame in with_bar(frames, self.file) if chunk < 0 else frames:
             if frame.op == _MESSAGE and frame.whole:
                 seconds, nanoseconds = struct.unpack("<II", frame.fields["time"])
                 time_ns = seconds * 10**9 + nanoseconds

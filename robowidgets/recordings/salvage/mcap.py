@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ..source import Channel
 from .definition import definition
 from .inflate import COMPRESSIONS, MAX_CHUNK, inflate
-from .records import MAX_TEXT, Damage, Format, Frame, walk
+from .records import MAX_TEXT, Damage, Format, Frame, walk, with_bar
 from .report import foreign
 from .saved import Chunk, Findings, SavedFile
 from .stretch import FileStretch, MemoryStretch, Stretch, find
@@ -96,7 +96,8 @@ class _Scan:
 
     def records(self, data: Stretch, chunk: int, damage: Damage, start: int = 0) -> None:
         """Take in the records of the file (chunk -1) or of a chunk."""
-        for frame in walk(data, _LAYOUT, damage, start):
+        frames = walk(data, _LAYOUT, damage, start)
+        for frame in with_bar(frames, self.file) if chunk < 0 else frames:
             if frame.op == _MESSAGE and frame.whole:
                 self.message(data, frame, chunk, damage)
             elif frame.op in (_SCHEMA, _CHANNEL):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from .stretch import Stretch
+from ..progress import Progress
+from .stretch import FileStretch, Stretch
 
 MAX_PLACES = 10_000
 MAX_TEXT = 1 << 22
@@ -72,6 +73,16 @@ class Damage:
     compressions: set[str] = field(default_factory=set)
     unnamed: int = 0
     disk: str = ""
+
+
+def with_bar(frames: Iterable[Frame], file: FileStretch) -> Iterator[Frame]:
+    """The records of a file, with a bar where they take long."""
+    done = 0
+    with Progress(file.size, f"Reading {file.name}", "B") as bar:
+        for frame in frames:
+            yield frame
+            bar.update(frame.end - done)
+            done = frame.end
 
 
 def walk(data: Stretch, layout: Format, damage: Damage, start: int = 0) -> Iterator[Frame]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from threading import Lock
 from typing import NamedTuple
 
+from ..progress import Progress
 from ..source import Channel, RecordingError
 from .definition import definition
 from .records import MAX_PLACES, Damage
@@ -67,13 +68,15 @@ class SavedDatabase:
         self._connection = connection
         self._lock = Lock()
         self._rows, times, topics = array("q"), array("q"), array("q")
-        for row in _walk(connection, damage):
-            if message := _look_up(connection, row):
-                self._rows.append(row)
-                times.append(message.time_ns)
-                topics.append(message.topic)
-            else:
-                damage.places += 1
+        with Progress(None, f"Reading {path.name}") as bar:
+            for row in _walk(connection, damage):
+                if message := _look_up(connection, row):
+                    self._rows.append(row)
+                    times.append(message.time_ns)
+                    topics.append(message.topic)
+                else:
+                    damage.places += 1
+                bar.update(1)
         channels = _channels(connection, damage)
         self._times = Times(times, topics, {channel.id for channel in channels})
         counts = self._times.counts()

@@ -56,6 +56,15 @@ def test_what_takes_long_says_what_it_does(
     assert "Reading /scan:   0%" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["truncated.bag", "truncated.mcap", "half_the_pages.db3"])
+def test_a_file_without_an_index_is_gone_through_with_a_bar(
+    name: str, data: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(progress, "SHOWN_AFTER", 0)
+    robowidgets.open(data / "damaged" / name).close()
+    assert f"Reading {name}: " in capsys.readouterr().err
+
+
 def test_a_search_shows_one_bar_for_all_it_does(
     recording: robowidgets.Recording, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from robowidgets.recordings import RecordingError
+from robowidgets.recordings import RecordingError, progress
 from robowidgets.recordings import sender as module
 from robowidgets.recordings.sender import Cursor, Sender
 from robowidgets.recordings.stills import Still
@@ -106,6 +106,20 @@ def test_a_page_that_waits_gets_what_it_waits_for_however_fast_it_plays() -> Non
         wait_for(lambda: len(page.has) >= 20, "some came")
         wanted = [index for index in page.has if index >= 50]
         assert wanted == list(range(50, 50 + len(wanted)))
+
+
+def test_its_thread_shows_no_bar_in_a_cell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    class Long(Track):
+        def stills(self, start: float, end: float) -> Iterator[Still]:
+            with progress.Progress(2, "Reading") as bar:
+                bar.update(1)
+            return super().stills(start, end)
+
+    monkeypatch.setattr(progress, "SHOWN_AFTER", 0)
+    with sending(Long(), 3) as (sender, page):
+        sender.start()
+        wait_for(lambda: len(page.has) == 4, "all came")
+    assert capsys.readouterr().err == ""
 
 
 def test_what_is_stale_is_dropped_from_the_page() -> None:
