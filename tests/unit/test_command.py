@@ -274,10 +274,13 @@ def test_find_prints_spans_and_0(capsys):
     assert said.err == ""
 
 
-def test_find_prints_json(capsys):
+def test_find_prints_json(capsys, monkeypatch):
+    monkeypatch.setattr("robowidgets.recordings.progress.SHOWN_AFTER", 0)
     arguments = ["--speed-above", "0.1", "--gap", "1", "--any", "--speed", "/odom", "--json"]
     assert main(["find", str(robowidgets.SAMPLE), *arguments]) == 0
-    told = json.loads(capsys.readouterr().out)
+    said = capsys.readouterr()
+    assert "Finding:   0%" in said.err, "progress goes where it is in nobody's way"
+    told = json.loads(said.out)
     assert told["condition"] == "(linear.x above 0.1 m/s | gap longer than 1 s)"
     assert told["complete"] is True
     assert {"start", "end", "seconds", "start_ns", "end_ns"} == set(told["spans"][0])
