@@ -18,7 +18,7 @@ from ._traits import Flag, bytes_trait
 from ._widget import NamedWidget, bundle
 from .samples import AXES, Scan
 from .scanogram.clock import Clock
-from .scanogram.levels import Levels, near_and_far
+from .scanogram.levels import BUDGET, Levels, near_and_far
 from .scanogram.parts import detail, overview
 from .scanogram.scans import Held, Scans, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
@@ -218,12 +218,19 @@ class ScanogramWidget(NamedWidget):
             self._file.close()
 
     def _put(
-        self, scans: Scans, sweep: Sweep, start_ns: int, *, duration: float = 0.0, notes: Sequence[str] = ()
+        self,
+        scans: Scans,
+        sweep: Sweep,
+        start_ns: int,
+        *,
+        duration: float = 0.0,
+        notes: Sequence[str] = (),
+        budget: int = BUDGET,
     ) -> None:
         """Show scans from wherever they lie."""
         clock = Clock(scans.times_ns, start_ns)
         end = max(duration, float(clock.ends[-1]))
-        self._draw(Picture(Levels(scans, sweep), clock, start_ns, end), (*notes, *clock.notes))
+        self._draw(Picture(Levels(scans, sweep, budget), clock, start_ns, end), (*notes, *clock.notes))
 
     def _draw(self, picture: Picture, notes: Sequence[str] | None = None) -> None:
         self._picture = picture

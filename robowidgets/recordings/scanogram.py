@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import TouchState
+from ..scanogram.levels import BUDGET
 from ..scanogram.scans import Held, Scans, Sweep, cut
 from ..scanogram_widget import ScanogramWidget
 from . import scan_series
@@ -18,6 +19,9 @@ from .touch_series import Touches
 
 HELD_BYTES = 256 << 20
 """Scans up to so many bytes are held in memory; where there are more, they are read again when they are looked at."""
+
+LOOKED_AT_BYTES = 32 << 20
+"""Of those that are read again, so many bytes are kept."""
 
 
 class Read:
@@ -62,7 +66,7 @@ def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series
     if held is None:
         # A file of its own, so that the recording given may be closed.
         widget._file = open(recording.path)
-        widget._file.memory = recording.memory
+        widget._file.memory = min(LOOKED_AT_BYTES, recording.memory)
         own = _group(widget._file.scans(scans.topic), rays)
         likes = [chunk.like for chunk in own.chunks()]
         source = Read(own)
@@ -74,7 +78,14 @@ def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series
     if any(Sweep.of(like) != sweep for like in likes):
         notes.append("the scanner's geometry changes: the angles and limits are those of the first scan")
     notes += likes[0].notes
-    widget._put(source, sweep, recording.start_ns or 0, duration=recording.duration, notes=notes)
+    widget._put(
+        source,
+        sweep,
+        recording.start_ns or 0,
+        duration=recording.duration,
+        notes=notes,
+        budget=min(BUDGET, recording.memory // 4),
+    )
     if not widget.title:
         widget.title = scans.topic
 
