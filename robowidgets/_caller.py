@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from types import FrameType
 
 _CELLS = "IPython.core.interactiveshell"
 
@@ -16,9 +17,17 @@ def is_a_person() -> bool:
     ipython = sys.modules.get("IPython")
     if ipython is None or ipython.get_ipython() is None:
         return threading.current_thread() is threading.main_thread()
-    frame = sys._getframe()
-    while frame.f_back is not None:
-        frame = frame.f_back
+    return _is_in_a_cell(sys._getframe())
+
+
+def a_cell_runs() -> bool:
+    """Whether the main thread is at work on a cell; not while the cell awaits something."""
+    return _is_in_a_cell(sys._current_frames().get(threading.main_thread().ident or 0))
+
+
+def _is_in_a_cell(frame: FrameType | None) -> bool:
+    while frame is not None:
         if frame.f_globals.get("__name__") == _CELLS:
             return True
+        frame = frame.f_back
     return False

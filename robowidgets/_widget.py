@@ -17,6 +17,7 @@ import traitlets
 
 from ._caller import is_a_person
 from ._pacer import pacer
+from ._png import SavesPng
 from ._rate import RateMeter
 from ._traits import Flag, bytes_trait
 
@@ -90,7 +91,7 @@ class NamedWidget(anywidget.AnyWidget):
             log.error("%s %s: %s", type(self).__name__, self.title, text)
 
 
-class RobotWidget(NamedWidget, Generic[S]):
+class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
     Subclasses pack samples to bytes and back, and hand new ones to `_show`. A sample is only stored by the caller; it
@@ -123,6 +124,7 @@ class RobotWidget(NamedWidget, Generic[S]):
         self._process = os.getpid()
         self._newest: S | None = None
         self._newest_about: dict[str, Any] = {}
+        self._unsaved = ""
         self._sequence = 0
         self._meter = RateMeter()
         self._changed = False
@@ -160,6 +162,16 @@ class RobotWidget(NamedWidget, Generic[S]):
         if is_a_person():
             raise error from None
         self._log_once(f"a message could not be shown: {text}")
+
+    def _say(self, words: str) -> None:
+        if words != self._unsaved:
+            with self._storing:
+                self._unsaved = words
+                self._changed = True
+            pacer.mark(self)
+
+    def _catch_up(self) -> None:
+        self.send_newest()
 
     # -- to the page ---------------------------------------------------------------------------------------------------
 
@@ -241,6 +253,8 @@ class RobotWidget(NamedWidget, Generic[S]):
                     return
                 self._changed = False
                 sample, about, sequence, rate = self._newest, self._newest_about, self._sequence, self.rate
+                if self._unsaved:
+                    about = {**about, "notes": [*about.get("notes", ()), self._unsaved]}
             self._trait_values["_about"] = about
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0

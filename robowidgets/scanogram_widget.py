@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._cells import take_the_place
 from ._limits import Pair
+from ._png import SavesPng
 from ._spans import Marks, TimeSpan
 from ._traits import Flag, bytes_trait
 from ._widget import NamedWidget, bundle
@@ -41,7 +42,7 @@ class Picture:
     touch: TouchStrip | None = None
 
 
-class ScanogramWidget(NamedWidget):
+class ScanogramWidget(SavesPng, NamedWidget):
     """Many scans as one picture: time across, ray angle up, colour for distance, speed and touch under it.
 
     The reader sees a column per moment and a row per ray, counter-clockwise angles above (REP-103), dark where
@@ -102,6 +103,7 @@ class ScanogramWidget(NamedWidget):
         self._file: Recording | None = None
         self._picture: Picture | None = None
         self._edition = 0
+        self._unsaved = ""
         super().__init__(**kwargs)
 
     @classmethod
@@ -242,6 +244,12 @@ class ScanogramWidget(NamedWidget):
             self._wanted = []
             if notes is not None:
                 self._about = {"notes": list(notes)}
+
+    def _say(self, words: str) -> None:
+        if words != self._unsaved:
+            notes = [note for note in self._about.get("notes", ()) if note != self._unsaved]
+            self._unsaved = words
+            self._about = {**self._about, "notes": [*notes, words] if words else notes}
 
     def _scans_first(self, call: str) -> Picture:
         if self._picture is None:

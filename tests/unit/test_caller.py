@@ -55,6 +55,18 @@ thread.start()
 thread.join()
 assert refused()
 """,
+    "a thread that asks whether a cell runs": """
+from robowidgets._caller import a_cell_runs
+def ask():
+    thread = threading.Thread(target=lambda: told.append(a_cell_runs()))
+    thread.start()
+    thread.join()
+told = []
+ask()
+asyncio.get_running_loop().call_soon(ask)
+await asyncio.sleep(0.01)
+assert told == [True, False]
+""",
 }
 RAISES = ("a cell", "a coroutine that a cell awaits")
 TEXT = "angle_min: expected a finite number of radians, got nan"

@@ -1,0 +1,162 @@
+"""The PNG of what a widget shows: what the button downloads, and what `save_png` writes."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from playwright.sync_api import Locator, Page, expect
+
+from .laser import DARK, FAN, LIGHT, SETUP, Picture, Place, eventually, layers, locate
+from .notebook import Notebook
+
+Pixels = NDArray[np.int_]
+STILL = """
+.rw-controls, .rw-steps, .rw-button { display: none !important }
+[data-seen] { position: fixed !important; z-index: 9; top: 8px; left: 8px; border-radius: 0 !important }
+"""
+"""A PNG leaves out what is there to be pressed, and the round corners, through which one would see the page."""
+
+WIDGETS = f"""{SETUP}
+import numpy as np
+from robowidgets import ScanogramWidget, SpeedWidget, TouchWidget
+
+laser.update(**fan({{3: 0.1, 5: inf, 7: nan, 9: -inf}}))
+laser.pinned = 12
+speed = SpeedWidget(title="/odom", linear_limits=(-0.5, 0.5))
+speed.update(linear=(0.62, 0, 0), angular=(0, 0, -0.24))
+speed.command(linear=(0.4, 0, 0), angular=(0, 0, 0))
+touch = TouchWidget(title="/bumper & <b>", angles={{"left": 0.9, "right": -0.9}})
+touch.update(left=True, right=False, front=False)
+ranges = np.tile(2 + np.sin(np.arange(200)[:, None] / 20 + np.arange(61) / 30), 1)
+ranges[50:60] = inf
+scanogram = ScanogramWidget(title="/scan")
+scanogram.update(times_ns=np.arange(200) * 100_000_000, ranges=ranges, angle_min=-1.5, angle_increment=0.05,
+                 range_min=0.1, range_max=10.0)
+scanogram.set_touches([(10.0, 10.5, "left")], title="/bumper")
+scanogram.selection = (2.0, 7.0)
+"""
+
+
+def pixels(png: bytes) -> Pixels:
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
+
+
+def download(page: Page, card: Locator) -> tuple[str, Pixels]:
+    """Name and pixels of what the button saves."""
+    with page.expect_download() as begun:
+        card.get_by_role("button", name="Save as PNG").press("Enter")
+    return begun.value.suggested_filename, pixels(Path(begun.value.path()).read_bytes())
+
+
+def seen(card: Locator) -> Pixels:
+    """What a person sees of a card, on whole pixels."""
+    width = card.evaluate("(card) => (card.dataset.seen = card.getBoundingClientRect().width)")
+    shot = card.screenshot(animations="disabled", style=f"{STILL} [data-seen] {{ width: {width}px }}")
+    card.evaluate("(card) => delete card.dataset.seen")
+    return pixels(shot)
+
+
+def differences(saved: Pixels, screen: Pixels) -> float:
+    """The share of pixels that differ so much that a person would see it."""
+    assert saved.shape == screen.shape
+    return float((np.abs(saved - screen).max(axis=-1) > 48).mean())
+
+
+def red_at(saved: Pixels, card: Locator, place: Place, ray: tuple[float, float], red: tuple[int, ...]) -> bool:
+    """Whether a reading is where it is on the screen, at twice its pixels."""
+    left, top = card.evaluate(
+        """(card) => {
+            const [outer, inner] = [card, card.querySelector(".rw-picture")].map((e) => e.getBoundingClientRect());
+            return [inner.left - outer.left, inner.top - outer.top];
+        }"""
+    )
+    x, y = place.at(*ray)
+    return bool(np.abs(saved[round(2 * (top + y)), round(2 * (left + x))] - red).max() <= 12)
+
+
+def test_the_button_saves_what_a_person_sees(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([WIDGETS, "laser", "speed", "touch", "scanogram"], scale=2)
+    nb.page.mouse.move(0, 0)
+    for cell, name in ((2, "odom"), (3, "bumper-&-_b_"), (4, "scan"), (1, "scan")):
+        card = nb.widget(cell).locator(".rw-card")
+        file, saved = download(nb.page, card)
+        assert re.fullmatch(rf"{name}-20\d\d(-\d\d){{5}}\.png", file)
+        assert differences(saved, seen(card)) < 0.008, file
+    nb.theme("dark")
+    _, saved = download(nb.page, card)
+    assert differences(saved, seen(card)) < 0.008
+
+
+def test_the_button_needs_no_kernel_and_draws_finer_than_the_screen(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SETUP + "laser.update(**fan())", "laser"], theme="dark")
+    card = nb.widget(1).locator(".rw-card")
+    nb.start(nb.append("while True: laser.update(**fan())"))
+    locate(card, colour=DARK["reading"])
+    before = layers(card)
+    _, live = download(nb.page, card)
+    card.locator(".rw-freeze").click()
+    _, frozen = download(nb.page, card)
+    place = locate(card, colour=DARK["reading"])
+    for saved in (live, frozen):
+        box = card.bounding_box()
+        assert box
+        assert saved.shape[:2] == (round(2 * box["height"]), round(2 * box["width"]))
+        assert all(red_at(saved, card, place, ray, DARK["reading"]) for ray in FAN)
+        assert saved[-4, 4].tolist() == list(Picture(card).paper)
+    assert layers(card) == before, "the view itself was left as fine as the screen"
+    nb.interrupt()
+
+
+SAVE = """
+laser.update(**fan())
+saving = laser.save_png("called.png")
+laser.update(**fan({9: 0.9}))
+done = time.monotonic() + 1
+while time.monotonic() < done:
+    pass
+"""
+TWO_VIEWS = """
+heard = []
+laser.on_msg(lambda widget, content, buffers: heard.append(os.stat("called.png").st_ino))
+saving = laser.save_png("called.png")
+"""
+GONE = """
+os.mkdir("gone")
+laser.save_png("gone/x.png")
+os.rmdir("gone")
+"""
+UNSEEN = """
+_png.PATIENCE = 0.2
+try:
+    await LaserWidget(title="/other").save_png("unseen.png")
+except TimeoutError as error:
+    print(error)
+"""
+
+
+def test_the_method_writes_the_file_when_the_page_answers(notebook: Callable[..., Notebook]) -> None:
+    setup = SETUP + "import os, time\nfrom robowidgets import _png\nlaser.update(**fan())"
+    nb = notebook([setup, "display(laser, laser)", SAVE, "print(await laser.save_png('awaited.png'))"])
+    card = nb.widget(1).locator(".rw-card")
+    place = locate(card, [*FAN[:9], (0.9, 0.0), *FAN[10:]])
+    files = nb.lab.files
+    assert nb.text(3).strip() == str(files / "awaited.png")
+    called, awaited = (pixels((files / name).read_bytes()) for name in ("called.png", "awaited.png"))
+    assert [red_at(called, card, place, ray, LIGHT["reading"]) for ray in (FAN[9], (0.9, 0.0))] == [True, False]
+    assert [red_at(awaited, card, place, ray, LIGHT["reading"]) for ray in (FAN[9], (0.9, 0.0))] == [False, True]
+
+    nb.run(nb.append(TWO_VIEWS))
+    eventually(lambda: nb.python("len(heard)"), "2")
+    assert nb.python("len(set(heard)) == 1 and repr(saving).endswith(': written>')") == "True"
+
+    nb.run(nb.append(GONE))
+    expect(card.locator(".rw-notice").first).to_contain_text("gone/x.png was not written: [Errno 2] No such file")
+    nb.run(nb.append("await laser.save_png('awaited.png')"))
+    expect(card.locator(".rw-notice").first).to_be_hidden()
+    assert "unseen.png was not written: no page that shows this widget has answered" in nb.run(nb.append(UNSEEN))
