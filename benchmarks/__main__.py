@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import columns, feeds, measure, recordings, table
+from . import columns, feeds, measure, memory, player, recordings, scanograms, table
 from .rivals import NAMES
 from .stage import Stage, open_stage, versions
 
@@ -32,8 +32,19 @@ Absolute figures depend on the machine and move by a third from run to run; rati
 - A recording is opened and its topics are listed; then it is opened and every sample is made that a widget can show
   (of the topics that both know), where rosbags makes its messages. In one process, in turn.
 - All scans of a topic are decoded into one array, where rosbags deserialises the same messages, and mcap-ros2-support
-  the first 500 of them (MCAP files only): each on a file that is open already, in one process, in turn. Of short
-  recordings most of the time goes into the code that rosbags makes for a type of messages, for either.
+  the first 500 of them (MCAP files only): each on a file that is open already, in one process, in turn. The first round
+  does not count, and is told under the table: a machine that is itself a guest is given memory by its host, and 83 MB
+  for an array take it longer than to decode them, while rosbags keeps no array. Of short recordings most of rosbags'
+  time goes into the code that it makes for a type of messages; of compressed ones, most of all times to decompress.
+- A scanogram is ready with all its levels of detail and its strips, where rosbags goes through the raw messages of the
+  same topics; rounds as above. It takes some milliseconds to make any widget, and as many for each type of messages,
+  which counts in recordings of a few hundred scans.
+- Memory is the most that a process takes above what it takes with the file open, `memory` at 64 MB.
+- A player shows a recording whose scans carry their numbers, and its page reads them back. A click on scanogram or
+  slider counts from its event to the end of the frame that shows the new moment; a bare round trip is one message of a
+  widget that only answers, from page to kernel and back, in the same page, in turn with the clicks. It plays at 10
+  times speed from where the page has nothing yet, the kernel idle, and in a busy loop that began before. What the page
+  paints at most is counted while nothing plays: its animation frames, with the same reading back.
 - Of a feed: a robot in a process of its own publishes scans at 40 Hz. When they come is noted by a bare subscriber's
   callback in another process, by a function that is connected to the feed, and by the page that has painted them. The
   widget alone is handed scans by a cell. CPU is that of the kernel's whole process, with four widgets on the feed.
@@ -47,12 +58,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one short repeat, to see that all works; writes nothing")
     parser.add_argument("--feeds", action="store_true", help="feeds only; writes nothing")
+    parser.add_argument("--recordings", action="store_true", help="recordings only; writes nothing")
+    parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
     parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="libraries; writes nothing")
     options = parser.parse_args()
     repeats, seconds, long = (1, 1.0, 6.0) if options.quick else (3, 3.0, 60.0)
     if options.feeds:
         with open_stage() as stage:
             print("\n".join(feed_parts(stage, 2 * seconds, repeats, long)))
+        return
+    if options.recordings:
+        print("\n".join(recording_parts(repeats, quick=options.quick)))
+        return
+    if options.player:
+        with open_stage() as stage:
+            print("\n".join(player_parts(stage, repeats, seconds, quick=options.quick)))
         return
     names = {name: measure.facts(name)["NAME"] for name in options.only}
 
@@ -78,16 +98,10 @@ def main() -> None:
             parts += [f"\n## Flooded for {long:.0f} s\n", table.endurance({"first sixth": first, "last sixth": last})]
             parts += [f"\nIts newest scan was shown late by {late:.0f} ms."]
             parts += feed_parts(stage, 2 * seconds, repeats, long)
+            parts += player_parts(stage, repeats, seconds, quick=options.quick)
         about = {"Chromium": stage.chromium, "Python": platform.python_version(), **versions()}
     if OURS in names:
-        print("recordings", flush=True)
-        read = recordings.compare(1000 if options.quick else 10_000, repeats + 2)
-        parts += ["\n## Recordings, beside rosbags alone\n", table.readings(read)]
-        decoded, peaks = columns.compare(2000 if options.quick else 20_000, repeats)
-        parts += ["\n## All scans as one array\n", table.decodings(decoded)]
-        parts += [
-            f"\nA walk through the written file takes {peaks[0]:.0f} MB, through ten times as much {peaks[1]:.0f} MB."
-        ]
+        parts += recording_parts(repeats, quick=options.quick)
     text = "\n".join(parts).format(
         patience=measure.PATIENCE,
         repeats=repeats,
@@ -111,6 +125,40 @@ def feed_parts(stage: Stage, seconds: float, repeats: int, long: float) -> list[
         table.feeds(figures),
         f"\n## A feed at 1000 Hz for {long:.0f} s\n",
         table.feed_endurance({"first sixth": first, "last sixth": last}),
+    ]
+
+
+def recording_parts(repeats: int, *, quick: bool) -> list[str]:
+    """What is said of reading recordings."""
+    print("recordings", flush=True)
+    read = recordings.compare(1000 if quick else 10_000, repeats + 2)
+    with recordings.written(2000 if quick else 20_000) as (made, large):
+        decoded = columns.compare(made, repeats + 2)
+        drawn = scanograms.compare(made, repeats + 2)
+        peaks = memory.compare(made, large)
+    first = next(iter(decoded.values())).first
+    return [
+        "\n## Recordings, beside rosbags alone\n",
+        table.readings(read),
+        "\n## All scans as one array\n",
+        table.decodings(decoded),
+        f"\nThe first round on the written file was {first:.2f} times as fast as that of rosbags.",
+        "\n## Until the scanogram is ready\n",
+        table.drawings(drawn),
+        "\n## Memory for a recording and for ten times as much\n",
+        table.peaks(peaks),
+    ]
+
+
+def player_parts(stage: Stage, repeats: int, seconds: float, *, quick: bool) -> list[str]:
+    """What is said of the player."""
+    print("player", flush=True)
+    found = player.compare(stage, 20_000, repeats, 3 if quick else 15, 2 * seconds)
+    return [
+        "\n## The player, from a click to the new moment\n",
+        table.waits(found.waits),
+        "\n## The player at 10 times speed\n",
+        table.plays(found.plays),
     ]
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-import tempfile
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,24 +10,10 @@ from typing import Any
 
 import robowidgets
 
-from .recordings import open_theirs, real, timed, write
-from .stage import ROOT
+from .recordings import open_theirs, timed, with_scans
 
 SLOW_SCANS = 500
 """How many messages the slowest of them reads: the time for all follows from these."""
-
-PEAK = """
-import sys, robowidgets
-
-def most():
-    return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM:"))
-
-with robowidgets.open(sys.argv[1]) as recording:
-    recording.memory = 64_000_000
-    before = most()
-    nearest = min(float(chunk.ranges.min()) for _ in range(2) for chunk in recording.scans().chunks())
-    print(most() - before)
-"""
 
 
 @dataclass
@@ -42,41 +25,35 @@ class Decoding:
     ours: float
     rosbags: float
     mcap: float
+    first: float
+    """How many times as fast as rosbags we are the first time."""
 
 
-def compare(scans: int, repeats: int) -> tuple[dict[str, Decoding], tuple[float, float]]:
-    """Each topic by file and name; and the peak memory in megabytes of a walk through the written file and one ten
-    times its size."""
-    with tempfile.TemporaryDirectory() as folder:
-        made, large = Path(folder) / "scans.mcap", Path(folder) / "large.mcap"
-        write(made, scans)
-        write(large, 10 * scans)
-        found = {}
-        for path in (made, *real()):
-            with robowidgets.open(path) as recording:
-                topics = [topic.name for topic in recording.topics if topic.widget == "laser"]
-            name = f"{scans:,} scans of 1040 rays (MCAP)" if path == made else path.name
-            found |= {f"{name} {topic}": decode(path, topic, repeats) for topic in topics}
-        return found, (peak(made), peak(large))
+def compare(made: Path, repeats: int) -> dict[str, Decoding]:
+    """Each topic by file and name."""
+    return {name: decode(path, topic, repeats) for name, path, topic in with_scans(made)}
 
 
 def decode(path: Path, topic: str, repeats: int) -> Decoding:
-    """All of them in turn, each on a file that is open already; the median of each."""
+    """All of them in turn, each on a file that is open already; the median of each, but for the first time."""
     times: dict[str, list[float]] = {"ours": [], "rosbags": [], "mcap": []}
-    for _ in range(repeats):
+    for _ in range(1 + repeats):
         with robowidgets.open(path) as recording:
             took, ranges = timed(lambda recording=recording: recording.scans(topic).ranges)
             times["ours"].append(took)
+        scans, rays = ranges.shape
+        # Before the next is made, whose memory this then is.
+        del ranges
         with closing(open_theirs(path)) as reader:
             took, count = timed(lambda reader=reader: _rosbags(reader, topic))
             times["rosbags"].append(took)
-        if count != len(ranges):
-            raise RuntimeError(f"{path.name}: {len(ranges)} scans on {topic}, where rosbags has {count} messages")
+        if count != scans:
+            raise RuntimeError(f"{path.name}: {scans} scans on {topic}, where rosbags has {count} messages")
         if path.suffix == ".mcap":
             took, read = timed(lambda: _mcap(path, topic))
             times["mcap"].append(took * count / read)
-    rates = {name: len(ranges) / median(took) if took else 0.0 for name, took in times.items()}
-    return Decoding(*ranges.shape, **rates)
+    rates = {name: scans / median(took[1:]) if took else 0.0 for name, took in times.items()}
+    return Decoding(scans, rays, **rates, first=times["rosbags"][0] / times["ours"][0])
 
 
 def _rosbags(reader: Any, topic: str) -> int:
@@ -93,9 +70,3 @@ def _mcap(path: Path, topic: str) -> int:
         if count == SLOW_SCANS:
             break
     return count
-
-
-def peak(path: Path) -> float:
-    """Megabytes that a process of its own takes for going through all scans of a file twice, chunk by chunk."""
-    run = subprocess.run([sys.executable, "-c", PEAK, path], cwd=ROOT, capture_output=True, text=True, check=True)
-    return int(run.stdout) * 1024 / 1e6

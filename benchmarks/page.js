@@ -209,6 +209,8 @@ window.bench = (() => {
   }
 
   return {
+    frame,
+
     // Sets what is looked at: the elements of a selector, their dots in canvases or (with `svg`) in elements.
     look(selector, svg) {
       const roots = [...document.querySelectorAll(selector)];

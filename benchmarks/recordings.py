@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import closing
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -40,7 +40,7 @@ def compare(scans: int, repeats: int) -> dict[str, Reading]:
     """Each file by its name: the generated one, and the real ones that are there."""
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "scans.mcap"
-        write(made, scans)
+        write(made, range(scans))
         files = {f"{scans:,} scans of 1040 rays (MCAP)": made, **{path.name: path for path in real()}}
         return {name: read(path, repeats) for name, path in files.items()}
 
@@ -53,14 +53,33 @@ def real() -> Iterator[Path]:
             yield path
 
 
-def write(path: Path, scans: int) -> None:
-    """An MCAP file of scans at 40 Hz."""
+@contextmanager
+def written(scans: int) -> Iterator[tuple[Path, Path]]:
+    """An MCAP file of so many scans, and one of ten times as many; gone after the block."""
+    with tempfile.TemporaryDirectory() as folder:
+        made, large = Path(folder) / "scans.mcap", Path(folder) / "large.mcap"
+        write(made, range(scans))
+        write(large, range(10 * scans))
+        yield made, large
+
+
+def with_scans(made: Path) -> Iterator[tuple[str, Path, str]]:
+    """Name, file and topic of all that are scans: of a written file, and of the real ones that are there."""
+    for path in (made, *real()):
+        with robowidgets.open(path) as recording:
+            topics = [topic for topic in recording.topics if topic.widget == "laser"]
+        for topic in topics:
+            yield f"{path.name if path != made else f'{topic.count:,} scans (MCAP)'} {topic.name}", path, topic.name
+
+
+def write(path: Path, numbers: Iterable[int]) -> None:
+    """An MCAP file of scans at 40 Hz that say these numbers, one after the other."""
     kind = TYPES.types["sensor_msgs/msg/LaserScan"]
     header, stamp = TYPES.types["std_msgs/msg/Header"], TYPES.types["builtin_interfaces/msg/Time"]
     with Writer(path.with_suffix(""), version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connection = writer.add_connection("/scan", kind.__msgtype__, typestore=TYPES)
-        for number in range(scans):
-            when = 1_700_000_000_000_000_000 + number * 25_000_000
+        for place, number in enumerate(numbers):
+            when = 1_700_000_000_000_000_000 + place * 25_000_000
             message = kind(
                 header=header(stamp=stamp(*divmod(when, 1_000_000_000)), frame_id="laser"),
                 angle_min=ANGLE_MIN,

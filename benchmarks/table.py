@@ -9,7 +9,9 @@ from .columns import Decoding
 from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
 from .measure import Endurance, Four
+from .player import ROUND_TRIP, Playing, Waiting
 from .recordings import Reading
+from .scanograms import Drawing
 
 COLUMNS = {
     "first_paint": "cell to first paint, ms",
@@ -122,6 +124,34 @@ def decodings(files: Mapping[str, Decoding]) -> str:
     ]
     heads = ["", "scans", "decoded a second", "rosbags", "times as fast", "mcap-ros2-support", "times as fast"]
     return markdown(heads, body)
+
+
+def drawings(files: Mapping[str, Drawing]) -> str:
+    """How long it takes until a scanogram is ready, one line per topic."""
+    body = [
+        [name, f"{one.messages:,}", say(one.ours), say(one.rosbags), times(one.ours / one.rosbags)]
+        for name, one in files.items()
+    ]
+    return markdown(["", "messages", "scanogram ready, ms", "rosbags, raw messages", "ratio"], body)
+
+
+def peaks(work: Mapping[str, tuple[float, float]]) -> str:
+    """Memory, one line per kind of work."""
+    body = [[name, say(one), say(ten), times(ten / one)] for name, (one, ten) in work.items()]
+    return markdown(["most memory, MB", "20,000 scans", "200,000 scans", "ratio"], body)
+
+
+def waits(kinds: Mapping[str, Waiting]) -> str:
+    """From clicks to paint, beside the bare round trip."""
+    bare = kinds[ROUND_TRIP].middle
+    body = [[name, say(one.middle), say(one.late), times(one.middle / bare)] for name, one in kinds.items()]
+    return markdown(["", "median, ms", "p95", "of a bare round trip"], body)
+
+
+def plays(kinds: Mapping[str, Playing]) -> str:
+    """Playing, beside the frames of a page where nothing plays."""
+    body = [[name, *map(say, vars(one).values())] for name, one in kinds.items()]
+    return markdown(["", "animation frames per s", "painted per s", "seconds of the recording per s"], body)
 
 
 def readings(files: Mapping[str, Reading]) -> str:

@@ -1,0 +1,52 @@
+"""The most memory that is taken for a recording and for one ten times its size, each in a process of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from .stage import ROOT
+
+LIMIT = 64_000_000
+"""Bytes of `Recording.memory`: less than either recording takes."""
+
+WORK = {
+    "two walks through all scans": "for chunk in (c for _ in range(2) for c in recording.scans().chunks()): pass",
+    "`find` by a condition": "recording.find(robowidgets.conditions.nearest_below(0.2))",
+    "`scanogram`": "recording.scanogram()",
+    "`show`, and the page's player sent all through it": """
+from robowidgets.recordings.sender import stretch
+player = recording.show(scanogram=False)
+with player._open_tracks() as tracks:
+    for second in range(int(recording.duration)):
+        stretch(tracks, second)
+""",
+}
+
+SCRIPT = """
+import sys, robowidgets
+from benchmarks.player_kernel import peak
+
+# What any first use loads.
+import anywidget, tqdm.auto
+import robowidgets.recordings.files, robowidgets.recordings.find, robowidgets.recordings.show
+
+recording = robowidgets.open(sys.argv[1])
+recording.memory = {limit}
+before = peak()
+{work}
+print(peak() - before)
+"""
+
+
+def compare(made: Path, large: Path) -> dict[str, tuple[float, float]]:
+    """Megabytes of each kind of work, on either file."""
+    return {name: (peak(made, work), peak(large, work)) for name, work in WORK.items()}
+
+
+def peak(path: Path, work: str) -> float:
+    """Megabytes."""
+    script = SCRIPT.format(limit=LIMIT, work=work)
+    run = subprocess.run([sys.executable, "-c", script, path], cwd=ROOT, capture_output=True, text=True, check=True)
+    return float(run.stdout)

@@ -1,0 +1,71 @@
+"""What runs in the notebook's kernel while a recording is played: the player, and a widget that only answers."""
+
+from __future__ import annotations
+
+import anywidget
+from IPython.display import display
+
+import robowidgets
+
+HZ = 40.0
+
+_ESM = """
+export default {
+  render({ model }) {
+    window.roundTrip = () =>
+      new Promise((resolve) => {
+        const began = performance.now();
+        const onAnswer = () => {
+          model.off("msg:custom", onAnswer);
+          resolve(performance.now() - began);
+        };
+        model.on("msg:custom", onAnswer);
+        model.send({});
+      });
+  },
+};
+"""
+
+
+class Echo(anywidget.AnyWidget):
+    """Answers every message of the page with one."""
+
+    _esm = _ESM
+
+
+class Source:
+    """A recording on show.
+
+    Args:
+        name: of the MCAP file beside the notebook.
+        count: its scans; each second of time has `HZ` of them.
+    """
+
+    def __init__(self, name: str, count: int) -> None:
+        self._count = count
+        self._recording = robowidgets.open(f"{name}.mcap")
+        self._echo = Echo()
+        self._echo.on_msg(lambda echo, _content, _buffers: echo.send({}))
+
+    def show(self) -> None:
+        """Display the player with the whole drive above it, and the widget that answers."""
+        self.player = self._recording.show(scanogram=True)
+        self.player.speed = 10.0
+        display(self._echo, self.player)  # type: ignore[no-untyped-call]
+
+    def to_scan(self, number: int) -> None:
+        """Show the scan of a number, counted from the end where it is negative."""
+        self.player.time = (number % self._count) / HZ
+
+    def away(self) -> float:
+        """A time in the middle of what the page does not have; NaN where it has all."""
+        sender = self.player._sender
+        assert sender is not None
+        lacking = [second for second in range(int(self._count / HZ)) if second not in sender._sent]
+        return lacking[len(lacking) // 2] + 0.5 if lacking else float("nan")
+
+
+def peak() -> float:
+    """Most megabytes that this process has ever had in memory."""
+    with open("/proc/self/status") as lines:
+        return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM:")) * 1024 / 1e6
