@@ -141,6 +141,13 @@ test("a page that has nothing says so, and shows what comes without a word to th
   end();
 });
 
+test("Python hears at once of a moment that is missing, and now and then of others", async () => {
+  const { fake, playback, end } = await play({ duration: 9 });
+  for (const time of [0.5, 1, 7.2, 1.5, 8.4]) playback.seek(time);
+  assert.deepEqual(fake.saved, [{ time: 0.5 }, { time: 7.2 }, { time: 8.4 }]);
+  end();
+});
+
 test("it plays at its speed, numbers the frames on, and stops at the end", async () => {
   const { fake, playback, state, pass, end } = await play({ speed: 2 });
   playback.toggle();
