@@ -72,6 +72,16 @@ def test_a_recording_too_large_to_hold_is_read_again_where_it_is_looked_at(
     widget.close()
 
 
+def test_its_levels_take_a_quarter_of_the_memory_of_a_recording(sample: robowidgets.Recording) -> None:
+    usual = picture_of(sample.scanogram()).levels
+    size = sum(codes.nbytes for codes in usual._kept)
+    sample.memory = 4 * size // 3
+    levels = picture_of(sample.scanogram()).levels
+    assert sum(codes.nbytes for codes in levels._kept) < size / 3
+    assert levels._first > usual._first
+    assert (levels.codes(levels._first, 0, 5) == usual.codes(levels._first, 0, 5)).all()
+
+
 def test_a_topic_without_scans_is_refused_with_words(sample: robowidgets.Recording) -> None:
     with pytest.raises(UnknownTopicError, match="/odom"):
         sample.scanogram("/odom")
