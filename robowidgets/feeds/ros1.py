@@ -13,6 +13,7 @@ from ..recordings.ros_types import Decode, RosTypes, one_line
 from ..recordings.source import Channel, RecordingError
 from ._again import Again
 from ._ros1_master import Master, MasterError, State
+from ._ros1_publications import Publications
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener
 
@@ -38,12 +39,6 @@ class _Subscription(NamedTuple):
     since: float
 
 
-class _Publication(NamedTuple):
-    message_class: Any
-    kind: str
-    publisher: Any = None
-
-
 class Ros1:
     """The topics of the master that ROS_MASTER_URI names, through the one node that a process may have.
 
@@ -63,8 +58,6 @@ class Ros1:
         self._stirred = threading.Event()
         self._wanted: set[str] = set()
         self._subscriptions: dict[str, _Subscription] = {}
-        self._publications: dict[str, _Publication] = {}
-        self._published_at = 0.0
         self._adverts: list[Advert] = []
         self._troubles: dict[str, str] = {}
         self._failed: set[str] = set()
@@ -100,6 +93,7 @@ class Ros1:
         if not good:
             raise FeedError(f"ROS_MASTER_URI: expected something like http://robot:11311, got {uri!r}")
         self._rospy, self._master, self._listener = rospy, Master(uri), listener
+        self._publications = Publications(rospy, self._master, self._stirred.set)
         logging.getLogger("rospy.internal").addHandler(self._log)
         self._thread = threading.Thread(target=self._run, name=f"robowidgets {self.where}", daemon=True)
         self._thread.start()
@@ -116,31 +110,12 @@ class Ros1:
         self._stirred.set()
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """Publish a message; dropped until the topic is set up, soon after the first.
+        """Publish a message, the first one as soon as somebody is found who listens; waits for nothing.
 
         Raises:
-            FeedError: the Python package of its type is not installed.
+            FeedError: the Python package of its type is not installed, or another type is published there already.
         """
-        kind = message_type.replace("/msg/", "/")
-        publication = self._publications.get(topic)
-        if publication is None or publication.kind != kind:
-            import roslib.message
-
-            message_class = roslib.message.get_message_class(kind)
-            if message_class is None:
-                package = kind.split("/")[0]
-                raise FeedError(
-                    f"cannot publish {kind}: the Python package {package} is not installed; on Debian or Ubuntu it is "
-                    f"python3-{package.replace('_', '-')}"
-                )
-            if publication is None:
-                self._publications[topic] = _Publication(message_class, kind)
-                self._stirred.set()
-                return
-            raise FeedError(f"cannot publish {kind} on {topic}: {publication.kind} is published there already")
-        if publication.publisher is not None and not self._again.closed:
-            publication.publisher.publish(_filled(publication.message_class(), message))
-            self._published_at = time.monotonic()
+        self._publications.publish(topic, message_type, message)
 
     def close(self) -> None:
         """Unsubscribe and end the thread; the node stays. Doing it again does nothing; a callback may do it, too."""
@@ -189,15 +164,10 @@ class Ros1:
             pause = self._again.next_pause()
             self._listener.on_lost(why, pause)
             self._again.wait(pause)
-        # rospy writes in a thread of its own, and forgets what is not out yet: it may be a zero.
-        time.sleep(max(0.0, 0.1 - (time.monotonic() - self._published_at)))
         for subscription in self._subscriptions.values():
             subscription.subscriber.unregister()
-        for publication in self._publications.values():
-            if publication.publisher is not None:
-                publication.publisher.unregister()
         self._subscriptions.clear()
-        self._publications.clear()
+        self._publications.close()
 
     def _start_node(self) -> None:
         if self._rospy.is_shutdown():
@@ -221,8 +191,7 @@ class Ros1:
                 self._look_after(topic, state)
             elif topic in state.types:
                 self._subscribe(topic, state.types[topic])
-        for topic, publication in list(self._publications.items()):
-            self._look_after_publication(topic, publication, state)
+        self._publications.look_after(state)
 
     def _subscribe(self, topic: str, kind: str) -> None:
         import roslib.message
@@ -248,14 +217,6 @@ class Ros1:
             why = self._master.unreachable(nodes)
             if why:
                 self._trouble(topic, f"{topic} is published, but {why}")
-
-    def _look_after_publication(self, topic: str, publication: _Publication, state: State) -> None:
-        me = self._rospy.get_name()
-        if publication.publisher is None:
-            publisher = self._rospy.Publisher(topic, publication.message_class, queue_size=1)
-            self._publications[topic] = publication._replace(publisher=publisher)
-        elif me not in state.publishers.get(topic, ()):
-            self._master.register_publisher(me, topic, publication.kind, self._rospy.get_node_uri())
 
     def _adverts_of(self, state: State) -> list[Advert]:
         me = self._rospy.get_name()
@@ -302,18 +263,6 @@ class _RospyLog(logging.Handler):
         what = "a message of it cannot be read" if name.endswith("Deserialization") else "no connection to a publisher"
         if record.threadName:
             self._feed.failed(record.threadName, f"{record.threadName}: {what}: {one_line(Exception(words))}")
-
-
-def _filled(message: Any, values: Mapping[str, Any]) -> Any:
-    """The message with these values in its fields; a stamp may come as ROS 2 writes it."""
-    names = {"sec": "secs", "nanosec": "nsecs"}
-    for key, value in values.items():
-        name = key if hasattr(message, key) else names.get(key, key)
-        if isinstance(value, Mapping):
-            _filled(getattr(message, name), value)
-        else:
-            setattr(message, name, value)
-    return message
 
 
 def ros1(name: str = "robowidgets") -> Feed:

@@ -10,7 +10,7 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -21,6 +21,8 @@ from robowidgets.feeds.middleware import FeedError
 from ..conftest import ROOT
 from ..unit.waiting import wait_for
 from .conftest import PACKAGES
+
+STAMPED = "geometry_msgs/msg/TwistStamped"
 
 MODULE = importlib.import_module("robowidgets.feeds.ros1")  # by its name there is the function in it
 
@@ -155,37 +157,63 @@ def test_two_publishers_with_different_geometry_are_told(feed, publish):
     wait_for(lambda: "two scanners take turns on this topic" in laser._source["words"], "the widget says so")
 
 
-def test_driving_sends_speeds_and_a_zero_when_the_feed_is_closed(feed, publish):
-    robot = publish("/eight/cmd_vel", "hear")
-    feed.driving = feeds.Driving("/eight/cmd_vel", hold=60.0)
-    wait_for(lambda: any(topic.name == "/eight/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
-    heard: list[float] = []
-    listening = threading.Thread(target=lambda: heard.extend(map(float, robot.stdout)))
-    listening.start()
-    pause = threading.Event()
-    for _ in range(200):
-        feed.drive(0.25, 0.0)
-        if pause.wait(0.02) or heard:
-            break
+@pytest.fixture
+def robot(publish) -> Iterator[Callable[[feeds.Feed, str], list[float]]]:
+    """`robot(feed, topic)` starts one that listens, has the feed drive it, and gives what it hears, as it hears it."""
+    listening: list[threading.Thread] = []
+
+    def start(feed: feeds.Feed, topic: str, hold: float = 60.0) -> list[float]:
+        process, heard = publish(topic, "hear"), []
+        feed.driving = feeds.Driving(topic, hold=hold)
+        wait_for(lambda: any(there.name == topic and there.wanted for there in feed.topics), "it is listened to")
+        listening.append(threading.Thread(target=lambda: heard.extend(map(float, process.stdout))))
+        listening[-1].start()
+        started.append(process)
+        return heard
+
+    started: list[subprocess.Popen[str]] = []
+    yield start
+    for process, thread in zip(started, listening, strict=True):
+        process.kill()
+        thread.join()
+
+
+def test_the_first_speed_is_heard_and_a_zero_when_the_feed_is_closed(feed, robot):
+    heard = robot(feed, "/eight/cmd_vel")
+    feed.drive(0.25, 0.0)
+    wait_for(lambda: heard == [0.25], "the robot hears the speed")
     feed.close()
-    wait_for(lambda: heard and heard[-1] == 0.0, "the robot hears zero")
-    robot.kill()
-    listening.join()
-    assert heard[0] == 0.25
+    wait_for(lambda: heard == [0.25, 0.0], "the robot hears zero")
 
 
-def test_zero_reaches_the_robot_though_the_master_is_gone(feed, publish, master):
-    robot = publish("/gone/cmd_vel", "hear")
-    feed.driving = feeds.Driving("/gone/cmd_vel", hold=2.0)
-    wait_for(lambda: any(topic.name == "/gone/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
-    heard: list[float] = []
-    listening = threading.Thread(target=lambda: heard.extend(map(float, robot.stdout)))
-    listening.start()
-    pause = threading.Event()
-    for _ in range(200):
-        feed.drive(0.25, 0.0)
-        if pause.wait(0.02) or heard:
-            break
+def test_the_first_stop_is_heard(feed, robot):
+    heard = robot(feed, "/halt/cmd_vel")
+    feed.stop()
+    wait_for(lambda: heard == [0.0], "the robot hears zero")
+
+
+def test_a_speed_is_never_sent_late(feed, robot):
+    feed._middleware.publish("/late/cmd_vel", STAMPED, {"twist": {"linear": {"x": 0.25}}})
+    publication = feed._middleware._publications._by_topic["/late/cmd_vel"]
+    wait_for(lambda: not publication.may_be_sent_again(), "it is too old")
+    heard = robot(feed, "/late/cmd_vel")
+    wait_for(lambda: publication.publisher.get_num_connections(), "the robot is connected")
+    assert not publication.heard
+    feed._middleware.publish("/late/cmd_vel", STAMPED, {"twist": {"linear": {"x": 0.0}}})
+    wait_for(lambda: heard, "the robot hears something")
+    assert heard == [0.0]
+
+
+def test_a_zero_that_nobody_heard_is_sent_to_who_comes_much_later(feed, robot, monkeypatch):
+    monkeypatch.setattr("robowidgets.feeds._ros1_publications.LATE", -1.0)
+    feed._middleware.publish("/later/cmd_vel", STAMPED, {"twist": {"linear": {"x": 0.0}}})
+    heard = robot(feed, "/later/cmd_vel")
+    wait_for(lambda: heard == [0.0], "the robot hears zero")
+
+
+def test_zero_reaches_the_robot_though_the_master_is_gone(feed, robot, master):
+    heard = robot(feed, "/gone/cmd_vel", hold=2.0)
+    feed.drive(0.25, 0.0)
     wait_for(lambda: heard, "the robot hears a speed")
     master.kill()
     try:
@@ -193,8 +221,6 @@ def test_zero_reaches_the_robot_though_the_master_is_gone(feed, publish, master)
         wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
     finally:
         master.start()
-        robot.kill()
-        listening.join()
 
 
 def test_a_process_that_ends_without_closing_stops_the_robot(publish):
@@ -208,9 +234,7 @@ feed = feeds.ros1()
 feed.driving = feeds.Driving("/end/cmd_vel", hold=60.0)
 wait_for(lambda: any(topic.name == "/end/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
 feed.drive(0.25)
-publication = lambda: feed._middleware._publications["/end/cmd_vel"].publisher
-wait_for(lambda: publication() and publication().get_num_connections(), "the robot is connected")
-feed.drive(0.25)
+wait_for(lambda: feed._middleware._publications._by_topic["/end/cmd_vel"].heard, "the robot hears it")
 """
     subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=60)
     ends = threading.Timer(5.0, robot.kill)
@@ -236,10 +260,20 @@ def test_only_types_that_are_installed_can_be_published(feed):
         feed._middleware.publish("/go", "acme_msgs/msg/Go", {})
 
 
-def test_another_type_on_a_topic_that_is_published_already_is_refused(feed):
-    feed._middleware.publish("/go", "geometry_msgs/msg/Twist", {})
-    with pytest.raises(FeedError, match="cannot publish geometry_msgs/TwistStamped on /go: geometry_msgs/Twist is pub"):
-        feed._middleware.publish("/go", "geometry_msgs/msg/TwistStamped", {})
+def test_a_robot_that_comes_later_is_driven_in_the_type_that_it_listens_to(feed, robot):
+    feed.driving = feeds.Driving("/go/cmd_vel")
+    feed.stop()
+    heard = robot(feed, "/go/cmd_vel")
+    feed.drive(0.25)
+    wait_for(lambda: heard == [0.25], "the robot hears a TwistStamped")
+
+
+def test_another_type_on_a_topic_that_is_published_already_is_refused(feed, robot):
+    heard = robot(feed, "/two/cmd_vel")
+    feed.drive(0.25)
+    wait_for(lambda: heard, "the robot hears a TwistStamped")
+    with pytest.raises(FeedError, match="cannot publish geometry_msgs/Twist on /two/cmd_vel: geometry_msgs/TwistStamp"):
+        feed._middleware.publish("/two/cmd_vel", "geometry_msgs/msg/Twist", {})
 
 
 def test_a_feed_may_be_closed_twice_and_in_a_callback(feed, publish):
