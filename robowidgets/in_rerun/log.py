@@ -20,7 +20,7 @@ SECONDS, CLOCK = "recording_time", "message_log_time"
 that when it opens an MCAP by itself."""
 
 _PIECE_BYTES = 1 << 20
-_ROOM = 4.0
+_ROOM = 3.0
 """Metres round the path."""
 
 _WORLD, _PLOT, _LANE, _MOST_LANES = 300.0, 100.0, 24.0, 5
@@ -83,7 +83,7 @@ class Log:
                 rr.LineStrips3D([poses.places], colors=[130, 130, 130], radii=rr.Radius.ui_points(1.0)),
                 static=True,
             )
-            stream.log("world/robot", rr.TransformAxes3D(0.3), static=True)
+            stream.log("world/robot", rr.TransformAxes3D(0.5), static=True)
             self._send(stream, "world/robot", times_ns, self._at(poses))
         if world.notes:
             stream.log("notes", rr.TextDocument("\n\n".join(world.notes)), static=True)
@@ -170,7 +170,7 @@ class Log:
         places = path[1].places if (path := world.path()) else np.zeros((1, 3))
         low, high = places.min(axis=0), places.max(axis=0)
         x, y, z = (low + high) / 2
-        far = float((high - low).max()) + _ROOM
+        far = 0.75 * float((high - low).max()) + _ROOM
         return self._rr.blueprint.EyeControls3D(
             position=(x, y - 0.4 * far, z + far), look_target=(x, y, z), eye_up=(0.0, 0.0, 1.0)
         )

@@ -32,6 +32,8 @@ MOST_SCANS = 20_000
 
 _EARLY = 0.1
 _BESIDE = {"min_width": "min(100%, 300px)", "margin": "0 4px"}
+_VIEWER = "660px"
+"""With less, Rerun hides its time."""
 
 Seek = Callable[[float], None]
 """Makes a widget show a topic at a time, in seconds from the start."""
@@ -81,7 +83,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.recording = recording
         self.views: tuple[View, ...] = ()
         recording.samples(topics or None)
-        self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": "3 2 520px"}) if rerun else None
+        self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
         shown = picks(t for t in recording.topics if not topics or t.name in topics)
         self.views = tuple(_view(recording, pick) for pick in shown)
         self._seeking = threading.Lock()
@@ -172,7 +174,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         widgets = ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
         if not self.rerun:
             return widgets
-        beside = ipywidgets.Box([widgets], layout={**_BESIDE, "flex": "2 1 400px"})
+        beside = ipywidgets.Box([widgets], layout={**_BESIDE, "flex": "2 1 380px"})
         return ipywidgets.Box([self.rerun, beside], layout=WIDE)
 
     def _from_bar(self, change: Any) -> None:
