@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import random
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import isnan
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -18,9 +18,16 @@ from .recordings import write
 from .scan import BITS
 from .stage import Stage
 
+AWAY = "click on either, to what the page does not have"
+TARGETS = (
+    ("click on the scanogram", ".rw-scanogram .rw-picture", "pointerup"),
+    ("click on the slider", ".rw-player .rw-slider", "input"),
+)
+
 SCRIPT = Path(__file__).with_name("player.js")
 LASER = ".rw-laser"
 ROUND_TRIP = "a bare round trip of a widget's message"
+FRAMED = "the same, to the end of the next frame"
 BUSY = "import time\nend = time.time() + {seconds}\nwhile time.time() < end:\n    pass"
 SETTLED = """
 import time
@@ -123,8 +130,8 @@ class Shown:
 
     def play(self, seconds: float, *, busy: bool = False) -> Playing:
         """Play for a while from where nothing was sent yet; if asked, while the kernel runs a busy loop."""
-        away = float(self.python("source.away()"))
-        self.python(f"source.player.time = {0.0 if isnan(away) else away}")
+        lacking = self._lacking()
+        self.python(f"source.player.time = {lacking[0] if lacking else 0}")
         if busy:
             cell = self._notebook.append(BUSY.format(seconds=seconds + 5))
             self._notebook.start(cell)
@@ -140,41 +147,38 @@ class Shown:
         """Milliseconds from clicks to what they show, and of bare round trips, in turn."""
         chance = random.Random(seed)
         self.python(SETTLED)
-        self._page.evaluate("scrollTo(0, 0)")
         times: dict[str, list[float]] = {}
 
         def add(name: str, took: float) -> None:
             times.setdefault(name, []).append(took)
 
         for _ in range(clicks):
-            add(ROUND_TRIP, self._page.evaluate("roundTrip()"))
-            add(
-                "click on the scanogram",
-                self._click(".rw-scanogram .rw-picture", "pointerup", chance.uniform(0.2, 0.8)),
-            )
-            add(ROUND_TRIP, self._page.evaluate("roundTrip()"))
-            add("click on the slider", self._click(".rw-player .rw-slider", "input", chance.uniform(0.1, 0.9)))
-            away = float(self.python("source.away()"))
-            if not isnan(away):
-                add(
-                    "click on the slider, to what the page does not have",
-                    self._click(".rw-player .rw-slider", "input", away, of_time=True),
-                )
+            for name, selector, kind in TARGETS:
+                for trip, took in zip((ROUND_TRIP, FRAMED), self._page.evaluate("roundTrip()"), strict=True):
+                    add(trip, took)
+                lacking = self._lacking()
+                took, second = self._click(selector, kind, chance.uniform(0.1, 0.9))
+                add(AWAY if second in lacking else name, took)
         return times
 
-    def _click(self, selector: str, kind: str, place: float, *, of_time: bool = False) -> float:
-        """Click at a part of the width of an element; milliseconds from the event until its moment is painted."""
+    def _lacking(self) -> list[int]:
+        """The seconds of which the page has nothing."""
+        found: list[int] = json.loads(self.python("print(source.lacking())"))
+        return found
+
+    def _click(self, selector: str, kind: str, part: float) -> tuple[float, int]:
+        """Click at a part of the width of an element; milliseconds from the event until its moment is painted, and the
+        second in which that lies."""
         target = self._page.locator(selector)
         target.scroll_into_view_if_needed()
         box = target.bounding_box()
-        part = place / float(target.get_attribute("max")) if of_time else place
         self._page.evaluate("(kind) => playing.watch(kind)", kind)
         self._page.mouse.click(box["x"] + part * box["width"], box["y"] + box["height"] / 2)
         took, number = self._page.evaluate("playing.seen()")
         now = float(self._page.locator(".rw-play-now").text_content())
         if abs(number - HZ * now) > 2:
             raise RuntimeError(f"at {now} s scan {number} was painted, expected {HZ * now:.0f}")
-        return float(took)
+        return float(took), int(now)
 
     def _button(self, title: str) -> None:
         self._page.get_by_title(title).click()

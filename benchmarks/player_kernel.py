@@ -15,9 +15,11 @@ export default {
     window.roundTrip = () =>
       new Promise((resolve) => {
         const began = performance.now();
-        const onAnswer = () => {
+        const onAnswer = async () => {
           model.off("msg:custom", onAnswer);
-          resolve(performance.now() - began);
+          const answered = performance.now() - began;
+          await window.bench.frame();
+          resolve([answered, performance.now() - began]);
         };
         model.on("msg:custom", onAnswer);
         model.send({});
@@ -57,12 +59,11 @@ class Source:
         """Show the scan of a number, counted from the end where it is negative."""
         self.player.time = (number % self._count) / HZ
 
-    def away(self) -> float:
-        """A time in the middle of what the page does not have; NaN where it has all."""
+    def lacking(self) -> list[int]:
+        """The seconds of the recording of which the page has nothing."""
         sender = self.player._sender
         assert sender is not None
-        lacking = [second for second in range(int(self._count / HZ)) if second not in sender._sent]
-        return lacking[len(lacking) // 2] + 0.5 if lacking else float("nan")
+        return [second for second in range(int(self._count / HZ)) if second not in sender._sent]
 
 
 def peak() -> float:

@@ -9,7 +9,7 @@ from .columns import Decoding
 from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
 from .measure import Endurance, Four
-from .player import ROUND_TRIP, Playing, Waiting
+from .player import FRAMED, ROUND_TRIP, Playing, Waiting
 from .recordings import Reading
 from .scanograms import Drawing
 
@@ -143,9 +143,12 @@ def peaks(work: Mapping[str, tuple[float, float]]) -> str:
 
 def waits(kinds: Mapping[str, Waiting]) -> str:
     """From clicks to paint, beside the bare round trip."""
-    bare = kinds[ROUND_TRIP].middle
-    body = [[name, say(one.middle), say(one.late), times(one.middle / bare)] for name, one in kinds.items()]
-    return markdown(["", "median, ms", "p95", "of a bare round trip"], body)
+    bare, framed = kinds[ROUND_TRIP].middle, kinds[FRAMED].middle
+    body = [
+        [name, say(one.middle), say(one.late), times(one.middle / bare), times(one.middle / framed)]
+        for name, one in kinds.items()
+    ]
+    return markdown(["", "median, ms", "p95", "of a bare round trip", "of one to the end of the next frame"], body)
 
 
 def plays(kinds: Mapping[str, Playing]) -> str:
