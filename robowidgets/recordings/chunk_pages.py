@@ -39,7 +39,7 @@ class McapPage:
     Args:
         path: the file.
         start, size: where the record of the chunk lies, as the index has it, and the records of its own index after it.
-        slow: whether it takes long to decompress, as the index has it.
+        slow: whether it and the others take long to decompress, as the index has it.
         channels: those that are wanted, by their ids in the file.
 
     Raises:

@@ -26,8 +26,8 @@ ById = dict[int, Channel]
 Pages = list[Page] | None
 
 _NEVER = 2**63 - 1
-_SLOW = 1 << 19
-"""Bytes of a chunk that take longer to decompress, by zstd or lz4, than a thread takes to start."""
+_SLOW = 1 << 22
+"""Bytes that take much longer to decompress, by zstd or lz4, than threads take to start."""
 
 
 def _bounded(compression: str) -> Callable[..., bytes]:
@@ -121,11 +121,11 @@ def _mcap_pages(reader: McapReader, channels: ById) -> Pages:
     wanted = [chunk for chunk in reader.chunks if any(chunk.channel_count.get(number) for number in channels)]
     wanted.sort(key=lambda chunk: chunk.chunk_start_offset)
     path = Path(str(reader.path))
+    slow = sum(chunk.uncompressed_size for chunk in wanted if chunk.compression) >= _SLOW
     return [
         McapPage(path, chunk.chunk_start_offset, size, slow, channels)
         for chunk in wanted
         for size in (chunk.chunk_length + chunk.message_index_length,)
-        for slow in (bool(chunk.compression) and chunk.uncompressed_size >= _SLOW,)
     ]
 
 
