@@ -72,6 +72,8 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(file: Path, tmp_path: Path
     parts = [block for block in blocks(file) if block.language == "python"]
     if not parts:
         pytest.skip(f"{file.name} has no Python in it")
+    if file.name == "rerun.md":
+        pytest.importorskip("rerun_notebook", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")
     run = ["names = {'__name__': '__main__'}"]
     for block in parts:
         source = "\n" * (block.line - 1) + block.text
