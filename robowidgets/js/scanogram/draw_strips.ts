@@ -137,20 +137,24 @@ export function drawTouches(
   drawSpans(context, axis, band, spans, theme.touch);
 }
 
-/** Spans of time, never too thin to be seen. */
+/** Spans of time, never too thin to be seen; each with its start, for one may begin where another goes on. */
 export function drawSpans(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
   band: Band,
   spans: Stretch[],
   color: string,
+  alpha = 1,
 ): void {
   const { left, width, span } = axis;
   context.fillStyle = color;
   for (const { start, end } of spans) {
     if (end < span[0] || start > span[1]) continue;
-    const [from, to] = [Math.max(left, toX(axis, start)), Math.min(left + width, toX(axis, end))];
-    context.fillRect(Math.min(from, left + width - 2), band.top, Math.max(2, to - from), band.height);
+    const x = Math.min(Math.max(left, toX(axis, start)), left + width - 2);
+    context.globalAlpha = alpha;
+    context.fillRect(x, band.top, Math.min(left + width, toX(axis, end)) - x, band.height);
+    context.globalAlpha = 1;
+    context.fillRect(x, band.top, 2, band.height);
   }
 }
 

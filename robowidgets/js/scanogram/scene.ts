@@ -72,7 +72,7 @@ export class Scene {
     context.drawImage(this.#pixels, layout.left, layout.scans.top, layout.width, layout.scans.height);
     drawAngles(context, rows, layout, theme);
     drawTimes(context, axis, layout, theme);
-    drawSpans(context, axis, layout.marks, state.marks, theme.reading);
+    drawSpans(context, axis, layout.marks, state.marks, theme.reading, 0.5);
     const speeds = blocks.speedsIn(axis.span);
     for (const [i, band] of layout.speeds.entries()) {
       if (whole.speed && speeds) drawSpeed(context, axis, band, whole.speed, speeds, i, theme);
