@@ -13,7 +13,7 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError
-from robowidgets.recordings import pages
+from robowidgets.recordings import pages, ros_files
 from robowidgets.recordings.ahead import read_ahead
 from robowidgets.recordings.chunk_pages import BagPage
 from robowidgets.recordings.files import open_timeline
@@ -155,6 +155,20 @@ class TestDamage:
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         assert most < 1_000_000
+
+
+def test_threads_read_ahead_only_where_there_is_much_to_decompress(data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, most, expected in (
+        ("neato_fsm_zstd.mcap", 1 << 22, False),
+        ("neato_fsm_zstd.mcap", 1 << 20, True),
+        ("turtlebot3_gazebo_mcap/fuse_turtlebot3_mcap.mcap", 1, False),
+    ):
+        monkeypatch.setattr(ros_files, "_SLOW", most)
+        source = ros_files.open_mcap(data / "good" / name)
+        found: Any = source.pages(source.channels)
+        assert found
+        assert {page.slow for page in found} == {expected}
+        source.close()
 
 
 @pytest.mark.parametrize("slow", [True, False])
