@@ -123,7 +123,7 @@ function drawMark(
   context.stroke();
 }
 
-/** How many readings lie beyond the view, in the first corner of the picture that is free of labels. */
+/** How many readings lie beyond the view, in the first corner of the picture that is free of labels; if one is. */
 export function drawBeyond(
   context: CanvasRenderingContext2D,
   words: string,
@@ -135,10 +135,9 @@ export function drawBeyond(
   const [left, right] = [box.x + 10, box.x + box.width - 10 - width];
   const [top, bottom] = [box.y + 8, box.y + box.height - 8 - height];
   const corners = [left, right].flatMap((x) => [bottom, top].map((y) => ({ x, y, width, height })));
-  const { x, y } = corners.find((corner) => !labelBoxes.some((label) => overlaps(corner, label))) ?? {
-    x: left,
-    y: bottom,
-  };
+  const free = corners.find((corner) => !labelBoxes.some((label) => overlaps(corner, label)));
+  if (!free) return;
+  const { x, y } = free;
   drawMark(context, BEYOND, x + 3, y + height / 2, 0, -1, theme);
   write(context, words, x + 12, y + height / 2 + 0.5, theme.muted, arcFont(theme), "left");
 }

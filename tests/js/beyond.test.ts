@@ -1,0 +1,27 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { drawBeyond } from "../../robowidgets/js/laser/draw_readings.ts";
+import type { Theme } from "../../robowidgets/js/shared/theme.ts";
+
+const BOX = { x: 0, y: 0, width: 210, height: 190 };
+
+/** Where the words are written, if they are. */
+function written(labelBoxes: (typeof BOX)[]): { x: number; y: number } | undefined {
+  let at: { x: number; y: number } | undefined;
+  const context = {
+    measureText: () => ({ width: 90 }),
+    fillText: (_: string, x: number, y: number) => {
+      at = { x, y };
+    },
+  };
+  const any = new Proxy(context, { get: (own, name) => Reflect.get(own, name) ?? (() => {}) });
+  drawBeyond(any as unknown as CanvasRenderingContext2D, "134 beyond 1.5 m", { box: BOX, labelBoxes }, {} as Theme);
+  return at;
+}
+
+test("what lies beyond the view is told in a corner without labels, and left out where there is none", () => {
+  const label = (x: number, y: number) => ({ x, y, width: 50, height: 26 });
+  assert.deepEqual(written([]), { x: 22, y: 175.5 });
+  assert.deepEqual(written([label(30, 160)]), { x: 22, y: 15.5 });
+  assert.equal(written([label(30, 160), label(30, 0), label(140, 160), label(140, 0)]), undefined);
+});
