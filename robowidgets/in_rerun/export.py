@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from .._cells import take_the_place
 from ..recordings.recording import Recording
 from .log import Log
 from .widget import RerunWidget
@@ -17,7 +18,9 @@ _TOGETHER = 8
 def to_rerun(recording: Recording, path: str | os.PathLike[str] | None, topics: Sequence[str]) -> Path | RerunWidget:
     """See `Recording.to_rerun`."""
     if path is None:
-        return RerunWidget(recording, topics)
+        viewer = RerunWidget(recording, topics)
+        take_the_place(viewer)
+        return viewer
     where = Path(os.fsdecode(path)).expanduser()
     log = Log(recording, topics)
     with where.open("wb"):  # says what is wrong where nothing can be written

@@ -16,6 +16,7 @@ import ipywidgets
 
 from .._pacer import pacer
 from .._spans import Seconds
+from ..recordings.progress import one_bar
 from ..recordings.recording import Recording, open
 from .log import CLOCK, SECONDS, Log
 from .sdk import library
@@ -131,7 +132,8 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
 
 
 def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
-    with open(path) as recording:
+    # No bars: these are the pieces of a page that is on show already.
+    with one_bar(), open(path) as recording:
         log = Log(recording, topics)
         stream = log.stream()
         drain = stream.binary_stream()

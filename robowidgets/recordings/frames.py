@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from array import array
+from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -54,23 +57,18 @@ class Track:
     poses: Poses
     static: bool = False
 
-    @classmethod
-    def of(cls, joints: Sequence[Joint]) -> Track:
-        """What some messages say of one frame: if they differ on its parent, those like the last."""
-        last = joints[-1]
-        same = [joint for joint in joints if joint.parent == last.parent]
-        poses = np.array([joint.pose for joint in same])
-        times, stamps = (np.array([getattr(j, name) for j in same], np.int64) for name in ("time_ns", "stamp_ns"))
-        return cls(last.parent, times, stamps, Poses(poses[:, :3], poses[:, 3:]), last.static)
-
     def at(self, times_ns: Times, stamps_ns: Times) -> Poses:
-        """Between what was said, by the messages' own times where both have such; before and after it the nearest."""
+        """Between what was said, and before and after it the nearest.
+
+        By the messages' own times, where both have such, from the same clock; else by when they were recorded.
+        """
         if self.static:
             return Poses(*(np.tile(column[-1], (len(times_ns), 1)) for column in self.poses))
-        stamped = bool(self.stamps_ns.all() and stamps_ns.all())
-        known, asked = (self.stamps_ns, stamps_ns) if stamped else (self.times_ns, times_ns)
-        order = np.argsort(known, kind="stable")
-        known = known[order]
+        known, order = self._by_stamp
+        asked = stamps_ns
+        if not (known[0] and stamps_ns.all() and stamps_ns.max() >= known[0] and stamps_ns.min() <= known[-1]):
+            known, order = self._by_time
+            asked = times_ns
         after = np.searchsorted(known, asked).clip(1, max(len(known) - 1, 1))
         before = after - 1
         after = np.minimum(after, len(known) - 1)
@@ -82,6 +80,35 @@ class Track:
         turns = one.turns + share * (near - one.turns)
         turns /= np.linalg.norm(turns, axis=1, keepdims=True)
         return Poses(one.places + share * (other.places - one.places), turns)
+
+    @cached_property
+    def _by_time(self) -> tuple[Times, Times]:
+        return _sorted(self.times_ns)
+
+    @cached_property
+    def _by_stamp(self) -> tuple[Times, Times]:
+        return _sorted(self.stamps_ns)
+
+
+class _Said:
+    """What was said of a frame in its parent, as it comes."""
+
+    def __init__(self) -> None:
+        self._times, self._stamps, self._poses = array("q"), array("q"), array("d")
+        self._static = False
+
+    def add(self, joint: Joint) -> None:
+        """Take in what one message says."""
+        self._times.append(joint.time_ns)
+        self._stamps.append(joint.stamp_ns)
+        self._poses.extend(joint.pose)
+        self._static = joint.static
+
+    def track(self, parent: str) -> Track:
+        """All of it."""
+        poses = np.array(self._poses).reshape(-1, 7)
+        times, stamps = (np.array(column, np.int64) for column in (self._times, self._stamps))
+        return Track(parent, times, stamps, Poses(poses[:, :3], poses[:, 3:]), self._static)
 
 
 class Frames:
@@ -97,17 +124,18 @@ class Frames:
     """The frame in which it is expressed and the one that it moves, of the odometry that came first; None without."""
 
     def __init__(self, joints: Iterable[Joint]) -> None:
-        told: dict[str, list[Joint]] = {}
-        moved: dict[tuple[str, str], list[Joint]] = {}
+        told: defaultdict[tuple[str, str], _Said] = defaultdict(_Said)
+        moved: defaultdict[tuple[str, str], _Said] = defaultdict(_Said)
+        parents: dict[str, str] = {}
         for joint in joints:
-            if joint.odometry:
-                moved.setdefault((joint.parent, joint.child), []).append(joint)
-            else:
-                told.setdefault(joint.child, []).append(joint)
-        self._tracks = {child: Track.of(some) for child, some in told.items()}
+            (moved if joint.odometry else told)[joint.parent, joint.child].add(joint)
+            if not joint.odometry:
+                parents[joint.child] = joint.parent
+        # Where messages differ on the parent of a frame, those like the last hold.
+        self._tracks = {child: told[parent, child].track(parent) for child, parent in parents.items()}
         self.odometry = next(iter(moved), None)
         if self.odometry:
-            self._join(*self.odometry, Track.of(moved[self.odometry]))
+            self._join(*self.odometry, moved[self.odometry].track(self.odometry[0]))
 
     def chain(self, frame: str) -> list[str]:
         """The frame, its parent, the parent of that, up to the root."""
@@ -136,6 +164,11 @@ class Frames:
         below = self.poses(base, chain[-1], odometry.times_ns, odometry.stamps_ns)
         poses = odometry.poses.of(below.inverse())
         self._tracks[chain[-1]] = Track(world, odometry.times_ns, odometry.stamps_ns, poses)
+
+
+def _sorted(times: Times) -> tuple[Times, Times]:
+    order = np.argsort(times, kind="stable")
+    return times[order], order
 
 
 def _turned(turns: Floats, places: Floats) -> Floats:

@@ -10,6 +10,7 @@ from .._kinds import Widget, is_command, is_standard, widget_by_shape, widget_by
 from ..messages.touch import to_touch
 from .columns import TouchColumns, scan_columns, speed_columns
 from .joints import ODOMETRY, TRANSFORMS, Joint, joints_of
+from .progress import Progress
 from .quick import ScanReader, SpeedReader
 from .raw_feed import RawFeed
 from .ros_types import ENCODINGS, RosTypes, one_line
@@ -89,8 +90,10 @@ class MessageTimeline:
         channels = [c for c in self._source.channels if c.type in (ODOMETRY, *TRANSFORMS) and c.encoding in ENCODINGS]
         try:
             decoders = {channel.id: self._types.decoder(channel) for channel in channels}
-            for channel, time_ns, raw in self._source.messages(channels):
-                yield from self._joints(channel, time_ns, decoders[channel.id], raw)
+            with Progress(sum(channel.count for channel in channels), "Reading where the robot was") as bar:
+                for channel, time_ns, raw in self._source.messages(channels):
+                    yield from self._joints(channel, time_ns, decoders[channel.id], raw)
+                    bar.update(1)
         except RecordingError as error:
             self._stop(error)
 

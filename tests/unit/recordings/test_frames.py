@@ -57,6 +57,17 @@ def test_the_robots_own_clock_goes_before_that_of_the_recorder() -> None:
     assert at(Frames(late[::-1]), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
 
 
+def test_stamps_of_another_clock_are_not_taken_for_times() -> None:
+    moving = [joint("odom", "base", 10 + t, pose(t, 0), stamp=5 + t) for t in (0, 1, 2)]
+    assert at(Frames(moving), "base", "odom", 11.5, stamp=900_000)[0] == pytest.approx(1.5)
+
+
+def test_of_two_parents_the_one_that_was_named_last_holds() -> None:
+    said = [joint("odom", "base", 0, pose(9, 9)), *(joint("map", "base", t, pose(t, 0)) for t in (1, 3))]
+    assert Frames(said).chain("base") == ["base", "map"]
+    assert at(Frames(said), "base", "map", 2) == pytest.approx((2, 0, 0))
+
+
 def test_a_scanner_stands_where_the_robot_is_and_turned_as_it_is_mounted() -> None:
     mounted = joint("base", "laser", 0, pose(1, 0, pi), static=True)
     frames = Frames([mounted, joint("odom", "base", 0, pose(5, 5, pi / 2), odometry=True)])
