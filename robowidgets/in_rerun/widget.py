@@ -56,10 +56,11 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self.duration = recording.duration
         self._start_ns = recording.start_ns or 0
         self._lock = threading.RLock()
-        self._told: deque[int] = deque(maxlen=1000)
+        # A viewer's answers come when no cell runs: all must be known again that was told until then.
+        self._told: deque[int] = deque(maxlen=100_000)
         self._heard: int | None = None
         self._shown: int | None = None
-        self._agrees = False
+        self._is_open = self._agrees = False
         self._clock = False
         self._next = 0.0
         self._url = server().put(f"{next(_numbers)}.rrd", partial(_pieces, recording.path, topics))
@@ -88,8 +89,10 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self._tell()
         return 0
 
-    def _on_time(self, _change: Any) -> None:
+    def _on_time(self, change: Any) -> None:
         with self._lock:
+            if round(change["new"] * 1e9) == self._shown:
+                return
             self._heard = None
         pacer.mark(self)
 
@@ -97,7 +100,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         """Tell the viewer the time, if it does not show that already."""
         with self._lock:
             now = round(self.time * 1e9)
-            if now == self._shown:
+            if not self._is_open or now == self._shown:
                 return
             self._shown = now
             self._told.append(now)
@@ -111,6 +114,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             # A page that has just loaded it, and knows nothing of the time yet.
             with self._lock:
                 self._told.clear()
+                self._is_open = True
                 self._shown, self._agrees, self._clock = None, False, False
             self._tell()
         elif kind == "timeline_change":

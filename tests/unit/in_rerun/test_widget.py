@@ -105,14 +105,25 @@ def test_a_late_answer_does_not_take_the_time_back(widget: RerunWidget, viewer: 
     assert seen == [1.0, 2.0, 3.0, 9.0]
 
 
+def test_answers_that_come_after_a_long_cell_are_no_news_either(widget: RerunWidget, viewer: Viewer) -> None:
+    for number in range(1, 3001):
+        widget.time = number / 100
+        widget.send_newest()
+    for seconds in list(viewer.told):
+        viewer.at(seconds)
+    assert widget.time == 30
+    viewer.at(1.0)
+    becomes(widget, 1.0)
+
+
 def test_a_page_that_loads_is_told_the_time_and_does_not_set_it(widget: RerunWidget) -> None:
     viewer = Viewer(widget)
     widget.time = 20.0
-    tells(viewer, 20.0)
     for _ in ("first", "and again, when it is loaded anew"):
-        viewer.told.clear()
+        assert viewer.told == []
         viewer.opens()
         assert viewer.told == [20.0]
+        viewer.told.clear()
         viewer.at(0.0)
         viewer.at(0.16)
         viewer.at(20.0)
