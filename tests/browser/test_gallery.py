@@ -50,6 +50,36 @@ def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Liter
     shoot(nb.widget(5).locator(".rw-card"), f"gallery-scanogram-{theme}")
 
 
+FOUND = """
+import robowidgets
+from ipywidgets import VBox
+from robowidgets import conditions
+
+recording = robowidgets.open(robowidgets.SAMPLE)
+bumps = recording.find(conditions.touched())
+bump = bumps[0]
+scan = recording.scans("/scan").at(bump.start).sample
+ray = scan.nearest().index
+drive = recording.scanogram()
+drive.marks = bumps
+drive.view, drive.time = (bump.start - 5, bump.start + 5), bump.start
+drive.selection = (bump.start - 4, bump.start, ray - 15, ray + 16)
+laser = robowidgets.LaserWidget(title=f"/scan at {bump.start:.2f} s", view_range=1.5)
+laser.update(scan)
+laser.pinned = ray
+VBox([drive, laser])
+"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_pictures_of_what_was_found(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
+    nb = notebook([FOUND], scale=2, theme=theme)
+    nb.resize(764, height=1600)
+    drive = nb.output(0).locator(".rw-scanogram")
+    drive.locator(".rw-scanogram-chip").wait_for(state="hidden")
+    shoot(nb.widget(0), f"gallery-find-{theme}")
+
+
 PAD = """
 from robowidgets import DriveWidget
 from robowidgets.simulator import Robot, World

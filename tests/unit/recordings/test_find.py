@@ -16,6 +16,7 @@ from robowidgets.recordings.function import Function
 from robowidgets.recordings.spans import Span, Spans
 from robowidgets.recordings.steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
 
+from ...conftest import ROOT
 from . import hazards, robot, sweeps
 from .sweeps import START_NS
 
@@ -326,6 +327,15 @@ def test_the_real_bump_is_found(data: Path) -> None:
     (span,) = recording.find(conditions.touched())
     assert span.start == pytest.approx(21.96, abs=0.01)
     assert found(recording, lambda moment: any(moment.touch.touched.values())) == [(span.start, span.end)]
+
+
+def test_the_pages_name_the_reading_that_the_story_ends_with() -> None:
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        bump = recording.find(conditions.touched())[0]
+        moment = recording.scans("/scan").at(bump.start)
+        ray = moment.sample.nearest()
+    told = f"ray {ray.index} at\n{moment.seconds:.2f} s: {ray.range:.3f} m"
+    assert told in (ROOT / "docs" / "columns.md").read_text(encoding="utf-8")
 
 
 def test_nothing_odd_or_damaged_ends_in_an_error_of_another_kind(data: Path) -> None:
