@@ -45,6 +45,9 @@ def shows(page: Page) -> None:
     expect(popup.locator(".rw-popup-expression")).to_have_text("ranges[12]")
     laser.get_by_role("button", name="Zoom in (+)").click()
     expect(laser.locator(".rw-range")).to_have_text("3 m")
+    with page.expect_download() as saved:
+        laser.get_by_role("button", name="Save as PNG").click()
+    assert saved.value.suggested_filename.startswith("scan-20")
     expect(frozen.locator(".rw-freeze")).to_have_text("Frozen · 1 since")
     expect(frozen.locator(".rw-popup:visible .rw-popup-expression")).to_have_text("ranges[4]")
     frozen.locator(".rw-freeze").click()
