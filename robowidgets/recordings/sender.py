@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
+from heapq import merge
 from itertools import chain
 from math import floor
 from typing import Any
@@ -25,6 +26,9 @@ AHEAD = 10.0
 
 KEPT_BYTES = 64_000_000
 """Most that the page keeps; what lies farthest from the time on show is dropped first."""
+
+KEPT_STRETCHES = 7200
+"""Most stretches that the page keeps: where a clock jumps ahead by a year, there are millions with nothing in them."""
 
 BYTES_PER_SECOND = 10_000_000
 """Half of what a page takes: the rest is for all else."""
@@ -212,9 +216,11 @@ class Sender:
 
     def _rest(self) -> Iterable[int]:
         """All others, the nearest first, as long as there is room for them."""
-        if not self._asked or sum(self._sent.values()) > KEPT_BYTES - max(self._sent.values(), default=0):
+        full = sum(self._sent.values()) > KEPT_BYTES - max(self._sent.values(), default=0)
+        if not self._asked or full or len(self._sent) >= KEPT_STRETCHES:
             return ()
-        return sorted(range(self._last + 1), key=self._distance())
+        here = floor(self._here() / STRETCH)
+        return merge(range(here + 1, self._last + 1), range(here, -1, -1), key=self._distance())
 
     def _distance(self) -> Callable[[int], float]:
         """How far a stretch is from the time on show; more so when it lies behind, for time goes on."""
@@ -240,7 +246,7 @@ class Sender:
         spare = sorted(self._sent.keys() - set(self._soon()), key=self._distance())
         dropped = sorted(self._stale - self._sent.keys())
         self._stale.clear()
-        while spare and sum(self._sent.values()) > KEPT_BYTES:
+        while spare and (sum(self._sent.values()) > KEPT_BYTES or len(self._sent) > KEPT_STRETCHES):
             dropped.append(spare.pop())
             del self._sent[dropped[-1]]
         return dropped

@@ -158,6 +158,17 @@ def test_the_page_keeps_no_more_than_it_may(monkeypatch: pytest.MonkeyPatch) -> 
             assert len(page.bytes) < 40
 
 
+def test_a_clock_that_jumps_by_years_takes_no_more_time_or_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "KEPT_STRETCHES", 40)
+    with sending(Track(), 1e9) as (sender, page):
+        sender.start()
+        for seconds in (5e8, 0.0, 1e9):
+            began = time.monotonic()
+            sender.tell(seconds, 0.0, (0.0, 1e9))
+            assert time.monotonic() - began < 0.5
+            wait_for(lambda at=int(seconds): at in page.bytes and len(page.bytes) == 40, "it is there with the others")
+
+
 def test_what_is_soon_shown_takes_half_of_what_a_page_keeps_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
     with sending(Track(1000), 10_000) as (sender, page):
