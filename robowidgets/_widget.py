@@ -33,6 +33,13 @@ LONGEST_HISTORY = 600
 MOST_LOGGED = 50
 """Different errors of one widget that the log tells; a source gone mad must not fill it."""
 
+RETOLD = ("title", "_about", "_source")
+"""Traits that only Python writes, and that go along with a frame again and again: a server that is flooded with prints
+drops messages and tells nobody, and a page may take a state that it asked for earlier for a newer one."""
+
+RETELL = 5.0
+"""Seconds from one time to the next."""
+
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
 S = TypeVar("S")
@@ -128,8 +135,10 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._sequence = 0
         self._meter = RateMeter()
         self._changed = False
+        self._held_about: dict[str, Any] = {}
         self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
         self._unsent: set[str] = set()
+        self._retell_at = time.monotonic() + RETELL
         self._storing = threading.RLock()
         self._sending = threading.RLock()
         super().__init__(**kwargs)
@@ -203,6 +212,9 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 unsent = tuple(self._unsent)
                 self._unsent.clear()
             keys += unsent
+            if keys and time.monotonic() >= self._retell_at:
+                keys = [*dict.fromkeys((*keys, *RETOLD))]
+                self._retell_at = time.monotonic() + RETELL
             try:
                 if keys == ["_frame"]:
                     # As ipywidgets would pack it, many times a second.
@@ -286,9 +298,14 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     def _hold(self) -> None:
         """Hold the sample on show; the page does so itself when a person freezes it."""
-        if not self._held:
-            self._bring_up_to_date()
-            self._held = self._frame
+        with self._sending:
+            if not self._held:
+                self._bring_up_to_date()
+                self._held = self._frame
+
+    @traitlets.observe("_held")
+    def _after_held(self, _change: Any) -> None:
+        self._held_about = self._about
 
 
 def _unknown(of: str, what: str, name: str, known: list[str]) -> str:

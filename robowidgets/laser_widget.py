@@ -178,7 +178,7 @@ class LaserWidget(RobotWidget[Scan]):
             range_max=range_max,
             intensities=values[int(count) :],
             stamp_ns=stamp_ns or None,
-            frame_id=self._about.get("frame_id", ""),
+            frame_id=self._held_about.get("frame_id", ""),
         )
 
     @traitlets.validate("angle_offset")

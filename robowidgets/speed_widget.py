@@ -223,7 +223,7 @@ class SpeedWidget(RobotWidget[Reading]):
     def _unpack(self, frame: bytes) -> Reading:
         _, _, stamp_ns = HEAD.unpack_from(frame)
         there, resets, commanded_ns, *values = _FRAME.unpack_from(frame, HEAD.size)
-        frame_id = self._about.get("frame_id", "")
+        frame_id = self._held_about.get("frame_id", "")
         measured, commanded = (tuple(values[i : i + 6]) for i in (0, 6))
         return Reading(
             Speed(measured[:3], measured[3:], stamp_ns or None, frame_id) if int(there) & _MEASURED else None,

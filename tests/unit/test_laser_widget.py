@@ -339,8 +339,9 @@ class TestScanOnShow:
         assert laser.frozen is None
         laser.paused = True
         laser.update(MESSAGE | {"ranges": [9.0] * 5})
+        pacer.flush()
         assert laser.scan.ranges.tolist() == laser.frozen.ranges.tolist() == [1.0, 2.0, 3.0]
-        assert laser.scan.stamp_ns == 5_000_000_007
+        assert (laser.scan.stamp_ns, laser.scan.frame_id) == (5_000_000_007, "laser")
         assert laser.scan.nearest().index == 0
         laser.paused = False
         assert laser.scan.ranges.tolist() == [9.0] * 5

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import logging
 import os
+import time
 from collections.abc import Iterator
 from math import isnan
 from pathlib import Path
@@ -17,7 +18,7 @@ import traitlets
 
 from robowidgets import _widget
 from robowidgets._pacer import pacer
-from robowidgets._widget import MOST_LOGGED, bundle
+from robowidgets._widget import MOST_LOGGED, RETELL, RETOLD, bundle
 
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
 from .pages import Page
@@ -152,6 +153,25 @@ class TestToThePage:
             widget.update("seven")
         pacer.flush()
         assert [sorted(message) for message in page.messages] == [["_about", "_frame"], ["_about"]]
+
+    def test_words_go_with_a_frame_again_and_again_for_a_message_may_be_lost_on_the_way(
+        self, widget: NumberWidget, page: Page, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        widget.title = "/number"
+        widget.update(1)
+        pacer.flush()
+        widget.update(2)
+        pacer.flush()
+        assert page.sent("title") == ["/number"]
+        later = time.monotonic() + RETELL
+        monkeypatch.setattr(_widget, "time", SimpleNamespace(monotonic=lambda: later))
+        widget._show(Number(3), {"value": 2})
+        pacer.flush()
+        assert page.messages[-1].keys() == {"_frame", *RETOLD}
+        assert page.messages[-1]["title"] == "/number"
+        widget.update(4)
+        pacer.flush()
+        assert page.sent("title") == ["/number", "/number"]
 
     def test_nothing_new_sends_nothing(self, widget: NumberWidget, page: Page) -> None:
         widget.update(7)
