@@ -23,5 +23,5 @@ def columns(widgets: Sequence[ipywidgets.Widget]) -> list[ipywidgets.VBox]:
 
 
 def _column(widgets: Sequence[ipywidgets.Widget], flex: str, **limits: str) -> ipywidgets.VBox:
-    layout = ipywidgets.Layout(flex=flex, min_width="min(100%, 300px)", margin="0 4px", **limits)
+    layout = ipywidgets.Layout(flex=flex, min_width="min(100% - 8px, 300px)", margin="0 4px", **limits)
     return ipywidgets.VBox(list(widgets), layout=layout)

@@ -31,7 +31,7 @@ MOST_SCANS = 20_000
 """With more scans a scanogram is made only when it is asked for: it reads them all."""
 
 _EARLY = 0.1
-_BESIDE = {"min_width": "min(100%, 300px)", "margin": "0 4px"}
+_BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 _VIEWER = "660px"
 """With less, Rerun hides its time."""
 
