@@ -28,6 +28,10 @@ HEIGHT = 720
 PACE = 0.05
 """Seconds between two times that are taken from the viewer while it plays."""
 
+PATIENCE = 0.5
+"""Seconds for which the viewer's answer to a time is waited for before it is told the next: it draws a picture for each, and
+a slow one would fall behind. Not for ever, because while a cell runs no answer is heard."""
+
 _numbers = count(1)
 
 
@@ -62,7 +66,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self._shown: int | None = None
         self._is_open = self._agrees = False
         self._clock = False
-        self._next = 0.0
+        self._next = self._told_at = 0.0
         self._url = server().put(f"{next(_numbers)}.rrd", partial(_pieces, recording.path, topics))
         self._viewer = viewer(width="auto", height=HEIGHT, url=self._url)
         self._viewer._on_raw_event(self._hear)
@@ -102,7 +106,10 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             now = round(self.time * 1e9)
             if not self._is_open or now == self._shown:
                 return
-            self._shown = now
+            if self._told and time.monotonic() < self._told_at + PATIENCE:
+                pacer.mark_at(self, self._told_at + PATIENCE)
+                return
+            self._shown, self._told_at = now, time.monotonic()
             self._told.append(now)
         self._viewer.set_time_ctrl(SECONDS, duration_nanos=now, play=False)
 
@@ -130,6 +137,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
                 while self._told.popleft() != now:
                     pass
                 self._agrees = True
+                pacer.mark(self)
             elif self._agrees and now != self._shown:
                 self._heard = now
                 pacer.mark_at(self, self._next)

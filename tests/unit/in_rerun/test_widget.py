@@ -12,6 +12,7 @@ import pytest
 from traitlets import TraitError
 
 import robowidgets
+from robowidgets.in_rerun import widget as widget_module
 from robowidgets.in_rerun.widget import RerunWidget
 from robowidgets.recordings.show import Player
 
@@ -105,7 +106,26 @@ def test_a_late_answer_does_not_take_the_time_back(widget: RerunWidget, viewer: 
     assert seen == [1.0, 2.0, 3.0, 9.0]
 
 
-def test_answers_that_come_after_a_long_cell_are_no_news_either(widget: RerunWidget, viewer: Viewer) -> None:
+def test_a_viewer_that_is_still_drawing_is_told_only_the_newest_time(
+    widget: RerunWidget, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(widget_module, "PATIENCE", 60.0)
+    for seconds in (1.0, 2.0, 3.0):
+        widget.time = seconds
+        widget.send_newest()
+    assert viewer.told == [1.0]
+    viewer.at(1.0)
+    tells(viewer, 1.0, 3.0)
+    assert widget.time == 3
+    monkeypatch.setattr(widget_module, "PATIENCE", 0.0)
+    widget.time = 4.0
+    tells(viewer, 1.0, 3.0, 4.0)
+
+
+def test_answers_that_come_after_a_long_cell_are_no_news_either(
+    widget: RerunWidget, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(widget_module, "PATIENCE", 0.0)
     for number in range(1, 3001):
         widget.time = number / 100
         widget.send_newest()
