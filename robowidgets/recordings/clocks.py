@@ -30,7 +30,7 @@ def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
         at = (times_ns[back[0]] - start_ns) / 1e9
         lines.append(
             f"the clock goes back {_times(back.size)}, first at {at:.2f} s, by up to {-steps.min() / 1e9:.2f} s: "
-            "kept in the order of arrival"
+            "arrays keep the order of arrival, samples and players go by time"
         )
     still = int(np.count_nonzero(steps == 0))
     if still >= max(_STILL_SHARE * steps.size, _STILL_LEAST):
