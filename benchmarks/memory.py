@@ -48,5 +48,5 @@ def compare(made: Path, large: Path) -> dict[str, tuple[float, float]]:
 def peak(path: Path, work: str) -> float:
     """Megabytes."""
     script = SCRIPT.format(limit=LIMIT, work=work)
-    run = subprocess.run([sys.executable, "-c", script, path], cwd=ROOT, capture_output=True, text=True, check=True)
+    run = subprocess.run([sys.executable, "-c", script, path], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
     return float(run.stdout)

@@ -95,8 +95,9 @@ def compare(stage: Stage, scans: int, repeats: int, clicks: int, seconds: float)
 class Shown:
     """A player in a fresh notebook, the numbers of whose laser the page reads back."""
 
-    def __init__(self, notebook: Any) -> None:
+    def __init__(self, notebook: Any, scans: int) -> None:
         self._notebook = notebook
+        self._scans = scans
         self._page = notebook.page
 
     @classmethod
@@ -104,7 +105,7 @@ class Shown:
     def open(cls, stage: Stage, name: str, scans: int) -> Iterator[Shown]:
         """Display it, and learn how its numbers look."""
         with stage.show(name, count=scans, module="player_kernel") as show:
-            shown = cls(show.notebook)
+            shown = cls(show.notebook, scans)
             page = show.notebook.page
             cell = show.notebook.append("source.show()")
             page.evaluate(
@@ -157,7 +158,9 @@ class Shown:
                 for trip, took in zip((ROUND_TRIP, FRAMED), self._page.evaluate("roundTrip()"), strict=True):
                     add(trip, took)
                 lacking = self._lacking()
-                took, second = self._click(selector, kind, chance.uniform(0.1, 0.9))
+                # A click on the slider's knob, where it is, moves nothing.
+                part = (self._now() * HZ / self._scans + chance.uniform(0.1, 0.9)) % 1.0
+                took, second = self._click(selector, kind, 0.1 + 0.8 * part)
                 add(AWAY if second in lacking else name, took)
         return times
 
@@ -175,10 +178,14 @@ class Shown:
         self._page.evaluate("(kind) => playing.watch(kind)", kind)
         self._page.mouse.click(box["x"] + part * box["width"], box["y"] + box["height"] / 2)
         took, number = self._page.evaluate("playing.seen()")
-        now = float(self._page.locator(".rw-play-now").text_content())
+        now = self._now()
         if abs(number - HZ * now) > 2:
             raise RuntimeError(f"at {now} s scan {number} was painted, expected {HZ * now:.0f}")
         return float(took), int(now)
+
+    def _now(self) -> float:
+        """The time on show, in seconds."""
+        return float(self._page.locator(".rw-play-now").text_content())
 
     def _button(self, title: str) -> None:
         self._page.get_by_title(title).click()

@@ -137,8 +137,8 @@ def drawings(files: Mapping[str, Drawing]) -> str:
 
 def peaks(work: Mapping[str, tuple[float, float]]) -> str:
     """Memory, one line per kind of work."""
-    body = [[name, say(one), say(ten), times(ten / one)] for name, (one, ten) in work.items()]
-    return markdown(["most memory, MB", "20,000 scans", "200,000 scans", "ratio"], body)
+    body = [[name, say(one), say(ten), say(ten - one)] for name, (one, ten) in work.items()]
+    return markdown(["most memory, MB", "the written file", "ten times as much", "more by"], body)
 
 
 def waits(kinds: Mapping[str, Waiting]) -> str:
