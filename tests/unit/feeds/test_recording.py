@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from itertools import pairwise
@@ -85,6 +86,21 @@ def test_it_may_be_closed_at_any_time_and_in_a_callback() -> None:
     feed = feeds.recording(SAMPLE)
     feed.connect("/scan", lambda _: feed.close())
     wait_for(lambda: "robowidgets-player" not in {t.name for t in threading.enumerate()}, "its thread has ended")
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="open files are counted in Linux's /proc")
+def test_a_hundred_opens_and_closes_leave_no_thread_and_no_file() -> None:
+    def once() -> None:
+        came = threading.Event()
+        with feeds.recording(SAMPLE, speed=10.0) as feed:
+            feed.connect("/scan", lambda _: came.set())
+            assert came.wait(20.0)
+
+    once()
+    files, threads = len(os.listdir("/proc/self/fd")), threading.active_count()
+    for _ in range(100):
+        once()
+    assert (len(os.listdir("/proc/self/fd")), threading.active_count()) == (files, threads)
 
 
 def test_words_for_what_cannot_be_played(tmp_path: Path) -> None:

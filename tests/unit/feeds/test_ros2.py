@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from robowidgets.feeds import _ros2_spin
@@ -153,6 +155,64 @@ def test_it_subscribes_where_refusals_cannot_be_told(ros2: Ros2, graph: Graph) -
     graph.tells_refusals = False
     offer(graph, "/scan", SCAN)
     assert subscribed(ros2, graph, "/scan").events.incompatible_qos is None
+
+
+def test_a_publisher_that_was_killed_and_restarted_is_heard_again(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+    publisher = offer(graph, "/scan", SCAN)
+    subscribed(ros2, graph, "/scan")
+    publisher.node.destroy_node()
+    wait_for(lambda: not subscriptions(graph), "it is gone")
+    again = offer(graph, "/scan", SCAN)
+    wait_for(lambda: subscriptions(graph), "it subscribed again")
+    again.publish(get_message(SCAN)())
+    wait_for(lambda: heard.messages, "it came")
+    assert heard.lost == []
+
+
+def test_two_publishers_on_one_topic_are_both_heard(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+    both = [offer(graph, "/scan", SCAN), offer(graph, "/scan", SCAN)]
+    subscribed(ros2, graph, "/scan")
+    sent = []
+    for rays, publisher in enumerate(both):
+        sent.append(get_message(SCAN)())
+        sent[-1].ranges = np.zeros(rays, np.float32)
+        publisher.publish(sent[-1])
+    wait_for(lambda: len(heard.messages) == 2, "both came")
+    assert [message for _, message in heard.messages] == sent
+    assert len(subscriptions(graph)) == 1
+
+
+def test_a_ros_that_does_not_start_is_told_and_tried_again(
+    graph: Graph, heard: Recorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rclpy, tries = sys.modules["rclpy"], []
+    init = rclpy.init
+
+    def refuse_once(**given: Any) -> None:
+        tries.append(given)
+        if len(tries) == 1:
+            raise RuntimeError("failed to initialize rcl: no network")
+        init(**given)
+
+    monkeypatch.setattr(rclpy, "init", refuse_once)
+    ros2 = Ros2()
+    ros2.open(heard)
+    wait_for(lambda: heard.connected, "it is connected")
+    assert heard.lost[0][0] == f"{ros2.where} cannot be used: failed to initialize rcl: no network"
+    ros2.close()
+
+
+def test_a_hundred_opens_and_closes_leave_no_thread_and_no_node(graph: Graph) -> None:
+    threads = threading.active_count()
+    for _ in range(100):
+        heard = Recorder()
+        ros2 = Ros2(domain_id=7)
+        ros2.open(heard)
+        ros2.subscribe("/scan")
+        wait_for(lambda: heard.connected, "it is connected")  # noqa: B023
+        ros2.close()
+    assert (threading.active_count(), graph.nodes, len(graph.contexts)) == (threads, [], 100)
+    assert not any(context.ok() for context in graph.contexts)
 
 
 def test_a_topic_that_changes_its_type_is_heard_on(ros2: Ros2, graph: Graph) -> None:
@@ -450,6 +510,6 @@ def test_wrong_arguments_are_refused_by_name(graph: Graph) -> None:
 
 
 def test_without_rclpy_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch, heard: Recorder) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "rclpy", None)
+    monkeypatch.setitem(sys.modules, "rclpy", None)
     with pytest.raises(FeedError, match=r"rclpy cannot be imported here .* feeds\.dds\(\) needs no ROS"):
         Ros2().open(heard)
