@@ -3,21 +3,21 @@ import { make, setText } from "../shared/dom.ts";
 import type { Box, Point } from "./projection.ts";
 import type { RayWords } from "./words.ts";
 
+const ROWS = ["rw-popup-expression", "rw-popup-distance rw-popup-angle", "rw-popup-details rw-popup-side"];
+
 /** The pop-up that names one ray. */
 export class Popup {
   readonly element = make("div", "rw-popup");
-  readonly #expression = make("div", "rw-popup-expression rw-index");
-  readonly #distance = make("span", "rw-popup-distance");
-  readonly #angle = make("span", "rw-popup-angle");
-  readonly #details = make("span", "rw-popup-details");
-  readonly #side = make("span", "rw-popup-side");
+  /** One for each of the words, row by row. */
+  readonly #places: HTMLElement[] = [];
 
   constructor(parent: HTMLElement) {
-    const values = make("div", "rw-popup-row");
-    values.append(this.#distance, this.#angle);
-    const details = make("div", "rw-popup-row");
-    details.append(this.#details, this.#side);
-    this.element.append(this.#expression, values, details);
+    for (const names of ROWS) {
+      const row = make("div", "rw-popup-row");
+      row.append(...names.split(" ").map((name) => make("span", name)));
+      this.#places.push(...(row.children as Iterable<HTMLElement>));
+      this.element.append(row);
+    }
     this.element.hidden = true;
     parent.append(this.element);
   }
@@ -29,11 +29,8 @@ export class Popup {
   /** Shows words at the place that `place` finds for their size. */
   show(words: RayWords, place: (size: Size) => Point): Box {
     this.element.hidden = false;
-    setText(this.#expression, words.expression);
-    setText(this.#distance, words.distance);
-    setText(this.#angle, words.angle);
-    setText(this.#details, words.details);
-    setText(this.#side, words.side);
+    const texts = [words.expression, words.distance, words.angle, words.details, words.side];
+    for (const [i, place] of this.#places.entries()) setText(place, texts[i] ?? "");
     const size = { width: this.element.offsetWidth, height: this.element.offsetHeight };
     const { x, y } = place(size);
     this.element.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px)`;

@@ -82,11 +82,14 @@ export function whyEmpty(scan: Scan): string {
 }
 
 /** What the pop-up says of one ray. */
-export interface RayWords {
+export interface RayWords extends Partial<Where> {
   expression: string;
   distance: string;
-  angle: string;
   details: string;
+}
+
+interface Where {
+  angle: string;
   side: string;
 }
 

@@ -60,7 +60,7 @@ export function describeSpeed(axis: string, title: string, low: number, high: nu
   const unit = axis.startsWith("linear") ? "m/s" : "rad/s";
   const value = low === high ? toFixed(low, 2) : `${toFixed(low, 2)} to ${toFixed(high, 2)}`;
   const words = Number.isNaN(low) ? "no value" : `${value} ${unit}`;
-  return { expression: axis, distance: words, angle: "", details: `${toSeconds(time)}  ${title}`, side: "" };
+  return { expression: axis, distance: words, details: `${toSeconds(time)}  ${title}` };
 }
 
 /** What the pop-up says of the touches at a moment. */
@@ -70,15 +70,13 @@ export function describeTouches(touches: Stretch[], title: string, time: number)
   return {
     expression: title,
     distance: sensors.length ? "touched" : "not touched",
-    angle: "",
     details: sensors.length ? `${sensors.join(", ")}\n${spans[0]}` : toSeconds(time),
-    side: "",
   };
 }
 
 /** What the pop-up says of a mark. */
 export function describeMark(mark: Stretch): RayWords {
-  return { expression: mark.name, distance: toWords(mark), angle: "", details: "marked", side: "" };
+  return { expression: mark.name, distance: toWords(mark), details: "marked" };
 }
 
 function toWords({ start, end }: Stretch): string {
