@@ -29,7 +29,7 @@ PACE = 0.05
 """Seconds between two times that are taken from the viewer while it plays."""
 
 PATIENCE = 0.5
-"""Seconds for which the viewer's answer to a time is waited for before it is told the next: it draws a picture for each,
+"""Seconds for which the viewer's answer to a time is waited for before the next is told: it draws a picture for each,
 and a slow one would fall behind. Not for ever, because while a cell runs no answer is heard."""
 
 _numbers = count(1)
