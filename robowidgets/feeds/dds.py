@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ._again import Again
 from ._encode import Encoder
+from ._takes_part import TakesPart, checked_domain
 from .feed import Feed
 from .middleware import FeedError, Listener
 
 if TYPE_CHECKING:
     from ._dds_session import Session
 
-_LAST_DOMAIN = 232
 
-
-class Dds:
+class Dds(TakesPart):
     """A `Middleware` that takes part in a DDS domain.
 
     Raises:
@@ -25,20 +22,13 @@ class Dds:
     """
 
     def __init__(self, domain: int = 0, *, interface: str | None = None) -> None:
-        if not isinstance(domain, int) or isinstance(domain, bool):
-            raise TypeError(f"domain: expected a whole number, as in ROS_DOMAIN_ID, got {domain!r}")
-        if not 0 <= domain <= _LAST_DOMAIN:
-            raise ValueError(f"domain: expected 0 to {_LAST_DOMAIN}, as in ROS_DOMAIN_ID, got {domain}")
         if interface is not None and not isinstance(interface, str):
             raise TypeError(f"interface: expected the name of a network interface, such as 'eth0', got {interface!r}")
-        self._domain, self._interface = domain, interface
+        super().__init__()
+        self._domain, self._interface = checked_domain("domain", domain), interface
         self._encoder = Encoder()
-        self._again = Again()
-        self._lock = threading.Lock()
-        self._wanted: set[str] = set()
         self._out: dict[tuple[str, str], bytes] = {}
         self._session: Session | None = None
-        self._thread: threading.Thread | None = None
 
     @property
     def where(self) -> str:
@@ -51,20 +41,7 @@ class Dds:
             import cyclonedds.domain  # noqa: F401
         except ImportError as error:
             raise FeedError(f"feeds.dds needs cyclonedds: pip install 'robowidgets[dds]' ({error})") from None
-        self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-dds", daemon=True)
-        self._thread.start()
-
-    def subscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        with self._lock:
-            self._wanted.add(topic)
-        self._wake()
-
-    def unsubscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        with self._lock:
-            self._wanted.discard(topic)
-        self._wake()
+        self._start("robowidgets-dds", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
@@ -72,31 +49,13 @@ class Dds:
         with self._lock:
             if self._session is not None:
                 self._out[topic, message_type] = raw
-        self._wake()
-
-    def close(self) -> None:
-        """See `Middleware`."""
-        self._again.close()
-        self._wake()
-        thread = self._thread
-        if thread is not None and thread is not threading.current_thread():
-            thread.join()
+            self._wake()
 
     def _wake(self) -> None:
-        with self._lock:
-            if self._session is not None:
-                self._session.wake()
-
-    def _run(self, listener: Listener) -> None:
-        while not self._again.closed:
-            why = self._take_part(listener)
-            if not self._again.closed:
-                pause = self._again.next_pause()
-                listener.on_lost(why, pause)
-                self._again.wait(pause)
+        if self._session is not None:
+            self._session.wake()
 
     def _take_part(self, listener: Listener) -> str:
-        """Take part until it is closed, or until the network cannot be used: why not."""
         from cyclonedds.core import DDSException
 
         try:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import logging
 import os
-import threading
 import time
 from collections.abc import Mapping
 from typing import Any
 
-from ._again import Again
 from ._ros2_messages import fill, message_class
 from ._ros2_node import NodeTools
 from ._ros2_spin import Held, own_node
+from ._takes_part import TakesPart, checked_domain
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener
 
@@ -25,7 +24,7 @@ _MATCHING = 0.2
 _PAUSE = 0.01  # after an error of a callback that may come at any rate
 
 
-class Ros2:
+class Ros2(TakesPart):
     """A `Middleware` on a node of rclpy: the program's own, or one of ours with its own context.
 
     A thread of ours looks at the topics and publishes. It also spins the node whenever nobody else does; where the
@@ -39,21 +38,15 @@ class Ros2:
     def __init__(self, node: Any = None, *, domain_id: int | None = None) -> None:
         if node is not None and not hasattr(node, "create_subscription"):
             raise TypeError(f"node: expected a node of rclpy, got {node!r}")
-        if domain_id is not None and (not isinstance(domain_id, int) or isinstance(domain_id, bool)):
-            raise TypeError(f"domain_id: expected a whole number, as in ROS_DOMAIN_ID, got {domain_id!r}")
-        if domain_id is not None and not 0 <= domain_id <= 232:
-            raise ValueError(f"domain_id: expected 0 to 232, as in ROS_DOMAIN_ID, got {domain_id}")
+        if domain_id is not None:
+            checked_domain("domain_id", domain_id)
         if node is not None and domain_id is not None:
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
+        super().__init__()
         self._node, self._domain_id = node, domain_id
         self._name = _name(node)
-        self._again = Again()
-        self._lock = threading.Lock()
-        self._wanted: set[str] = set()
         self._out: dict[tuple[str, str], Any] = {}
         self._executor: Any = None
-        self._stirred = False
-        self._thread: threading.Thread | None = None
         self._troubles: dict[str, str] = {}
 
     @property
@@ -75,23 +68,7 @@ class Ros2:
                 "was run, with the Python of that ROS; feeds.dds() needs no ROS"
             ) from None
         self._listener = listener
-        self._thread = threading.Thread(target=self._run, name="robowidgets-ros2", daemon=True)
-        self._thread.start()
-
-    def subscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        with self._lock:
-            self._wanted.add(topic)
-            self._stirred = True
-            self._wake()
-
-    def unsubscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        with self._lock:
-            self._wanted.discard(topic)
-            self._troubles.pop(topic, None)
-            self._stirred = True
-            self._wake()
+        self._start("robowidgets-ros2", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
@@ -112,35 +89,16 @@ class Ros2:
                 self._out[topic, message_type] = filled
             self._wake()
 
-    def close(self) -> None:
-        """See `Middleware`."""
-        self._again.close()
-        with self._lock:
-            self._wake()
-        thread = self._thread
-        if thread is not None and thread is not threading.current_thread():
-            thread.join()
-
     def _wake(self) -> None:
-        """Let the thread see what there is to do; the lock is held."""
         if self._executor is not None:
             self._executor.wake()
 
-    def _run(self) -> None:
-        while not self._again.closed:
-            why = self._take_part()
-            if not self._again.closed:
-                pause = self._again.next_pause()
-                self._listener.on_lost(why, pause)
-                self._again.wait(pause)
-
-    def _take_part(self) -> str:
-        """Take part until it is closed, or until ROS ends under us: why."""
+    def _take_part(self, listener: Listener) -> str:
         from rclpy.executors import ExternalShutdownException
 
         try:
             with own_node(self._domain_id) if self._node is None else Held(self._node) as held:
-                self._attend(held)
+                self._attend(held, listener)
         except ExternalShutdownException:
             return f"{self.where} cannot be used: rclpy was shut down"
         except Exception as error:  # rclpy raises a class of its own for each thing that was shut down or destroyed
@@ -148,16 +106,15 @@ class Ros2:
             return f"{self.where} cannot be used: {str(error) or type(error).__name__}"
         return ""
 
-    def _attend(self, held: Held) -> None:
+    def _attend(self, held: Held, listener: Listener) -> None:
         tools = NodeTools(held.node, self._hand_on, self._trouble)
         told = tools.look()
         with self._lock:
             self._executor = held.executor
-            self._stirred = True
         try:
-            self._listener.on_connected()
+            listener.on_connected()
             self._again.worked()
-            self._listener.on_topics(told)
+            listener.on_topics(told)
             self._loop(held, tools, told)
             self._send(tools)
             tools.flush()
@@ -169,13 +126,15 @@ class Ros2:
 
     def _loop(self, held: Held, tools: NodeTools, told: list[Advert]) -> None:
         due = 0.0
+        followed: set[str] = set()
         while not self._again.closed:
             self._send(tools)
             with self._lock:
-                stirred, self._stirred = self._stirred, False
                 wanted = set(self._wanted)
-            if stirred or time.monotonic() >= due:
-                due = time.monotonic() + POLL
+                for topic in followed - wanted:
+                    self._troubles.pop(topic, None)
+            if wanted != followed or time.monotonic() >= due:
+                followed, due = wanted, time.monotonic() + POLL
                 adverts = tools.look()
                 if adverts != told:
                     told = adverts

@@ -335,11 +335,12 @@ def test_a_node_that_the_program_spins_step_by_step_is_left_to_it(graph: Graph, 
     node = graph.node()
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
+    offer(graph, "/scan", SCAN)
     ros2 = Ros2(node)
     ros2.open(heard)
     executor.remove_node(node)
     ros2.subscribe("/scan")
-    wait_for(lambda: not ros2._stirred, "it looked")
+    wait_for(lambda: node.subscriptions, "it subscribed")
     assert node.executor is executor
     ros2.close()
 

@@ -1,0 +1,71 @@
+"""What middlewares have in common that take part in a network in a thread of their own."""
+
+from __future__ import annotations
+
+import threading
+from abc import ABC, abstractmethod
+
+from ._again import Again
+from .middleware import Listener
+
+LAST_DOMAIN = 232
+
+
+class TakesPart(ABC):
+    """The thread, which takes part again and again with growing pauses, and the topics that it should listen to."""
+
+    def __init__(self) -> None:
+        self._again = Again()
+        self._lock = threading.Lock()
+        self._wanted: set[str] = set()
+        self._thread: threading.Thread | None = None
+
+    def subscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        with self._lock:
+            self._wanted.add(topic)
+            self._wake()
+
+    def unsubscribe(self, topic: str) -> None:
+        """See `Middleware`."""
+        with self._lock:
+            self._wanted.discard(topic)
+            self._wake()
+
+    def close(self) -> None:
+        """See `Middleware`."""
+        self._again.close()
+        with self._lock:
+            self._wake()
+        thread = self._thread
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
+
+    def _start(self, name: str, listener: Listener) -> None:
+        self._thread = threading.Thread(target=self._run, args=(listener,), name=name, daemon=True)
+        self._thread.start()
+
+    def _run(self, listener: Listener) -> None:
+        while not self._again.closed:
+            why = self._take_part(listener)
+            if not self._again.closed:
+                pause = self._again.next_pause()
+                listener.on_lost(why, pause)
+                self._again.wait(pause)
+
+    @abstractmethod
+    def _wake(self) -> None:
+        """Let the thread see what there is to do; the lock is held."""
+
+    @abstractmethod
+    def _take_part(self, listener: Listener) -> str:
+        """Take part until it is closed, or until that cannot go on: why."""
+
+
+def checked_domain(name: str, domain: object) -> int:
+    """The number of a domain; TypeError or ValueError by the name of the argument when it is none."""
+    if not isinstance(domain, int) or isinstance(domain, bool):
+        raise TypeError(f"{name}: expected a whole number, as in ROS_DOMAIN_ID, got {domain!r}")
+    if not 0 <= domain <= LAST_DOMAIN:
+        raise ValueError(f"{name}: expected 0 to {LAST_DOMAIN}, as in ROS_DOMAIN_ID, got {domain}")
+    return domain
