@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import socket
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +19,17 @@ from IPython.display import display
 
 from robowidgets import LaserWidget, feeds
 
+from .inside import MADE
 from .middleware import DOMAIN, SYSTEM, now_us
-from .scan import encode
+from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, encode
 from .stage import ROOT
 
-GEOMETRY_KEYS = ("angle_min", "angle_increment", "range_min", "range_max")
+SETTINGS = {
+    "angle_min": ANGLE_MIN,
+    "angle_increment": ANGLE_INCREMENT,
+    "range_min": RANGE_MIN,
+    "range_max": RANGE_MAX,
+}
 
 
 def start(role: str, name: str, where: str = "") -> subprocess.Popen[str]:
@@ -57,80 +66,30 @@ def start_master() -> subprocess.Popen[str]:
         time.sleep(0.05)
 
 
-class Source:
-    """A robot, a bare subscriber, and a feed with its widgets: see `kernel.Source`, whose methods it has."""
+class Outside:
+    """A robot and a bare subscriber in processes of their own, and a feed of that robot."""
 
-    def __init__(self, name: str, count: int = 1) -> None:
+    def __init__(self, name: str, note: Callable[[Any], None], lasers: list[LaserWidget]) -> None:
         self._master = start_master() if name == "ros1" else None
         self._robot = start("publish", name)
         where = answer(self._robot)
         self._bare = start("hear", name, where)
         assert answer(self._bare) == "ready"
-        if name == "dds":
-            self._feed = feeds.dds(DOMAIN, interface="lo")
-        elif name == "foxglove":
-            self._feed = feeds.foxglove(where)
-        else:
-            sys.path.append(SYSTEM)
-            self._feed = feeds.ros1()
-        self._lasers = [LaserWidget() for _ in range(count)]
-        self._heard: list[tuple[int, int]] = []
-        self._number = 0
-        self._feed.connect("/scan", self._note, *self._lasers)
-        self._first()
-
-    def _note(self, message: Any) -> None:
-        # Each feed hands on messages of its own kind.
-        stamp = message["header"]["stamp"] if isinstance(message, dict) else message.header.stamp
-        self._heard.append((getattr(stamp, "sec", getattr(stamp, "secs", 0)), now_us()))
-
-    def _first(self) -> None:
-        """Publish until everybody hears it."""
-        while not self._heard:
+        self._feed = feed_of(name, where)
+        first = threading.Event()
+        self._feed.connect("/scan", note, lambda _: first.set(), *lasers)
+        while not first.wait(0.05):
             ask(self._robot, "put 0")
-            time.sleep(0.05)
 
-    def show(self) -> None:
-        """Display the widgets."""
-        for laser in self._lasers:
-            display(laser)  # type: ignore[no-untyped-call]
-
-    def put(self, number: int) -> None:
-        """Show one number, outside any run."""
-        ask(self._robot, f"put {number}")
-
-    def pace(self, hz: float, seconds: float) -> None:
-        """Have the robot publish at a rate, while this cell waits as a program does."""
-        first = self._number + 1
-        self._heard.clear()
-        cpu, began = time.process_time(), time.perf_counter()
+    def pace(self, first: int, hz: float, seconds: float, _heard: list[tuple[int, int]]) -> None:
+        """Publish numbers from the first on; leaves when, and when the bare subscriber heard each."""
         ask(self._robot, f"pace {first} {hz} {seconds} {Path('published.npy').absolute()}")
-        end = began + seconds
+        end = time.perf_counter() + seconds
         while time.perf_counter() < end:
             time.sleep(0.1)
         assert answer(self._robot) == "done"
-        spent = time.process_time() - cpu
         ask(self._bare, f"take {Path('bare.npy').absolute()}")
         assert answer(self._bare) == "done"
-        self._number = first + round(hz * seconds) - 1
-        np.save("heard.npy", np.array(self._heard).reshape(-1, 2))
-        self._tell(first, time.perf_counter() - began, spent)
-
-    def direct(self, hz: float, seconds: float) -> None:
-        """Hand scans to the first widget without any feed, at a rate: the widget's own latency."""
-        laser, first = self._lasers[0], self._number + 1
-        settings = dict(zip(GEOMETRY_KEYS, (-2.356194, 0.004535504, 0.1, 6.0), strict=True))
-        stamps, due = [], time.perf_counter()
-        cpu, began = time.process_time(), due
-        for number in range(first, first + round(hz * seconds)):
-            ranges = encode(number)
-            stamps.append(now_us())
-            laser.update(ranges=ranges, **settings)
-            due += 1 / hz
-            time.sleep(max(0.0, due - time.perf_counter()))
-        self._number = first + len(stamps) - 1
-        np.save("published.npy", np.array(stamps))
-        self._tell(first, time.perf_counter() - began, time.process_time() - cpu)
 
     def close(self) -> None:
         """End the feed and the processes."""
@@ -139,6 +98,112 @@ class Source:
             if process is not None:
                 process.kill()
                 process.wait()
+
+
+class Inside:
+    """A robot without a process of its own: a scan counts as published when it is due, and a bare callback takes no
+    time. The clock of the feed is told by its most punctual scan."""
+
+    def __init__(self, name: str, note: Callable[[Any], None], lasers: list[LaserWidget]) -> None:
+        self._make, self._targets = MADE[name], (note, *lasers)
+        for laser in lasers:
+            laser.title = "/scan"  # as it will be: what the page has learned of the picture must hold
+
+    def pace(self, first: int, hz: float, seconds: float, heard: list[tuple[int, int]]) -> None:
+        """See `Outside`."""
+        feed, due = self._make(first, hz, seconds)
+        feed.connect("/scan", *self._targets)
+        last = first + len(due) - 1
+        while not heard or heard[-1][0] < last:
+            time.sleep(0.1)
+        feed.disconnect("/scan")
+        feed.close()
+        del heard[next(i for i, (number, _) in enumerate(heard) if number == last) + 1 :]
+        noted = np.array([pair for pair in heard if first <= pair[0]])
+        begun = int((noted[:, 1] - 1e6 * due[noted[:, 0] - first]).min())
+        published = begun + (1e6 * due).astype(np.int64)
+        np.save("published.npy", published)
+        np.save("bare.npy", np.stack([np.arange(first, last + 1), published], axis=1))
+
+    def close(self) -> None:
+        """Nothing is left to end."""
+
+
+def feed_of(name: str, where: str) -> feeds.Feed:
+    """The feed that hears a robot of `benchmarks.middleware`."""
+    if name == "dds":
+        return feeds.dds(DOMAIN, interface="lo")
+    if name == "ros2":
+        return feeds.ros2(domain_id=DOMAIN)
+    if name == "ros1":
+        sys.path.append(SYSTEM)
+        return feeds.ros1()
+    return {"foxglove": feeds.foxglove, "rosbridge": feeds.rosbridge}[name](where)
+
+
+def number_of(message: Any) -> int:
+    """What a message says, of the kind that its feed hands on."""
+    if hasattr(message, "stamp_ns"):
+        return int(message.stamp_ns // 1_000_000_000)
+    stamp = message["header"]["stamp"] if isinstance(message, dict) else message.header.stamp
+    return int(stamp["sec"] if isinstance(stamp, dict) else getattr(stamp, "sec", getattr(stamp, "secs", 0)))
+
+
+class Source:
+    """Widgets on a feed, and whom it hears: see `kernel.Source`, whose methods it has."""
+
+    def __init__(self, name: str, count: int = 1) -> None:
+        self._lasers = [LaserWidget() for _ in range(count)]
+        self._heard: list[tuple[int, int]] = []
+        self._number = 0
+        self._robot = (
+            Outside(name, self._note, self._lasers) if name not in MADE else Inside(name, self._note, self._lasers)
+        )
+        self.put(0)
+
+    def _note(self, message: Any) -> None:
+        self._heard.append((number_of(message), now_us()))
+
+    def show(self) -> None:
+        """Display the widgets."""
+        for laser in self._lasers:
+            display(laser)  # type: ignore[no-untyped-call]
+
+    def put(self, number: int) -> None:
+        """Show one number, outside any run."""
+        for laser in self._lasers:
+            laser.update(ranges=encode(number), **SETTINGS)
+
+    def pace(self, hz: float, seconds: float) -> None:
+        """Have the robot publish at a rate, while this cell waits as a program does."""
+        first = self._number + 1
+        self._heard.clear()
+        cpu, began = time.process_time(), time.perf_counter()
+        self._robot.pace(first, hz, seconds, self._heard)
+        spent = time.process_time() - cpu
+        self._number = first + len(np.load("published.npy")) - 1
+        np.save("heard.npy", np.array(self._heard).reshape(-1, 2))
+        self._tell(first, time.perf_counter() - began, spent)
+
+    def direct(self, hz: float, seconds: float) -> None:
+        """Hand scans to the first widget without any feed, at a rate: the widget's own latency."""
+        wander = random.Random(2)
+        laser, first = self._lasers[0], self._number + 1
+        stamps, due = [], time.perf_counter()
+        cpu, began = time.process_time(), due
+        for number in range(first, first + round(hz * seconds)):
+            ranges = encode(number)
+            stamps.append(now_us())
+            laser.update(ranges=ranges, **SETTINGS)
+            due += wander.uniform(0.9, 1.1) / hz
+            time.sleep(max(0.0, due - time.perf_counter()))
+        self._number = first + len(stamps) - 1
+        np.save("published.npy", np.array(stamps))
+        self._tell(first, time.perf_counter() - began, time.process_time() - cpu)
+
+    def close(self) -> None:
+        """End the feed and the processes."""
+        self._robot.close()
 
     def _tell(self, first: int, seconds: float, cpu: float) -> None:
         stamps = np.load("published.npy")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -13,9 +14,15 @@ import numpy as np
 import psutil
 from numpy.typing import NDArray
 
-from .measure import PATIENCE, memory, quantile
+from .inside import MADE
+from .measure import PATIENCE, ends, memory
 from .middleware import SYSTEM
 from .stage import Run, Show, Stage
+
+BLOCK = 20
+"""Scans in a row that are drawn together, for one may hold up the next."""
+TURNS = 4
+"""How often the feed and the widget alone take turns in a notebook."""
 
 
 @dataclass
@@ -30,8 +37,8 @@ class Figures:
     painted_p95: float
     widget: float
     """From `update` to paint, without a feed: the widget's own."""
-    added: float
-    """What the feed adds to the bare subscriber and the widget."""
+    added: tuple[float, float, float]
+    """What the feed adds to the bare subscriber and the widget: the mean, and the interval that holds it with 95 %."""
     core: float
     """Per cent of a core that the kernel takes with four widgets at once."""
 
@@ -47,34 +54,55 @@ class Endurance:
 
 
 def available() -> list[str]:
-    """The middlewares that can be measured here."""
-    return ["dds", "foxglove", *(["ros1"] if Path(SYSTEM, "rospy").is_dir() else [])]
+    """The feeds that can be measured here."""
+    ros1, ros2 = Path(SYSTEM, "rospy").is_dir(), find_spec("rclpy") is not None
+    return ["dds", "foxglove", "rosbridge", *["ros1"] * ros1, *["ros2"] * ros2, *MADE]
 
 
 def compare(stage: Stage, name: str, seconds: float, repeats: int) -> Figures:
-    """The medians of some repeats, each in a fresh kernel and page."""
-    each = [once(stage, name, seconds) for _ in range(repeats)]
-    return Figures(**{field.name: median(getattr(one, field.name) for one in each) for field in fields(Figures)})
+    """Some repeats together, each in a fresh kernel and page."""
+    found = [once(stage, name, seconds) for _ in range(repeats)]
+    with_feed, alone = ([run for one in found for run in one[part]] for part in ("with_feed", "alone"))
+    painted = np.concatenate([run.latencies for run, _, _ in with_feed])
+    bare, handed = (np.concatenate([run[part] for run in with_feed]) for part in (1, 2))
+    # Of each scan that was painted, from the bare subscriber's callback.
+    since_bare = [run.latencies - since[run.painted[:, 2].astype(int) - run.first] for run, since, _ in with_feed]
+    return Figures(
+        bare=float(np.nanmedian(bare)),
+        handed=float(np.nanmedian(handed)),
+        painted=float(np.median(painted)),
+        painted_p95=float(np.percentile(painted, 95)),
+        widget=float(np.median(np.concatenate(alone))),
+        added=difference([since[~np.isnan(since)] for since in since_bare], alone),
+        core=median(one["core"] for one in found),
+    )
 
 
-def once(stage: Stage, name: str, seconds: float) -> Figures:
-    """One feed, in one fresh notebook for one widget, and in another for four."""
+def once(stage: Stage, name: str, seconds: float) -> dict[str, Any]:
+    """One feed and its widget alone in turn, in one fresh notebook; and four widgets in another."""
+    with_feed, alone = [], []
     with opened(stage, name) as show:
-        run = show.run(f"pace(40, {seconds})", PATIENCE)
-        bare, handed = (since_published(stage, run, file) for file in ("bare.npy", "heard.npy"))
-        painted, painted_p95 = quantile(run, 50), quantile(run, 95)
-        widget = quantile(show.run(f"direct(40, {seconds})", PATIENCE), 50)
+        for _ in range(TURNS):
+            run = show.run(f"pace(40, {seconds / TURNS})", PATIENCE)
+            with_feed.append((run, *(since_published(stage, run, file) for file in ("bare.npy", "heard.npy"))))
+            alone.append(show.run(f"direct(40, {seconds / TURNS})", PATIENCE).latencies)
     with opened(stage, name, count=4) as show:
         four = show.run(f"pace(40, {seconds})", PATIENCE)
-    return Figures(
-        bare=bare,
-        handed=handed,
-        painted=painted,
-        painted_p95=painted_p95,
-        widget=widget,
-        added=painted - bare - widget,
-        core=100 * four.cpu / four.seconds,
-    )
+    return {"with_feed": with_feed, "alone": alone, "core": 100 * four.cpu / four.seconds}
+
+
+def difference(ours: list[NDArray[Any]], theirs: list[NDArray[Any]]) -> tuple[float, float, float]:
+    """Of the means of two: the difference, and the interval that holds it with 95 %, by drawing blocks of them anew."""
+    draw = np.random.default_rng(1)
+
+    def means(runs: list[NDArray[Any]]) -> NDArray[Any]:
+        blocks = [block for run in runs for block in np.array_split(run, max(1, len(run) // BLOCK))]
+        sums, sizes = np.array([block.sum() for block in blocks]), np.array([len(block) for block in blocks])
+        drawn = draw.integers(len(blocks), size=(5000, len(blocks)))
+        return np.asarray(sums[drawn].sum(axis=1) / sizes[drawn].sum(axis=1))
+
+    low, high = np.percentile(means(ours) - means(theirs), [2.5, 97.5])
+    return float(np.concatenate(ours).mean() - np.concatenate(theirs).mean()), float(low), float(high)
 
 
 def endure(stage: Stage, name: str, seconds: float, stretch: float) -> tuple[Endurance, Endurance]:
@@ -87,20 +115,20 @@ def endure(stage: Stage, name: str, seconds: float, stretch: float) -> tuple[End
         show.notebook.page.wait_for_timeout(1000 * (seconds - stretch - 1))
         end = memory(show, kernel)
         run = show.finish(PATIENCE)
-    times = run.painted[:, 0] - run.stamps[0]
-    stretches = (times < 1000 * stretch), (times >= 1000 * (seconds - stretch))
     first, last = (
-        Endurance(float(np.median(run.latencies[part])), float(np.percentile(run.latencies[part], 95)), heap, megabytes)
-        for part, (heap, megabytes, _) in zip(stretches, (early, end), strict=True)
+        Endurance(float(np.median(part)), float(np.percentile(part, 95)), heap, megabytes)
+        for part, (heap, megabytes, _) in zip(ends(run, seconds, stretch), (early, end), strict=True)
     )
     return first, last
 
 
-def since_published(stage: Stage, run: Run, file: str) -> float:
-    """The median of the milliseconds from publishing to a callback, which noted number and microseconds."""
+def since_published(stage: Stage, run: Run, file: str) -> NDArray[np.float64]:
+    """Of each scan the milliseconds from publishing to a callback, which noted number and microseconds; NaN: never."""
     noted: NDArray[Any] = np.load(stage.lab.files / file)
     noted = noted[(noted[:, 0] >= run.first) & (noted[:, 0] < run.first + len(run.stamps))]
-    return float(np.median(noted[:, 1] / 1000 - run.stamps[noted[:, 0] - run.first]))
+    since = np.full(len(run.stamps), np.nan)
+    since[noted[:, 0] - run.first] = noted[:, 1] / 1000 - run.stamps[noted[:, 0] - run.first]
+    return since
 
 
 @contextmanager

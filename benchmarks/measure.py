@@ -11,6 +11,7 @@ from statistics import mean, median
 
 import numpy as np
 import psutil
+from numpy.typing import NDArray
 
 from .stage import ROOT, Run, Show, Stage
 
@@ -178,18 +179,17 @@ def flood_long(stage: Stage, seconds: float, stretch: float) -> tuple[Endurance,
         show.notebook.page.wait_for_timeout(1000 * (seconds - stretch - 1))
         end = memory(show, kernel)
         run = show.finish(PATIENCE)
-    times = run.painted[:, 0] - run.stamps[0]
-    stretches = (times < 1000 * stretch), (times >= 1000 * (seconds - stretch))
     first, last = (
-        Endurance(
-            float(part.sum()) / stretch,
-            float(np.median(run.latencies[part])),
-            float(np.percentile(run.latencies[part], 95)),
-            *megabytes,
-        )
-        for part, megabytes in zip(stretches, (early, end), strict=True)
+        Endurance(len(part) / stretch, float(np.median(part)), float(np.percentile(part, 95)), *megabytes)
+        for part, megabytes in zip(ends(run, seconds, stretch), (early, end), strict=True)
     )
     return first, last, late(run)
+
+
+def ends(run: Run, seconds: float, stretch: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The latencies of what was painted in the first and in the last stretch of a run."""
+    times = run.painted[:, 0] - run.stamps[0]
+    return run.latencies[times < 1000 * stretch], run.latencies[times >= 1000 * (seconds - stretch)]
 
 
 def memory(show: Show, kernel: psutil.Process) -> tuple[float, float, float]:

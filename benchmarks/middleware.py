@@ -9,9 +9,11 @@ WHERE is empty. `python -m benchmarks.middleware hear NAME WHERE` notes when eac
 from __future__ import annotations
 
 import os
+import random
 import sys
 import threading
 import time
+from array import array
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, encode
 DOMAIN = 87
 SYSTEM = "/usr/lib/python3/dist-packages"
 """Where Debian's packages have rospy."""
+FIELDS = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
 GEOMETRY = (ANGLE_MIN, -ANGLE_MIN, ANGLE_INCREMENT, 0.0, 0.025, RANGE_MIN, RANGE_MAX)
 
 
@@ -145,7 +148,83 @@ class Ros1:
         threading.Event().wait()
 
 
-NAMES = {"dds": Dds, "foxglove": Foxglove, "ros1": Ros1}
+class Rosbridge:
+    """The tests' server, and tornado's client, in CBOR."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+
+    def publisher(self) -> Any:
+        from tests.unit.feeds.bridge import Rosbridge as Server
+
+        server = Server({"/scan": "sensor_msgs/msg/LaserScan"}).__enter__()
+        self.where = server.address
+        fields = dict(zip(FIELDS, GEOMETRY, strict=True))
+
+        def publish(number: int) -> None:
+            header = {"stamp": {"sec": number, "nanosec": 0}, "frame_id": "laser"}
+            if "/scan" in server.subscribed:
+                server.publish("/scan", {"header": header, **fields, "ranges": encode(number), "intensities": []})
+
+        return publish
+
+    def hear(self, call: Any) -> None:
+        import asyncio
+        import json
+
+        import cbor2
+        from tornado.websocket import websocket_connect
+
+        async def listen() -> None:
+            client = await websocket_connect(self.where)
+            await client.write_message(json.dumps({"op": "subscribe", "topic": "/scan", "compression": "cbor"}))
+            while (said := await client.read_message()) is not None:
+                if isinstance(said, bytes):
+                    call(cbor2.loads(said)["msg"]["header"]["stamp"]["sec"])
+
+        asyncio.run(listen())
+
+
+class Ros2:
+    """rclpy, where it is."""
+
+    def __init__(self, where: str) -> None:
+        import rclpy
+
+        self.where = where
+        rclpy.init(args=[], domain_id=DOMAIN)
+        self._node = rclpy.create_node("robot" if not where else "bare")
+
+    def publisher(self) -> Any:
+        from rclpy.qos import qos_profile_sensor_data
+        from sensor_msgs.msg import LaserScan
+
+        self.where = str(DOMAIN)
+        topic = self._node.create_publisher(LaserScan, "/scan", qos_profile_sensor_data)
+        message = LaserScan()
+        for name, value in zip(FIELDS, GEOMETRY, strict=True):
+            setattr(message, name, value)
+
+        def publish(number: int) -> None:
+            message.header.stamp.sec = number
+            message.ranges = array("f", encode(number).tobytes())
+            topic.publish(message)
+
+        return publish
+
+    def hear(self, call: Any) -> None:
+        import rclpy
+        from rclpy.qos import qos_profile_sensor_data
+        from sensor_msgs.msg import LaserScan
+
+        def heard(message: Any) -> None:
+            call(message.header.stamp.sec)
+
+        self._node.create_subscription(LaserScan, "/scan", heard, qos_profile_sensor_data)
+        rclpy.spin(self._node)
+
+
+NAMES = {"dds": Dds, "foxglove": Foxglove, "ros1": Ros1, "ros2": Ros2, "rosbridge": Rosbridge}
 
 
 def now_us() -> int:
@@ -162,11 +241,11 @@ def publish(name: str, where: str) -> None:
             send(int(given[0]))
             continue
         first, hz, seconds = int(given[0]), float(given[1]), float(given[2])
-        stamps, due = [], time.perf_counter()
+        stamps, due, wander = [], time.perf_counter(), random.Random(first)
         for number in range(first, first + round(hz * seconds)):
             stamps.append(now_us())
             send(number)
-            due += 1 / hz
+            due += wander.uniform(0.9, 1.1) / hz  # so that they meet every phase of the display
             time.sleep(max(0.0, due - time.perf_counter()))
         np.save(given[3], np.array(stamps))
         print("done", flush=True)

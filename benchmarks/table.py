@@ -96,10 +96,15 @@ def endurance(parts: Mapping[str, Endurance]) -> str:
 
 
 def feeds(figures: Mapping[str, FeedFigures]) -> str:
-    """Feeds, one line per middleware."""
+    """Feeds, one line each."""
     titles = ["", "bare subscriber's callback, ms", "handed on by the feed", "painted", "p95"]
     more = ["the widget alone, `update` to paint", "added by the feed", "four widgets: % of one core"]
-    return markdown([*titles, *more], [[name, *map(say, vars(one).values())] for name, one in figures.items()])
+    body = []
+    for name, one in figures.items():
+        added, low, high = one.added
+        times = map(say, (one.bare, one.handed, one.painted, one.painted_p95, one.widget))
+        body.append([name, *times, f"{added:.2f} ({low:.2f} to {high:.2f})", say(one.core)])
+    return markdown([*titles, *more], body)
 
 
 def feed_endurance(parts: Mapping[str, FeedEndurance]) -> str:

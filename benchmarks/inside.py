@@ -1,0 +1,89 @@
+"""Feeds whose robot is in the process of the kernel: what they say, and when it is due."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from itertools import chain, repeat
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+from robowidgets import feeds
+from robowidgets.feeds import Feed
+from robowidgets.samples import Scan
+from robowidgets.simulator import Robot, Scanner, World
+
+from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, RAY_COUNT, encode
+
+SECOND = 1_000_000_000
+LEAD = 0.5
+"""Seconds before the first scan that counts: the feed is connected, its words go away, and scans say 0."""
+
+
+def steps(hz: float, count: int) -> NDArray[np.float64]:
+    """Seconds from each scan to the next, off by up to a tenth, so that they meet every phase of the display."""
+    return np.random.default_rng(1).uniform(0.9, 1.1, count) / hz
+
+
+def recorded(first: int, hz: float, seconds: float) -> tuple[Feed, NDArray[np.float64]]:
+    """A recording that is played, and the seconds at which its scans are due."""
+    due = LEAD + np.cumsum(steps(hz, round(hz * seconds)))
+    path = Path(tempfile.mkdtemp()) / "scans"
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kind = store.types["sensor_msgs/msg/LaserScan"]
+    header, stamp = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/scan", kind.__msgtype__, typestore=store)
+        for number, when in [*((0, when) for when in np.arange(0, LEAD, 1 / hz)), *enumerate(due, first)]:
+            message = kind(
+                header=header(stamp=stamp(number, 0), frame_id="laser"),
+                angle_min=ANGLE_MIN,
+                angle_max=-ANGLE_MIN,
+                angle_increment=ANGLE_INCREMENT,
+                time_increment=0.0,
+                scan_time=0.0,
+                range_min=RANGE_MIN,
+                range_max=RANGE_MAX,
+                ranges=encode(number),
+                intensities=np.empty(0, np.float32),
+            )
+            data = store.serialize_cdr(message, kind.__msgtype__)
+            writer.write(connection, SECOND + round(when * SECOND), data)
+    return feeds.recording(path), due
+
+
+class Counting(Robot):
+    """A robot whose scans say one number after the other; its scanner does all the work for them all the same."""
+
+    def __init__(self, numbers: Iterator[int]) -> None:
+        scanner = Scanner(RAY_COUNT, ANGLE_INCREMENT * (RAY_COUNT - 1), RANGE_MIN, RANGE_MAX, rate=200.0)
+        super().__init__(World.rooms(), (0.2, -0.85, 0.5), scanner=scanner)
+        self._numbers = numbers
+        self._seen: Any = None
+        self._said: Any = None
+
+    def scan(self) -> Scan:
+        """See `Robot`."""
+        seen = super().scan()
+        if seen is not self._seen:
+            self._seen = seen
+            number = next(self._numbers)
+            self._said = seen.again(encode(number), None, number * SECOND)
+        return self._said  # type: ignore[no-any-return]
+
+
+def simulated(first: int, hz: float, seconds: float) -> tuple[Feed, NDArray[np.float64]]:
+    """The simulated robot, and the seconds at which its scans are due: without end, one each step, all alike."""
+    hz *= 0.93  # at 40 Hz, every second scan would meet the same phase of the display
+    count = round(hz * seconds)
+    last = first + count - 1
+    numbers = chain([0] * round(LEAD * hz), range(first, last), repeat(last))
+    return feeds.simulator(Counting(numbers), hz=hz), np.arange(count) / hz
+
+
+MADE = {"recording": recorded, "simulator": simulated}
