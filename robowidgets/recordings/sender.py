@@ -36,8 +36,9 @@ BYTES_PER_SECOND = 10_000_000
 PATIENCE = 3.0
 """Seconds until a page that says nothing is taken to be there: a busy kernel does not hear it."""
 
-LINGER = 5.0
-"""Seconds without anything to do after which the thread ends and its file is closed, until there is."""
+LINGER = 600.0
+"""Seconds without anything to do after which the thread ends and its file is closed, until there is. Where all was sent
+they end at once."""
 
 _AT_EASE = 4
 """How much longer than it works the thread rests while nothing is urgent."""
@@ -173,9 +174,11 @@ class Sender:
                 index = self._wanted()
                 if index is not None:
                     return index
-                moves = self.cursor.rate and len(self._sent) <= self._last
-                told = self._change.wait(STRETCH / 4 / self.cursor.rate if moves else LINGER)
-                if not (told or moves):
+                if len(self._sent) > self._last:
+                    break
+                rate = self.cursor.rate
+                told = self._change.wait(STRETCH / 4 / rate if rate else LINGER)
+                if not told and not rate:
                     break
             self._thread = None
             return None

@@ -171,7 +171,9 @@ print(len(get_comm_manager().comms), len(senders), sum("fsm_0" in file for file 
 
 def test_a_cell_that_runs_again_replaces_its_player(notebook: Open, data: Path) -> None:
     nb = opened(notebook, data / "good" / "neato_fsm")
-    wait_for(lambda: nb.python(HELD).split()[1:] == ["1", "3"], "a thread, and files for it, the player and the table")
+    wait_for(
+        lambda: nb.python(HELD).split()[1:] == ["0", "2"], "all was sent: the table and the player have the file open"
+    )
     held = nb.python(HELD)
     for _ in range(5):
         nb.run(1)
