@@ -65,7 +65,8 @@ def viewer(widget: RerunWidget) -> Viewer:
 
 @pytest.fixture
 def player() -> Iterator[Player]:
-    made = robowidgets.open(robowidgets.SAMPLE).show(scanogram=False, rerun=True)
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        made = recording.show(scanogram=False, rerun=True)
     yield made
     made.close()
 
