@@ -31,7 +31,8 @@ laser.pinned = 12
 speed = SpeedWidget(title="/odom", linear_limits=(-0.5, 0.5))
 speed.update(linear=(0.62, 0, 0), angular=(0, 0, -0.24))
 speed.command(linear=(0.4, 0, 0), angular=(0, 0, 0))
-touch = TouchWidget(title="/bumper & <b>", angles={{"left": 0.9, "right": -0.9}})
+touch = TouchWidget(title="/bumper & <b>", angles={{"left": 0.9, "right": -0.9}},
+                    labels={{"front": "front \\x07 & <i>"}})
 touch.update(left=True, right=False, front=False)
 ranges = np.tile(2 + np.sin(np.arange(200)[:, None] / 20 + np.arange(61) / 30), 1)
 ranges[50:60] = inf

@@ -6,14 +6,17 @@ import asyncio
 import base64
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Coroutine, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 
 from robowidgets import LaserWidget, ScanogramWidget, _png
 from robowidgets._png import SavesPng
+
+T = TypeVar("T")
 
 PICTURE = b"\x89PNG\r\n\x1a\n and so on"
 URL = "data:image/png;base64," + base64.b64encode(PICTURE).decode()
@@ -59,6 +62,12 @@ def widget(request: pytest.FixtureRequest) -> Iterator[SavesPng]:
 @pytest.fixture
 def page(widget: SavesPng) -> Page:
     return Page(widget)
+
+
+def run(coroutine: Coroutine[Any, Any, T]) -> T:
+    """Run to the end in a thread of its own: where browsers are tested too, the main one has a loop already."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, coroutine).result()
 
 
 def notes(widget: SavesPng) -> list[str]:
@@ -115,7 +124,7 @@ class TestAwaiting:
             asyncio.get_running_loop().call_soon(page.answer)
             return await saving
 
-        assert asyncio.run(save()) == tmp_path / "a.png"
+        assert run(save()) == tmp_path / "a.png"
 
     def test_it_raises_what_kept_the_file_from_being_written(
         self, widget: SavesPng, page: Page, tmp_path: Path
@@ -126,14 +135,14 @@ class TestAwaiting:
             await saving
 
         with pytest.raises(OSError, match=r"a\.png was not written: the page could not draw the picture; it answered"):
-            asyncio.run(save())
+            run(save())
 
     def test_who_gives_up_waiting_still_gets_the_file(self, widget: SavesPng, page: Page, tmp_path: Path) -> None:
         async def save() -> None:
             with pytest.raises(asyncio.TimeoutError):
                 await asyncio.wait_for(widget.save_png(tmp_path / "a.png"), 0.01)
 
-        asyncio.run(save())
+        run(save())
         page.answer()
         assert (tmp_path / "a.png").read_bytes() == PICTURE
 
@@ -163,7 +172,7 @@ class TestWhatGoesWrongLater:
             await widget.save_png(tmp_path / "a.png")
 
         with pytest.raises(TimeoutError, match=r"a\.png was not written: no page that shows this widget has answered"):
-            asyncio.run(save())
+            run(save())
         assert "have it in view and call save_png() again" in notes(widget)[-1]
         page.answer()
         assert (tmp_path / "a.png").exists()
@@ -186,7 +195,7 @@ class TestWhatGoesWrongLater:
             await widget.save_png(tmp_path / "a.png")
 
         with caplog.at_level(logging.ERROR), pytest.raises(TimeoutError):
-            asyncio.run(save())
+            run(save())
         assert next(runs, None) is None
         assert len(caplog.records) == 1
 
