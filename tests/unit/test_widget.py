@@ -201,13 +201,12 @@ class TestToThePage:
         def cut(**_: object) -> None:
             raise OSError("the wire is cut")
 
-        with monkeypatch.context() as patch:
+        with pacer._turn, monkeypatch.context() as patch:
             patch.setattr(page, "send", cut)
-            with pacer._turn:
-                widget.update(7)
-                widget.color = "blue"
-                with pytest.raises(OSError, match="cut"):
-                    widget.send_newest()
+            widget.update(7)
+            widget.color = "blue"
+            with pytest.raises(OSError, match="cut"):
+                widget.send_newest()
         pacer.flush()
         assert number_in(page.state["_frame"]) == 7
         assert page.state["color"] == "blue"
