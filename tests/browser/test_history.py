@@ -224,15 +224,15 @@ def test_silence_and_the_words_of_a_feed_are_told(notebook: Callable[..., Notebo
     expect(empty).to_be_hidden()
     expect(notice).to_have_text("waiting for <b>/scan")
     expect(notice).to_have_css("color", "rgb(95, 107, 122)")
-    expect(facts).to_have_text(re.compile(r"^laser · 19 rays · \d+\.\d Hz$"))
+    expect(facts).to_have_text(re.compile(r"^laser\s·\s19 rays\s·\s\d+\.\d Hz$"))
     nb.python("laser._source = {**laser._source, 'words': ''}")
     expect(notice).to_be_hidden()
     card.locator(".rw-title").hover()
     expect(card.locator(".rw-header")).to_have_attribute(
         "title",
-        re.compile(r"^/scan\nsensor_msgs/msg/LaserScan\nlaser · 19 rays · \d+\.\d Hz\nnewest \d\.\d s ago$"),
+        re.compile(r"^/scan\nsensor_msgs/msg/LaserScan\nlaser\s·\s19 rays\s·\s\d+\.\d Hz\nnewest \d\.\d s ago$"),
     )
-    expect(facts).to_have_text(re.compile(r"^no data for 2\.\d s · laser · 19 rays$"))
+    expect(facts).to_have_text(re.compile(r"^no data for 2\.\d s\s·\slaser\s·\s19 rays$"))
     expect(facts).to_have_text(re.compile(r"^no data for 3\.\d s"))
     shoot(card, "silence-light-700")
     nb.resize(320)

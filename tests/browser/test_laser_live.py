@@ -109,7 +109,7 @@ def test_a_busy_cell_is_seen_frozen_pointed_at_and_zoomed(notebook: Callable[...
     expect(popup.locator(".rw-popup-expression")).to_have_text("ranges[9]")
     distance = popup.locator(".rw-popup-distance").inner_text()
     expect(popup.locator(".rw-popup-distance")).not_to_have_text(distance)
-    expect(card.locator(".rw-facts")).to_have_text(re.compile(r"^laser · 19 rays · \d+\.\d Hz$"))
+    expect(card.locator(".rw-facts")).to_have_text(re.compile(r"^laser\s·\s19 rays\s·\s\d+\.\d Hz$"))
 
     picture.focus()
     nb.page.keyboard.press("Space")

@@ -143,7 +143,7 @@ export class Card {
     const silence = this.#paced ? this.#stream.silence : 0;
     const pace = live && this.#paced && Number.isFinite(rate) ? [`${toFixed(rate, 1)} Hz`] : [];
     const facts = silence ? [`no data for ${toAge(silence)}`, ...this.#known] : [...this.#known, ...pace];
-    setText(this.#facts, facts.join(" · "));
+    setText(this.#facts, facts.join(" ·\u00A0"));
     this.root.classList.toggle("rw-silent", silence > 0);
     if (silence) this.#tellFacts();
   }
