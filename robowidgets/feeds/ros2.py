@@ -103,7 +103,7 @@ class Ros2(TakesPart):
             return f"{self.where} cannot be used: rclpy was shut down"
         except Exception as error:  # rclpy raises a class of its own for each thing that was shut down or destroyed
             log.debug("%s was lost", self.where, exc_info=True)
-            return f"{self.where} cannot be used: {str(error) or type(error).__name__}"
+            return f"{self.where} cannot be used: {' '.join(str(error).split()) or type(error).__name__}"
         return ""
 
     def _attend(self, held: Held, listener: Listener) -> None:
