@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from heapq import merge
 from itertools import chain
@@ -105,6 +105,7 @@ class Sender:
         self._last = floor(duration / STRETCH)
         self._complain = complain
         self._sent: dict[int, int] = {}
+        self._largest = 0
         self._stale: set[int] = set()
         self._edition = 0
         self._change = threading.Condition()
@@ -217,13 +218,21 @@ class Sender:
         again = range(first, min(first + max(0, here + count - 1 - last), last + 1)) if cursor.loops else ()
         return list(dict.fromkeys([*ahead[:2], here - 1, *ahead[2:], *again] if here else [*ahead, *again]))
 
-    def _rest(self) -> Iterable[int]:
-        """All others, the nearest first, as long as there is room for them."""
-        full = sum(self._sent.values()) > KEPT_BYTES - max(self._sent.values(), default=0)
-        if not self._asked or full or len(self._sent) >= KEPT_STRETCHES:
-            return ()
+    def _rest(self) -> Iterator[int]:
+        """All others, the nearest first, as far as the page keeps them; what lies farther is dropped for them."""
+        if not self._asked or not self._sent:
+            return
+        usual = sum(self._sent.values()) / len(self._sent)
+        soon = set(self._soon())
+        size, count = self._largest + sum(self._sent.get(index, usual) for index in soon), len(soon)
         here = floor(self._here() / STRETCH)
-        return merge(range(here + 1, self._last + 1), range(here, -1, -1), key=self._distance())
+        for index in merge(range(here + 1, self._last + 1), range(here, -1, -1), key=self._distance()):
+            if index in soon:
+                continue
+            size, count = size + self._sent.get(index, usual), count + 1
+            if size > KEPT_BYTES or count > KEPT_STRETCHES:
+                return
+            yield index
 
     def _distance(self) -> Callable[[int], float]:
         """How far a stretch is from the time on show; more so when it lies behind, for time goes on."""
@@ -238,6 +247,7 @@ class Sender:
             if edition != self._edition:
                 return 0
             self._sent[index] = size
+            self._largest = max(self._largest, size)
             dropped = self._dropped()
         self._send(
             {"stretch": index, "drop": dropped, "abouts": [abouts for abouts, _ in packed]}, [raw for _, raw in packed]

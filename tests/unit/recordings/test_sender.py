@@ -147,6 +147,17 @@ def test_a_page_that_was_loaded_anew_gets_all_again() -> None:
         wait_for(lambda: page.has == [0, 1, 2, 3] * 2, "all came again")
 
 
+def test_a_full_page_gets_what_lies_around_a_time_and_loses_what_is_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
+    with sending(Track(1000), 10_000) as (sender, page):
+        sender.start()
+        wait_for(lambda: len(page.bytes) > 35, "the page is full")
+        sender.tell(5000.5, 0.0, (0.0, 10_000.0))
+        wait_for(lambda: set(range(4995, 5025)) <= page.bytes.keys(), "what lies around came")
+        sender.close()
+        assert len(page.has) == len(set(page.has))
+
+
 def test_the_page_keeps_no_more_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
     with sending(Track(1000), 10_000) as (sender, page):
