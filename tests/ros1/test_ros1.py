@@ -293,7 +293,7 @@ def test_a_feed_may_be_closed_twice_and_in_a_callback(feed, publish):
     feed.close()
 
 
-def test_many_opens_and_closes_leave_nothing_behind(feed, publish):
+def test_a_hundred_opens_and_closes_leave_nothing_behind(feed, publish):
     publish("/ten/scan", "scan", 5)
 
     def once():
@@ -308,9 +308,9 @@ def test_many_opens_and_closes_leave_nothing_behind(feed, publish):
 
     once()
     before = in_use()
-    for _ in range(20):
+    for _ in range(100):
         once()
-    # The master's own connections to the node come and go; one left by each opening would be 20.
+    # The master's own connections to the node come and go; one left by each opening would be 100.
     wait_for(lambda: all(now < then + 8 for now, then in zip(in_use(), before, strict=True)), "no more are in use")
 
 
