@@ -6,7 +6,6 @@ import gc
 import logging
 import os
 import time
-from collections.abc import Iterator
 from math import isnan
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,21 +19,9 @@ from robowidgets import _widget
 from robowidgets._pacer import pacer
 from robowidgets._widget import MOST_LOGGED, RETELL, RETOLD, bundle
 
+from ..pages import Page
+from ..waiting import wait_for
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
-from .pages import Page
-from .waiting import wait_for
-
-
-@pytest.fixture
-def widget() -> Iterator[NumberWidget]:
-    made = NumberWidget()
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def page(widget: NumberWidget) -> Page:
-    return Page(widget)
 
 
 class TestNames:

@@ -12,21 +12,9 @@ import pytest
 
 from robowidgets._pacer import pacer
 
+from ..pages import Page
+from ..waiting import wait_for
 from .number_widget import NumberWidget, head_of, number_in
-from .pages import Page
-from .waiting import wait_for
-
-
-@pytest.fixture
-def widget() -> Iterator[NumberWidget]:
-    made = NumberWidget()
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def page(widget: NumberWidget) -> Page:
-    return Page(widget)
 
 
 @pytest.fixture

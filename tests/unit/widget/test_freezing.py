@@ -3,27 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 import pytest
 import traitlets
 
 from robowidgets._pacer import pacer
 
+from ..pages import Page
 from .number_widget import NumberWidget, number_in
-from .pages import Page
-
-
-@pytest.fixture
-def widget() -> Iterator[NumberWidget]:
-    made = NumberWidget()
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def page(widget: NumberWidget) -> Page:
-    return Page(widget)
 
 
 class TestFreezing:
