@@ -10,15 +10,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.typesys import Stores, get_typestore
 
 from robowidgets import feeds
 from robowidgets.feeds import Feed
 from robowidgets.samples import Scan
 from robowidgets.simulator import Robot, Scanner, World
 
-from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, RAY_COUNT, encode
+from .recordings import write_scans
+from .scan import ANGLE_INCREMENT, RANGE_MAX, RANGE_MIN, RAY_COUNT, encode
 
 SECOND = 1_000_000_000
 LEAD = 0.5
@@ -34,26 +33,8 @@ def recorded(first: int, hz: float, seconds: float) -> tuple[Feed, NDArray[np.fl
     """A recording that is played, and the seconds at which its scans are due."""
     due = LEAD + np.cumsum(steps(hz, round(hz * seconds)))
     path = Path(tempfile.mkdtemp()) / "scans"
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    kind = store.types["sensor_msgs/msg/LaserScan"]
-    header, stamp = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
-    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connection = writer.add_connection("/scan", kind.__msgtype__, typestore=store)
-        for number, when in [*((0, when) for when in np.arange(0, LEAD, 1 / hz)), *enumerate(due, first)]:
-            message = kind(
-                header=header(stamp=stamp(number, 0), frame_id="laser"),
-                angle_min=ANGLE_MIN,
-                angle_max=-ANGLE_MIN,
-                angle_increment=ANGLE_INCREMENT,
-                time_increment=0.0,
-                scan_time=0.0,
-                range_min=RANGE_MIN,
-                range_max=RANGE_MAX,
-                ranges=encode(number),
-                intensities=np.empty(0, np.float32),
-            )
-            data = store.serialize_cdr(message, kind.__msgtype__)
-            writer.write(connection, SECOND + round(when * SECOND), data)
+    said = [*((0, when) for when in np.arange(0, LEAD, 1 / hz)), *enumerate(due, first)]
+    write_scans(path, ((number, SECOND + round(when * SECOND), number * SECOND) for number, when in said))
     return feeds.recording(path), due
 
 

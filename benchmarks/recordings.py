@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -74,14 +75,20 @@ def with_scans(made: Path) -> Iterator[tuple[str, Path, str]]:
 
 def write(path: Path, numbers: Iterable[int]) -> None:
     """An MCAP file of scans at 40 Hz that say these numbers, one after the other."""
+    times = count(1_700_000_000_000_000_000, 25_000_000)
+    write_scans(path.with_suffix(""), ((number, when, when) for number, when in zip(numbers, times, strict=False)))
+    next(path.with_suffix("").glob("*.mcap")).rename(path)
+
+
+def write_scans(folder: Path, scans: Iterable[tuple[int, int, int]]) -> None:
+    """A rosbag2 folder, in MCAP, of scans: the number that each says, when it is logged, and its stamp, both in ns."""
     kind = TYPES.types["sensor_msgs/msg/LaserScan"]
     header, stamp = TYPES.types["std_msgs/msg/Header"], TYPES.types["builtin_interfaces/msg/Time"]
-    with Writer(path.with_suffix(""), version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connection = writer.add_connection("/scan", kind.__msgtype__, typestore=TYPES)
-        for place, number in enumerate(numbers):
-            when = 1_700_000_000_000_000_000 + place * 25_000_000
+        for number, when, stamped in scans:
             message = kind(
-                header=header(stamp=stamp(*divmod(when, 1_000_000_000)), frame_id="laser"),
+                header=header(stamp=stamp(*divmod(stamped, 1_000_000_000)), frame_id="laser"),
                 angle_min=ANGLE_MIN,
                 angle_max=-ANGLE_MIN,
                 angle_increment=ANGLE_INCREMENT,
@@ -93,7 +100,6 @@ def write(path: Path, numbers: Iterable[int]) -> None:
                 intensities=np.empty(0, np.float32),
             )
             writer.write(connection, when, TYPES.serialize_cdr(message, kind.__msgtype__))
-    next(path.with_suffix("").glob("*.mcap")).rename(path)
 
 
 def read(path: Path, repeats: int) -> Reading:
