@@ -253,9 +253,9 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     def close(self) -> None:
         """Take the widget off the page."""
-        pacer.forget(self)
         with self._sending:
             super().close()
+            pacer.forget(self)
 
     def _bring_up_to_date(self) -> None:
         """Pack the newest sample into the state, without a message: these two travel at the pacer's pace."""

@@ -141,13 +141,14 @@ class TouchWidget(RobotWidget[Touch]):
 
     def send_newest(self) -> int:
         """Send the states to the page, as they are now; the pacer's call. Returns the bytes sent."""
-        self._changed = True
-        size = super().send_newest()
-        with self._tracking:
-            still = self._still_ns is not None
-            due_ns = None if still else self._tracker.next_change_ns(self._now_ns())
-        pacer.mark_at(self, None if due_ns is None else due_ns / 1e9)
-        return size
+        with self._sending:
+            self._changed = True
+            size = super().send_newest()
+            with self._tracking:
+                changes = self.comm is not None and self._still_ns is None
+                due_ns = self._tracker.next_change_ns(self._now_ns()) if changes else None
+            pacer.mark_at(self, None if due_ns is None else due_ns / 1e9)
+            return size
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
         """The synced state, with the states and durations of now in it."""

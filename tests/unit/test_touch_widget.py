@@ -173,6 +173,22 @@ class TestPage:
         touch.close()
         assert touch not in pacer._timers
 
+    def test_makes_no_appointment_while_it_is_closed(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        touch = TouchWidget(hold=3600.0)
+        closing = threading.Thread(target=touch.close)
+
+        def send(*_: object, **__: object) -> None:
+            closing.start()
+            closing.join(0.05)  # as far as it comes while something is being sent
+
+        touch.update(contact("bumper"))
+        pacer.flush()
+        monkeypatch.setattr(AnyWidget, "_send", send)
+        touch.update(contact("bumper"))
+        pacer.flush()
+        closing.join()
+        assert touch not in pacer._timers
+
 
 class TestRecordings:
     def test_a_tracker_is_shown_at_a_time_that_stands_still(self, touch: TouchWidget) -> None:
