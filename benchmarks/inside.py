@@ -22,6 +22,8 @@ from .scan import ANGLE_INCREMENT, RANGE_MAX, RANGE_MIN, RAY_COUNT, encode
 SECOND = 1_000_000_000
 LEAD = 0.5
 """Seconds before the first scan that counts: the feed is connected, its words go away, and scans say 0."""
+TAIL = 0.5
+"""Seconds for which the last scan is said again: where a recording ends, the widget says so, and its picture moves."""
 
 
 def steps(hz: float, count: int) -> NDArray[np.float64]:
@@ -33,7 +35,9 @@ def recorded(first: int, hz: float, seconds: float) -> tuple[Feed, NDArray[np.fl
     """A recording that is played, and the seconds at which its scans are due."""
     due = LEAD + np.cumsum(steps(hz, round(hz * seconds)))
     path = Path(tempfile.mkdtemp()) / "scans"
-    said = [*((0, when) for when in np.arange(0, LEAD, 1 / hz)), *enumerate(due, first)]
+    before, after = np.arange(0, LEAD, 1 / hz), due[-1] + np.arange(1 / hz, TAIL, 1 / hz)
+    last = first + len(due) - 1
+    said = [*((0, when) for when in before), *enumerate(due, first), *((last, when) for when in after)]
     write_scans(path, ((number, SECOND + round(when * SECOND), number * SECOND) for number, when in said))
     return feeds.recording(path), due
 
