@@ -102,6 +102,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
     def __init__(self, **kwargs: Any) -> None:
         self._file: Recording | None = None
         self._picture: Picture | None = None
+        self._is_whole = True
         self._edition = 0
         self._unsaved = ""
         super().__init__(**kwargs)
@@ -127,7 +128,10 @@ class ScanogramWidget(SavesPng, NamedWidget):
         widget = cls(**options)
         take_the_place(widget)
         with widget.hold_sync():
+            widget._is_whole = False
             fill(widget, recording, topic)
+            widget._is_whole = True
+            widget._draw(widget._scans_first("of()"))
         return widget
 
     def update(
@@ -236,14 +240,15 @@ class ScanogramWidget(SavesPng, NamedWidget):
 
     def _draw(self, picture: Picture, notes: Sequence[str] | None = None) -> None:
         self._picture = picture
-        self._edition += 1
         with self.hold_sync():
-            self._frame = self._pack(picture)
-            self._detail = b""
-            # The same question of the page is a new one.
-            self._wanted = []
             if notes is not None:
                 self._about = {"notes": list(notes)}
+            if self._is_whole:
+                self._edition += 1
+                self._frame = self._pack(picture)
+                self._detail = b""
+                # The same question of the page is a new one.
+                self._wanted = []
 
     def _say(self, words: str) -> None:
         if words != self._unsaved:

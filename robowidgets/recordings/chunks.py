@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..samples import Scan, Speed, Touch
+from ..samples import Scan, Speed
 
 _TOUCH_BYTES = 1000
 
@@ -191,11 +191,3 @@ def single_speed(speed: Speed, time_ns: int) -> SpeedChunk:
     """A chunk of one speed."""
     times, stamps = np.array([[time_ns], [speed.stamp_ns or 0]], np.int64)
     return SpeedChunk(0, times, stamps, np.array([speed.values], np.float64), speed.frame_id)
-
-
-def single_touch(touch: Touch, time_ns: int) -> TouchChunk:
-    """A chunk of one touch."""
-    times, stamps = np.array([[time_ns], [touch.stamp_ns or 0]], np.int64)
-    touches = np.empty(1, object)
-    touches[0] = touch
-    return TouchChunk(0, times, stamps, touches)

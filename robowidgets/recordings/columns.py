@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Touch
-from .chunks import Chunk, ScanChunk, SpeedChunk, TouchChunk, merged, single_scan, single_speed, single_touch
+from .chunks import Chunk, ScanChunk, SpeedChunk, TouchChunk, merged, single_scan, single_speed
 from .pages import Raws
 from .quick import Alike, ScanReader, SpeedReader
 from .source import RecordingError
@@ -94,16 +94,27 @@ class TouchColumns:
 
     def read(self, raws: Raws, note: Note) -> list[TouchChunk]:
         """See `Columns.read`."""
-        return merged(self._chunks(raws, note))
-
-    def _chunks(self, raws: Raws, note: Note) -> Iterator[TouchChunk]:
+        rows: list[int] = []
+        touches: list[Touch] = []
+        before = None
         for i, (start, end) in enumerate(zip(raws.starts.tolist(), raws.ends.tolist(), strict=True)):
-            try:
-                touch = self._read(bytes(raws.buffer[start:end]))
-            except (RecordingError, TypeError, ValueError) as error:
-                note(raws, i, error)
-                continue
-            yield single_touch(touch, int(raws.times[i]))
+            raw = bytes(raws.buffer[start:end])
+            if raw != before:
+                before = None
+                try:
+                    touch = self._read(raw)
+                except (RecordingError, TypeError, ValueError) as error:
+                    note(raws, i, error)
+                    continue
+                before = raw
+            rows.append(i)
+            touches.append(touch)
+        if not rows:
+            return []
+        column = np.empty(len(rows), object)
+        column[:] = touches
+        stamps = np.array([touch.stamp_ns or 0 for touch in touches], np.int64)
+        return [TouchChunk(0, raws.times[rows], stamps, column)]
 
 
 def _scans(alike: Alike, times: NDArray[np.int64], rows: NDArray[np.uint8]) -> ScanChunk:

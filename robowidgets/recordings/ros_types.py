@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from typing import Any
 
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from .._kinds import Shape
@@ -26,6 +27,10 @@ Types = dict[str, Any]
 _DEFAULTS = {"cdr": Stores.ROS2_HUMBLE, "ros1": Stores.ROS1_NOETIC}
 ENCODINGS = tuple(_DEFAULTS)
 _MOST_FIELDS = 10_000
+_MOST_KEPT = 256
+"""Types that the process keeps ready: to parse a definition and make code of it takes rosbags milliseconds."""
+_LONGEST_KEPT = 1 << 16
+"""Characters of a definition that is kept."""
 _IDL_HEAD = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
 
 # Comments and constants say nothing about bytes and cost time; and a constant whose name is not in capitals (Button0 of
@@ -34,12 +39,7 @@ _NEEDLESS = re.compile(r"^[ \t]*(#.*|[a-z0-9]+(<=\d+)?[ \t]+\w+[ \t]*=.*)?\n", r
 
 
 class RosTypes:
-    """The message types of one file, each read from its definition when it is first asked for."""
-
-    def __init__(self) -> None:
-        self._stores: dict[tuple[str, str], Typestore] = {}
-        self._filed: list[Typestore] = []
-        self._defaults: dict[str, Typestore] = {}
+    """The message types of ROS, each read from its definition when it is first asked for."""
 
     def shape(self, channel: Channel) -> Shape:
         """The fields of a channel's messages; RecordingError when they are not known."""
@@ -69,58 +69,51 @@ class RosTypes:
 
     def store(self, channel: Channel) -> Typestore:
         """What knows the type of a channel; RecordingError when nothing does."""
-        key = (channel.type, channel.definition)
-        if key not in self._stores:
-            self._stores[key] = self._find(channel)
-        return self._stores[key]
+        find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__
+        return find(channel.type, channel.definition, channel.encoding)
 
-    def _find(self, channel: Channel) -> Typestore:
-        why = "no definition of its messages in the file"
-        if channel.definition.strip():
-            try:
-                return self._register(self._complete(_parse(channel), channel.encoding), channel.type)
-            except Exception:  # whatever rosbags stumbles over; what follows tells it
-                why = "the definition of its messages in the file is not one that can be understood"
-        known = self._default(channel.encoding)
-        if channel.type not in known.fielddefs:
-            self._add_ours(known, channel.type)
-        if channel.type not in known.fielddefs:
-            raise RecordingError(f"{why}, nor among those that are known")
-        return known
 
-    def _register(self, types: Types, type_name: str) -> Typestore:
-        """A store that holds these types. One for all, except where a file defines a type twice in different ways."""
-        _shape(types, type_name)
-        for store in self._filed:
-            try:
-                store.register(types)
-            except TypesysError:
-                continue
+@lru_cache(_MOST_KEPT)
+def _find(type_name: str, definition: str, encoding: str) -> Typestore:
+    """A store of its own for what a file defines: another file may define a type of the same name in another way."""
+    why = "no definition of its messages in the file"
+    if definition.strip():
+        try:
+            types = _complete(_parse(type_name, definition), encoding)
+            _shape(types, type_name)
+            store = get_typestore(Stores.EMPTY)
+            store.register(types)
             return store
-        store = get_typestore(Stores.EMPTY)
-        store.register(types)
-        self._filed.append(store)
-        return store
+        except Exception:  # whatever rosbags stumbles over; what follows tells it
+            why = "the definition of its messages in the file is not one that can be understood"
+    known = _default(encoding)
+    if type_name not in known.fielddefs:
+        _add_ours(known, type_name)
+    if type_name not in known.fielddefs:
+        raise RecordingError(f"{why}, nor among those that are known")
+    return known
 
-    def _complete(self, types: Types, encoding: str) -> Types:
-        """With what the definition uses and leaves out."""
-        missing = {used for name in types for used in _used(types[name]) if used not in types}
-        missing -= {"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"}
-        if not missing:
-            return types
-        known = self._default(encoding).fielddefs
-        return self._complete(types | {name: known[name] for name in missing}, encoding)
 
-    def _default(self, encoding: str) -> Typestore:
-        if encoding not in self._defaults:
-            self._defaults[encoding] = get_typestore(_DEFAULTS[encoding])
-        return self._defaults[encoding]
+@lru_cache
+def _default(encoding: str) -> Typestore:
+    return get_typestore(_DEFAULTS[encoding])
 
-    def _add_ours(self, store: Typestore, type_name: str) -> None:
-        types: Types = {}
-        for name, text in definitions(type_name.split("/")[0]).items():
-            types.update(get_types_from_msg(text, name))
-        store.register(types)
+
+def _complete(types: Types, encoding: str) -> Types:
+    """With what the definition uses and leaves out."""
+    missing = {used for name in types for used in _used(types[name]) if used not in types}
+    missing -= {"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"}
+    if not missing:
+        return types
+    known = _default(encoding).fielddefs
+    return _complete(types | {name: known[name] for name in missing}, encoding)
+
+
+def _add_ours(store: Typestore, type_name: str) -> None:
+    types: Types = {}
+    for name, text in definitions(type_name.split("/")[0]).items():
+        types.update(get_types_from_msg(text, name))
+    store.register(types)
 
 
 def one_line(error: Exception) -> str:
@@ -129,11 +122,11 @@ def one_line(error: Exception) -> str:
     return (text if len(text) <= 120 else f"{text[:119]}…") or type(error).__name__
 
 
-def _parse(channel: Channel) -> Types:
-    if not _IDL_HEAD.match(channel.definition):
-        return dict(get_types_from_msg(_NEEDLESS.sub("", channel.definition.replace("\r", "") + "\n"), channel.type))
+def _parse(type_name: str, definition: str) -> Types:
+    if not _IDL_HEAD.match(definition):
+        return dict(get_types_from_msg(_NEEDLESS.sub("", definition.replace("\r", "") + "\n"), type_name))
     types: Types = {}
-    for part in _IDL_HEAD.split(channel.definition)[1:]:
+    for part in _IDL_HEAD.split(definition)[1:]:
         types.update(get_types_from_idl(part))
     return types
 

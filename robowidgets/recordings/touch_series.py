@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,15 +32,22 @@ class Table:
         RecordingError: it is larger than the limit of the memory, in which it counts from then on.
     """
 
-    def __init__(self, topic: str, chunks: Iterator[TouchChunk], tracker: TouchTracker, memory: Memory) -> None:
+    def __init__(self, topic: str, chunks: Iterable[TouchChunk], tracker: TouchTracker, memory: Memory) -> None:
         self.dialect = ""
         rows = _Growing()
         latest: int | None = None
+        same: Touch | None = None
         for chunk in chunks:
             for time_ns, touch in zip(chunk.times_ns.tolist(), chunk.touches, strict=True):
-                rows.release(tracker, time_ns if latest is None else max(latest, time_ns))
-                tracker.apply(touch, time_ns)
-                rows.add(tracker, time_ns, touch.stamp_ns or 0, said=True)
+                stamp_ns = touch.stamp_ns or 0
+                if touch is same and latest is not None and time_ns >= latest:
+                    rows.repeat(time_ns, stamp_ns)
+                else:
+                    rows.release(tracker, time_ns if latest is None else max(latest, time_ns))
+                    tracker.apply(touch, time_ns)
+                    rows.add(tracker, time_ns, stamp_ns, said=True)
+                    # Where nothing is going to be released, the same message again changes nothing.
+                    same = touch if tracker.next_change_ns(time_ns) is None else None
                 latest = time_ns
                 self.dialect = touch.dialect
             memory.check(rows.nbytes, f"{topic}: the table of touches", "set recording.memory")
@@ -85,6 +92,14 @@ class _Growing:
         self.stamps.append(stamp_ns)
         self.said.append(said)
         self._blocks[-1][-1].extend(sensor.state for sensor in states.values())
+
+    def repeat(self, time_ns: int, stamp_ns: int) -> None:
+        """A row with the states of the last one, which a message says again."""
+        self.times.append(time_ns)
+        self.stamps.append(stamp_ns)
+        self.said.append(True)
+        _, sensors, block = self._blocks[-1]
+        block.extend(block[len(block) - sensors :])
 
     def states(self) -> NDArray[np.uint8]:
         """Shape (N, L); what was not heard of yet is unknown."""

@@ -80,11 +80,9 @@ class Levels:
         return encode(ranges, self.sweep.range_min, self.sweep.range_max)
 
     def _count(self, codes: Codes, every: int) -> None:
-        without = np.bincount(codes[codes > FARTHEST] - WITHOUT_READING[0], minlength=4)
-        self.counts[1:] += without[np.array(WITHOUT_READING) - WITHOUT_READING[0]]
-        self.counts[0] += codes.size - int(without.sum())
-        some = codes.ravel()[::every]
-        self.histogram += np.bincount(some[some <= FARTHEST], minlength=FARTHEST + 1)
+        without = [int(np.count_nonzero(codes == code)) for code in WITHOUT_READING]
+        self.counts += [codes.size - sum(without), *without]
+        self.histogram += np.bincount(codes.ravel()[::every], minlength=NO_SCAN)[: FARTHEST + 1]
 
 
 def near_and_far(levels: Levels) -> tuple[float, float]:

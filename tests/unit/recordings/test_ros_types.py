@@ -63,6 +63,16 @@ def test_two_definitions_of_one_type_in_a_file_each_hold_for_their_own() -> None
     assert (short(b"\0\1\0\0\x07").x, long(b"\0\1\0\0\x07\x01").x) == (7, 263)
 
 
+def test_a_type_that_no_file_defines_is_read_as_its_encoding_has_it() -> None:
+    types = RosTypes()
+    stamp = struct.pack("<II", 5, 6)
+    new = types.decoder(channel("std_msgs/msg/Header"))(b"\0\1\0\0" + stamp + struct.pack("<I", 4) + b"map\0")
+    old = types.decoder(channel("std_msgs/msg/Header", encoding="ros1"))(
+        struct.pack("<I", 7) + stamp + struct.pack("<I", 3) + b"map"
+    )
+    assert (new.frame_id, new.stamp.sec, old.frame_id, old.seq) == ("map", 5, "map", 7)
+
+
 def test_a_message_that_was_compressed_by_itself_is_read() -> None:
     from robowidgets.recordings.salvage.inflate import zstd
 

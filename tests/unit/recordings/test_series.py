@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,9 @@ import pytest
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 import robowidgets
-from robowidgets import RecordingError, Touch
+from robowidgets import RecordingError, Touch, TouchMode
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.recordings.chunks import single_touch
+from robowidgets.recordings.chunks import TouchChunk
 from robowidgets.recordings.memory import Memory
 from robowidgets.recordings.touch_series import Table
 from robowidgets.touch_tracker import TouchTracker
@@ -33,6 +33,12 @@ def drive(tmp_path: Path) -> Iterator[robowidgets.Recording]:
 
 def open_sweeps(folder: Path, *scans: Any) -> robowidgets.Recording:
     return robowidgets.open(sweeps.write(folder / "sweeps", scans))
+
+
+def touch_chunk(touches: Sequence[Touch], times_ns: Sequence[int]) -> TouchChunk:
+    column = np.empty(len(touches), object)
+    column[:] = touches
+    return TouchChunk(0, np.array(times_ns, np.int64), np.zeros(len(touches), np.int64), column)
 
 
 class TestColumns:
@@ -385,10 +391,20 @@ class TestTouches:
             (2.15, 0, False),
         ]
 
+    @pytest.mark.parametrize("mode", TouchMode)
+    def test_a_message_that_says_the_same_again_changes_no_more_than_one_that_differs(self, mode: TouchMode) -> None:
+        said = [{"left": True}, {"left": True}, {}, {}, {"left": True}, {"left": True}, {"left": True}]
+        times = [0, 10**8, 2 * 10**8, 5 * 10**8, 6 * 10**8, 3 * 10**8, 9 * 10**8]
+        touches = [Touch(touched, mode, ("left",)) for touched in said]
+        again = [touches[0], touches[0], touches[2], touches[2], touches[4], touches[4], touches[4]]
+        one, other = (Table("/b", [touch_chunk(t, times)], TouchTracker(), Memory()) for t in (touches, again))
+        for column in ("times_ns", "states", "said"):
+            assert getattr(one, column).tolist() == getattr(other, column).tolist()
+
     def test_a_sensor_is_unknown_in_the_rows_before_it_is_heard_of(self) -> None:
         said = [{}, {"left": True}, {"left": False, "right": True}, {"left": True}]
-        chunks = (single_touch(Touch(touched), 10 + i) for i, touched in enumerate(said))
-        table = Table("/bumper", chunks, TouchTracker(), Memory())
+        chunk = touch_chunk([Touch(touched) for touched in said], range(10, 14))
+        table = Table("/bumper", [chunk], TouchTracker(), Memory())
         assert table.labels == ("left", "right")
         assert table.states.tolist() == [[2, 2], [1, 2], [0, 1], [1, 1]]
         assert (table.times_ns.tolist(), table.said.tolist()) == ([10, 11, 12, 13], [True] * 4)
