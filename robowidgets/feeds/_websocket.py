@@ -173,7 +173,11 @@ class Line:
             raise
 
     async def _stay(self, connection: Any) -> str:
-        self._stream = stream = connection.protocol.stream
+        stream = connection.protocol.stream
+        if self._subprotocols and connection.selected_subprotocol is None:
+            stream.close()
+            return f"{self.address} speaks none of {', '.join(self._subprotocols)}: something else listens there"
+        self._stream = stream
         stream.set_nodelay(True)
         self._listen_in(connection.protocol)
         writer = asyncio.ensure_future(self._write(connection))

@@ -13,6 +13,7 @@ from robowidgets.feeds import FeedError, _websocket
 from robowidgets.feeds.foxglove import Foxglove
 
 from ..waiting import wait_for
+from .bridge import Rosbridge
 from .ears import Ears
 from .fox import OldFoxglove, cdr, channel
 from .servers import free_port
@@ -217,6 +218,18 @@ def test_a_server_that_is_no_websocket_server_is_told(answer: bytes, words: str,
         wait_for(lambda: ears.lost, "it gave up")
         middleware.close()
     assert ears.lost[0].startswith(f"{server.address} cannot be connected to: {words}")
+    assert ears.connected == 0
+
+
+def test_a_server_of_another_protocol_is_told(ears: Ears) -> None:
+    with Rosbridge({"/scan": "sensor_msgs/msg/LaserScan"}) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        wait_for(lambda: ears.lost, "it gave up")
+        middleware.close()
+        wait_for(lambda: not server.clients, "the connection ended")
+    spoken = "foxglove.sdk.v1, foxglove.websocket.v1"
+    assert ears.lost[0] == f"{server.address} speaks none of {spoken}: something else listens there"
     assert ears.connected == 0
 
 
