@@ -16,9 +16,12 @@ class Closable(Protocol):
     def close(self) -> None:
         """Close it."""
 
+    def on_fork(self) -> None:
+        """Learn that this is a process that was forked off: the threads stayed behind."""
+
 
 still_open: set[Closable] = set()
-"""What is closed at the end. A process that was forked off has none of it: the threads stay behind."""
+"""What is closed at the end. A process that was forked off has none of it."""
 
 
 def close_first() -> None:
@@ -32,6 +35,12 @@ def _close_all() -> None:
         _close(one)
 
 
+def _forget_all() -> None:
+    for one in still_open:
+        one.on_fork()
+    still_open.clear()
+
+
 def _close(one: Closable) -> None:
     try:
         one.close()
@@ -41,4 +50,4 @@ def _close(one: Closable) -> None:
 
 close_first()
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=still_open.clear)
+    os.register_at_fork(after_in_child=_forget_all)

@@ -6,7 +6,6 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Collection, Sequence
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from .. import _table
@@ -53,7 +52,7 @@ class Feed:
         self._links = Links(f"connecting to {middleware.where}")
         self._views: list[FeedView] = []
         self._adverts: tuple[Advert, ...] = ()
-        self._reached = self._closed = False
+        self._reached = self._closed = self._forked = False
         self._opened = time.monotonic()
         self._warned: set[str] = set()
         self._subscriptions = Subscriptions(middleware, self._wanted)
@@ -122,20 +121,18 @@ class Feed:
             FeedError: the feed is closed.
         """
         _check_name(topic)
-        found = [target_of(target) for target in targets]
-        if not found:
+        if not targets:
             raise TypeError(f"connect({topic!r}) needs a widget, or a function of a message")
         with self._changed:
             self._check_open()
-            self._links.connect(topic, found)
+            self._links.connect(topic, [target_of(target) for target in targets])
         self._subscriptions.settle()
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """Hand no more messages of a topic on to these targets of `connect`; to none at all when none are named."""
         _check_name(topic)
-        gone = [target_of(target) for target in targets]
         with self._changed:
-            self._links.disconnect(topic, gone)
+            self._links.disconnect(topic, [target_of(target) for target in targets])
         self._subscriptions.settle()
 
     def show(self, *topics: str) -> FeedView:
@@ -161,8 +158,7 @@ class Feed:
         self._check_open()
         self._wait(lambda: bool(set(topics) <= self._showable() if topics else self._showable()), time.monotonic())
         view = FeedView(self, topics)
-        with self._changed:
-            self._views.append(view)
+        self._views.append(view)
         view.refresh()
         return view
 
@@ -195,8 +191,9 @@ class Feed:
             FeedError: the robot cannot be driven at all; or it cannot be reached, and was not left driving.
         """
         self._await_robot()
-        if self._closed:
+        if self._closed and not self._forked:
             return
+        self._check_open()
         down = self._links.down
         if not self._driver.stop(self.driving.topic) and down:
             raise FeedError(f"cannot stop: {down}")
@@ -222,9 +219,7 @@ class Feed:
     def __enter__(self) -> Feed:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __repr__(self) -> str:
@@ -283,6 +278,11 @@ class Feed:
 
     # -- within --------------------------------------------------------------------------------------------------------
 
+    def on_fork(self) -> None:
+        """Be closed in a process that was forked off: the threads stayed behind, maybe with the lock."""
+        self._changed = threading.Condition(threading.RLock())
+        self._closed = self._forked = True
+
     def words_of(self, topic: str) -> str:
         """What a person should know of a topic, connected or not; empty when all is well."""
         with self._changed:
@@ -336,7 +336,8 @@ class Feed:
 
     def _check_open(self) -> None:
         if self._closed:
-            raise FeedError(f"the feed of {self.where} is closed: open it again")
+            why = "stayed with the process that was forked" if self._forked else "is closed"
+            raise FeedError(f"the feed of {self.where} {why}: open it again")
 
     def _table(self) -> tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[str]]:
         topics = self.topics

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import gc
+import os
+import signal
 import subprocess
 import sys
 import threading
 import tracemalloc
 import weakref
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 import pytest
@@ -389,6 +393,52 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_memory() -> None:
     assert set(threading.enumerate()) <= before
     assert [ref for ref in there if ref() is not None] == []
     assert after - settled < 100_000
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
+def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_locks(opened: Opened) -> None:
+    feed, script = opened(SCAN, CMD_VEL)
+    feed.drive(0.1)
+    reading, writing = os.pipe()
+    with in_other_hands(feed._changed), in_other_hands(feed._driver._sending):
+        child = os.fork()
+        if child == 0:
+            try:
+                signal.alarm(20)
+                for use in (feed.drive, feed.stop, feed.show, lambda: feed.connect("/scan", print)):
+                    with pytest.raises(FeedError) as error:
+                        use()
+                    os.write(writing, f"{error.value}\n".encode())
+                feed.close()
+                os.write(writing, f"{script.speeds} {script.closed}".encode())
+            finally:
+                os._exit(0)
+    os.close(writing)
+    with open(reading) as answer:
+        said = answer.read().splitlines()
+    os.waitpid(child, 0)
+    words = "the feed of the script stayed with the process that was forked: open it again"
+    assert said == [words] * 4 + ["[(0.1, 0.0)] 0"]
+    feed.stop()
+    assert script.speeds == [(0.1, 0.0), (0.0, 0.0)]
+
+
+@contextmanager
+def in_other_hands(lock: Any) -> Iterator[None]:
+    """While it lasts, another thread holds a lock."""
+    taken, done = threading.Event(), threading.Event()
+
+    def hold() -> None:
+        with lock:
+            taken.set()
+            done.wait(20.0)
+
+    holder = threading.Thread(target=hold)
+    holder.start()
+    assert taken.wait(20.0)
+    yield
+    done.set()
+    holder.join()
 
 
 def test_a_feed_that_nobody_closes_stops_the_robot_and_lets_the_process_end() -> None:
