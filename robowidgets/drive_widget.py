@@ -110,7 +110,7 @@ class DriveWidget(NamedWidget):
                 "a function goes to DriveWidget(send=...)"
             )
         stop = getattr(robot, "stop", None)
-        self._drive_by(drive, stop if callable(stop) else lambda: drive(0.0, 0.0))
+        self._drive_by(drive, stop if callable(stop) else lambda: drive(0.0, 0.0), robot)
         topic = getattr(getattr(robot, "driving", None), "topic", "")
         if not self.title and isinstance(topic, str):
             self.title = topic
@@ -137,9 +137,9 @@ class DriveWidget(NamedWidget):
         linear, angular = self._state["speed"]
         return Speed((linear, 0.0, 0.0), (0.0, 0.0, angular))
 
-    def _drive_by(self, drive: Callable[[float, float], Any], halt: Callable[[], Any]) -> None:
+    def _drive_by(self, drive: Callable[[float, float], Any], halt: Callable[[], Any], robot: Any = None) -> None:
         self._end()
-        self._dead_man = DeadMan(drive, halt, lambda speed: self._tell(speed=speed), self._on_failed)
+        self._dead_man = DeadMan(drive, halt, lambda speed: self._on_told(speed, robot), self._on_failed)
         self._ready = True
         self._tell(error="")
 
@@ -152,6 +152,11 @@ class DriveWidget(NamedWidget):
     def _let_go(self) -> None:
         self._grip.let_go()
         self._tell(press="")
+
+    def _on_told(self, speed: Speed2, robot: Any) -> None:
+        within = getattr(getattr(robot, "driving", None), "within", None)
+        words = getattr(robot, "drive_words", "") if speed != ZERO else ""
+        self._tell(speed=within(*speed) if callable(within) else speed, **({"error": words} if words else {}))
 
     def _on_failed(self, error: BaseException, speed: Speed2) -> None:
         what = "could not be told to stop" if speed == ZERO else "could not be driven"

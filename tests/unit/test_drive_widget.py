@@ -15,7 +15,9 @@ import traitlets
 from robowidgets import DriveWidget, Speed
 from robowidgets._dead_man import HOLD, ZERO
 from robowidgets._grip import Grip
+from robowidgets.feeds import Driving, Feed
 
+from .feeds.scripted import CMD_VEL, SCAN, Scripted
 from .waiting import wait_for
 
 
@@ -195,6 +197,24 @@ class TestSink:
         wait_for(lambda: robot.command().linear[0] == 0.25, "it drives")
         pad.hear("release")
         wait_for(lambda: robot.command().linear[0] == 0, "it stops")
+
+    def test_of_a_feed_it_tells_the_speed_that_was_published_and_why_the_robot_would_not_move(self, pad: Pad) -> None:
+        script = Scripted(SCAN, CMD_VEL._replace(name="/base/cmd_vel"))
+        with Feed(script) as feed:
+            feed.driving = Driving(max_linear=0.2)
+            pad.connect(feed)
+            assert pad.title == "/cmd_vel"
+            pad.hear("hold", token=pad.press(), forward=1, turn=1)
+            wait_for(lambda: pad.commanded == Speed((0.2, 0.0, 0.0), (0.0, 0.0, 1.0)), "it is told")
+            assert script.speeds[0] == (0.2, 1.0)
+            assert pad.get_state()["_state"]["error"] == "nobody listens to /cmd_vel; speeds go to /base/cmd_vel"
+            pad.hear("release")
+            wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "it stops")
+            pad.rests()
+            script.listener.on_topics([CMD_VEL])
+            pad.hear("hold", token=pad.press(), forward=1)
+            wait_for(lambda: pad.commanded.linear[0] == 0.2, "it drives")
+            assert pad.get_state()["_state"]["error"] == ""
 
     @pytest.mark.parametrize("robot", [None, 3, print])
     def test_what_cannot_drive_is_refused(self, pad: Pad, robot: Any) -> None:
