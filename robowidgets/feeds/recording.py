@@ -42,6 +42,8 @@ class Played:
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
+        listener.on_connected()
+        listener.on_topics([Advert(topic.name, topic.type, wanted=False) for topic in self._recording.topics])
         self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-player", daemon=True)
         self._thread.start()
 
@@ -71,8 +73,6 @@ class Played:
     def _run(self, listener: Listener) -> None:
         shown = {topic.name for topic in self._recording.topics if topic.widget}
         others = {topic.name for topic in self._recording.topics} - shown
-        listener.on_connected()
-        listener.on_topics([Advert(topic.name, topic.type, wanted=False) for topic in self._recording.topics])
         started = time.monotonic()
         with self._recording:
             while True:

@@ -55,6 +55,8 @@ class Simulated:
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
+        listener.on_connected()
+        listener.on_topics(TOPICS)
         self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-simulator", daemon=True)
         self._thread.start()
 
@@ -81,8 +83,6 @@ class Simulated:
             self._thread.join()
 
     def _run(self, listener: Listener) -> None:
-        listener.on_connected()
-        listener.on_topics(TOPICS)
         ways = wander(self._robot)
         scan = None
         due = time.monotonic()

@@ -36,14 +36,13 @@ def test_a_recording_is_played_to_its_end_at_any_speed() -> None:
 
 def test_its_topics_are_those_of_the_file() -> None:
     with feeds.recording(SAMPLE) as feed:
-        view = feed.show()
         assert [(topic.name, topic.type) for topic in feed.topics] == [
             ("/scan", "sensor_msgs/msg/LaserScan"),
             ("/odom", "nav_msgs/msg/Odometry"),
             ("/cmd_vel", "geometry_msgs/msg/TwistStamped"),
             ("/bumper", "kobuki_ros_interfaces/msg/BumperEvent"),
         ]
-        assert list(view.widgets) == ["/scan", "/odom", "/bumper"]
+        assert list(feed.show().widgets) == ["/scan", "/odom", "/bumper"]
         assert feed.where == "sample.mcap"
 
 

@@ -55,6 +55,12 @@ def test_it_bumps_into_things() -> None:
         wait_for(lambda: any(touch.touched["center"] for touch in touches), "it bumps into the wall")
 
 
+def test_its_topics_are_there_at_once() -> None:
+    for _ in range(20):
+        with feeds.simulator() as feed:
+            assert [topic.name for topic in feed.topics] == ["/scan", "/odom", "/cmd_vel", "/bumper"]
+
+
 def test_what_nobody_asked_for_is_not_handed_on() -> None:
     scans: list[Scan] = []
     with feeds.simulator(hz=100.0) as feed:
