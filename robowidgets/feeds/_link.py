@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from .._widget import MOST_LOGGED, RobotWidget
+from ..drive_widget import DriveWidget
 from ..laser_widget import LaserWidget
 from ._geometry import Geometry
 from ._topics import Topic, no_such
@@ -36,6 +37,8 @@ def target_of(given: Any) -> Target:
         owner = getattr(given, "__self__", None)
         return Target(given, owner if isinstance(owner, RobotWidget) else None)
     hint = f"; make one of it: {given.__name__}()" if isinstance(given, type) else ""
+    if isinstance(given, DriveWidget):
+        hint = "; a pad that drives is connected to a feed: pad.connect(feed)"
     raise TypeError(
         f"expected a widget, a method of one like speed.command, or a function of a message; got {given!r}{hint}"
     )

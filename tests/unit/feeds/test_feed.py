@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robowidgets import LaserWidget, SpeedWidget, feeds
+from robowidgets import DriveWidget, LaserWidget, SpeedWidget, feeds
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._ending import still_open
 
@@ -145,6 +145,10 @@ def test_words_for_what_cannot_be_connected(opened: Opened) -> None:
         feed.connect("/scan", LaserWidget)
     with pytest.raises(TypeError, match=r"expected a widget, .* got 'laser'$"):
         feed.connect("/scan", "laser")
+    with pytest.raises(
+        TypeError, match=r"got <.*DriveWidget.*>; a pad that drives is connected to a feed: pad.connect"
+    ):
+        feed.connect("/cmd_vel", DriveWidget())
     with pytest.raises(TypeError, match=r"connect\('/scan'\) needs a widget, or a function of a message"):
         feed.connect("/scan")
     with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan'\]"):
