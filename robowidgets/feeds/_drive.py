@@ -113,14 +113,24 @@ class Driver:
     def drive(self, topic: str, linear: float, angular: float, hold: float) -> None:
         """Send a speed that holds for so many seconds."""
         with self._sending:
-            self._send(topic, linear, angular)
+            before = self._due.get(topic)
             if linear or angular:
-                self._moved[topic] = time.monotonic()
                 self._due[topic] = time.monotonic() + hold
-                self._look_after()
-            else:
+            try:
+                self._send(topic, linear, angular)
+                if linear or angular:
+                    self._moved[topic] = time.monotonic()
+                else:
+                    self._due.pop(topic, None)
+            except Exception:  # nothing was sent; of what a person interrupts, that is not known
                 self._due.pop(topic, None)
-        self._wake.set()
+                if before is not None:
+                    self._due[topic] = before
+                raise
+            finally:
+                if self._due:
+                    self._look_after()
+                self._wake.set()
 
     def stop(self, topic: str) -> bool:
         """Send zero now; says whether it is still owed, as the robot was left driving and cannot be reached."""

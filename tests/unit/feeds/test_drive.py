@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from math import inf, nan
+from typing import Any
 
 import pytest
 
@@ -87,6 +88,33 @@ def test_zero_follows_a_speed_that_nobody_renews(driven: Driven) -> None:
     feed.drive(0.2, 0.0)
     wait_for(lambda: len(script.sent) == 4, "it all works again")
     assert script.speeds[2:] == [(0.2, 0.0), (0.0, 0.0)]
+
+
+def test_zero_follows_a_speed_though_the_kernel_is_interrupted_while_it_is_sent(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = driven(CMD_VEL, hold=0.05)
+    publish = script.publish
+
+    def interrupted(topic: str, kind: str, message: Mapping[str, Any]) -> None:
+        publish(topic, kind, message)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(script, "publish", interrupted)
+        feed.drive(0.3)
+    wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero is sent")
+
+
+def test_a_speed_that_could_not_be_sent_leaves_the_zero_that_was_owed(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL, hold=60.0)
+    feed.drive(0.3)
+    owed = dict(feed._driver._due)
+    script.broken = "the script is read only"
+    with pytest.raises(FeedError, match="read only"):
+        feed.drive(0.2)
+    script.broken = ""
+    assert feed._driver._due == owed
 
 
 def test_a_speed_that_is_renewed_holds(driven: Driven) -> None:
