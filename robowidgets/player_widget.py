@@ -47,6 +47,10 @@ class PlayerWidget(anywidget.AnyWidget):
         """Call back whenever a page says that it has nothing of the recording."""
         self.on_msg(lambda _widget, content, _buffers: content.get("have") == "nothing" and call())
 
+    def when_pointed(self, call: Callable[[float], Any]) -> None:
+        """Call back with the time at which a person points, or to which the page has gone, and which it lacks."""
+        self.on_msg(lambda _widget, content, _buffers: "pointed" in content and call(content["pointed"]))
+
     @property
     def span(self) -> Span:
         """From where to where it is played."""

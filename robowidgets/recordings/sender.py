@@ -40,6 +40,12 @@ LINGER = 600.0
 """Seconds without anything to do after which the thread ends and its file is closed, until there is. Where all was sent
 they end at once."""
 
+POINTED = 8
+"""Stretches, those pointed at last, that the page keeps however far they are."""
+
+ANSWER = 0.03
+"""Seconds at most for which the thread that brings a page's question leaves the processor to the one that answers."""
+
 _AT_EASE = 4
 """How much longer than it works the thread rests while nothing is urgent."""
 
@@ -108,7 +114,10 @@ class Sender:
         self._largest = 0
         self._stale: set[int] = set()
         self._edition = 0
-        self._change = threading.Condition()
+        self._pointed: list[int] = []
+        lock = threading.RLock()
+        self._change = threading.Condition(lock)
+        self._answer = threading.Condition(lock)
         self._asked = False
         self._closed = False
         self._patience = PATIENCE
@@ -122,12 +131,25 @@ class Sender:
             self.cursor.tell(self._here() if seconds is None else seconds, rate, span, loops=loops)
             self._wake()
 
+    def point(self, seconds: float) -> None:
+        """Send what lies at a time, to which the page may go next or has gone, and keep it there for a while.
+
+        What plays comes first. Where nothing does it was sent when this returns, unless that takes long.
+        """
+        with self._change:
+            index = min(max(0, floor(seconds / STRETCH)), self._last)
+            self._pointed = [index, *(other for other in self._pointed if other != index)][:POINTED]
+            self._wake()
+            if index in self._at_once():
+                self._answer.wait_for(lambda: index in self._sent or self._closed, ANSWER)
+
     def start(self) -> None:
         """Send all anew: to a page that has nothing, or whose stills are not right any more."""
         with self._change:
             self._edition += 1
             self._stale.update(self._sent)
             self._sent.clear()
+            self._pointed.clear()
             self._asked = True
             self._wake()
 
@@ -186,7 +208,8 @@ class Sender:
 
     def _wanted(self) -> int | None:
         """The stretch that the page lacks most, if there is one."""
-        return next((i for i in chain(self._soon(), self._rest()) if i not in self._sent), None)
+        wanted = chain(self._at_once(), self._soon(), self._lent(), self._rest())
+        return next((index for index in wanted if index not in self._sent), None)
 
     def _give_up(self, words: str) -> None:
         with self._change:
@@ -202,8 +225,18 @@ class Sender:
         return seconds if missing is None else max(cursor.told, missing * STRETCH)
 
     def _lacks(self) -> bool:
-        """Whether the page is about to show what it does not have."""
-        return any(index not in self._sent for index in self._soon()[:2])
+        """Whether the page shows, or may show at any moment, what it does not have."""
+        return any(index not in self._sent for index in self._at_once())
+
+    def _at_once(self) -> list[int]:
+        """What the page shows, and shows next: where it plays what follows, else what a person points at."""
+        soon = self._soon()
+        return soon[:2] if self.cursor.rate else [*soon[:1], *self._lent()]
+
+    def _lent(self) -> list[int]:
+        """What a person points at; an eighth of what the page keeps, at most."""
+        each = sum(self._sent.values()) / max(1, len(self._sent))
+        return self._pointed[: floor(KEPT_BYTES / 8 / each)] if each else self._pointed
 
     def _soon(self) -> list[int]:
         """The stretches that the page is about to show, the most urgent first; half of what it keeps, at most."""
@@ -223,7 +256,7 @@ class Sender:
         if not self._asked or not self._sent:
             return
         usual = sum(self._sent.values()) / len(self._sent)
-        soon = set(self._soon())
+        soon = {*self._soon(), *self._lent()}
         size, count = self._largest + sum(self._sent.get(index, usual) for index in soon), len(soon)
         here = floor(self._here() / STRETCH)
         for index in merge(range(here + 1, self._last + 1), range(here, -1, -1), key=self._distance()):
@@ -252,11 +285,13 @@ class Sender:
         self._send(
             {"stretch": index, "drop": dropped, "abouts": [abouts for abouts, _ in packed]}, [raw for _, raw in packed]
         )
+        with self._change:
+            self._answer.notify_all()
         return size
 
     def _dropped(self) -> list[int]:
         """Take out what is more than the page keeps, and what is stale."""
-        spare = sorted(self._sent.keys() - set(self._soon()), key=self._distance())
+        spare = sorted(self._sent.keys() - {*self._soon(), *self._lent()}, key=self._distance())
         dropped = sorted(self._stale - self._sent.keys())
         self._stale.clear()
         while spare and (sum(self._sent.values()) > KEPT_BYTES or len(self._sent) > KEPT_STRETCHES):

@@ -101,6 +101,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.bar.observe(self._from_bar, name)
         self._sender = sender = Sender(self._open_tracks, self._send, recording.duration, self._complain)
         self.bar.when_asked(sender.start)
+        self.bar.when_pointed(sender.point)
         self.bar.observe(partial(self._on_time, sender), ["time", "playing", "speed", "loop", "selection"])
         for view in self.views:
             if view.pick.widget == "laser":

@@ -142,9 +142,12 @@ test("a page that has nothing says so, and shows what comes without a word to th
 });
 
 test("Python hears at once of a moment that is missing, and now and then of others", async () => {
-  const { fake, playback, end } = await play({ duration: 9 });
+  const { fake, playback, sent, give, end } = await play({ duration: 9 });
   for (const time of [0.5, 1, 7.2, 1.5, 8.4]) playback.seek(time);
   assert.deepEqual(fake.saved, [{ time: 0.5 }, { time: 7.2 }, { time: 8.4 }]);
+  assert.deepEqual(sent.slice(1), [{ pointed: 7.2 }]);
+  give(7);
+  assert.deepEqual(sent.slice(1), [{ pointed: 7.2 }, { pointed: 8.4 }]);
   end();
 });
 
@@ -232,6 +235,22 @@ test("keys step, jump, go from mark to mark and change the speed", async () => {
   press("l");
   assert.equal(fake.get("loop"), true);
   assert.equal(actionOf("x", false), undefined);
+  end();
+});
+
+test("where a person points on another widget is asked for within the recording, and shown at once on a click", async (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const { follower, playback, state, sent, give, end } = await play({ duration: 9 });
+  for (const pointed of [7.2, 1.5, 8.4, null, 12]) {
+    follower.set("_pointed", pointed);
+    t.mock.timers.tick(pointed === 8.4 ? 10 : 50);
+    if (pointed === 7.2) give(7);
+  }
+  assert.deepEqual(sent.slice(1), [{ pointed: 7.2 }, { pointed: 9 }]);
+  assert.equal(playback.time, 0);
+  follower.set("time", 7.2);
+  assert.ok(!playback.waits);
+  assert.deepEqual(state._about, { frame_id: "7" });
   end();
 });
 

@@ -12,6 +12,8 @@ const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
 const REPEAT =
   "M3 2.5h4.5a3 3 0 0 1 3 3v.7H9.3v-.7a1.8 1.8 0 0 0-1.8-1.8H3v1.6L.5 3.1 3 .9z M9 9.5H4.5a3 3 0 0 1-3-3v-.7h1.2v.7a1.8 1.8 0 0 0 1.8 1.8H9V6.7l2.5 2.2L9 11.1z";
 const DECIMALS = 2;
+/** Pixels across the handle of the slider: its middle never reaches the ends of the track. */
+const HANDLE = 12;
 
 /** The bar that moves through a recording: buttons, the time, and a slider with marks on it. */
 export class PlayerBar {
@@ -67,6 +69,8 @@ export class PlayerBar {
     slider.ariaLabel = "Time in the recording";
     slider.setAttribute("data-lm-suppress-shortcuts", "true");
     slider.addEventListener("input", () => this.#playback.seek(Number(slider.value)), { signal });
+    slider.addEventListener("pointermove", (event) => this.#onPointer(event), { signal });
+    slider.addEventListener("pointerleave", () => this.#playback.point(null), { signal });
   }
 
   #makeSpeed(signal: AbortSignal): void {
@@ -74,6 +78,14 @@ export class PlayerBar {
     this.#speed.ariaLabel = "How fast it plays";
     const onSpeed = () => put(this.#model, { speed: Number(this.#speed.value) });
     this.#speed.addEventListener("change", onSpeed, { signal });
+  }
+
+  /** A finger does not point, and who drags goes there. */
+  #onPointer({ pointerType, buttons, clientX }: PointerEvent): void {
+    if (pointerType === "touch" || buttons) return;
+    const { left, width } = this.#slider.getBoundingClientRect();
+    const part = (clientX - left - HANDLE / 2) / (width - HANDLE);
+    this.#playback.point(part * this.#playback.duration);
   }
 
   #onKey(event: KeyboardEvent): void {

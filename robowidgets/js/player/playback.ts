@@ -2,6 +2,7 @@ import { toBytes } from "../shared/bytes.ts";
 import { markBeside } from "../shared/marks.ts";
 import { getFlag, getNumber, type Model, onChange, put } from "../shared/model.ts";
 import { onceAFrame, spaced } from "../shared/schedule.ts";
+import { Foresight } from "./foresight.ts";
 import { decodeStills, Stretches, type Track } from "./stretches.ts";
 
 /** A widget's model as its host keeps it. What a kernel sent goes in by `set_state`, which tells the kernel nothing. */
@@ -38,6 +39,7 @@ const APART = 0.5;
 export class Playback {
   readonly #model: Model;
   readonly #stretches: Stretches;
+  readonly #foresight: Foresight;
   readonly #listeners = new Set<() => void>();
   readonly #tell: () => void;
   readonly #nextFrame: () => void;
@@ -52,6 +54,7 @@ export class Playback {
     this.#model = model;
     this.#time = getNumber(model, "time");
     this.#stretches = new Stretches(getNumber(model, "_stretch"));
+    this.#foresight = new Foresight(this.#stretches, (time) => model.send({ pointed: time }), signal);
     this.#tell = spaced(() => put(model, { time: this.#time }), TELL_MS, signal);
     this.#nextFrame = onceAFrame(() => this.#advance(), signal);
     onChange(model, ["time"], () => this.#onTime(), signal);
@@ -102,11 +105,20 @@ export class Playback {
   }
 
   seek(time: number): void {
-    this.#time = Math.min(Math.max(0, time), this.duration);
+    this.#time = this.#within(time);
     this.#show();
-    // What is not here is asked for at once.
-    if (this.waits) put(this.#model, { time: this.#time });
-    else this.#tell();
+    if (!this.waits) {
+      this.#tell();
+      return;
+    }
+    // What is not here is asked for at once, before Python has the work of going there itself.
+    this.#foresight.ask(this.#time);
+    put(this.#model, { time: this.#time });
+  }
+
+  /** A person points at a time, and may go there next; null: at none. */
+  point(time: number | null): void {
+    this.#foresight.point(time === null ? null : this.#within(time));
   }
 
   /** To the next scan, or the one before; without a laser, to what the first widget shows next. */
@@ -167,6 +179,7 @@ export class Playback {
     });
     this.#stretches.drop(drop);
     this.#stretches.put(stretch, tracks);
+    this.#foresight.came();
     // Also what is on show may have come anew.
     this.#show();
   }
@@ -196,17 +209,24 @@ export class Playback {
       const time = follower.get("time") as number;
       if (time !== this.#time) this.seek(time);
     };
+    const onPoint = () => this.point(follower.get("_pointed") as number | null);
     const onSelection = () => {
       const selection = follower.get("selection") as number[] | null;
       // After the other widget has told Python of it: Python then has nothing to correct.
       queueMicrotask(() => put(this.#model, { selection: selection?.slice(0, 2) ?? null }));
     };
     follower.on("change:time", onTime);
+    follower.on("change:_pointed", onPoint);
     follower.on("change:selection", onSelection);
     signal.addEventListener("abort", () => {
       follower.off("change:time", onTime);
+      follower.off("change:_pointed", onPoint);
       follower.off("change:selection", onSelection);
     });
+  }
+
+  #within(time: number): number {
+    return Math.min(Math.max(0, time), this.duration);
   }
 
   #changed(): void {

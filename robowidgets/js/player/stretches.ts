@@ -56,9 +56,13 @@ export class Stretches {
     for (const index of indices) this.#tracks.delete(index);
   }
 
+  has(time: number): boolean {
+    return this.#tracks.has(this.indexOf(time));
+  }
+
   /** What each widget shows at a time; null where that stretch is not here. */
   at(time: number): { track: Track; still: Still }[] | null {
-    const tracks = this.#tracks.get(this.#indexOf(time));
+    const tracks = this.#tracks.get(this.indexOf(time));
     if (!tracks) return null;
     return tracks.map((track) => ({ track, still: track.stills[Math.max(0, indexAt(track.stills, time))] as Still }));
   }
@@ -68,7 +72,7 @@ export class Stretches {
    * @returns null where the stretch that must hold it is not here
    */
   neighbour(of: number, time: number, direction: -1 | 1, duration: number): number | null {
-    for (let index = this.#indexOf(time); index >= 0 && index * this.#seconds <= duration; index += direction) {
+    for (let index = this.indexOf(time); index >= 0 && index * this.#seconds <= duration; index += direction) {
       const stills = this.#tracks.get(index)?.[of]?.stills;
       if (!stills) return null;
       const start = index * this.#seconds;
@@ -79,7 +83,8 @@ export class Stretches {
     return time;
   }
 
-  #indexOf(time: number): number {
+  /** The number of the stretch in which a time lies. */
+  indexOf(time: number): number {
     return Math.floor(time / this.#seconds);
   }
 }

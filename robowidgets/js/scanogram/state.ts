@@ -79,6 +79,11 @@ export class State {
     put(this.#model, values);
   }
 
+  /** Says at which time a person points, to what else is in the page: a player fetches that. */
+  point(time: number | null): void {
+    this.#model.set("_pointed", time);
+  }
+
   /** A view shows a span in so many columns: what is missing is asked for. */
   look(span: Span, columns: number): void {
     this.#seen = { span, columns };

@@ -60,16 +60,12 @@ export class ScanogramView {
 
   onHover(point: Point | null): void {
     this.#pointer = point;
+    this.#state.point(point && this.#timeAt(point));
     this.#redrawTop();
   }
 
-  onPick({ x }: Point): void {
-    const { blocks } = this.#state;
-    if (!blocks) return;
-    const time = toTime(this.#scene.axis, x);
-    const place = blocks.at(time, 0);
-    // Where single scans are known, the cursor stands on one.
-    this.#state.set({ time: place?.scans === 1 ? place.time : Math.round(time * 1e4) / 1e4 });
+  onPick(point: Point): void {
+    if (this.#state.blocks) this.#state.set({ time: this.#timeAt(point) });
   }
 
   onSelect(from: Point, to: Point, rays: boolean, done: boolean): void {
@@ -122,6 +118,13 @@ export class ScanogramView {
 
   onMark(direction: -1 | 1): void {
     this.#goTo(this.#state.markBeside(direction));
+  }
+
+  /** Where the cursor goes on a click; where single scans are known, it stands on one. */
+  #timeAt({ x }: Point): number {
+    const time = toTime(this.#scene.axis, x);
+    const place = this.#state.blocks?.at(time, 0);
+    return place?.scans === 1 ? place.time : Math.round(time * 1e4) / 1e4;
   }
 
   /** Moves the cursor, and the picture where it would lose it. */

@@ -169,6 +169,59 @@ def test_the_page_keeps_no_more_than_it_may(monkeypatch: pytest.MonkeyPatch) -> 
             assert len(page.bytes) < 40
 
 
+def test_what_a_person_points_at_was_sent_when_who_handed_it_on_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "ANSWER", 30.0)
+    with sending(Track(), 50_000) as (sender, page):
+        sender.start()
+        for seconds, index in ((40_000.5, 40_000), (30_000.0, 30_000), (1e6, 50_000), (-1.0, 0)):
+            sender.point(seconds)
+            assert index in page.bytes
+        assert not {29_999, 30_001, 39_999, 40_001, 49_999} & page.bytes.keys()
+
+
+def test_what_plays_comes_before_what_a_person_points_at_and_nobody_waits_for_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "ANSWER", 30.0)
+    with sending(Track(), 1000) as (sender, page):
+        sender.tell(50.0, 10.0, (0.0, 1000.0))
+        sender.start()
+        began = time.monotonic()
+        sender.point(700.5)
+        assert time.monotonic() - began < 10.0
+        wait_for(lambda: 700 in page.has, "it came")
+        assert set(range(50, 150)) <= set(page.has[: page.has.index(700)])
+
+
+def test_a_full_page_keeps_what_a_person_points_at_until_it_is_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
+    with sending(Track(1000), 10_000) as (sender, page):
+        sender.start()
+        wait_for(lambda: len(page.bytes) > 35, "the page is full")
+        sender.point(5000.5)
+        for seconds in (1000, 2000):
+            sender.tell(seconds, 0.0, (0.0, 10_000.0))
+            wait_for(lambda at=seconds: {*range(at - 4, at + 20)} <= page.bytes.keys(), "what lies around came")
+            assert 5000 in page.bytes
+            assert sum(page.bytes.values()) <= 40_000
+        for seconds in range(6000, 6000 + module.POINTED):
+            sender.point(seconds)
+        sender.tell(9000, 0.0, (0.0, 10_000.0))
+        wait_for(lambda: 5000 not in page.bytes, "it made room")
+        assert sum(page.bytes.values()) <= 40_000
+
+
+def test_a_page_that_keeps_a_few_stretches_only_is_lent_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "KEPT_BYTES", 4000)
+    with sending(Track(1000), 1000) as (sender, page):
+        sender.start()
+        wait_for(lambda: page.has, "it began")
+        sender.point(500.0)
+        sender.tell(700.0, 0.0, (0.0, 1000.0))
+        wait_for(lambda: {700, 701} <= page.bytes.keys(), "what was sought came")
+        assert 500 not in page.has
+
+
 def test_a_clock_that_jumps_by_years_takes_no_more_time_or_room(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_STRETCHES", 40)
     with sending(Track(), 1e9) as (sender, page):
