@@ -50,6 +50,10 @@ class Decoders:
         """What reads the messages of a channel; it and this raise UnreadableError."""
         if channel.encoding == "json":
             return _json
+        if not channel.type:
+            raise UnreadableError(
+                f"{channel.topic} comes without a type: the robot's bridge lacks the package of its messages"
+            )
         if channel.encoding not in ROS:
             raise UnreadableError(
                 f"{channel.topic} comes as {one_line(channel.type)} in {one_line(channel.encoding)}, "

@@ -228,6 +228,10 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(real: Real, ears: E
             "(cdr, ros1, json)",
         ),
         (
+            {"kind": "", "encoding": "", "schemaEncoding": ""},
+            "/scan comes without a type: the robot's bridge lacks the package of its messages",
+        ),
+        (
             {"kind": "my_msgs/msg/<b>Odd</b>", "schema": "no definition"},
             "/scan comes as my_msgs/msg/<b>Odd</b>, which is not a known type, and the server does not define it in a "
             "way that can be understood",
