@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
+from itertools import pairwise
 
-RESET = 10.0
+from .held_clock import about_held, hold
+
 STILL = 0.1
 
 
 def steady(times: Sequence[float]) -> tuple[list[int], bool, str]:
     """Nanoseconds that never go back, whether they are the clock's, and a line about what was wrong with it.
 
-    Order is kept. A clock that goes back is held until it has caught up; one that was set back, by more than `RESET`
-    seconds and for good, goes on from where it was. One that hardly moves (fewer than one different time in ten) is of
-    no use: its lines are set `STILL` seconds apart.
+    Order is kept, and a clock that goes back is held: see `hold`. One that hardly moves (fewer than one different time
+    in ten) is of no use: its lines are set `STILL` seconds apart.
 
     Args:
         times: seconds, in the order of the lines; NaN where a line has none.
@@ -26,29 +26,6 @@ def steady(times: Sequence[float]) -> tuple[list[int], bool, str]:
             f"the lines are set {STILL:g} s apart, in their order"
         )
         return [round(i * STILL * 1e9) for i in range(len(times))], False, line
-    result: list[int] = []
-    latest = next((t for t in times if isfinite(t)), 0.0)
-    shift = furthest = 0.0
-    back = 0
-    for i, time in enumerate(times):
-        now = time + shift
-        back += i > 0 and not time >= times[i - 1]
-        if not now >= latest:
-            furthest = max(furthest, latest - now) if isfinite(now) else furthest
-            if latest - now > RESET and _goes_on(times[i : i + 2]):
-                shift += latest - now
-            now = latest
-        latest = now
-        result.append(round(now * 1e9))
-    if not back:
-        return result, True, ""
-    times_back = "once" if back == 1 else f"{back:,} times"
-    return (
-        result,
-        True,
-        f"the clock goes back {times_back}, by up to {furthest:.2f} s: order is kept, time held meanwhile",
-    )
-
-
-def _goes_on(pair: Sequence[float]) -> bool:
-    return len(pair) == 2 and 0 <= pair[1] - pair[0] < RESET
+    held, furthest = hold(times, 1)
+    back = sum(not after >= before for before, after in pairwise(times))
+    return [round(time * 1e9) for time in held], True, about_held(back, furthest) if back else ""

@@ -7,8 +7,11 @@ from functools import partial
 from heapq import merge
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .pages import Held, Page, pages_of
-from .source import Channel, RecordingError, Source
+from .source import Arrivals, Channel, RecordingError, SavedSource, Source, joined
 
 
 class Chain:
@@ -37,8 +40,16 @@ class Chain:
             counts[_same(channel)] = counts.get(_same(channel), 0) + channel.count
         self._ids = {same: number for number, same in enumerate(counts)}
         self.channels = tuple(same._replace(id=number, count=counts[same]) for same, number in self._ids.items())
-        self.start_ns = min((s.start_ns for s in self._sources if s.start_ns is not None), default=None)
-        self.end_ns = max((s.end_ns for s in self._sources if s.end_ns is not None), default=None)
+
+    @property
+    def start_ns(self) -> int | None:
+        """See `Source`."""
+        return min((s.start_ns for s in self._sources if s.start_ns is not None), default=None)
+
+    @property
+    def end_ns(self) -> int | None:
+        """See `Source`."""
+        return max((s.end_ns for s in self._sources if s.end_ns is not None), default=None)
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -62,6 +73,21 @@ class Chain:
             for page in pages_of(source, [channel for channel in source.channels if channel.id in mine]):
                 yield partial(_renamed, page, mine)
 
+    def arrivals(self) -> Arrivals:
+        """See `Source`: those of one source after the other."""
+        return joined(
+            source.arrivals().renumbered({channel.id: self._ids[_same(channel)] for channel in source.channels})
+            for source in self._sources
+        )
+
+    def retime(self, times: NDArray[np.int64], why: str) -> None:
+        """See `SavedSource`. All of its sources are such."""
+        ends = np.cumsum([len(source.arrivals().times) for source in self._sources])
+        for source, part in zip(self._sources, np.split(times, ends[:-1]), strict=True):
+            assert isinstance(source, SavedSource)
+            source.retime(part, "")
+        self._problems += (why,)
+
     def close(self) -> None:
         """Close every source; doing it again does nothing."""
         for source in self._sources:
@@ -84,7 +110,7 @@ class Chain:
         return {theirs: wanted[number] for theirs, number in ours.items() if number in wanted}
 
 
-def open_chain(paths: Sequence[Path], open_one: Callable[[Path], Source]) -> Source:
+def open_chain(paths: Sequence[Path], open_one: Callable[[Path], Source]) -> Chain:
     """The files at some paths as one source; those that cannot be opened are told in its problems.
 
     Args:

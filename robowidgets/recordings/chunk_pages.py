@@ -6,7 +6,7 @@ The index of the file says where they lie, and every word of it is checked again
 from __future__ import annotations
 
 from binascii import crc32
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -25,7 +25,8 @@ _RECORD_HEAD = Struct("<BQ")
 _INDEX_HEAD = Struct("<BQHI")
 _U64 = Struct("<Q")
 _CHUNK, _INDEX, _MESSAGE = 6, 7, 5
-_ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
+ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
+"""Of a message, in the index of a chunk of an MCAP file."""
 _HEAD = np.dtype([("op", "u1"), ("size", "<u8"), ("channel", "<u2"), ("n", "<u4"), ("time", "<u8"), ("sent", "<u8")])
 _U32 = np.dtype("<u4")
 _TIME = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4")])
@@ -89,20 +90,14 @@ class McapPage:
 
     def _entries(self, index: Buffer) -> list[tuple[int, NDArray[Any]]]:
         """What the records of the chunk's own index say of the channels that are wanted."""
-        entries = []
-        at = 0
-        while at < len(index):
-            try:
-                op, size, channel, length = _INDEX_HEAD.unpack_from(index, at)
-            except error:
-                raise self._damaged() from None
-            body = at + _INDEX_HEAD.size
-            if op != _INDEX or length % _ENTRY.itemsize or body + length > len(index):
-                raise self._damaged()
-            if channel in self.channels:
-                entries.append((channel, np.frombuffer(index, _ENTRY, length // _ENTRY.itemsize, body)))
-            at += _RECORD_HEAD.size + size
-        return entries
+        try:
+            return [
+                (channel, np.frombuffer(index, ENTRY, count, start))
+                for channel, start, count in index_records(index)
+                if channel in self.channels
+            ]
+        except error:
+            raise self._damaged() from None
 
     def _damaged(self) -> RecordingError:
         return _damaged(self.path, self.start)
@@ -175,6 +170,22 @@ class BagPage:
         starts = offsets + 2 * _U32.itemsize + size
         ends = starts + lengths
         return (starts, ends) if (ends <= len(raw)).all() else None
+
+
+def index_records(index: Buffer) -> Iterator[tuple[int, int, int]]:
+    """Of each record of the index of a chunk of an MCAP file: id of the channel, where its entries start, how many.
+
+    Raises:
+        struct.error: it is none.
+    """
+    at = 0
+    while at < len(index):
+        op, size, channel, length = _INDEX_HEAD.unpack_from(index, at)
+        start = at + _INDEX_HEAD.size
+        if op != _INDEX or length % ENTRY.itemsize or start + length > len(index):
+            raise error(f"no record of an index at byte {at}")
+        yield channel, start, length // ENTRY.itemsize
+        at += _RECORD_HEAD.size + size
 
 
 def _places(head: bytes) -> dict[bytes, tuple[int, int | None]]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path, PurePath
 
@@ -13,6 +14,7 @@ from .carmen import CarmenLog
 from .carmen_lines import word_of
 from .chain import Chain, open_chain
 from .message_timeline import MessageTimeline
+from .one_clock import goes_back, in_order
 from .relay import Relay
 from .salvage import find_files, open_file
 from .salvage.report import kind
@@ -65,12 +67,23 @@ def _open(path: Path) -> Timeline:
 
 
 def _open_file(path: Path) -> Source:
-    """A file of messages: by rosbags where it can, else by the reader made for damage."""
+    """A file of messages: by rosbags where it can, else by the reader made for damage, which knows their order."""
     patient = partial(open_file, path)
+    return _running(lambda: _open_quick(path), patient) or in_order(patient())
+
+
+def _running(open_quick: Callable[[], Source], patient: Callable[[], Source]) -> Source | None:
+    """A source that rosbags can read, and whose clock never went back."""
     try:
-        return Relay(_open_quick(path), patient)
+        with ExitStack() as stack:
+            quick = open_quick()
+            stack.callback(quick.close)
+            if not goes_back(quick):
+                stack.pop_all()
+                return Relay(quick, patient)
     except Exception:  # rosbags raises what it stumbles over; what is wrong, the patient reader finds out and tells
-        return patient()
+        pass
+    return None
 
 
 def _open_quick(path: Path) -> Source:
@@ -89,10 +102,9 @@ def _open_folder(path: Path) -> Source:
     """A rosbag2 folder, by its metadata or, where they are missing or of no use, file by file."""
     files = find_files(path)
     if (path / _METADATA).exists() and not _is_packed(path):
-        try:
-            return Relay(ros_files.open_folder(path), partial(open_chain, files, open_file))
-        except Exception:  # as above; whether anything is lost, the files themselves tell
-            pass
+        patient = partial(open_chain, files, open_file)
+        if quick := _running(lambda: ros_files.open_folder(path), patient):
+            return quick
     if not files:
         held = _some(sorted(entry.name for entry in path.iterdir())) or "nothing"
         raise RecordingError(f"{path}: no recording in this folder: expected .db3, .mcap or .bag files, got {held}")
@@ -100,6 +112,10 @@ def _open_folder(path: Path) -> Source:
         held = _some([file.name for file in files])
         raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {held}")
     source = open_chain(files, _open_file)
+    if len(files) > 1 and goes_back(source):
+        source.close()
+        source = open_chain(files, open_file)
+        in_order(source)
     missing = _missing(path)
     return Chain([("", source)], problems=[missing]) if missing else source
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator
 
 from .pages import Page, Paged
-from .source import Channel, Source
+from .source import Arrivals, Channel, Source
 
 
 class Relay:
@@ -49,6 +49,10 @@ class Relay:
         """See `pages.Paged`: those of the quick source, as long as nothing went wrong."""
         quick = self._quick
         return quick.pages(channels) if self._patient is None and isinstance(quick, Paged) else None
+
+    def arrivals(self) -> Arrivals:
+        """See `Source`: those of the quick source."""
+        return self._quick.arrivals()
 
     def close(self) -> None:
         """See `Source`."""

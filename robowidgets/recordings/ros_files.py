@@ -1,6 +1,6 @@
 """Files and folders of messages as rosbags reads them.
 
-This module and `ros_types` are the only ones that know rosbags.
+This module, `ros_arrivals` and `ros_types` are the only ones that know rosbags.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from .chunk_pages import BagPage, McapPage
 from .pages import Page
+from .ros_arrivals import bag_arrivals, folder_arrivals, mcap_arrivals, sqlite_arrivals
 from .salvage.inflate import MAX_CHUNK, inflate
-from .source import Channel, RecordingError
+from .source import Arrivals, Channel, RecordingError
 
 ById = dict[int, Channel]
 Pages = list[Page] | None
@@ -49,12 +50,12 @@ DECOMPRESSORS.update({name: _bounded(name) for name in ("zstd", "lz4")})
 
 def open_bag(path: Path) -> RosSource:
     """A ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
-    return RosSource(BagReader(path), lambda reader: (reader.start_time, reader.end_time), _bag_pages)
+    return RosSource(BagReader(path), lambda reader: (reader.start_time, reader.end_time), bag_arrivals, _bag_pages)
 
 
 def open_mcap(path: Path) -> RosSource:
     """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError when there is no index."""
-    source = RosSource(McapReader(path), _times, _mcap_pages)
+    source = RosSource(McapReader(path), _times, mcap_arrivals, _mcap_pages)
     if not source.indexed:
         source.close()
         raise RecordingError("without an index rosbags reads messages in one way only, from the start to the end")
@@ -64,23 +65,28 @@ def open_mcap(path: Path) -> RosSource:
 def open_sqlite(path: Path) -> RosSource:
     """A ``.db3``. Raises as `open_bag`."""
     _check(path)
-    return RosSource(Sqlite3Reader(path), _times)
+    return RosSource(Sqlite3Reader(path), _times, sqlite_arrivals)
 
 
 def open_folder(path: Path) -> RosSource:
     """A folder with a ``metadata.yaml``. Raises as `open_bag`."""
     _check(path)
-    return RosSource(DirectoryReader(path), _times, _folder_pages)
+    return RosSource(DirectoryReader(path), _times, folder_arrivals, _folder_pages)
 
 
 class RosSource:
     """A `Source` that rosbags reads."""
 
     def __init__(
-        self, reader: Any, times: Callable[[Any], tuple[int, int]], pages: Callable[[Any, ById], Pages] | None = None
+        self,
+        reader: Any,
+        times: Callable[[Any], tuple[int, int]],
+        arrivals: Callable[[Any], Arrivals],
+        pages: Callable[[Any, ById], Pages] | None = None,
     ) -> None:
         reader.open()
         self._reader = reader
+        self._arrivals = arrivals
         self._pages = pages
         self._open = True
         self.problems: tuple[str, ...] = ()
@@ -109,6 +115,10 @@ class RosSource:
     def pages(self, channels: Collection[Channel]) -> Pages:
         """See `pages.Paged`."""
         return self._pages(self._reader, {channel.id: channel for channel in channels}) if self._pages else None
+
+    def arrivals(self) -> Arrivals:
+        """See `Source`."""
+        return self._arrivals(self._reader)
 
     def close(self) -> None:
         """See `Source`."""

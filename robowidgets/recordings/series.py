@@ -29,9 +29,8 @@ class Series(ABC, Generic[Taken]):
 
     By number: ``series[3]`` is a `Moment` (its ``sample``, ``time_ns`` and ``seconds``), ``series[10:20]`` a shorter
     series. By time, in seconds from the start of the recording: ``series.at(21.96)`` is the nearest sample,
-    ``series.between(2.0, 5.0)`` a shorter series. Where the recorder's clock went back, the order stays that of
-    arrival, and both still go by the time that each sample bears: ``between`` may take from several stretches, and of
-    samples equally near ``at`` gives the one that came first.
+    ``series.between(2.0, 5.0)`` a shorter series. Where the recorder's clock went back, the order is that of arrival,
+    and the time is held until the clock has caught up: of samples equally near ``at`` gives the one that came first.
 
     Nothing is read until it is needed; then the topic is read once from start to end, with a progress bar if that takes
     longer than a second, and what was decoded last is kept, within `Recording.memory`.

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
-from typing import NamedTuple, Protocol
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 class RecordingError(Exception):
@@ -32,6 +35,25 @@ class Channel(NamedTuple):
     encoding: str
     definition: str
     count: int  # type: ignore[assignment]  # hides tuple.count, which nobody asks of a channel
+
+
+class Arrivals(NamedTuple):
+    """Log times of messages in nanoseconds and the ids of their channels, both of shape (N,), as they were written."""
+
+    times: NDArray[np.int64]
+    channels: NDArray[np.int64]
+
+    def renumbered(self, ids: Mapping[int, int]) -> Arrivals:
+        """The same with other ids of channels."""
+        known, places = np.unique(self.channels, return_inverse=True)
+        return Arrivals(self.times, np.array([ids[number] for number in known.tolist()], np.int64)[places])
+
+
+def joined(parts: Iterable[Arrivals]) -> Arrivals:
+    """Arrivals one after the other."""
+    none = np.empty(0, np.int64)
+    times, channels = zip(Arrivals(none, none), *parts, strict=True)
+    return Arrivals(np.concatenate(times), np.concatenate(channels))
 
 
 class Source(Protocol):
@@ -65,5 +87,16 @@ class Source(Protocol):
         be called again and again, also while an earlier iterator is in use.
         """
 
+    def arrivals(self) -> Arrivals:
+        """What the index of the file tells about the order of arrival: of every message, or of some of each part."""
+
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
+
+
+@runtime_checkable
+class SavedSource(Source, Protocol):
+    """A source that knows every message in the order of arrival."""
+
+    def retime(self, times: NDArray[np.int64], why: str) -> None:
+        """Bear other log times, those of all `arrivals`, and tell why among the problems."""

@@ -8,14 +8,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ..chain import Chain
-from ..source import RecordingError, Source
+from ..source import RecordingError, SavedSource
 from . import bag, mcap, sqlite, sqlite_file
 from .inflate import ZSTD_MAGIC, inflate_to
 from .report import foreign
 from .stretch import FileStretch
 
 SUFFIXES = (".bag", ".db3", ".mcap")
-_OPENERS: dict[str, Callable[[Path], Source]] = {
+_OPENERS: dict[str, Callable[[Path], SavedSource]] = {
     ".bag": bag.open_bag,
     ".db3": sqlite.open_sqlite,
     ".mcap": mcap.open_mcap,
@@ -27,7 +27,7 @@ _MOST_UNPACKED = 1 << 30
 _MOST_RATIO = 256
 
 
-def open_file(path: Path) -> Source:
+def open_file(path: Path) -> SavedSource:
     """Whatever can be saved of one file: a ROS 1 bag, an MCAP file or a rosbag2 database, by itself or in zstd.
 
     How the file starts decides, and its name only where that says nothing.
@@ -73,7 +73,7 @@ def _head(path: Path) -> bytes:
         file.close()
 
 
-def _open_packed(path: Path) -> Source:
+def _open_packed(path: Path) -> SavedSource:
     """A file that was compressed as a whole: what of it decompresses, from a temporary copy."""
     folder = TemporaryDirectory(prefix="robowidgets-")
     try:

@@ -12,10 +12,10 @@ from typing import NamedTuple
 from ..pages import PAGE_BYTES, Held, Page, pack
 from ..source import Channel, RecordingError
 from .inflate import inflate
+from .known import Known
 from .records import Damage
-from .report import nothing, problems
+from .report import nothing
 from .stretch import FileStretch
-from .times import Times
 
 _KEPT = 1 << 26
 _MAX_TIME = 2**63
@@ -52,8 +52,8 @@ class Findings:
         return True
 
 
-class SavedFile:
-    """A `Source` over the messages found in one file.
+class SavedFile(Known):
+    """A `SavedSource` over the messages found in one file.
 
     Args:
         file: the file, which is closed with the source.
@@ -66,19 +66,12 @@ class SavedFile:
     """
 
     def __init__(self, file: FileStretch, channels: Collection[Channel], found: Findings, damage: Damage) -> None:
+        super().__init__(found.times, found.channels, channels, damage)
         self._file = file
         self._found = found
-        self._times = Times(found.times, found.channels, {channel.id for channel in channels})
         self._lock = Lock()
         self._raw: OrderedDict[int, bytes] = OrderedDict()
-        counts = self._times.counts()
-        self.channels = tuple(channel._replace(count=counts.get(channel.id, 0)) for channel in channels)
-        self.start_ns = self._times.start_ns
-        self.end_ns = self._times.end_ns
-        total = len(self._times)
-        damage.unnamed = len(found.times) - total
-        self.problems = problems(damage, total, (self.end_ns or 0) - (self.start_ns or 0))
-        if self.problems and not total:
+        if self.problems and not len(self._times):
             raise nothing(file.name, file.size, damage)
 
     def messages(
@@ -104,7 +97,7 @@ class SavedFile:
     def _page(self, rows: Sequence[int], wanted: dict[int, Channel]) -> Held:
         found = self._found
         places = ((row, found.where[row], found.offsets[row], found.sizes[row]) for row in rows)
-        messages = [(wanted[found.channels[row]], found.times[row], self._read(*place)) for row, *place in places]
+        messages = [(wanted[found.channels[row]], self._times.of(row), self._read(*place)) for row, *place in places]
         return partial(pack, messages)
 
     def _read(self, chunk: int, offset: int, size: int) -> bytes:

@@ -13,10 +13,10 @@ from typing import NamedTuple
 from ..progress import Progress
 from ..source import Channel, RecordingError
 from .definition import definition
+from .known import Known
 from .records import MAX_PLACES, Damage
-from .report import nothing, problems
+from .report import nothing
 from .sqlite_file import connect
-from .times import Times
 
 _WALK = "SELECT rowid FROM messages WHERE rowid >= ? ORDER BY rowid"
 _LOOK_UP = "SELECT topic_id, timestamp, data FROM messages WHERE rowid = ?"
@@ -50,8 +50,8 @@ def open_sqlite(path: Path) -> SavedDatabase:
         return source
 
 
-class SavedDatabase:
-    """A `Source` over the rows of a rosbag2 database that can be read.
+class SavedDatabase(Known):
+    """A `SavedSource` over the rows of a rosbag2 database that can be read.
 
     Args:
         path: the file, to name it in errors.
@@ -77,16 +77,9 @@ class SavedDatabase:
                 else:
                     damage.places += 1
                 bar.update(1)
-        channels = _channels(connection, damage)
-        self._times = Times(times, topics, {channel.id for channel in channels})
-        counts = self._times.counts()
-        self.channels = tuple(channel._replace(count=counts.get(channel.id, 0)) for channel in channels)
-        self.start_ns = self._times.start_ns
-        self.end_ns = self._times.end_ns
-        damage.unnamed = len(times) - len(self._times)
+        super().__init__(times, topics, _channels(connection, damage), damage)
         if damage.cut:
             damage.places = 0
-        self.problems = problems(damage, len(self._times), (self.end_ns or 0) - (self.start_ns or 0))
         if self.problems and not len(self._times):
             raise nothing(path.name, path.stat().st_size, damage, f", try 'sqlite3 {path.name} .recover'")
 

@@ -1,4 +1,4 @@
-"""Which messages there are, by time."""
+"""Which messages there are, by time and in the order of arrival."""
 
 from __future__ import annotations
 
@@ -7,23 +7,24 @@ from collections.abc import Collection, Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..source import Arrivals
+
 
 class Times:
     """The log times of messages and what channel each belongs to, sorted by time; equal times keep their order.
 
     Args:
-        times: M log times in nanoseconds, any order.
+        times: M log times in nanoseconds, in the order of arrival.
         channels: M ids of channels.
         known: the channels that count; messages of others are left out.
 
     """
 
     def __init__(self, times: ArrayLike, channels: ArrayLike, known: Collection[int]) -> None:
-        times, channels = np.asarray(times, np.int64), np.asarray(channels, np.int64)
-        order = np.argsort(times, kind="stable")
-        self._order: NDArray[np.intp] = order[np.isin(channels[order], list(known))]
-        self._times: NDArray[np.int64] = times[self._order]
-        self._channels: NDArray[np.int64] = channels[self._order]
+        self._all_times: NDArray[np.int64] = np.asarray(times, np.int64)
+        self._all_channels: NDArray[np.int64] = np.asarray(channels, np.int64)
+        self._known = np.isin(self._all_channels, list(known))
+        self._sort()
 
     def __len__(self) -> int:
         return int(self._times.size)
@@ -37,6 +38,20 @@ class Times:
     def end_ns(self) -> int | None:
         """Log time of the last message; None when there is none."""
         return int(self._times[-1]) if self._times.size else None
+
+    def arrivals(self) -> Arrivals:
+        """Of every message that counts."""
+        return Arrivals(self._all_times[self._known], self._all_channels[self._known])
+
+    def retime(self, times: NDArray[np.int64]) -> None:
+        """Take other times for all `arrivals`."""
+        self._all_times = self._all_times.copy()
+        self._all_times[self._known] = times
+        self._sort()
+
+    def of(self, row: int) -> int:
+        """The log time of one of the M messages."""
+        return int(self._all_times[row])
 
     def counts(self) -> dict[int, int]:
         """How many messages each channel has."""
@@ -60,6 +75,12 @@ class Times:
         for part in np.split(rows, np.flatnonzero(np.diff(parts)) + 1):
             if part.size:
                 yield part.tolist()
+
+    def _sort(self) -> None:
+        order = np.argsort(self._all_times, kind="stable")
+        self._order: NDArray[np.intp] = order[self._known[order]]
+        self._times: NDArray[np.int64] = self._all_times[self._order]
+        self._channels: NDArray[np.int64] = self._all_channels[self._order]
 
     def _before(self, time_ns: int) -> int:
         """How many messages were logged before a time."""

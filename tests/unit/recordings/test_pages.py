@@ -135,13 +135,15 @@ class TestDamage:
 
     def test_a_bag_whose_index_lies(self, tmp_path: Path) -> None:
         path = write_bag(tmp_path / "x.bag", HELD, chunk=1 << 20)
-        topic, time_ns, _ = HELD[100]
+        _, time_ns, _ = HELD[100]
         entry = struct.pack("<II", *divmod(time_ns, 10**9))
         spoil(path, entry, 8, struct.pack("<I", 77))
-        source = source_of(path)
+        source = ros_files.open_bag(path)
         with pytest.raises(RecordingError, match=r"x\.bag: the chunk at byte .* is damaged, or not as the index says"):
             unpacked(source)
-        assert [m[2] for m in source.messages(source.channels) if m[0].topic == topic]
+        source.close()
+        source = source_of(path)
+        assert unpacked(source) == HELD
         source.close()
 
     @pytest.mark.parametrize("size", [50_000, 2**32 - 1])

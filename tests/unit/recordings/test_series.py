@@ -222,30 +222,33 @@ class TestRayCounts:
         np.testing.assert_array_equal(open_sweeps(tmp_path, *some).scans().intensities, [[5.0] * 3, [NAN] * 3])
 
 
-BACK = (
-    "the clock goes back once, first at 2.00 s, by up to 1.50 s: arrays keep the order of arrival, "
-    "samples and players go by time"
-)
-
-
 class TestClocks:
     def test_that_go_back_keep_the_order_of_arrival(self, tmp_path: Path) -> None:
         times = [0.0, 1.0, 2.0, 0.5, 1.5, 2.5]
         scans = open_sweeps(tmp_path, *((t, sweeps.scan(START_NS, [i + 1.0])) for i, t in enumerate(times))).scans()
-        assert scans.seconds.tolist() == times
+        assert scans.seconds.tolist() == [0.0, 1.0, 2.0, 2.0, 2.0, 2.5]
         assert scans.ranges[:, 0].tolist() == [1, 2, 3, 4, 5, 6]
-        assert scans.problems == (BACK,)
-        assert "! the clock goes back once" in repr(scans)
-        assert scans.between(1.0, 2.0).seconds.tolist() == [1.0, 1.5]
-        assert scans.between(1.0, 2.0).ranges[:, 0].tolist() == [2, 5]
-        assert scans.at(0.6).sample.ranges[0] == 4
+        assert scans.problems == ()
+        assert scans.between(2.0, 2.5).ranges[:, 0].tolist() == [3, 4, 5]
+        assert scans.at(1.6).sample.ranges[0] == 3
+
+    def test_that_go_back_all_the_time_are_told_to_be_no_clocks(self, tmp_path: Path) -> None:
+        times = [i / 10 + 0.5 * (i % 2) for i in range(40)]
+        scans = open_sweeps(tmp_path, *((t, sweeps.scan(START_NS, [i + 1.0])) for i, t in enumerate(times))).scans()
+        assert scans.seconds.tolist() == pytest.approx(times)
+        assert scans.problems == (
+            "the clock goes back 19 times, first at 0.60 s, by up to 0.40 s: arrays keep the order of arrival, "
+            "samples and players go by time",
+        )
+        assert "! the clock goes back 19 times" in repr(scans)
+        assert scans.between(1.0, 1.5).ranges[:, 0].tolist() == [6, 8, 10, 11, 13, 15]
+        assert scans.at(0.61).sample.ranges[0] == 2
 
     def test_are_told_of_the_recording_once_they_were_read_and_after_it_is_closed(self, tmp_path: Path) -> None:
-        times = [0.0, 1.0, 2.0, 0.5, 1.5, 2.5]
-        recording = open_sweeps(tmp_path, *((t, sweeps.scan(START_NS, [1.0])) for t in times))
+        recording = open_sweeps(tmp_path, *((0.0, sweeps.scan(START_NS, [1.0])) for _ in range(20)))
         assert recording.problems == ()
-        assert len(recording.scans()) == 6
-        told = (f"/scan: {BACK}",)
+        assert len(recording.scans()) == 20
+        told = ("/scan: the clock stands still: 19 of 20 samples bear the time of the one before",)
         assert recording.problems == told
         recording.close()
         assert recording.problems == told
