@@ -101,7 +101,7 @@ class Link:
         """Words where the target raised."""
         try:
             target.hand(message)
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # one that ends the thread would end the feed without a word
             words = f"a message of {self.topic} could not be used: {type(error).__name__}: {error}"
             self._log(words)
             return words

@@ -307,23 +307,23 @@ def test_a_scan_of_100_mb_is_refused_in_words_and_not_kept(opened: Opened) -> No
     assert "error" not in laser.get_state()["_about"]
 
 
+@pytest.mark.parametrize("error", [RuntimeError, SystemExit])
 def test_an_error_in_a_function_is_logged_once_and_stops_nothing(
-    opened: Opened, caplog: pytest.LogCaptureFixture
+    opened: Opened, caplog: pytest.LogCaptureFixture, error: type[BaseException]
 ) -> None:
     feed, script = opened(SCAN)
     laser = LaserWidget()
 
     def fail(_message: object) -> None:
-        raise RuntimeError("no room")
+        raise error("no room")
 
     feed.connect("/scan", fail, laser)
     for _ in range(3):
         script.listener.on_message("/scan", scan())
     assert laser.scan is not None
-    assert [record.message for record in caplog.records] == [
-        "a message of /scan could not be used: RuntimeError: no room"
-    ]
-    assert source(laser)["words"] == "a message of /scan could not be used: RuntimeError: no room"
+    words = f"a message of /scan could not be used: {error.__name__}: no room"
+    assert [record.message for record in caplog.records] == [words]
+    assert source(laser)["words"] == words
 
 
 def test_a_commanded_speed_need_not_be_waited_for(opened: Opened) -> None:
