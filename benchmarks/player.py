@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,12 +18,26 @@ from .recordings import write
 from .scan import BITS
 from .stage import Stage
 
-AWAY = "click on either, to what the page does not have"
+POINTED = "click on either, to what the page did not have until the pointer rested there for 100 ms"
+AWAY = "click on either, to what the page does not have, as soon as the pointer is there"
+
+
+class Target(NamedTuple):
+    """What is clicked on: an element, the event that counts, and pixels before and after its axis of time."""
+
+    name: str
+    selector: str
+    event: str
+    before: float
+    after: float
+
+
 TARGETS = (
-    ("click on the scanogram", ".rw-scanogram .rw-picture", "pointerup"),
-    ("click on the slider", ".rw-player .rw-slider", "input"),
+    Target("click on the scanogram", ".rw-scanogram .rw-picture", "pointerup", 64, 16),
+    Target("click on the slider", ".rw-player .rw-slider", "input", 6, 6),
 )
 
+REST_MS = 100
 SCRIPT = Path(__file__).with_name("player.js")
 LASER = ".rw-laser"
 ROUND_TRIP = "a bare round trip of a widget's message"
@@ -97,7 +111,7 @@ class Shown:
 
     def __init__(self, notebook: Any, scans: int) -> None:
         self._notebook = notebook
-        self._scans = scans
+        self._seconds = int(scans / HZ)
         self._page = notebook.page
 
     @classmethod
@@ -149,19 +163,17 @@ class Shown:
         chance = random.Random(seed)
         self.python(SETTLED)
         times: dict[str, list[float]] = {}
-
-        def add(name: str, took: float) -> None:
-            times.setdefault(name, []).append(took)
-
         for _ in range(clicks):
-            for name, selector, kind in TARGETS:
-                for trip, took in zip((ROUND_TRIP, FRAMED), self._page.evaluate("roundTrip()"), strict=True):
-                    add(trip, took)
-                lacking = self._lacking()
-                # A click on the slider's knob, where it is, moves nothing.
-                part = (self._now() * HZ / self._scans + chance.uniform(0.1, 0.9)) % 1.0
-                took, second = self._click(selector, kind, 0.1 + 0.8 * part)
-                add(AWAY if second in lacking else name, took)
+            for target in TARGETS:
+                for what in (target.name, POINTED, AWAY):
+                    for trip, took in zip((ROUND_TRIP, FRAMED), self._page.evaluate("roundTrip()"), strict=True):
+                        times.setdefault(trip, []).append(took)
+                    # Within the second that is clicked on, and a pixel beside it, the page has all or nothing.
+                    lacking = self._lacking()
+                    there = [second for second in range(self._seconds) if second not in lacking]
+                    second = self._far(chance, there if what == target.name else lacking)
+                    took = self._click(target, second, rests=what == POINTED)
+                    times.setdefault(what, []).append(took)
         return times
 
     def _lacking(self) -> list[int]:
@@ -169,19 +181,32 @@ class Shown:
         found: list[int] = json.loads(self.python("print(source.lacking())"))
         return found
 
-    def _click(self, selector: str, kind: str, part: float) -> tuple[float, int]:
-        """Click at a part of the width of an element; milliseconds from the event until its moment is painted, and the
-        second in which that lies."""
-        target = self._page.locator(selector)
-        target.scroll_into_view_if_needed()
-        box = target.bounding_box()
-        self._page.evaluate("(kind) => playing.watch(kind)", kind)
-        self._page.mouse.click(box["x"] + part * box["width"], box["y"] + box["height"] / 2)
+    def _far(self, chance: random.Random, seconds: list[int]) -> int:
+        """One of these seconds, far from the time on show: such are sent last. Those beside it are like it."""
+        now = self._now()
+        alike = [second for second in seconds if {second - 1, second + 1} <= set(seconds)]
+        alike.sort(key=lambda second: abs(second - now))
+        return chance.choice(alike[len(alike) // 2 :])
+
+    def _click(self, target: Target, second: int, *, rests: bool) -> float:
+        """Click on a second, with or without a rest of the pointer there; milliseconds from the event until its moment
+        is painted."""
+        element = self._page.locator(target.selector)
+        element.scroll_into_view_if_needed()
+        box = element.bounding_box()
+        width = box["width"] - target.before - target.after
+        x = box["x"] + target.before + width * (second + 0.5) / self._seconds
+        y = box["y"] + box["height"] / 2
+        if rests:
+            self._page.mouse.move(x, y)
+            self._page.wait_for_timeout(REST_MS)
+        self._page.evaluate("(kind) => playing.watch(kind)", target.event)
+        self._page.mouse.click(x, y)
         took, number = self._page.evaluate("playing.seen()")
         now = self._now()
-        if abs(number - HZ * now) > 2:
-            raise RuntimeError(f"at {now} s scan {number} was painted, expected {HZ * now:.0f}")
-        return float(took), int(now)
+        if abs(number - HZ * now) > 2 or abs(now - second - 0.5) > 1.5:
+            raise RuntimeError(f"at {now} s scan {number} was painted, expected {HZ * now:.0f} at about {second} s")
+        return float(took)
 
     def _now(self) -> float:
         """The time on show, in seconds."""

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Locator, expect
 
+from ..unit.recordings import sweeps
 from ..unit.waiting import wait_for
 from .chromium import shoot
 from .notebook import CellError, Notebook
 
 TABLE = "import robowidgets\nrecording = robowidgets.open({path!r})\nrecording"
 SHOW = "player = recording.show()\nplayer"
+SMALL = "from robowidgets.recordings import sender\nsender.KEPT_BYTES = 100_000\n"
 BUSY = "import time\nend = time.time() + 30\nwhile time.time() < end:\n    pass"
+SLEEP = "import time\nfor _ in range(300):\n    time.sleep(0.1)"
 
 Open = Callable[..., Notebook]
 
@@ -106,6 +110,30 @@ def test_a_click_on_the_whole_drive_moves_all(notebook: Open, data: Path) -> Non
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
     wait_for(lambda: abs(float(nb.python("print(player.time)")) - now(nb)) < 0.01, "Python knew")
+
+
+def test_where_the_pointer_rests_a_click_shows_at_once_also_while_a_cell_runs(notebook: Open, tmp_path: Path) -> None:
+    nb = opened(notebook, sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100)), SMALL + SHOW)
+    nb.python("import time\nwhile sum(player._sender._sent.values()) < 90_000: time.sleep(0.05)")
+    asked = "print(player._sender._pointed)"
+    there = "print(player._sender._pointed[0] in player._sender._sent)"
+    slider, picture = bar(nb).locator("input"), nb.output(1).locator(".rw-scanogram .rw-picture")
+    for place in (slider, picture):
+        lacking = nb.python("print([i for i in range(300) if i not in player._sender._sent])")
+        before = nb.python(asked)
+        place.hover(position={"x": 550, "y": 10})
+        wait_for(lambda old=before: nb.python(asked) != old, "Python was asked")
+        wait_for(lambda: nb.python(there).strip() == "True", "it came")
+        assert json.loads(nb.python(asked))[0] in json.loads(lacking)
+    busy = nb.append(SLEEP)
+    nb.start(busy)
+    picture.click(position={"x": 550, "y": 10})
+    passes(nb, 100.0)
+    expect(nb.output(1).locator(".rw-laser .rw-footer")).to_contain_text(f"{1 + int(now(nb) * 10) / 100:.2f} m")
+    assert bar(nb).locator(".rw-play-words").text_content() == ""
+    nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(busy)
 
 
 def test_it_plays_steps_and_seeks_while_a_cell_runs(notebook: Open, data: Path) -> None:
