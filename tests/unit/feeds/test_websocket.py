@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import gc
 import os
 import socket
 import struct
 import threading
+import weakref
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -255,7 +257,8 @@ def test_a_server_that_takes_calls_and_drops_them_is_called_ever_more_rarely(ear
     assert ears.pauses[0] < ears.pauses[1] < ears.pauses[2]
 
 
-def test_a_hundred_opens_and_closes_leave_no_thread_and_no_socket(ears: Ears) -> None:
+def test_a_hundred_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears: Ears) -> None:
+    there: list[weakref.ref[Foxglove]] = []
     with OldFoxglove([channel(1)]) as server:
 
         def once(wait: bool) -> None:
@@ -266,6 +269,7 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_socket(ears: Ears) ->
             if wait:
                 wait_for(lambda: ears.connected > before, "it is connected")
             middleware.close()
+            there.append(weakref.ref(middleware))
 
         once(True)
         wait_for(lambda: not server.clients, "the server knows of it")
@@ -275,6 +279,8 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_socket(ears: Ears) ->
         wait_for(lambda: not server.clients, "every connection ended")
         assert _threads() == []
         wait_for(lambda: _descriptors() <= before, "every socket is closed", 5)
+    gc.collect()
+    assert [ref for ref in there if ref() is not None] == []
 
 
 def test_frames_that_come_without_a_pause_keep_nobody_from_closing(
