@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import logging
 import os
 import struct
@@ -39,6 +40,11 @@ drops messages and tells nobody, and a page may take a state that it asked for e
 
 RETELL = 5.0
 """Seconds from one time to the next."""
+
+_PADS = itertools.cycle([" " * width for width in range(63, -1, -1)])
+"""What makes each message on the wire shorter than the last one. Two of the same length Linux takes for full segments,
+and puts off the receipt of each by 40 ms for the next one to come; Jupyter's server, which has Nagle's algorithm on,
+puts off the next one for the receipt. So every third frame of the display would be missing."""
 
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
@@ -218,7 +224,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             try:
                 if keys == ["_frame"]:
                     # As ipywidgets would pack it, many times a second.
-                    update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]]}
+                    update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]], "pad": next(_PADS)}
                     self._send(update, buffers=[state["_frame"]])
                 elif keys:
                     super().send_state(keys)

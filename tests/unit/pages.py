@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from typing import Any
 
@@ -17,11 +18,13 @@ class Page:
         self.messages: list[dict[str, Any]] = []
         self.history: list[dict[str, Any]] = []
         self.threads: list[str] = []
+        self.sizes: list[int] = []
         self.comm_id = widget.comm.comm_id
         widget.comm.close()
         widget.comm = self
 
     def send(self, data: dict[str, Any], buffers: list[Any] | None = None) -> None:
+        self.sizes.append(len(json.dumps(data)) + sum(len(b) for b in buffers or ()))
         _put_buffers(data["state"], data["buffer_paths"], [bytes(b) for b in buffers or ()])
         self.messages.append(data["state"])
         self.state = {**self.state, **data["state"]}

@@ -160,6 +160,16 @@ class TestToThePage:
         pacer.flush()
         assert page.sent("title") == ["/number", "/number"]
 
+    def test_no_message_is_as_long_as_the_one_before_which_would_hold_up_the_next(
+        self, widget: NumberWidget, page: Page
+    ) -> None:
+        for _ in range(200):
+            widget.update(7)
+            pacer.flush()
+        assert len(page.sizes) == 200
+        assert np.diff(page.sizes).all()
+        assert max(page.sizes[1:]) < min(page.sizes) + 64
+
     def test_nothing_new_sends_nothing(self, widget: NumberWidget, page: Page) -> None:
         widget.update(7)
         pacer.flush()
