@@ -22,11 +22,11 @@ from .source import Channel, RecordingError
 
 _CHUNK_HEAD = Struct("<BQQQQII")
 _RECORD_HEAD = Struct("<BQ")
-_INDEX_HEAD = Struct("<BQHI")
 _U64 = Struct("<Q")
 _CHUNK, _INDEX, _MESSAGE = 6, 7, 5
+INDEX_HEAD = Struct("<BQHI")
 ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
-"""Of a message, in the index of a chunk of an MCAP file."""
+"""Of a message in the index of a chunk of an MCAP file; before those of a channel stands the head."""
 _HEAD = np.dtype([("op", "u1"), ("size", "<u8"), ("channel", "<u2"), ("n", "<u4"), ("time", "<u8"), ("sent", "<u8")])
 _U32 = np.dtype("<u4")
 _TIME = np.dtype([("seconds", "<u4"), ("nanoseconds", "<u4")])
@@ -180,8 +180,8 @@ def index_records(index: Buffer) -> Iterator[tuple[int, int, int]]:
     """
     at = 0
     while at < len(index):
-        op, size, channel, length = _INDEX_HEAD.unpack_from(index, at)
-        start = at + _INDEX_HEAD.size
+        op, size, channel, length = INDEX_HEAD.unpack_from(index, at)
+        start = at + INDEX_HEAD.size
         if op != _INDEX or length % ENTRY.itemsize or start + length > len(index):
             raise error(f"no record of an index at byte {at}")
         yield channel, start, length // ENTRY.itemsize

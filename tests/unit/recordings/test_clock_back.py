@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,12 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
-from robowidgets.recordings import ros_arrivals
+from robowidgets.recordings import ros_arrivals, ros_files
+from robowidgets.recordings.chunk_pages import ENTRY, INDEX_HEAD
 from robowidgets.recordings.files import open_timeline
 from robowidgets.recordings.one_clock import goes_back, steps_back
 from robowidgets.recordings.relay import Relay
+from robowidgets.recordings.salvage.inflate import zstd
 from robowidgets.recordings.sender import stretch
 from robowidgets.recordings.source import Arrivals
 from robowidgets.recordings.stills import LaserTrack
@@ -132,6 +135,41 @@ def test_a_file_that_was_cut_off_is_read_in_the_same_order(tmp_path: Path, kind:
     assert recording.scans().seconds.tolist() == pytest.approx(HELD[: len(found)])
 
 
+@pytest.mark.parametrize("kind", ["split_mcap", "split_db3", "bare_split"])
+def test_a_folder_with_a_file_that_was_cut_off_is_read_in_the_same_order(tmp_path: Path, kind: str) -> None:
+    folder = KINDS[kind](tmp_path, drive(step(3.0)))
+    cut(next(folder.glob("drive_1.*")))
+    with robowidgets.open(folder) as recording:
+        about_clock, about_damage = recording.problems
+        assert about_clock == SET_BACK_3
+        assert about_damage.startswith("drive_1.")
+        lost = 0 if kind == "split_mcap" else 1
+        assert order(recording, SPEED) == [*range(65 - lost), *range(65, 100)]
+        assert order(recording) == list(range(100))
+
+
+def test_a_file_that_was_compressed_as_a_whole_is_read_in_the_same_order(tmp_path: Path) -> None:
+    packed = tmp_path / "drive.db3.zstd"
+    packed.write_bytes(zstd.compress(db3(tmp_path, drive(step(3.0))).read_bytes()))
+    with robowidgets.open(packed) as recording:
+        assert recording.problems == (SET_BACK_3,)
+        assert order(recording) == list(range(100))
+
+
+def test_an_index_in_the_order_of_time_hides_nothing(tmp_path: Path) -> None:
+    path = mcap(tmp_path, drive(step(3.0)))
+    with closing(ros_files.open_mcap(path)) as source:
+        offsets = source._reader.chunks[0].message_index_offsets
+    raw = bytearray(path.read_bytes())
+    for at in offsets.values():
+        entries = np.frombuffer(raw, ENTRY, 100, at + INDEX_HEAD.size)
+        entries[:] = np.sort(entries, order="time")
+    path.write_bytes(raw)
+    with robowidgets.open(path) as recording:
+        assert recording.problems == (SET_BACK_3,)
+        assert order(recording) == list(range(100))
+
+
 def test_what_a_split_off_file_holds_is_shifted_as_a_whole(tmp_path: Path) -> None:
     recording = robowidgets.open(KINDS["split_mcap"](tmp_path, drive(step(3600.0, at=40))))
     assert recording.scans().seconds.tolist() == pytest.approx([i / 10 - 0.1 * (i >= 40) for i in range(100)])
@@ -174,7 +212,7 @@ class TestALongMcapFile:
 
     @pytest.fixture(autouse=True)
     def _short(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(ros_arrivals, "_MOST_BYTES", 0)
+        monkeypatch.setattr(ros_arrivals, "_MOST_CHUNKS", 0)
 
     def test_tells_by_its_chunks_that_the_clock_went_back(self, tmp_path: Path) -> None:
         recording = robowidgets.open(long_mcap(tmp_path, drive(step(3.0))))
