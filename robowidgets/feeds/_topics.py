@@ -7,13 +7,16 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from .._kinds import Widget, is_command, widget_by_type
+from .._table import many
 from .middleware import Advert
 
-HEADS = ("topic", "type", "published", "heard", "widget")
+_HEADS = ("topic", "type", "published", "heard", "widget")
 RANGE = "sensor_msgs/msg/Range"
 """Some of them say if something is there, others how far it is; only a message tells which."""
 
 _MANY = 12
+
+Table = tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[str]]
 
 
 class Topic(NamedTuple):
@@ -55,8 +58,12 @@ def _topic(name: str, adverts: Sequence[Advert]) -> Topic:
     )
 
 
-def cells(topic: Topic) -> tuple[str, ...]:
-    """Its row in a table under `HEADS`."""
+def table_of(where: str, topics: Sequence[Topic], words: str) -> Table:
+    """What `_table.as_text` and its like take: the topics of a feed, with words on the connection if there are any."""
+    return f"{where}: {many(len(topics), 'topic')}", _HEADS, [_cells(t) for t in topics], (), [words] * bool(words)
+
+
+def _cells(topic: Topic) -> tuple[str, ...]:
     shown = f"{topic.widget} (commanded)" if topic.commanded else topic.widget or ""
     yes_no = {True: "yes", False: "no", None: "?"}
     return topic.name, topic.type or "?", yes_no[topic.offered], yes_no[topic.wanted], shown

@@ -8,13 +8,14 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .. import _table
+from .._cells import take_the_place
+from .._table import as_html, as_text
 from ._drive import Driver, Driving, twist, type_to_send
 from ._ending import close_first, still_open
 from ._link import target_of
 from ._links import Links
 from ._subscriptions import Subscriptions
-from ._topics import HEADS, Topic, cells, topics_of
+from ._topics import Topic, table_of, topics_of
 from .middleware import Advert, FeedError, Middleware
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Feed:
     """What each function of `robowidgets.feeds` gives: a connection to a robot, or to what stands for one.
 
     Printed, it is a table of the topics there are. It reconnects by itself, and says on its widgets what is going on.
-    All of it may be called from any thread. As a context manager it closes itself.
+    All of it may be called from any thread. As a context manager it closes itself; else when its cell opens another.
 
     Args:
         middleware: what connects; it is opened.
@@ -57,6 +58,7 @@ class Feed:
         self._warned: set[str] = set()
         self._subscriptions = Subscriptions(middleware, self._wanted)
         self._driver = Driver(self._send_speed, lambda: not self._links.down)
+        take_the_place(self)  # before it opens: the one before may have the node, or drive
         still_open.add(self)
         try:
             middleware.open(self)
@@ -117,7 +119,7 @@ class Feed:
                 logged.
 
         Raises:
-            TypeError: no text, no target, or something else than a widget or a function.
+            TypeError: no text, no target, or something else than a widget or a function. ValueError: an empty name.
             FeedError: the feed is closed.
         """
         _check_name(topic)
@@ -223,10 +225,10 @@ class Feed:
         self.close()
 
     def __repr__(self) -> str:
-        return _table.as_text(*self._table())
+        return as_text(*table_of(self.where, self.topics, self._links.down))
 
     def _repr_html_(self) -> str:
-        return _table.as_html(*self._table())
+        return as_html(*table_of(self.where, self.topics, self._links.down))
 
     # -- what the middleware tells: see `Listener` ---------------------------------------------------------------------
 
@@ -339,12 +341,9 @@ class Feed:
             why = "stayed with the process that was forked" if self._forked else "is closed"
             raise FeedError(f"the feed of {self.where} {why}: open it again")
 
-    def _table(self) -> tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[str]]:
-        topics = self.topics
-        head = f"{self.where}: {_table.many(len(topics), 'topic')}"
-        return head, HEADS, [cells(topic) for topic in topics], (), [self._links.down] if self._links.down else []
-
 
 def _check_name(topic: Any) -> None:
     if not isinstance(topic, str):
         raise TypeError(f"expected the name of a topic as text, got {topic!r}")
+    if not topic:
+        raise ValueError("expected the name of a topic, got an empty text")

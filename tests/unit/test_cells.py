@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from robowidgets import _cells
+from robowidgets import _cells, feeds
 
 Run = Callable[[str, str], "Made"]
 
@@ -23,15 +23,25 @@ class Made:
 
 
 @pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Makes something in a run of a cell, as the kernel names both."""
+def begin(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], None]:
+    """Begins a run of a cell, as the kernel names both."""
     request: dict[str, dict[str, str]] = {}
     shell = SimpleNamespace(get_parent=lambda: request)
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
     monkeypatch.setattr(_cells, "_made", {})
 
-    def made_in(cell: str, number: str) -> Made:
+    def named(cell: str, number: str) -> None:
         request.update(metadata={"cellId": cell} if cell else {}, header={"msg_id": number})
+
+    return named
+
+
+@pytest.fixture
+def run(begin: Callable[[str, str], None]) -> Run:
+    """Makes something in a run of a cell."""
+
+    def made_in(cell: str, number: str) -> Made:
+        begin(cell, number)
         made = Made()
         _cells.take_the_place(made)
         return made
@@ -65,3 +75,14 @@ def test_where_nobody_tells_which_cell_runs_nothing_is_closed(run: Run, monkeypa
 def test_what_nobody_holds_is_not_held_for_the_next_run(run: Run) -> None:
     run("a", "1")
     assert not _cells._made["a"][1]
+
+
+def test_a_feed_is_closed_when_its_cell_opens_another(begin: Callable[[str, str], None]) -> None:
+    begin("a", "1")
+    earlier = feeds.simulator()
+    begin("b", "2")
+    with feeds.simulator():
+        assert not earlier.is_closed
+    begin("a", "3")
+    with feeds.simulator() as now:
+        assert (earlier.is_closed, now.is_closed) == (True, False)
