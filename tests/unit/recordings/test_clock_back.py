@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import tracemalloc
 from collections.abc import Sequence
 from contextlib import closing
@@ -305,6 +306,13 @@ class TestAStepBack:
 
     def test_is_nowhere_where_there_is_nothing(self) -> None:
         assert steps_back(arrivals()) == []
+
+    def test_is_not_looked_for_without_end(self) -> None:
+        count = 60_000
+        times = np.tile(np.array([50, 0], np.int64), 10 * count) * 10**9
+        began = time.perf_counter()
+        assert steps_back(Arrivals(times, np.arange(2 * 10 * count, dtype=np.int64) // 20)) == []
+        assert time.perf_counter() - began < 10
 
     def test_may_be_as_large_as_times_can_be(self) -> None:
         ends = np.array([2**63 - 1, -(2**63), 5], np.int64)
