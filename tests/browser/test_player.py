@@ -112,19 +112,31 @@ def test_a_click_on_the_whole_drive_moves_all(notebook: Open, data: Path) -> Non
     wait_for(lambda: abs(float(nb.python("print(player.time)")) - now(nb)) < 0.01, "Python knew")
 
 
-def test_where_the_pointer_rests_a_click_shows_at_once_also_while_a_cell_runs(notebook: Open, tmp_path: Path) -> None:
-    nb = opened(notebook, sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100)), SMALL + SHOW)
+def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_runs(
+    notebook: Open, tmp_path: Path
+) -> None:
+    path = sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100))
+    nb = opened(notebook, path, SMALL + SHOW, touch=True)
     nb.python("import time\nwhile sum(player._sender._sent.values()) < 90_000: time.sleep(0.05)")
-    asked = "print(player._sender._pointed)"
-    there = "print(player._sender._pointed[0] in player._sender._sent)"
-    slider, picture = bar(nb).locator("input"), nb.output(1).locator(".rw-scanogram .rw-picture")
-    for place in (slider, picture):
-        lacking = nb.python("print([i for i in range(300) if i not in player._sender._sent])")
-        before = nb.python(asked)
-        place.hover(position={"x": 550, "y": 10})
-        wait_for(lambda old=before: nb.python(asked) != old, "Python was asked")
-        wait_for(lambda: nb.python(there).strip() == "True", "it came")
-        assert json.loads(nb.python(asked))[0] in json.loads(lacking)
+    asked, has = "print(player._sender._pointed)", "print(sorted(player._sender._sent))"
+
+    def fetches(act: Callable[[], object]) -> None:
+        before, there = nb.python(asked), json.loads(nb.python(has))
+        act()
+        wait_for(lambda: nb.python(asked) != before, "Python was asked")
+        index = json.loads(nb.python(asked))[0]
+        assert index not in there
+        wait_for(lambda: index in json.loads(nb.python(has)), "it came")
+
+    picture = nb.output(1).locator(".rw-scanogram .rw-picture")
+    picture.scroll_into_view_if_needed()
+    box = picture.bounding_box() or {}
+    touch = nb.page.context.new_cdp_session(nb.page)
+    finger = {"type": "touchStart", "touchPoints": [{"x": box["x"] + 700, "y": box["y"] + 50}]}
+    fetches(lambda: touch.send("Input.dispatchTouchEvent", finger))
+    touch.send("Input.dispatchTouchEvent", {"type": "touchCancel", "touchPoints": []})
+    fetches(lambda: bar(nb).locator("input").hover(position={"x": 550, "y": 10}))
+    fetches(lambda: picture.hover(position={"x": 550, "y": 10}))
     busy = nb.append(SLEEP)
     nb.start(busy)
     picture.click(position={"x": 550, "y": 10})

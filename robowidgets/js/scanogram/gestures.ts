@@ -5,6 +5,8 @@ import { watchWheel } from "../shared/wheel.ts";
 /** What a person can do to the picture. */
 export interface Gestures {
   onHover(point: Point | null): void;
+  /** What may become a click. */
+  onPress(point: Point): void;
   onPick(point: Point): void;
   /** A stretch dragged so far; with rays too where `rays` says so; done when the button was let go. */
   onSelect(from: Point, to: Point, rays: boolean, done: boolean): void;
@@ -70,6 +72,7 @@ function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent
   on("pointerdown", (event) => {
     if (event.button > 1 || (event.target as HTMLElement).closest("button")) return;
     from = last = toPoint(event);
+    gestures.onPress(from);
     kind = null;
     element.setPointerCapture(event.pointerId);
   });

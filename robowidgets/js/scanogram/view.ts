@@ -64,6 +64,10 @@ export class ScanogramView {
     this.#redrawTop();
   }
 
+  onPress(point: Point): void {
+    this.#state.point(this.#timeAt(point));
+  }
+
   onPick(point: Point): void {
     if (this.#state.blocks) this.#state.set({ time: this.#timeAt(point) });
   }
