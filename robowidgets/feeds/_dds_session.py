@@ -16,7 +16,7 @@ from cyclonedds.util import duration
 
 from ..recordings.ros_types import Decode
 from ..recordings.source import RecordingError
-from ._dds_types import DdsTypes, opaque, ros_topic, ros_type
+from ._dds_types import decoder, opaque, ros_topic, ros_type, struct, type_hash
 from .middleware import Advert, Listener
 
 _MANY = 1000
@@ -72,7 +72,6 @@ class Session:
 
     def __init__(self, domain: int, listener: Listener) -> None:
         self._listener = listener
-        self._types = DdsTypes()
         self._participant = DomainParticipant(domain)
         self._own = self._participant.guid
         self._waitset = WaitSet(self._participant)
@@ -162,8 +161,8 @@ class Session:
 
     def _begin(self, wish: Wish) -> None:
         try:
-            decode = self._types.decoder(wish.type)
-            kind = self._types.struct(wish.type) if wish.described else opaque(wish.type)
+            decode = decoder(wish.type)
+            kind = struct(wish.type) if wish.described else opaque(wish.type)
         except RecordingError:
             self._trouble(
                 wish.topic,
@@ -187,11 +186,9 @@ class Session:
             Policy.Reliability.Reliable(duration(milliseconds=100)),
             Policy.Durability.Volatile,
             Policy.History.KeepLast(1),
-            Policy.Userdata(self._types.hash(type_name)),
+            Policy.Userdata(type_hash(type_name)),
         )
-        writer = DataWriter(
-            self._participant, Topic(self._participant, f"rt{topic}", self._types.struct(type_name)), qos
-        )
+        writer = DataWriter(self._participant, Topic(self._participant, f"rt{topic}", struct(type_name)), qos)
         if any((want.topic, want.type) == (topic, type_name) for want in self._wants.values()):
             _await_match(self._participant, writer)
         return writer

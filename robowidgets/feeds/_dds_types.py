@@ -9,7 +9,7 @@ from cyclonedds.idl import make_idl_struct, types
 from rosbags.interfaces import Nodetype
 from rosbags.typesys.store import Typestore
 
-from ..recordings.ros_types import Decode, RosTypes
+from ..recordings.ros_types import Decode, decoder_of, store_of
 from ..recordings.source import Channel, RecordingError
 
 _TYPE = re.compile(r"(\w+)::msg::dds_::(\w+)_")
@@ -35,24 +35,27 @@ def ros_type(name: str) -> str:
     return f"{found[1]}/msg/{found[2]}" if found else ""
 
 
-class DdsTypes:
-    """The message types of ROS 2, by name. Each method raises RecordingError for one that nobody defines."""
+def decoder(type_name: str) -> Decode:
+    """What makes messages of bytes.
 
-    def __init__(self) -> None:
-        self._types = RosTypes()
+    Raises:
+        RecordingError: nobody defines the type; what is returned raises it for bytes that are no such message.
+    """
+    return decoder_of(_channel(type_name))
 
-    def decoder(self, type_name: str) -> Decode:
-        """What makes messages of bytes; it raises RecordingError for bytes that are no such message."""
-        return self._types.decoder(_channel(type_name))
 
-    def struct(self, type_name: str) -> Any:
-        """The type with its fields: Cyclone DDS compares them with those of a publisher that describes its own."""
-        store = self._types.store(_channel(type_name))
-        return _as_bytes(_struct(store, type_name))
+def struct(type_name: str) -> Any:
+    """The type with its fields: Cyclone DDS compares them with those of a publisher that describes its own.
 
-    def hash(self, type_name: str) -> bytes:
-        """What a publisher of ROS 2 says of its type beside the name."""
-        return f"typehash={self._types.store(_channel(type_name)).hash_rihs01(type_name)};".encode()
+    Raises:
+        RecordingError: nobody defines the type.
+    """
+    return _as_bytes(_struct(store_of(_channel(type_name)), type_name))
+
+
+def type_hash(type_name: str) -> bytes:
+    """What a publisher of ROS 2 says of its type beside the name; raises as `struct`."""
+    return f"typehash={store_of(_channel(type_name)).hash_rihs01(type_name)};".encode()
 
 
 def opaque(type_name: str) -> Any:

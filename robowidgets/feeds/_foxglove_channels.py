@@ -38,43 +38,38 @@ def channel_of(offer: Any) -> Channel | None:
     return Channel(number, topic, full_type(kind), encoding, definition if isinstance(definition, str) else "")
 
 
-class Decoders:
-    """The functions that read the messages of channels."""
+def decoder(channel: Channel) -> Callable[[bytes], Any]:
+    """What reads the messages of a channel; it and this raise UnreadableError."""
+    if channel.encoding == "json":
+        return _json
+    if not channel.type:
+        raise UnreadableError(
+            f"{channel.topic} comes without a type: the robot's bridge lacks the package of its messages"
+        )
+    if channel.encoding not in ROS:
+        raise UnreadableError(
+            f"{channel.topic} comes as {one_line(channel.type)} in {one_line(channel.encoding)}, "
+            "which is not read; what foxglove_bridge sends is (cdr, ros1, json)"
+        )
+    # Here, so that who hears JSON alone waits for none of it.
+    from ..recordings.ros_types import decoder_of
 
-    def __init__(self) -> None:
-        from ..recordings.ros_types import RosTypes
+    asked = RosChannel(channel.id, channel.topic, channel.type, channel.encoding, channel.definition, 0)
+    try:
+        decode = decoder_of(asked)
+    except RecordingError:
+        raise UnreadableError(
+            f"{channel.topic} comes as {one_line(channel.type)}, which is not a known type, "
+            "and the server does not define it in a way that can be understood"
+        ) from None
 
-        self._types = RosTypes()
-
-    def of(self, channel: Channel) -> Callable[[bytes], Any]:
-        """What reads the messages of a channel; it and this raise UnreadableError."""
-        if channel.encoding == "json":
-            return _json
-        if not channel.type:
-            raise UnreadableError(
-                f"{channel.topic} comes without a type: the robot's bridge lacks the package of its messages"
-            )
-        if channel.encoding not in ROS:
-            raise UnreadableError(
-                f"{channel.topic} comes as {one_line(channel.type)} in {one_line(channel.encoding)}, "
-                "which is not read; what foxglove_bridge sends is (cdr, ros1, json)"
-            )
-        asked = RosChannel(channel.id, channel.topic, channel.type, channel.encoding, channel.definition, 0)
+    def read(raw: bytes) -> Any:
         try:
-            decode = self._types.decoder(asked)
-        except RecordingError:
-            raise UnreadableError(
-                f"{channel.topic} comes as {one_line(channel.type)}, which is not a known type, "
-                "and the server does not define it in a way that can be understood"
-            ) from None
+            return decode(raw)
+        except RecordingError as error:
+            raise UnreadableError(f"a message of {channel.topic} cannot be read: {error}") from None
 
-        def read(raw: bytes) -> Any:
-            try:
-                return decode(raw)
-            except RecordingError as error:
-                raise UnreadableError(f"a message of {channel.topic} cannot be read: {error}") from None
-
-        return read
+    return read
 
 
 def _json(raw: bytes) -> Any:

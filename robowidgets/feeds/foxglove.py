@@ -12,7 +12,7 @@ from struct import Struct
 from typing import Any, NamedTuple
 
 from ._bridge import Bridge, Read, UnreadableError, short_type, strings, to_json
-from ._foxglove_channels import Channel, Decoders, Graph, channel_of
+from ._foxglove_channels import Channel, Graph, channel_of, decoder
 from ._websocket import Frame, one_line
 from .feed import Feed
 from .middleware import FeedError
@@ -45,7 +45,6 @@ class Foxglove(Bridge):
     def __init__(self, address: str = "ws://127.0.0.1:8765") -> None:
         from ._encode import Encoder
 
-        self._decoders = Decoders()
         self._encoder = Encoder()
         self._subscriptions = 0
         self._reactions = {
@@ -156,7 +155,7 @@ class Foxglove(Bridge):
             if channel.topic != topic or channel.id in had:
                 continue
             try:
-                decode = self._decoders.of(channel)
+                decode = decoder(channel)
             except UnreadableError as error:
                 words = str(error)
                 continue

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
-from ..recordings.ros_types import Decode, RosTypes, one_line
+from ..recordings.ros_types import Decode, decoder_of, one_line
 from ..recordings.source import Channel, RecordingError
 from ._again import Again
 from ._ros1_master import Master, MasterError, State
@@ -61,7 +61,6 @@ class Ros1:
         self._adverts: list[Advert] = []
         self._troubles: dict[str, str] = {}
         self._failed: set[str] = set()
-        self._types = RosTypes()
         self._decoders: dict[str, Decode] = {}
         self._log = _RospyLog(self)
 
@@ -246,7 +245,7 @@ class Ros1:
         if key not in self._decoders:
             kind = header["type"].replace("/", "/msg/")
             channel = Channel(0, topic, kind, "ros1", header.get("message_definition", ""), 0)
-            self._decoders[key] = self._types.decoder(channel)
+            self._decoders[key] = decoder_of(channel)
         return self._decoders[key](message._buff)
 
 

@@ -13,7 +13,7 @@ from .joints import ODOMETRY, TRANSFORMS, Joint, joints_of
 from .progress import Progress
 from .quick import ScanReader, SpeedReader
 from .raw_feed import RawFeed
-from .ros_types import ENCODINGS, RosTypes, one_line
+from .ros_types import ENCODINGS, decoder_of, one_line, shape_of
 from .source import Channel, RecordingError, Source
 from .timeline import Moment, Sample, Topic
 
@@ -30,7 +30,6 @@ class MessageTimeline:
     def __init__(self, source: Source) -> None:
         self._source = source
         self.start_ns, self.end_ns = source.start_ns, source.end_ns
-        self._types = RosTypes()
         self._reads: dict[int, Read] = {}
         self._shown: defaultdict[str, list[Channel]] = defaultdict(list)
         self._left_out: dict[str, str] = {}
@@ -89,7 +88,7 @@ class MessageTimeline:
         """See `Timeline`."""
         channels = [c for c in self._source.channels if c.type in (ODOMETRY, *TRANSFORMS) and c.encoding in ENCODINGS]
         try:
-            decoders = {channel.id: self._types.decoder(channel) for channel in channels}
+            decoders = {channel.id: decoder_of(channel) for channel in channels}
             with Progress(sum(channel.count for channel in channels), "Reading where the robot was") as bar:
                 for channel, time_ns, raw in self._source.messages(channels):
                     yield from self._joints(channel, time_ns, decoders[channel.id], raw)
@@ -115,9 +114,9 @@ class MessageTimeline:
         if widget is None and is_standard(channel.type):
             return None, ""
         try:
-            shape = self._types.shape(channel)
+            shape = shape_of(channel)
             widget = widget or widget_by_shape(shape)
-            decode = self._types.decoder(channel)
+            decode = decoder_of(channel)
         except RecordingError as error:
             return None, str(error)
         if widget == "laser":

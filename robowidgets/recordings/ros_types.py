@@ -38,39 +38,38 @@ _IDL_HEAD = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
 _NEEDLESS = re.compile(r"^[ \t]*(#.*|[a-z0-9]+(<=\d+)?[ \t]+\w+[ \t]*=.*)?\n", re.MULTILINE)
 
 
-class RosTypes:
-    """The message types of ROS, each read from its definition when it is first asked for."""
+def shape_of(channel: Channel) -> Shape:
+    """The fields of a channel's messages; RecordingError when they are not known."""
+    return _shape(store_of(channel).fielddefs, channel.type)
 
-    def shape(self, channel: Channel) -> Shape:
-        """The fields of a channel's messages; RecordingError when they are not known."""
-        return _shape(self.store(channel).fielddefs, channel.type)
 
-    def decoder(self, channel: Channel) -> Decode:
-        """What makes messages of a channel's bytes.
+def decoder_of(channel: Channel) -> Decode:
+    """What makes messages of a channel's bytes.
 
-        Raises:
-            RecordingError: the type or the encoding is not known; what is returned raises it for bytes that are no such
-                message.
-        """
-        store, type_name, encoding = self.store(channel), channel.type, channel.encoding
-        read = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
-        is_scan = scan_bytes.is_usual(self.shape(channel), encoding)
+    Raises:
+        RecordingError: the type or the encoding is not known; what is returned raises it for bytes that are no such
+            message.
+    """
+    store, type_name, encoding = store_of(channel), channel.type, channel.encoding
+    read = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
+    is_scan = scan_bytes.is_usual(shape_of(channel), encoding)
 
-        def decode(raw: bytes) -> Any:
-            raw = plain(raw)
-            if is_scan and (scan := scan_bytes.read(raw, encoding)) is not None:
-                return scan
-            try:
-                return read(memoryview(raw), type_name)
-            except Exception as error:  # whatever rosbags stumbles over: its own errors, KeyError, IndexError
-                raise RecordingError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
+    def decode(raw: bytes) -> Any:
+        raw = plain(raw)
+        if is_scan and (scan := scan_bytes.read(raw, encoding)) is not None:
+            return scan
+        try:
+            return read(memoryview(raw), type_name)
+        except Exception as error:  # whatever rosbags stumbles over: its own errors, KeyError, IndexError
+            raise RecordingError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
 
-        return decode
+    return decode
 
-    def store(self, channel: Channel) -> Typestore:
-        """What knows the type of a channel; RecordingError when nothing does."""
-        find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__
-        return find(channel.type, channel.definition, channel.encoding)
+
+def store_of(channel: Channel) -> Typestore:
+    """What knows the type of a channel; RecordingError when nothing does."""
+    find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__
+    return find(channel.type, channel.definition, channel.encoding)
 
 
 @lru_cache(_MOST_KEPT)

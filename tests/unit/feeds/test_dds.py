@@ -188,7 +188,7 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Recorder) ->
             return samples.pop(0)
 
     wish = _dds_session.Wish("/speed", TWIST, False, False)
-    session._readers[wish] = _dds_session._Reader(Reader(), None, _dds_session.DdsTypes().decoder(TWIST))
+    session._readers[wish] = _dds_session._Reader(Reader(), None, _dds_session.decoder(TWIST))
     session.messages(wish)
     assert heard.words("/speed").startswith(f"a message of /speed cannot be read: 43 bytes that are no {TWIST}: ")
     session.messages(wish)

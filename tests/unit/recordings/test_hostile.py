@@ -15,7 +15,7 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError
-from robowidgets.recordings.ros_types import RosTypes
+from robowidgets.recordings.ros_types import shape_of
 from robowidgets.recordings.source import Channel
 
 if sys.version_info >= (3, 14):
@@ -156,13 +156,13 @@ def test_a_definition_that_nests_without_end_is_not_followed(name: str) -> None:
     start = time.process_time()
     channel = Channel(1, "/topic", "a/msg/T0", "cdr", NESTED[name], 1)
     with pytest.raises(RecordingError, match="the definition of its messages in the file is not one that can be"):
-        RosTypes().shape(channel)
+        shape_of(channel)
     assert time.process_time() - start < SECONDS
 
 
 def test_a_definition_of_many_fields_is_read_all_the_same() -> None:
     definition = "\n".join(f"int8 x{i}" for i in range(2000))
-    assert len(RosTypes().shape(Channel(1, "/topic", "a/msg/T0", "cdr", definition, 1))) == 2000
+    assert len(shape_of(Channel(1, "/topic", "a/msg/T0", "cdr", definition, 1))) == 2000
 
 
 @pytest.mark.parametrize("rays", [1 << 20, (1 << 30) - 1])

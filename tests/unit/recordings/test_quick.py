@@ -14,7 +14,7 @@ from robowidgets._kinds import widget_by_type
 from robowidgets.messages import to_scan, to_speed
 from robowidgets.recordings.files import _open_file
 from robowidgets.recordings.quick import ScanReader, SpeedReader
-from robowidgets.recordings.ros_types import Decode, RosTypes
+from robowidgets.recordings.ros_types import Decode, decoder_of, shape_of
 from robowidgets.recordings.source import Channel, RecordingError
 
 SCAN = "sensor_msgs/msg/LaserScan"
@@ -31,8 +31,8 @@ FILES = (
 
 
 def of(type_name: str, encoding: str = "cdr") -> tuple[Decode, dict, str]:
-    types, channel = RosTypes(), Channel(1, "/topic", type_name, encoding, "", 1)
-    return types.decoder(channel), types.shape(channel), encoding
+    channel = Channel(1, "/topic", type_name, encoding, "", 1)
+    return decoder_of(channel), shape_of(channel), encoding
 
 
 def counting(decode: Decode) -> tuple[Decode, Callable[[], int]]:
@@ -54,13 +54,13 @@ def same(one: Scan | Speed, other: Scan | Speed) -> bool:
 
 @pytest.mark.parametrize("name", FILES)
 def test_every_sample_of_real_files_is_the_same(data: Path, name: str) -> None:
-    source, types = _open_file(data / name), RosTypes()
+    source = _open_file(data / name)
     tried = 0
     for channel in source.channels:
         widget = widget_by_type(channel.type)
         if widget not in ("laser", "speed") or not channel.count:
             continue
-        decode, shape = types.decoder(channel), types.shape(channel)
+        decode, shape = decoder_of(channel), shape_of(channel)
         watched, calls = counting(decode)
         reader = (ScanReader if widget == "laser" else SpeedReader)(watched, shape, channel.encoding)
         convert = to_scan if widget == "laser" else to_speed
@@ -156,11 +156,10 @@ class TestAScanReader:
         assert calls() == 4
 
     def test_does_not_look_for_a_stamp_where_there_is_no_header(self) -> None:
-        types = RosTypes()
         names = ("angle_min", "angle_increment", "range_min", "range_max")
         definition = "int32 a\nuint32 b\n" + "".join(f"float32 {name}\n" for name in names) + "float32[] ranges\n"
         channel = Channel(1, "/topic", "my_msgs/msg/Scan", "cdr", definition, 1)
-        reader = ScanReader(types.decoder(channel), types.shape(channel), "cdr")
+        reader = ScanReader(decoder_of(channel), shape_of(channel), "cdr")
         raw = b"\0\1\0\0" + struct.pack("<iI4fI2f", 0, 0, -1.0, 1.0, 0.1, 30.0, 2, 1.0, 2.0)
         for _ in range(2):
             scan = reader(raw)
@@ -202,21 +201,19 @@ class TestASpeedReader:
         assert calls() == 1
 
     def test_finds_a_twist_within_a_larger_message(self) -> None:
-        types = RosTypes()
         definition = "string name\ngeometry_msgs/Twist twist\nfloat64 weight\n"
         channel = Channel(1, "/topic", "my_msgs/msg/State", "ros1", definition, 1)
-        watched, calls = counting(types.decoder(channel))
-        reader = SpeedReader(watched, types.shape(channel), "ros1")
+        watched, calls = counting(decoder_of(channel))
+        reader = SpeedReader(watched, shape_of(channel), "ros1")
         for x in (0.5, 0.75):
             raw = struct.pack("<I", 3) + b"bot" + struct.pack("<7d", x, 1, 2, 3, 4, 5, 60)
             assert reader(raw) == Speed((x, 1, 2), (3, 4, 5))
         assert calls() == 1
 
     def test_reads_the_long_way_what_has_no_fixed_place(self) -> None:
-        types = RosTypes()
         definition = "geometry_msgs/Twist twist\nstring name\n"
         channel = Channel(1, "/topic", "my_msgs/msg/State", "ros1", definition, 1)
-        reader = SpeedReader(types.decoder(channel), types.shape(channel), "ros1")
+        reader = SpeedReader(decoder_of(channel), shape_of(channel), "ros1")
         for x, name in ((0.5, b"one"), (0.75, b"three")):
             raw = struct.pack("<6d", x, 1, 2, 3, 4, 5) + struct.pack("<I", len(name)) + name
             assert reader(raw).linear[0] == x

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from robowidgets.recordings.ros_types import RosTypes
+from robowidgets.recordings.ros_types import decoder_of, shape_of
 from robowidgets.recordings.source import Channel, RecordingError
 
 
@@ -16,7 +16,7 @@ def channel(name: str, definition: str = "", encoding: str = "cdr") -> Channel:
 
 
 def read(raw: bytes, name: str, definition: str = "", encoding: str = "cdr") -> Any:
-    return RosTypes().decoder(channel(name, definition, encoding))(raw)
+    return decoder_of(channel(name, definition, encoding))(raw)
 
 
 def test_a_type_is_read_by_the_definition_in_the_file() -> None:
@@ -57,17 +57,15 @@ def test_a_definition_that_cannot_be_understood_gives_way_to_a_known_one() -> No
 
 
 def test_two_definitions_of_one_type_in_a_file_each_hold_for_their_own() -> None:
-    types = RosTypes()
-    short = types.decoder(channel("my_msgs/msg/Point", "uint8 x\n"))
-    long = types.decoder(channel("my_msgs/msg/Point", "uint16 x\n"))
+    short = decoder_of(channel("my_msgs/msg/Point", "uint8 x\n"))
+    long = decoder_of(channel("my_msgs/msg/Point", "uint16 x\n"))
     assert (short(b"\0\1\0\0\x07").x, long(b"\0\1\0\0\x07\x01").x) == (7, 263)
 
 
 def test_a_type_that_no_file_defines_is_read_as_its_encoding_has_it() -> None:
-    types = RosTypes()
     stamp = struct.pack("<II", 5, 6)
-    new = types.decoder(channel("std_msgs/msg/Header"))(b"\0\1\0\0" + stamp + struct.pack("<I", 4) + b"map\0")
-    old = types.decoder(channel("std_msgs/msg/Header", encoding="ros1"))(
+    new = decoder_of(channel("std_msgs/msg/Header"))(b"\0\1\0\0" + stamp + struct.pack("<I", 4) + b"map\0")
+    old = decoder_of(channel("std_msgs/msg/Header", encoding="ros1"))(
         struct.pack("<I", 7) + stamp + struct.pack("<I", 3) + b"map"
     )
     assert (new.frame_id, new.stamp.sec, old.frame_id, old.seq) == ("map", 5, "map", 7)
@@ -82,9 +80,9 @@ def test_a_message_that_was_compressed_by_itself_is_read() -> None:
 @pytest.mark.parametrize("definition", ["", "int64 a\n---\nint64 sum\n"])
 def test_a_type_that_nobody_knows_is_refused(definition: str) -> None:
     with pytest.raises(RecordingError, match="nor among those that are known"):
-        RosTypes().decoder(channel("led_array_msgs/msg/Status", definition))
+        decoder_of(channel("led_array_msgs/msg/Status", definition))
     with pytest.raises(RecordingError, match="nor among those that are known"):
-        RosTypes().shape(channel("led_array_msgs/msg/Status", definition))
+        shape_of(channel("led_array_msgs/msg/Status", definition))
 
 
 @pytest.mark.parametrize("raw", [b"", b"\0\1\0\0", b"\xff" * 40, b"\0\1\0\0" + b"\xff" * 30])
@@ -96,7 +94,7 @@ def test_bytes_that_are_no_such_message_are_refused_in_a_line(raw: bytes) -> Non
 
 def test_a_shape_names_every_field_down_to_the_numbers() -> None:
     definition = "std_msgs/Header header\nfloat32[] ranges\nfloat64[36] covariance\ngeometry_msgs/Point[] points\n"
-    shape = RosTypes().shape(channel("my_msgs/msg/All", definition))
+    shape = shape_of(channel("my_msgs/msg/All", definition))
     assert shape == {
         "header": {"stamp": "Time", "frame_id": "string"},
         "ranges": "float32[]",

@@ -12,19 +12,18 @@ import pytest
 
 from robowidgets.recordings import scan_bytes
 from robowidgets.recordings.files import _open_file
-from robowidgets.recordings.ros_types import RosTypes
+from robowidgets.recordings.ros_types import shape_of, store_of
 from robowidgets.recordings.source import Channel
 
 SCAN = "sensor_msgs/msg/LaserScan"
 FILES = ("good/turtlebot3_gazebo.bag", "good/neato_fsm/fsm_0.db3", "good/urg_681.bag", "odd/lz4_stage_90_rays.bag")
 SETTINGS = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
-KNOWN = {"cdr": RosTypes(), "ros1": RosTypes()}
-CDR = KNOWN["cdr"].shape(Channel(1, "/scan", SCAN, "cdr", "", 1))
+CDR = shape_of(Channel(1, "/scan", SCAN, "cdr", "", 1))
 
 
 def theirs(channel: Channel, raw: bytes) -> Any:
     """The message as rosbags alone reads it."""
-    store = KNOWN[channel.encoding].store(channel)
+    store = store_of(channel)
     read = store.deserialize_ros1 if channel.encoding == "ros1" else store.deserialize_cdr
     return read(memoryview(raw), channel.type)
 
@@ -59,7 +58,7 @@ def test_every_scan_of_real_files_is_the_same(data: Path, name: str) -> None:
     channels = [channel for channel in source.channels if channel.type == SCAN]
     assert channels
     for channel in channels:
-        assert scan_bytes.is_usual(KNOWN[channel.encoding].shape(channel), channel.encoding)
+        assert scan_bytes.is_usual(shape_of(channel), channel.encoding)
         for _, _, raw in source.messages([channel]):
             ours = scan_bytes.read(raw, channel.encoding)
             assert ours is not None
