@@ -13,8 +13,9 @@ from typing import Protocol
 
 log = logging.getLogger("robowidgets")
 
-INTERVAL = 1 / 60
-"""Seconds between two messages of one widget: a display shows no more."""
+INTERVAL = 1 / 75
+"""Seconds between two messages of one widget: a little less than between two frames of a display, so that each frame
+has a new one, and a young one, however they meet."""
 
 MESSAGES_PER_SECOND = 240
 """Of all widgets together. JupyterLab's server drops what exceeds 1000 in 3 s on a connection, prints included."""
