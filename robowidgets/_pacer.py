@@ -26,10 +26,6 @@ BYTES_PER_SECOND = 20_000_000
 REST = INTERVAL / 4
 """Seconds between the end of a send and the next of the same widget, at least, however late the first one was."""
 
-NAP = 0.0005
-"""Seconds that the thread sleeps after a send, where nothing else is marked, so that the thread which writes to the
-wire need not wrestle with it: that costs the processor twice as much."""
-
 BURST = 0.05
 """Seconds of budget that may be spent at once after a rest."""
 
@@ -140,17 +136,12 @@ class Pacer:
                 shell.events.register("post_execute", self.flush)
 
     def _run(self) -> None:
-        tired = False
         try:
             while True:
                 with self._lock:
                     wait = self._wait()
                 if wait == 0:
                     self._send_one()
-                    tired = True
-                elif wait is None and tired:
-                    time.sleep(NAP)
-                    tired = False
                 else:
                     self._bell.acquire(timeout=-1 if wait is None else wait)
         finally:
