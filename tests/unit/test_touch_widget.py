@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import logging
 import threading
-from collections import defaultdict
 from collections.abc import Callable, Iterator
 from math import inf, nan
 from queue import Queue
@@ -40,14 +39,20 @@ def sent(touch: TouchWidget) -> Rows:
 @pytest.fixture
 def next_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[TouchWidget], Rows]:
     """Waits for what a widget sends to the page next, one by one."""
-    queues: defaultdict[TouchWidget, Queue[bytes]] = defaultdict(Queue)
+    frames: Queue[tuple[TouchWidget, bytes]] = Queue()
 
     def send(widget: TouchWidget, message: dict, buffers: object = None) -> None:
         if ["_frame"] in message["buffer_paths"]:
-            queues[widget].put(widget._frame)
+            frames.put((widget, widget._frame))
+
+    def receive(widget: TouchWidget) -> Rows:
+        while True:
+            sender, frame = frames.get(timeout=5)
+            if sender is widget:
+                return rows(frame)
 
     monkeypatch.setattr(AnyWidget, "_send", send)
-    return lambda widget: rows(queues[widget].get(timeout=5))
+    return receive
 
 
 @pytest.fixture
