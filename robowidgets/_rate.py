@@ -15,27 +15,26 @@ SHORTEST = 0.25
 
 
 class RateMeter:
-    """Counts arrivals and tells their rate over the last seconds. Times are of one monotonic clock."""
+    """Tells the rate of what is counted elsewhere, over the last seconds. Times are of one monotonic clock."""
 
     def __init__(self) -> None:
         self._marks: deque[tuple[float, int]] = deque()
-        self._count = 0
-        self._last = 0.0
 
-    def arrive(self, now: float) -> None:
-        """Count an arrival."""
-        self._count += 1
-        self._last = now
-        if not self._marks or now - self._marks[-1][0] >= SPACING:
-            self._marks.append((now, self._count))
-            while len(self._marks) > 2 and now - self._marks[0][0] > WINDOW:
-                self._marks.popleft()
+    def rate(self, count: int, last: float) -> float:
+        """Arrivals per second, up to the last one; NaN while nothing can be said.
 
-    @property
-    def rate(self) -> float:
-        """Arrivals per second, up to the last one; NaN while nothing can be said."""
-        if not self._marks:
+        To be asked again and again: between two of its marks it knows of nothing.
+
+        Args:
+            count: how many have arrived, never fewer than before.
+            last: when the last one did.
+        """
+        if not count:
             return float("nan")
-        first, count = self._marks[0]
-        passed = self._last - first
-        return (self._count - count) / passed if passed >= SHORTEST else float("nan")
+        if not self._marks or last - self._marks[-1][0] >= SPACING:
+            self._marks.append((last, count))
+            while len(self._marks) > 2 and last - self._marks[0][0] > WINDOW:
+                self._marks.popleft()
+        first, before = self._marks[0]
+        passed = last - first
+        return (count - before) / passed if passed >= SHORTEST else float("nan")

@@ -139,6 +139,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._newest_about: dict[str, Any] = {}
         self._unsaved = ""
         self._sequence = 0
+        self._arrived = 0.0
         self._meter = RateMeter()
         self._changed = False
         self._held_about: dict[str, Any] = {}
@@ -162,9 +163,11 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         """
         with self._storing:
             # Past __setattr__, which takes longer than all the rest.
-            self.__dict__.update(_newest=sample, _newest_about=about, _sequence=self._sequence + counts, _changed=True)
+            mine = self.__dict__
+            mine["_newest"], mine["_newest_about"], mine["_changed"] = sample, about, True
             if counts:
-                self._meter.arrive(time.monotonic())
+                mine["_sequence"] += 1
+                mine["_arrived"] = time.monotonic()
         pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
@@ -196,7 +199,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         if not self.live:
             return float("nan")
         with self._storing:
-            return self._meter.rate
+            return self._meter.rate(self._sequence, self._arrived)
 
     def send_newest(self) -> int:
         """Send the newest sample to the page; the pacer's call. Returns the bytes sent."""

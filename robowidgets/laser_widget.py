@@ -143,7 +143,11 @@ class LaserWidget(RobotWidget[Scan]):
                 (another thread; a task, timer or button of a notebook) nothing is raised; widget and log say it.
         """
         try:
-            scan = self._read(_of_fields(message, fields)).turned(self.angle_offset)
+            # Most are like the one before, and then nothing else is to be looked at.
+            scan = None if fields and message is not None else self._read.next(fields or message)
+            if scan is None:
+                scan = self._read(_of_fields(message, fields))
+            scan = scan.turned(self.angle_offset)
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
@@ -163,8 +167,8 @@ class LaserWidget(RobotWidget[Scan]):
 
     def _pack(self, sample: Scan) -> bytes:
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, len(sample))
-        values = (array.astype(_FLOAT, copy=False).data for array in (sample.ranges, sample.intensities))
-        return b"".join((head, *values))
+        frame = head + sample.ranges.astype(_FLOAT, copy=False).tobytes()
+        return frame + sample.intensities.astype(_FLOAT, copy=False).tobytes() if sample.intensities.size else frame
 
     def _unpack(self, frame: bytes) -> Scan:
         _, _, stamp_ns = HEAD.unpack_from(frame)

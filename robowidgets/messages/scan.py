@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, KeysView, Mapping, Sized
+from functools import partial
 from math import degrees, isfinite, pi
 from operator import attrgetter, itemgetter
 from typing import Any
@@ -17,7 +18,7 @@ from .fields import MISSING, describe, frame_id, reader, stamp_ns, unwrap
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 _SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
 _COMPARED = frozenset((float, int, np.float32, np.float64, str, type(None)))
-_COPIED = (array, list, tuple)
+_COPIED = frozenset((np.ndarray, array, list, tuple))
 _LONGEST_SCAN = 60.0
 _KEYED = (dict, Mapping)
 _NOTHING: dict[str, Any] = {}
@@ -75,63 +76,72 @@ class ScanReader:
         message = unwrap(message)
         if isinstance(message, Scan):
             return message
-        if self._known is not None and (scan := self._known.next(message)) is not None:
-            return scan
-        scan = to_scan(message)
-        known = _Known(message, scan)
-        self._known = known if known.is_usual else None
+        scan = self.next(message)
+        if scan is None:
+            scan = to_scan(message)
+            known = _Known(message, scan)
+            self._known = known if known.is_usual else None
         return scan
+
+    def next(self, message: Any) -> Scan | None:
+        """The scan in a message that differs from the last one in values and stamp alone; None for any other."""
+        known = self._known
+        return None if known is None else known.next(message)
 
 
 class _Known:
     """A message that was read, to tell whether another differs from it in its values and its stamp alone."""
 
     def __init__(self, message: Any, scan: Scan) -> None:
-        read = reader(message)
+        fields, read = _parts(message)
         there = [name for name in _SETTINGS if read(name, MISSING) is not MISSING]
         self._scan = scan
         self._form = type(message)
-        self._fields = frozenset(_fields(message))
-        self._settings_of = itemgetter(*there) if isinstance(message, Mapping) else attrgetter(*there)
+        self._fields = frozenset(fields)
+        self._settings_of: Callable[[Any], Any] = (
+            itemgetter(*there) if isinstance(message, Mapping) else attrgetter(*there)
+        )
         self._settings = self._settings_of(message)
         self._kinds = list(map(type, self._settings))
-        self._lengths = (_length(read("ranges", None)), _length(read("intensities", None)))
         self._has_header = read("header", None) is not None
 
     @property
     def is_usual(self) -> bool:
         """Whether the next may be like it: what had to be said of one, or was missing, is looked for in the next."""
         comparable = _COMPARED.issuperset(self._kinds) and None not in self._settings[: len(_NEEDED) - 1]
-        return comparable and not self._scan.notes and -1 not in self._lengths
+        return comparable and not self._scan.notes
 
     def next(self, message: Any) -> Scan | None:
         """The scan in a message that differs in values and stamp alone; None for any other message."""
-        if type(message) is not self._form or _fields(message) != self._fields:
+        if type(message) is not self._form:
+            return None
+        fields, read = _parts(message)
+        if fields != self._fields:
             return None
         settings = self._settings_of(message)
         if list(map(type, settings)) != self._kinds or settings != self._settings:
             return None
-        read = reader(message)
         ranges, intensities = read("ranges", None), read("intensities", None)
-        if (_length(ranges), _length(intensities)) != self._lengths:
+        if type(ranges) not in _COPIED or (intensities is not None and type(intensities) not in _COPIED):
             return None
-        if self._has_header and frame_id(message) != self._scan.frame_id:
+        stamp = None
+        if self._has_header:
+            if frame_id(message) != self._scan.frame_id:
+                return None
+            stamp = stamp_ns(message)
+        try:
+            if intensities is None or not len(intensities):
+                return None if self._scan.intensities.size else self._scan.again(ranges, None, stamp)
+            return self._scan.again(ranges, intensities, stamp)
+        except (TypeError, ValueError):  # `to_scan` finds out what is different, and says it
             return None
-        stamp = stamp_ns(message) if self._has_header else None
-        return self._scan.again(ranges, intensities if self._lengths[1] else None, stamp)
 
 
-def _fields(message: Any) -> KeysView[str]:
-    """The names in a message that may be different in another of the same type."""
-    named = message if isinstance(message, _KEYED) else getattr(message, "__dict__", _NOTHING)
-    return named.keys()
-
-
-def _length(values: Any) -> int:
-    """How many values there are, 0 for None; -1 for what might be kept and not copied."""
-    if type(values) in _COPIED or (type(values) is np.ndarray and values.flags.writeable):
-        return len(values)
-    return 0 if values is None else -1
+def _parts(message: Any) -> tuple[KeysView[str], Callable[[str, Any], Any]]:
+    """The names in a message that may be different in another of the same type, and its `reader`."""
+    if isinstance(message, _KEYED):
+        return message.keys(), message.get
+    return getattr(message, "__dict__", _NOTHING).keys(), partial(getattr, message)
 
 
 def _count(ranges: Any) -> int:

@@ -73,7 +73,7 @@ class ScanChunk:
     def sample(self, i: int) -> Scan:
         """One of the scans."""
         ranges, intensities = self.ranges[i], self.intensities[i]
-        return self.like.again(ranges, intensities, int(self.stamps_ns[i]) or None)
+        return self.like.again(ranges, intensities, int(self.stamps_ns[i]) or None, keep=True)
 
     def part(self, rows: slice) -> ScanChunk:
         """Some of them."""

@@ -64,7 +64,8 @@ class ScanReader:
                     break
             else:
                 intensities = np.frombuffer(raw, _FLOAT, *self._intensities) if self._intensities else None
-                return self._like.again(np.frombuffer(raw, _FLOAT, *self._ranges), intensities, _stamp_ns(raw))
+                ranges = np.frombuffer(raw, _FLOAT, *self._ranges)
+                return self._like.again(ranges, intensities, _stamp_ns(raw), keep=True)
         raw = plain(raw)
         message = self._decode(raw)
         scan = to_scan(message)

@@ -8,7 +8,7 @@ from enum import IntEnum
 from functools import cached_property
 from math import atan2, cos, isfinite, pi, sin
 from operator import index as as_index
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -151,24 +151,37 @@ class Scan:
     def __iter__(self) -> Iterator[Ray]:
         return (self[i] for i in range(len(self)))
 
-    def again(self, ranges: NDArray[np.float32], intensities: NDArray[np.float32] | None, stamp_ns: int | None) -> Scan:
+    def again(
+        self,
+        ranges: ArrayLike,
+        intensities: ArrayLike | None,
+        stamp_ns: int | None,
+        *,
+        keep: bool = False,
+    ) -> Scan:
         """The next sweep of the same scanner: what is not given stays as it is, and is not checked again.
 
         Args:
-            ranges: as many as this scan has. An array of float32 that is read-only is kept, not copied.
+            ranges: as many as this scan has.
             intensities: the same, or None to keep those of this scan.
             stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
+            keep: whether arrays of float32 that are read-only are kept, not copied.
 
         Raises:
-            ValueError: another number of rays, or of intensities.
+            TypeError: no numbers. ValueError: another number of rays, or of intensities.
         """
         scan = object.__new__(Scan)
         values = scan.__dict__
         values.update(self._settings)
-        values["ranges"] = _as_many("ranges", ranges, self.ranges.size)
-        if intensities is not None:
-            values["intensities"] = _as_many("intensities", intensities, self.intensities.size)
         values["stamp_ns"] = stamp_ns
+        for name, given in (("ranges", ranges), ("intensities", intensities)):
+            if given is not None:
+                array = given if keep and _is_frozen(given) else _floats(name, given)
+                if array.size != values[name].size:
+                    raise ValueError(
+                        f"{name}: expected {values[name].size:,} values as in the scan before, got {array.size:,}"
+                    )
+                values[name] = array
         return scan
 
     @cached_property
@@ -262,6 +275,7 @@ def finite(name: str, value: Any, unit: str) -> float:
 
 def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
     """A read-only float32 copy of a one-dimensional array."""
+    array: NDArray[np.float32] | None
     try:
         given = np.asarray(values)
         if given.dtype is _FLOAT32:  # as scanners send it: nothing to guard against
@@ -275,16 +289,13 @@ def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
         raise TypeError(f"{name}: expected a one-dimensional array of numbers, got {_short(values)}")
     if array.ndim != 1:
         raise ValueError(f"{name}: expected a one-dimensional array, got shape {array.shape}")
-    return _frozen(array)
-
-
-def _as_many(name: str, values: NDArray[np.float32], count: int) -> NDArray[np.float32]:
-    """Values as a read-only float32 array of a known length; ValueError when there are more or fewer."""
-    keep = type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1 and not values.flags.writeable
-    array = values if keep else _floats(name, values)
-    if array.size != count:
-        raise ValueError(f"{name}: expected {count:,} values as in the scan before, got {array.size:,}")
+    array.setflags(write=False)
     return array
+
+
+def _is_frozen(values: Any) -> TypeGuard[NDArray[np.float32]]:
+    """Whether this is a read-only one-dimensional array of float32."""
+    return type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1 and not values.flags.writeable
 
 
 def _frozen(array: NDArray[Any]) -> NDArray[Any]:

@@ -67,10 +67,9 @@ class ByHand(Pacer):
     def run(self, seconds: float) -> None:
         """What the thread does, for some seconds of its clock."""
         end = self.now + seconds
-        while (wait := self._wait()) is not None and self.now + wait <= end:
+        while (wait := self._send_one()) is not None and self.now + wait <= end:
             # Floating point may end a wait a hair early, as a real clock may.
             self.now += max(wait, 1e-9)
-            self._send_one()
         self.now = end
 
 

@@ -1,30 +1,34 @@
-from math import isnan
+from math import isnan, nan
 
 import pytest
 
 from robowidgets._rate import RateMeter
 
 
-def meter(*times: float) -> RateMeter:
-    made = RateMeter()
-    for time in times:
-        made.arrive(time)
-    return made
+def rate(*times: float, asked_after: int = 1) -> float:
+    """Of arrivals at these times, when it is asked after every so many of them."""
+    meter, told = RateMeter(), nan
+    for count, time in enumerate(times, 1):
+        if count % asked_after == 0:
+            told = meter.rate(count, time)
+    return told
 
 
 def test_nothing_is_said_of_nothing_of_one_arrival_or_of_a_loop_over_a_recording() -> None:
-    assert isnan(meter().rate)
-    assert isnan(meter(5.0).rate)
-    assert isnan(meter(*[5.0 + i * 1e-5 for i in range(1000)]).rate)
+    assert isnan(RateMeter().rate(0, 0.0))
+    assert isnan(rate(5.0))
+    assert isnan(rate(*[5.0 + i * 1e-5 for i in range(1000)]))
 
 
-@pytest.mark.parametrize("rate", [0.2, 1, 10, 40, 1000, 20_000])
-def test_a_steady_rate_is_told_whatever_it_is(rate: float) -> None:
-    seconds = max(4.0, 5 / rate)
-    assert meter(*[100 + i / rate for i in range(round(seconds * rate))]).rate == pytest.approx(rate, rel=0.01)
+@pytest.mark.parametrize("hz", [0.2, 1, 10, 40, 1000, 20_000])
+@pytest.mark.parametrize("asked_after", [1, 5])
+def test_a_steady_rate_is_told_whatever_it_is(hz: float, asked_after: int) -> None:
+    seconds = max(4.0, 15 / hz)
+    times = [100 + i / hz for i in range(round(seconds * hz))]
+    assert rate(*times, asked_after=asked_after) == pytest.approx(hz, rel=0.01)
 
 
 def test_the_past_is_forgotten() -> None:
     slow = [i / 2 for i in range(20)]
     fast = [slow[-1] + i / 50 for i in range(1, 250)]
-    assert meter(*slow, *fast).rate == pytest.approx(50, rel=0.01)
+    assert rate(*slow, *fast) == pytest.approx(50, rel=0.01)

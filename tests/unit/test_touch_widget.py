@@ -149,7 +149,7 @@ class TestPage:
     def test_gets_a_release_when_it_is_due_without_another_message(
         self, next_frame: Callable[[TouchWidget], Rows]
     ) -> None:
-        touch = TouchWidget(hold=0.05)
+        touch = TouchWidget(hold=1.0)
         touch.update(contact("bumper"))
         states = []
         while "free" not in states:
