@@ -210,7 +210,8 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             )
             return 0
         with self._sending:
-            if self.comm is None:
+            comm = self.comm
+            if comm is None:
                 return 0
             self._bring_up_to_date()
             state = {name: self._trait_values[name] for name in self._sent}
@@ -228,7 +229,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 if keys == ["_frame"]:
                     # As ipywidgets would pack it, many times a second.
                     update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]], "pad": next(_PADS)}
-                    self._send(update, buffers=[state["_frame"]])
+                    comm.send(data=update, buffers=[state["_frame"]])
                 elif keys:
                     super().send_state(keys)
             except BaseException:

@@ -126,6 +126,7 @@ class LaserWidget(RobotWidget[Scan]):
 
     def __init__(self, **kwargs: Any) -> None:
         self._read = ScanReader()
+        self._offset = 0.0
         super().__init__(**kwargs)
 
     def update(self, message: Any = None, **fields: Any) -> None:
@@ -147,7 +148,8 @@ class LaserWidget(RobotWidget[Scan]):
             scan = None if fields and message is not None else self._read.next(fields or message)
             if scan is None:
                 scan = self._read(_of_fields(message, fields))
-            scan = scan.turned(self.angle_offset)
+            if self._offset:
+                scan = scan.turned(self._offset)
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
@@ -198,6 +200,7 @@ class LaserWidget(RobotWidget[Scan]):
     def _turn(self, change: Any) -> None:
         """Turn the scan on show too: it may be the only one that comes."""
         with self._storing:
+            self._offset = change["new"]
             if self._newest is not None:
                 self._show(self._newest.turned(change["new"] - change["old"]), self._newest_about, counts=False)
 

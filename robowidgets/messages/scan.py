@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, KeysView, Mapping, Sized
-from functools import partial
 from math import degrees, isfinite, pi
-from operator import attrgetter, itemgetter
+from operator import attrgetter, itemgetter, methodcaller
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,6 @@ _SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
 _COMPARED = frozenset((float, int, np.float32, np.float64, str, type(None)))
 _COPIED = frozenset((np.ndarray, array, list, tuple))
 _LONGEST_SCAN = 60.0
-_KEYED = (dict, Mapping)
 _NOTHING: dict[str, Any] = {}
 
 
@@ -93,15 +91,17 @@ class _Known:
     """A message that was read, to tell whether another differs from it in its values and its stamp alone."""
 
     def __init__(self, message: Any, scan: Scan) -> None:
-        fields, read = _parts(message)
+        read = reader(message)
         there = [name for name in _SETTINGS if read(name, MISSING) is not MISSING]
+        keyed = isinstance(message, Mapping)
+        values_of: Callable[..., Callable[[Any], Any]] = itemgetter if keyed else attrgetter
         self._scan = scan
         self._form = type(message)
-        self._fields = frozenset(fields)
-        self._settings_of: Callable[[Any], Any] = (
-            itemgetter(*there) if isinstance(message, Mapping) else attrgetter(*there)
-        )
-        self._settings = self._settings_of(message)
+        self._fields_of: Callable[[Any], KeysView[str]] = methodcaller("keys") if keyed else _fields
+        self._fields = frozenset(self._fields_of(message))
+        self._values_of = values_of(*there, "ranges")
+        self._intensities_of = values_of("intensities") if read("intensities", MISSING) is not MISSING else None
+        self._settings: list[Any] = [*self._values_of(message)][:-1]
         self._kinds = list(map(type, self._settings))
         self._has_header = read("header", None) is not None
 
@@ -113,35 +113,30 @@ class _Known:
 
     def next(self, message: Any) -> Scan | None:
         """The scan in a message that differs in values and stamp alone; None for any other message."""
-        if type(message) is not self._form:
+        if type(message) is not self._form or self._fields_of(message) != self._fields:
             return None
-        fields, read = _parts(message)
-        if fields != self._fields:
-            return None
-        settings = self._settings_of(message)
-        if list(map(type, settings)) != self._kinds or settings != self._settings:
-            return None
-        ranges, intensities = read("ranges", None), read("intensities", None)
-        if type(ranges) not in _COPIED or (intensities is not None and type(intensities) not in _COPIED):
-            return None
-        stamp = None
-        if self._has_header:
-            if frame_id(message) != self._scan.frame_id:
-                return None
-            stamp = stamp_ns(message)
         try:
+            *settings, ranges = self._values_of(message)
+            if list(map(type, settings)) != self._kinds or settings != self._settings or type(ranges) not in _COPIED:
+                return None
+            stamp = None
+            if self._has_header:
+                if frame_id(message) != self._scan.frame_id:
+                    return None
+                stamp = stamp_ns(message)
+            intensities = self._intensities_of(message) if self._intensities_of else None
+            if intensities is not None and type(intensities) not in _COPIED:
+                return None
             if intensities is None or not len(intensities):
                 return None if self._scan.intensities.size else self._scan.again(ranges, None, stamp)
             return self._scan.again(ranges, intensities, stamp)
-        except (TypeError, ValueError):  # `to_scan` finds out what is different, and says it
+        except (TypeError, ValueError, LookupError, AttributeError):  # `to_scan` finds out what is different
             return None
 
 
-def _parts(message: Any) -> tuple[KeysView[str], Callable[[str, Any], Any]]:
-    """The names in a message that may be different in another of the same type, and its `reader`."""
-    if isinstance(message, _KEYED):
-        return message.keys(), message.get
-    return getattr(message, "__dict__", _NOTHING).keys(), partial(getattr, message)
+def _fields(message: Any) -> KeysView[str]:
+    """The names in an object that may be different in another of the same type."""
+    return getattr(message, "__dict__", _NOTHING).keys()
 
 
 def _count(ranges: Any) -> int:

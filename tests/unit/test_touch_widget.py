@@ -10,7 +10,7 @@ from math import inf, nan
 from queue import Queue
 
 import pytest
-from anywidget import AnyWidget
+from comm.base_comm import BaseComm
 from traitlets import TraitError
 
 from robowidgets import Touch, TouchMode, TouchState, TouchWidget
@@ -39,19 +39,19 @@ def sent(touch: TouchWidget) -> Rows:
 @pytest.fixture
 def next_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[TouchWidget], Rows]:
     """Waits for what a widget sends to the page next, one by one."""
-    frames: Queue[tuple[TouchWidget, bytes]] = Queue()
+    frames: Queue[tuple[BaseComm, bytes]] = Queue()
 
-    def send(widget: TouchWidget, message: dict, buffers: object = None) -> None:
-        if ["_frame"] in message["buffer_paths"]:
-            frames.put((widget, widget._frame))
+    def send(comm: BaseComm, data: dict, metadata: object = None, buffers: list[bytes] = ()) -> None:
+        if ["_frame"] in data["buffer_paths"]:
+            frames.put((comm, bytes(buffers[data["buffer_paths"].index(["_frame"])])))
 
     def receive(widget: TouchWidget) -> Rows:
         while True:
-            sender, frame = frames.get(timeout=5)
-            if sender is widget:
+            comm, frame = frames.get(timeout=5)
+            if comm is widget.comm:
                 return rows(frame)
 
-    monkeypatch.setattr(AnyWidget, "_send", send)
+    monkeypatch.setattr(BaseComm, "send", send)
     return receive
 
 
@@ -188,7 +188,7 @@ class TestPage:
 
         touch.update(contact("bumper"))
         pacer.flush()
-        monkeypatch.setattr(AnyWidget, "_send", send)
+        monkeypatch.setattr(BaseComm, "send", send)
         touch.update(contact("bumper"))
         pacer.flush()
         closing.join()
