@@ -84,7 +84,8 @@ window.driver = (() => {
 
     theme: (name) => app().commands.execute("apputils:change-theme", { theme: name }),
 
-    isLight: () => document.body.dataset.jpThemeLight === "true",
+    // JupyterLab hides itself while it puts a theme on.
+    hasTheme: (name) => app().shell.isVisible && document.body.dataset.jpThemeName === name,
 
     // The width that widgets get, once the window's latest size has been laid out.
     async outputWidth(path) {

@@ -101,8 +101,9 @@ class Notebook:
 
     def theme(self, name: Literal["light", "dark"]) -> None:
         """Switch JupyterLab's theme, as its Settings menu does, and wait until it is on."""
-        self._ask("theme", f"JupyterLab {name.capitalize()}")
-        self.page.wait_for_function("(light) => window.driver.isLight() === light", arg=name == "light")
+        theme = f"JupyterLab {name.capitalize()}"
+        self._ask("theme", theme)
+        self.page.wait_for_function("(theme) => window.driver.hasTheme(theme)", arg=theme)
 
     def resize(self, width: int, height: int = 900) -> None:
         """Size the window such that what a cell displays has `width` CSS pixels."""
