@@ -43,13 +43,14 @@ class LabServer:
         overrides.parent.mkdir(parents=True)
         overrides.write_text(json.dumps(SETTINGS))
         command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", "--expose-app-in-browser"]
-        command += ["--ip=127.0.0.1", f"--ServerApp.root_dir={self.files}"]
+        # Port 0 is any free one: the first free one would be found by two servers that start at once.
+        command += ["--ip=127.0.0.1", "--port=0", f"--ServerApp.root_dir={self.files}"]
         with self.log.open("w") as log:
             self._process = subprocess.Popen(
                 command, cwd=home, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT
             )
         try:
-            # The server tells its port there: the one it found free, whoever else starts at the same moment.
+            # The server tells its port there.
             said = home / "jupyter_runtime_dir" / f"jpserver-{self._process.pid}.json"
             self._wait(lambda: said.exists() and said.read_text().endswith("}"), "wrote down its port")
             facts = json.loads(said.read_text())
