@@ -31,6 +31,9 @@ NAP = 0.0002
 thread that carries the message out of the process is awake by then, and takes half as much again when it has to wait.
 """
 
+AGAIN = 1.0
+"""Seconds after a send that failed, or was interrupted, until it is tried again."""
+
 BURST = 0.05
 """Seconds of budget that may be spent at once after a rest."""
 
@@ -147,7 +150,7 @@ class Pacer:
                 if wait == 0 and not self._due:
                     time.sleep(NAP)
                 elif wait != 0:
-                    self._bell.acquire(timeout=-1 if wait is None else wait)
+                    self._bell.acquire(timeout=-1 if wait is None else min(wait, threading.TIMEOUT_MAX))
         finally:
             self._thread = None
 
@@ -181,17 +184,18 @@ class Pacer:
         return None, min(times) - now if times else None
 
     def _send(self, sender: Sender) -> None:
+        size, rest = 0, AGAIN
         try:
-            size = sender.send_newest()
+            size, rest = sender.send_newest(), REST
         except Exception:
             log.exception("robowidgets: could not send to the page")
-            size = 0
-        now = self._clock()
-        with self._lock:
-            self._earliest[id(sender)] = max(self._earliest.get(id(sender), 0.0), now + REST)
-            if sender in self._due:
-                self._due[sender] = max(self._due[sender], self._earliest[id(sender)])
-            self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
+        finally:
+            now = self._clock()
+            with self._lock:
+                self._earliest[id(sender)] = max(self._earliest.get(id(sender), 0.0), now + rest)
+                if sender in self._due or rest is AGAIN:
+                    self._due[sender] = max(self._due.get(sender, 0.0), self._earliest[id(sender)])
+                self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
 
 
 pacer = Pacer()

@@ -9,6 +9,7 @@ import os
 import struct
 import threading
 import time
+import weakref
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -146,9 +147,14 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
         self._unsent: set[str] = set()
         self._retell_at = time.monotonic() + RETELL
+        self._make_locks()
+        _made.add(self)
+        super().__init__(**kwargs)
+
+    def _make_locks(self) -> None:
+        """Have locks that nobody holds; called again in a forked process, where who held them may not be."""
         self._storing = threading.RLock()
         self._sending = threading.RLock()
-        super().__init__(**kwargs)
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
@@ -255,9 +261,6 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         """
         if key is None:
             self._bring_up_to_date()
-        elif type(key) is list and self._sent.keys() >= set(key):
-            # As `send_newest` asks, many times a second: these need no conversion.
-            return {name: self._trait_values[name] for name in key}
         state: dict[str, Any] = super().get_state(key)
         return state
 
@@ -316,6 +319,18 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     @traitlets.observe("_held")
     def _after_held(self, _change: Any) -> None:
         self._held_about = self._about
+
+
+_made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()
+
+
+def _after_fork() -> None:
+    for widget in _made:
+        widget._make_locks()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 def _unknown(of: str, what: str, name: str, known: list[str]) -> str:

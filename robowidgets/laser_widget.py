@@ -144,16 +144,16 @@ class LaserWidget(RobotWidget[Scan]):
                 (another thread; a task, timer or button of a notebook) nothing is raised; widget and log say it.
         """
         try:
+            given = _of_fields(message, fields)
             # Most are like the one before, and then nothing else is to be looked at.
-            scan = None if fields and message is not None else self._read.next(fields or message)
+            scan = self._read.next(given)
             if scan is None:
-                scan = self._read(_of_fields(message, fields))
-            if self._offset:
-                scan = scan.turned(self._offset)
+                scan = self._read(given)
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
-            self._show(scan, about_scan(scan))
+            with self._storing:
+                self._show(scan.turned(self._offset) if self._offset else scan, about_scan(scan))
 
     @property
     def scan(self) -> Scan | None:
@@ -169,8 +169,8 @@ class LaserWidget(RobotWidget[Scan]):
 
     def _pack(self, sample: Scan) -> bytes:
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, len(sample))
-        frame = head + sample.ranges.astype(_FLOAT, copy=False).tobytes()
-        return frame + sample.intensities.astype(_FLOAT, copy=False).tobytes() if sample.intensities.size else frame
+        columns = (column.astype(_FLOAT, copy=False).data for column in (sample.ranges, sample.intensities))
+        return b"".join((head, *columns))
 
     def _unpack(self, frame: bytes) -> Scan:
         _, _, stamp_ns = HEAD.unpack_from(frame)

@@ -72,8 +72,11 @@ class TouchWidget(RobotWidget[Touch]):
     def __init__(self, **kwargs: Any) -> None:
         self._tracker = TouchTracker()
         self._still_ns: int | None = None
-        self._tracking = threading.Lock()
         super().__init__(**kwargs)
+
+    def _make_locks(self) -> None:
+        super()._make_locks()
+        self._tracking = threading.Lock()
 
     def update(self, message: Any = None, **touched: bool | None) -> None:
         """Take in what a message says, and show it in the next animation frame.

@@ -16,7 +16,7 @@ from .fields import MISSING, describe, frame_id, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 _SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
-_COMPARED = frozenset((float, int, np.float32, np.float64, str, type(None)))
+_COMPARED = frozenset((float, int, np.float32, np.float64, type(None)))
 _COPIED = frozenset((np.ndarray, array, list, tuple))
 _LONGEST_SCAN = 60.0
 _NOTHING: dict[str, Any] = {}
@@ -100,10 +100,8 @@ class _Known:
         self._fields_of: Callable[[Any], KeysView[str]] = methodcaller("keys") if keyed else _fields
         self._fields = frozenset(self._fields_of(message))
         self._values_of = values_of(*there, "ranges")
-        self._intensities_of = values_of("intensities") if read("intensities", MISSING) is not MISSING else None
         self._settings: list[Any] = [*self._values_of(message)][:-1]
         self._kinds = list(map(type, self._settings))
-        self._has_header = read("header", None) is not None
 
     @property
     def is_usual(self) -> bool:
@@ -119,17 +117,14 @@ class _Known:
             *settings, ranges = self._values_of(message)
             if list(map(type, settings)) != self._kinds or settings != self._settings or type(ranges) not in _COPIED:
                 return None
-            stamp = None
-            if self._has_header:
-                if frame_id(message) != self._scan.frame_id:
-                    return None
-                stamp = stamp_ns(message)
-            intensities = self._intensities_of(message) if self._intensities_of else None
+            if frame_id(message) != self._scan.frame_id:
+                return None
+            intensities = reader(message)("intensities", None)
             if intensities is not None and type(intensities) not in _COPIED:
                 return None
             if intensities is None or not len(intensities):
-                return None if self._scan.intensities.size else self._scan.again(ranges, None, stamp)
-            return self._scan.again(ranges, intensities, stamp)
+                return None if self._scan.intensities.size else self._scan.again(ranges, None, stamp_ns(message))
+            return self._scan.again(ranges, intensities, stamp_ns(message))
         except (TypeError, ValueError, LookupError, AttributeError):  # `to_scan` finds out what is different
             return None
 

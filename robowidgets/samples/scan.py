@@ -277,7 +277,7 @@ def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
     """A read-only float32 copy of a one-dimensional array."""
     array: NDArray[np.float32] | None
     try:
-        given = np.asarray(values)
+        given = np.asarray(_unmasked(values) if isinstance(values, np.ma.MaskedArray) else values)
         if given.dtype is _FLOAT32:  # as scanners send it: nothing to guard against
             array = given.copy()
         else:
@@ -289,8 +289,12 @@ def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
         raise TypeError(f"{name}: expected a one-dimensional array of numbers, got {_short(values)}")
     if array.ndim != 1:
         raise ValueError(f"{name}: expected a one-dimensional array, got shape {array.shape}")
-    array.setflags(write=False)
-    return array
+    return _frozen(array)
+
+
+def _unmasked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[np.float32]:
+    """What is masked as NaN: there is no measurement."""
+    return np.ma.filled(values.astype(np.float32), np.nan)
 
 
 def _is_frozen(values: Any) -> TypeGuard[NDArray[np.float32]]:

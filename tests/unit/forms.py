@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -25,9 +26,7 @@ def rospy(type_name: str, fields: Fields) -> Any:
 def rclpy(type_name: str, fields: Fields) -> Any:
     """Properties over underscored slots, in a module named as the generated ones are."""
     package, name = type_name.split("/")
-    properties = {f: property(lambda self, f=f: getattr(self, f"_{f}")) for f in fields}
-    slots = {"__slots__": tuple(f"_{f}" for f in fields), "__module__": f"{package}.msg._{name.lower()}"}
-    message = type(name, (), {**properties, **slots})()
+    message = _generated(package, name, tuple(fields))()
     for field, value in fields.items():
         setattr(message, f"_{field}", _object(value, {}, list) if isinstance(value, (dict, list)) else value)
     return message
@@ -46,10 +45,21 @@ def envelope(type_name: str, fields: Fields) -> Any:
 FORMS: tuple[Callable[[str, Fields], Any], ...] = (rosbags, rospy, rclpy, rosbridge, envelope)
 
 
+@cache
+def _generated(package: str, name: str, fields: tuple[str, ...]) -> type:
+    properties = {f: property(lambda self, f=f: getattr(self, f"_{f}")) for f in fields}
+    slots = {"__slots__": tuple(f"_{f}" for f in fields), "__module__": f"{package}.msg._{name.lower()}"}
+    return type(name, (), {**properties, **slots})
+
+
+@cache
+def _message(*extra: tuple[str, str]) -> type:
+    return type("Message", (SimpleNamespace,), dict(extra))
+
+
 def _object(value: Any, extra: Fields, to_array: Callable[[list[Any]], Any]) -> Any:
     if isinstance(value, dict):
-        message_class = type("Message", (SimpleNamespace,), extra)
-        return message_class(**{name: _object(v, {}, to_array) for name, v in value.items()})
+        return _message(*extra.items())(**{name: _object(v, {}, to_array) for name, v in value.items()})
     if isinstance(value, list):
         return to_array([_object(v, {}, to_array) for v in value])
     return value

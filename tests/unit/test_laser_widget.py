@@ -234,6 +234,11 @@ class TestUpdate:
             laser.update(*given, **fields)
         assert laser.scan is None
 
+    def test_a_name_that_no_field_has_is_refused_though_a_message_had_it(self, laser: LaserWidget) -> None:
+        laser.update({**MESSAGE, "rangez": 0})
+        with pytest.raises(TypeError, match=r"^update\(\) has no field 'rangez'"):
+            laser.update(**MESSAGE, rangez=0)
+
     @pytest.mark.parametrize(
         ("changed", "text"),
         [
@@ -383,6 +388,23 @@ class TestAngleOffset:
         assert page.state["_about"]["frame_id"] == "laser"
         laser.angle_offset = 0
         assert laser.scan.angle_min == pytest.approx(-0.5)
+
+    def test_turns_what_comes_at_the_same_moment(self, laser: LaserWidget, monkeypatch: pytest.MonkeyPatch) -> None:
+        laser.update(MESSAGE)
+        laser.angle_offset = 1.0
+        turned, setters = Scan.turned, []
+
+        def slowly(scan: Scan, by: float) -> Scan:
+            if not setters:
+                setters.append(threading.Thread(target=lambda: setattr(laser, "angle_offset", 2.0)))
+                setters[0].start()
+                setters[0].join(0.2)
+            return turned(scan, by)
+
+        monkeypatch.setattr(Scan, "turned", slowly)
+        laser.update(MESSAGE)
+        setters[0].join()
+        assert laser.scan.angle_min == pytest.approx(1.5)
 
     def test_leaves_what_is_frozen(self, laser: LaserWidget) -> None:
         laser.update(MESSAGE)

@@ -154,6 +154,7 @@ class TestScanReader:
             )
             told = form("sensor_msgs/LaserScan", message)
             assert same(read(told), to_scan(told))
+            assert read.next(unwrap(told)) is not None
 
     @pytest.mark.parametrize("writeable", [True, False])
     def test_does_not_follow_a_buffer_that_its_driver_fills_again(self, writeable: bool) -> None:
@@ -170,14 +171,28 @@ class TestScanReader:
             {"angle_min": -0.4}, {"angle_max": 0.9}, {"angle_increment": -0.5}, {"range_min": 0.2}, {"range_max": 2.5},
             {"scan_time": 1e9}, {"time_increment": nan}, {"ranges": [1.0, 2.0]}, {"intensities": [1.0, 2.0, 3.0]},
             {"intensities": [1.0]}, {"ranges": array("d", [4, 5, 6])},
-            {"header": {"stamp": STAMP, "frame_id": "other"}},
+            {"header": {"stamp": STAMP, "frame_id": "other"}}, {"header": None},
         ],
         ids=str,
     )  # fmt: skip
-    def test_notices_what_is_no_longer_the_same(self, changed: dict) -> None:
-        read = ScanReader()
-        for message in (laser(), laser(), laser(**changed), laser(**changed), laser()):
-            assert same(read(message), to_scan(message))
+    @pytest.mark.parametrize("form", FORMS)
+    def test_notices_what_is_no_longer_the_same(self, form, changed: dict) -> None:
+        for first, then in ((laser(), laser(**changed)), (laser(**changed), laser())):
+            read = ScanReader()
+            for message in (first, first, then, then, first):
+                told = form("sensor_msgs/LaserScan", message)
+                assert same(read(told), to_scan(told))
+
+    def test_notices_intensities_of_which_the_first_knew_nothing(self) -> None:
+        class Message:
+            __slots__ = (*laser(), "intensities")
+
+        read, message = ScanReader(), Message()
+        for name, value in laser().items():
+            setattr(message, name, value)
+        read(message)
+        message.intensities = [1.0, 2.0, 3.0]
+        assert read(message).intensities.tolist() == [1.0, 2.0, 3.0]
 
     @pytest.mark.parametrize(
         "changed",

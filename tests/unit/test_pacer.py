@@ -9,7 +9,7 @@ import weakref
 
 import pytest
 
-from robowidgets._pacer import BYTES_PER_SECOND, INTERVAL, MESSAGES_PER_SECOND, Pacer
+from robowidgets._pacer import AGAIN, BYTES_PER_SECOND, INTERVAL, MESSAGES_PER_SECOND, Pacer
 
 from .senders import MOST_IN_A_SECOND, ByHand, Restless, Sender, most_in_a_second
 from .waiting import wait_for
@@ -50,6 +50,20 @@ class TestPace:
             wait = pacer._send_one()
             pacer.now += wait + 0.008 if wait else 0
         assert len(sender.times) == pytest.approx(10 / INTERVAL, abs=2)
+
+    def test_what_could_not_be_sent_is_tried_again(self) -> None:
+        class Cut(Sender):
+            def send_newest(self) -> int:
+                if pacer.now < 1000.5:
+                    self.times.append(pacer.now)
+                    raise OSError("the wire is cut")
+                return super().send_newest()
+
+        pacer = ByHand()
+        sender = Cut(pacer._clock)
+        pacer.mark(sender)
+        pacer.run(10)
+        assert sender.times == pytest.approx([1000.0, 1000.0 + AGAIN])
 
     @pytest.mark.parametrize("count", [4, 5, 10, 50])
     def test_all_senders_share_one_budget_evenly_and_use_it(self, count: int) -> None:

@@ -82,12 +82,26 @@ class TestThreads:
         assert record.getMessage() == "robowidgets: could not send to the page"
         assert str(record.exc_info[1]) == "the wire is cut"
 
+    def test_an_appointment_in_a_thousand_years_ends_no_thread(self) -> None:
+        pacer = Pacer()
+        far, sender = Sender(), Sender()
+        pacer.mark_at(far, time.monotonic() + 3e10)
+        pacer.mark(sender)
+        wait_for(lambda: sender.sent and pacer._bell.locked(), "the thread was waiting")
+        first = pacer._thread
+        pacer.mark(sender)
+        wait_for(lambda: len(sender.sent) == 2, "it was sent again")
+        assert first is not None
+        assert pacer._thread is first
+
     @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
     def test_a_thread_that_died_is_replaced(self) -> None:
         class Deadly(Sender):
             def send_newest(self) -> int:
                 super().send_newest()
-                raise SystemExit
+                if len(self.sent) == 1:
+                    raise SystemExit
+                return 0
 
         pacer = Pacer()
         deadly, sender = Deadly(), Sender()
@@ -183,7 +197,9 @@ class TestFlush:
         class Interrupted(Sender):
             def send_newest(self) -> int:
                 super().send_newest()
-                raise KeyboardInterrupt
+                if len(self.sent) == 1:
+                    raise KeyboardInterrupt
+                return 0
 
         pacer = ByHand()
         interrupted, sender = Interrupted(pacer._clock), Sender(pacer._clock)
@@ -191,8 +207,9 @@ class TestFlush:
         pacer.mark(sender)
         with pytest.raises(KeyboardInterrupt):
             pacer.flush()
-        pacer.run(1)
+        pacer.run(10)
         assert sender.sent == [0]
+        assert interrupted.sent == [0, 0]
 
     def test_one_that_fails_does_not_keep_back_the_others(self, caplog: pytest.LogCaptureFixture) -> None:
         class Broken(Sender):

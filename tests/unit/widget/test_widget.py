@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import logging
 import os
+import threading
 import time
 from math import isnan
 from pathlib import Path
@@ -214,6 +215,16 @@ class TestToThePage:
         self, widget: NumberWidget, page: Page
     ) -> None:
         reading, writing = os.pipe()
+        holds, leave = threading.Event(), threading.Event()
+
+        def hold() -> None:
+            with widget._storing, widget._sending:
+                holds.set()
+                leave.wait(20)
+
+        holder = threading.Thread(target=hold)
+        holder.start()
+        assert holds.wait(20)
         child = os.fork()
         if child == 0:
             try:
@@ -225,6 +236,8 @@ class TestToThePage:
                 os.write(writing, f"{len(page.messages)} messages; {', '.join(told)}".encode())
             finally:
                 os._exit(0)
+        leave.set()
+        holder.join()
         os.close(writing)
         with open(reading) as answer:
             said = answer.read()
