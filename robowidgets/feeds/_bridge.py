@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ._websocket import LARGEST, Frame, Line, one_line
-from .middleware import Advert, FeedError, Listener
+from .middleware import EVENTS, Advert, FeedError, Listener, is_event
 
 Read = Callable[[Any], Any]
 """Makes a message of a frame, or raises UnreadableError."""
@@ -22,7 +23,8 @@ class Bridge:
     """The part of a `Middleware` that knows topics and troubles but no protocol.
 
     All but the calls of `Middleware` runs in the thread of the line. Of each topic the newest frame is read, once those
-    that wait in the network are in. The protocol tells `Listener.on_connected`, as soon as it can publish.
+    that wait in the network are in; of events all. The protocol tells `Listener.on_connected`, as soon as it can
+    publish.
 
     Raises:
         TypeError, ValueError: the address is not one.
@@ -33,7 +35,7 @@ class Bridge:
         self._listener: Listener
         self._wanted: set[str] = set()
         self._heard: set[str] = set()
-        self._pending: dict[str, tuple[Read, Any]] = {}
+        self._pending: dict[str, deque[tuple[Read, Any]]] = {}
         self._troubles: dict[str, str] = {}
         self._told: Sequence[Advert] | None = None
         self._begin()
@@ -82,7 +84,7 @@ class Bridge:
     def deliver(self) -> None:
         """See `Talk`."""
         pending, self._pending = self._pending, {}
-        for topic, (read, frame) in pending.items():
+        for topic, read, frame in [(topic, *one) for topic, waiting in pending.items() for one in waiting]:
             if topic not in self._wanted or self._line.closed:
                 continue
             try:
@@ -121,6 +123,13 @@ class Bridge:
     def _stop(self, topic: str) -> None:
         """Ask for no more messages of a topic."""
         raise NotImplementedError
+
+    def _keep(self, topic: str, kind: str, read: Read, frame: Any) -> None:
+        """Have a frame of a type of messages read, in place of the one before unless that was an event."""
+        waiting = self._pending.setdefault(topic, deque(maxlen=EVENTS))
+        if not is_event(kind):
+            waiting.clear()
+        waiting.append((read, frame))
 
     def _about(self, topic: str, message: Any) -> str:  # noqa: ARG002
         """What is to be said of a message that was read."""

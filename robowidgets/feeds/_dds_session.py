@@ -17,11 +17,11 @@ from cyclonedds.util import duration
 from ..recordings.ros_types import Decode
 from ..recordings.source import RecordingError
 from ._dds_types import decoder, opaque, ros_topic, ros_type, struct, type_hash
-from .middleware import Advert, Listener
+from .middleware import EVENTS, Advert, Listener, is_event
 
 _MANY = 1000
 _DEPTH = 5
-"""Messages that wait for us, as for sensor data: events of several bumpers come at once."""
+"""Messages that wait for us, as for sensor data."""
 _LOOK = duration(milliseconds=500)
 _MATCHING = duration(milliseconds=200)
 _NEW = ViewState.Any | SampleState.NotRead | InstanceState.Any
@@ -176,7 +176,8 @@ class Session:
             else (Policy.Reliability.BestEffort, Policy.Durability.Volatile)
         )
         topic = Topic(self._participant, f"rt{wish.topic}", kind)
-        reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(_DEPTH)))
+        depth = EVENTS if is_event(wish.type) else _DEPTH
+        reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(depth)))
         condition = ReadCondition(reader, _NEW)
         self._waitset.attach(condition)
         self._readers[wish] = _Reader(reader, condition, decode)

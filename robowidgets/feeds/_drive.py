@@ -6,11 +6,12 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from typing import Any
 
 from ..samples.scan import finite
-from .middleware import Advert, FeedError
+from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
 
@@ -19,6 +20,10 @@ TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 
 LATELY = 30.0
 """Seconds for which a connection may be dead before that is noticed, generously."""
+
+
+AGAIN = 1.0
+"""Seconds after which a zero that could not be sent is tried again."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +64,45 @@ class Driving:
         )
 
 
-def type_to_send(topic: str, adverts: Sequence[Advert]) -> str:
-    """Twist or TwistStamped, whichever is listened to; Twist where nobody is known to listen.
+class Twists:
+    """Publishes speeds as Twist or TwistStamped, whichever is listened to; Twist where nobody is known to listen.
 
-    Raises:
-        FeedError: the topic is of another type.
+    Args:
+        middleware: what publishes.
     """
+
+    def __init__(self, middleware: Middleware) -> None:
+        self._middleware = middleware
+        self._heard: dict[str, list[str]] = {}
+        """By topic, the types in which a speed was sent."""
+
+    def send(self, topic: str, linear: float, angular: float, adverts: Sequence[Advert]) -> None:
+        """Publish a speed in m/s and rad/s; zero in every type in which a speed was sent: who heard that must hear it.
+
+        Raises:
+            FeedError: the topic is of another type, and no speed was sent on it.
+        """
+        heard = self._heard.setdefault(topic, [])
+        moves = bool(linear or angular)
+        with ExitStack() as kinds:  # each is sent, whatever another raises
+            for kind in [] if moves else heard:
+                kinds.callback(self._publish, topic, kind, 0.0, 0.0)
+            try:
+                kind = _type_to_send(topic, adverts)
+            except FeedError:
+                if moves or not heard:
+                    raise
+                return
+            if moves or kind not in heard:
+                kinds.callback(self._publish, topic, kind, linear, angular)
+            if moves and kind not in heard:
+                heard.append(kind)
+
+    def _publish(self, topic: str, kind: str, linear: float, angular: float) -> None:
+        self._middleware.publish(topic, kind, twist(kind, linear, angular))
+
+
+def _type_to_send(topic: str, adverts: Sequence[Advert]) -> str:
     types = [a.type for a in sorted(adverts, key=lambda a: {True: 0, None: 1, False: 2}[a.wanted]) if a.name == topic]
     known = [kind for kind in types if kind in (TWIST, TWIST_STAMPED)]
     others = [kind for kind in types if kind]
@@ -108,6 +146,7 @@ class Driver:
         """The topics to which a zero is owed, and when it is due."""
         self._moved: dict[str, float] = {}
         """The topics to which a speed was sent, and when it was sent last."""
+        self._said = ""
         self._closed = False
 
     def drive(self, topic: str, linear: float, angular: float, hold: float) -> None:
@@ -200,9 +239,14 @@ class Driver:
         try:
             self._send(topic, 0.0, 0.0)
         except Exception as error:  # whatever it is, the next zero must not be kept from being sent
-            log.error("the robot could not be told to stop: %s", error, exc_info=not isinstance(error, FeedError))
-        if reached:
-            del self._due[topic]
+            if str(error) != self._said:
+                self._said = str(error)
+                log.error("the robot could not be told to stop: %s", error, exc_info=not isinstance(error, FeedError))
+            self._due[topic] = time.monotonic() + AGAIN
+        else:
+            self._said = ""
+            if reached:
+                del self._due[topic]
 
 
 def _cut(value: float, limit: float) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from ._ros2_messages import message_class
-from .middleware import Advert
+from .middleware import EVENTS, Advert, is_event
 
 if TYPE_CHECKING:
     from ._ros2_gate import Gate
@@ -17,7 +17,7 @@ _Key = tuple[str, str, bool]
 """A topic, a type, and whether what was published before is asked for."""
 
 _DEPTH = 5
-"""Messages that wait for us, as for sensor data: events of several bumpers come at once."""
+"""Messages that wait for us, as for sensor data."""
 
 _LEAVING = 0.2
 """Seconds that the end of a subscription waits for its callback, and that of a publisher for those who hear it."""
@@ -114,7 +114,7 @@ class NodeTools:
         # A best-effort reader hears reliable publishers, too; only what is kept for those who come late needs more.
         qos = QoSProfile(
             history=HistoryPolicy.KEEP_LAST,
-            depth=_DEPTH,
+            depth=EVENTS if is_event(kind) else _DEPTH,
             reliability=ReliabilityPolicy.RELIABLE if kept else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
         )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .._cells import take_the_place
 from .._table import as_html, as_text
-from ._drive import Driver, Driving, twist, type_to_send
+from ._drive import Driver, Driving, Twists
 from ._ending import close_first, still_open
 from ._link import target_of
 from ._links import Links
@@ -54,6 +54,7 @@ class Feed:
         self._views: list[FeedView] = []
         self._adverts: tuple[Advert, ...] = ()
         self._reached = self._closed = self._forked = False
+        self._twists = Twists(middleware)
         self._opened = time.monotonic()
         self._warned: set[str] = set()
         self._subscriptions = Subscriptions(middleware, self._wanted)
@@ -324,8 +325,7 @@ class Feed:
             self._check_open()
         if self._links.down and self._links.there is None:
             return  # it would not arrive, and of which type it must be is not known
-        kind = type_to_send(topic, self._adverts)
-        self._middleware.publish(topic, kind, twist(kind, linear, angular))
+        self._twists.send(topic, linear, angular, self._adverts)
 
     def _wanted(self) -> Collection[str] | None:
         with self._changed:

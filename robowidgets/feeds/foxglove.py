@@ -32,6 +32,7 @@ class _Stream(NamedTuple):
 
     topic: str
     channel_id: int
+    type: str
     read: Read
 
 
@@ -86,7 +87,7 @@ class Foxglove(Bridge):
             if len(frame) >= _DATA.size and frame[0] == _MESSAGE:
                 stream = self._streams.get(_DATA.unpack_from(frame)[1])
                 if stream is not None:
-                    self._pending[stream.topic] = stream.read, frame
+                    self._keep(stream.topic, stream.type, stream.read, frame)
             return
         try:
             said = json.loads(frame)
@@ -160,7 +161,7 @@ class Foxglove(Bridge):
                 words = str(error)
                 continue
             self._subscriptions += 1
-            self._streams[self._subscriptions] = _Stream(topic, channel.id, partial(_read, decode))
+            self._streams[self._subscriptions] = _Stream(topic, channel.id, channel.type, partial(_read, decode))
             self._write({"op": "subscribe", "subscriptions": [{"id": self._subscriptions, "channelId": channel.id}]})
         if not any(stream.topic == topic for stream in self._streams.values()):
             self._trouble(topic, words)

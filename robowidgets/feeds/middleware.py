@@ -5,9 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
+from .._kinds import widget_by_type
+
+EVENTS = 100
+"""Messages of a touch sensor that may wait to be handed on."""
+
 
 class FeedError(Exception):
     """A feed that cannot be opened or used. The text is one line for a person: what, why, and what to do."""
+
+
+def is_event(type_name: str) -> bool:
+    """Whether each message of a type counts, as an event that no later one repeats; of others the newest is enough."""
+    return widget_by_type(type_name) == "touch"
 
 
 class Advert(NamedTuple):

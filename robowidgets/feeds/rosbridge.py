@@ -12,7 +12,7 @@ from ._bridge import Bridge, UnreadableError, full_type, short_type, strings, to
 from ._rosbridge_frames import has_cbor, read, topic_of
 from ._websocket import Frame, one_line
 from .feed import Feed
-from .middleware import Advert
+from .middleware import EVENTS, Advert, is_event
 
 _POLL = 3.0
 """Seconds between two questions for the topics."""
@@ -55,7 +55,7 @@ class Rosbridge(Bridge):
         """See `Talk`."""
         topic = topic_of(frame)
         if topic is not None:
-            self._keep(topic, frame)
+            self._take(topic, frame)
             return
         try:
             said = read(frame)
@@ -66,9 +66,9 @@ class Rosbridge(Bridge):
         if react is not None:
             react(said)
 
-    def _keep(self, topic: str, frame: Frame | dict[str, Any]) -> None:
+    def _take(self, topic: str, frame: Frame | dict[str, Any]) -> None:
         if topic in self._wanted:
-            self._pending[topic] = _message, frame
+            self._keep(topic, self._types.get(topic, ""), _message, frame)
 
     def _about(self, topic: str, message: Any) -> str:
         ranges = message.get("ranges")
@@ -106,7 +106,8 @@ class Rosbridge(Bridge):
     def _start(self, topic: str) -> None:
         self._subscribed_as[topic] = self._types.get(topic, "")
         self._refused.discard(topic)
-        how = {"queue_length": 1, "throttle_rate": _THROTTLE_MS, "compression": self._compression}
+        queue, throttle = (EVENTS, 0) if is_event(self._types.get(topic, "")) else (1, _THROTTLE_MS)
+        how = {"queue_length": queue, "throttle_rate": throttle, "compression": self._compression}
         self._write({"op": "subscribe", "id": _SUBSCRIBE + topic, "topic": topic, **how})
         if topic in self._types:
             self._call(_PUBLISHERS, topic)
@@ -117,7 +118,7 @@ class Rosbridge(Bridge):
         self._write({"op": "unsubscribe", "id": _SUBSCRIBE + topic, "topic": topic})
 
     def _on_publish(self, said: dict[str, Any]) -> None:
-        self._keep(str(said.get("topic")), said)
+        self._take(str(said.get("topic")), said)
 
     def _on_fragment(self, said: dict[str, Any]) -> None:
         topic = topic_of(str(said.get("data")))  # the first of them says it
@@ -163,7 +164,8 @@ class Rosbridge(Bridge):
             if topic not in self._wanted:
                 continue
             before, self._subscribed_as[topic] = self._subscribed_as.get(topic), kind
-            if before and before != kind:  # rosbridge would wait for messages of the old type for ever
+            # rosbridge would wait for messages of the old type for ever, and leave out events.
+            if before != kind and (before or is_event(kind)):
                 self._stop(topic)
                 self._start(topic)
             elif topic in self._refused:

@@ -71,6 +71,38 @@ def test_a_stamped_speed_does_not_carry_the_clock_of_this_machine(driven: Driven
     assert script.speeds[0] == (0.1, 0.2)
 
 
+def test_who_heard_a_speed_hears_its_end_whoever_listens_by_then(driven: Driven) -> None:
+    feed, script = driven(STAMPED, hold=60.0)
+    feed.drive(0.3)
+    script.listener.on_topics([CMD_VEL, STAMPED])
+    feed.stop()
+    assert {kind for _, kind, _ in script.sent[1:]} == {STAMPED.type, CMD_VEL.type}
+    assert set(script.speeds[1:]) == {(0.0, 0.0)}
+    feed.drive(0.3)
+    script.listener.on_topics([CMD_VEL._replace(type="std_msgs/msg/String")])
+    feed.stop()
+    assert (script.sent[-1][1], script.speeds[-1]) == (STAMPED.type, (0.0, 0.0))
+
+
+def test_what_one_type_raises_keeps_zero_from_no_other(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
+    feed, script = driven(STAMPED, hold=60.0)
+    feed.drive(0.3)
+    script.listener.on_topics([CMD_VEL, STAMPED])
+    feed.drive(0.3)
+    publish = script.publish
+
+    def picky(topic: str, kind: str, message: Mapping[str, Any]) -> None:
+        if kind == CMD_VEL.type:
+            raise FeedError("no Twist any more")
+        publish(topic, kind, message)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(script, "publish", picky)
+        with pytest.raises(FeedError, match="no Twist"):
+            feed.stop()
+    assert (script.sent[-1][1], script.speeds[-1]) == (STAMPED.type, (0.0, 0.0))
+
+
 def test_another_topic_may_be_driven(driven: Driven) -> None:
     feed, script = driven(CMD_VEL, topic="/base/cmd_vel")
     feed.drive(0.1)
@@ -301,9 +333,8 @@ def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
         patch.setattr(script, "publish", cut)
         wait_for(lambda: caplog.records, "it is logged")
         assert caplog.records[0].message == "the robot could not be told to stop: the wire is cut"
-        wait_for(lambda: _driving_threads() == [], "the thread ends")
-    feed.drive(0.3)
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "zero is sent")
+    wait_for(lambda: _driving_threads() == [], "the thread ends")
 
 
 def test_the_middleware_is_closed_whatever_keeps_zero_from_being_sent(

@@ -477,3 +477,15 @@ def test_what_the_robot_says_of_a_topic_is_told_of_that_topic(ears: Ears) -> Non
         wait_for(lambda: ears.said, "it was told")
         middleware.close()
     assert ears.troubles == {"/scan_2": "the robot's bridge says: no publisher of /scan_2"}
+
+
+def test_every_event_of_a_bumper_is_handed_on(ears: Ears) -> None:
+    bumper = channel(1, "/bumper", kind="kobuki_ros_interfaces/msg/BumperEvent", encoding="json", schema="{}")
+    with OldFoxglove([bumper]) as server:
+        middleware = opened(server.address, ears, "/bumper")
+        wait_for(lambda: server.subscribed, "it subscribed")
+        for i in range(60):
+            server.log(1, json.dumps({"bumper": i % 3, "state": i % 2}).encode())
+        wait_for(lambda: len(ears.messages) == 60, "all came")
+        middleware.close()
+    assert [message["bumper"] for message in ears.of("/bumper")] == 20 * [0, 1, 2]

@@ -97,6 +97,20 @@ def test_in_json_null_is_no_measurement_and_what_it_hides_is_told(ears: Ears, in
     ]
 
 
+def test_every_event_of_a_bumper_is_asked_for_and_handed_on(ears: Ears, quick: None) -> None:
+    with Server({}) as server:
+        middleware = opened(server.address, ears, "/bumper")
+        wait_for(lambda: server.heard_op("subscribe"), "it was asked for before anybody knew its type")
+        server.topics = {"/bumper": "kobuki_msgs/BumperEvent"}
+        wait_for(lambda: server.subscribed.get("/bumper", {}).get("queue_length") == 100, "it was asked for again")
+        assert server.subscribed["/bumper"]["throttle_rate"] == 0
+        for i in range(60):
+            server.publish("/bumper", {"bumper": i % 3, "state": i % 2})
+        wait_for(lambda: len(ears.messages) == 60, "all came")
+        middleware.close()
+    assert [message["bumper"] for message in ears.of("/bumper")] == 20 * [0, 1, 2]
+
+
 def test_types_of_ros_1_are_told_as_those_of_ros_2(ears: Ears) -> None:
     with Server({"/scan": "sensor_msgs/LaserScan"}) as server:
         middleware = opened(server.address, ears)
