@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import takewhile
 from typing import Any, NamedTuple, Protocol
 
 from ._kinds import Widget
@@ -46,12 +47,28 @@ class Pick(NamedTuple):
 
 
 def picks(topics: Iterable[Shown]) -> tuple[Pick, ...]:
-    """Lasers, then speeds, then touches. The first commanded speed goes to the measured ones, if there are any."""
+    """Lasers, then speeds, then touches. A measured speed gets the first of the commanded ones of its robot."""
     shown = sorted(((t.widget, t) for t in topics if t.widget), key=lambda pair: _ORDER.index(pair[0]))
-    measured = any(widget == "speed" and not topic.commanded for widget, topic in shown)
-    command = next((topic.name for _, topic in shown if topic.commanded), "") if measured else ""
+    speeds = [topic for widget, topic in shown if widget == "speed"]
+    command_of = _paired([t.name for t in speeds if not t.commanded], [t.name for t in speeds if t.commanded])
     return tuple(
-        Pick(widget, topic.name, command if widget == "speed" and not topic.commanded else "")
+        Pick(widget, topic.name, command_of.get(topic.name, ""))
         for widget, topic in shown
-        if topic.name != command
+        if topic.name not in command_of.values()
     )
+
+
+def _paired(measured: list[str], commands: list[str]) -> dict[str, str]:
+    """By measured speed its command: that with which it shares most of its namespace, unless another shares more."""
+    command_of = {}
+    for name in measured:
+        best = max(commands, key=lambda command: _shared(name, command), default="")
+        if best and _shared(name, best) == max(_shared(other, best) for other in measured):
+            command_of[name] = best
+    return command_of
+
+
+def _shared(one: str, other: str) -> int:
+    """How many parts of their namespace two topics share."""
+    parts = zip(one.strip("/").split("/")[:-1], other.strip("/").split("/")[:-1], strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], parts))

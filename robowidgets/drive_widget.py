@@ -17,6 +17,9 @@ from ._traits import Flag
 from ._widget import NamedWidget, bundle
 from .samples import Speed
 
+_NOT_DRIVEN = "could not be driven"
+_NOR_STOPPED = ". Nor could it be told to stop"
+
 
 class _Limit(traitlets.TraitType[Any, Any]):
     """A finite number above 0, in a unit."""
@@ -159,9 +162,12 @@ class DriveWidget(NamedWidget):
         self._tell(speed=within(*speed) if callable(within) else speed, **({"error": words} if words else {}))
 
     def _on_failed(self, error: BaseException, speed: Speed2) -> None:
-        what = "could not be told to stop" if speed == ZERO else "could not be driven"
+        what = "could not be told to stop" if speed == ZERO else _NOT_DRIVEN
         text = f"The robot {what}: {type(error).__name__}: {error}"
         self._log_once(text)
+        before = self._state["error"]
+        if speed == ZERO and _NOT_DRIVEN in before:
+            text = before if before.endswith(_NOR_STOPPED) else f"{before}{_NOR_STOPPED}"
         self._let_go()
         self._tell(error=text)
 

@@ -84,11 +84,12 @@ class Link:
 
         Beside another topic it need not be waited for: nobody may want to drive.
         """
-        if self.trouble:
-            return self.trouble
         if self.came:
             several = f"{self.topic} is published as {self.type.replace(', ', ' and as ')}" if ", " in self.type else ""
-            return "; ".join(filter(None, (self._failed, several or self._retyped, self._geometry.words)))
+            all_of_it = (self.trouble, self._failed, several or self._retyped, self._geometry.words)
+            return "; ".join(filter(None, all_of_it))
+        if self.trouble:
+            return self.trouble
         if there is not None and self.topic not in there:
             return no_such(self.topic, there)
         if not leads:

@@ -91,7 +91,9 @@ def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(notebook: Open, da
     nb.output(1).locator(".rw-scanogram .rw-picture").focus()
     nb.page.keyboard.press("p")
     expect(bar(nb).locator(".rw-play-now")).to_have_text("5.00")
-    nb.page.keyboard.press("x")
+    for focused in (".rw-play", ".rw-step >> nth=0", ".rw-play-speed", ".rw-loop", "input"):
+        bar(nb).locator(focused).focus()
+        nb.page.keyboard.press("x")
     expect(nb.page.locator(".jp-Cell")).to_have_count(2)
 
 

@@ -250,3 +250,10 @@ test("an arc close to the robot goes without", () => {
   const p = { ...picture(circle()), arcs: [{ distance: 0.1, width: WIDTH }] };
   assert.deepEqual(label(p), []);
 });
+
+test("on a circle that is nearly closed the last label gives way to the first, and no other", () => {
+  for (const sweep of [sweepOf(358, 359), sweepOf(357, 358), sweepOf(357.5, 719)]) {
+    const { projection, labels } = layOut(sweep, BOXES[2], 10, "up", 9);
+    assert.deepEqual(thinLabels(projection, labels), labels.slice(0, 8));
+  }
+});

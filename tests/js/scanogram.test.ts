@@ -5,10 +5,11 @@ import { Blocks, cellAt } from "../../robowidgets/js/scanogram/blocks.ts";
 import * as data from "../../robowidgets/js/scanogram/data.ts";
 import { layOut } from "../../robowidgets/js/scanogram/layout.ts";
 import { toRaster } from "../../robowidgets/js/scanogram/paint.ts";
-import { angleTicks, toRows } from "../../robowidgets/js/scanogram/rows.ts";
+import { angleTicks, selectedRays, toRows } from "../../robowidgets/js/scanogram/rows.ts";
 import { runs } from "../../robowidgets/js/scanogram/scene.ts";
 import { State } from "../../robowidgets/js/scanogram/state.ts";
 import { describeMark, describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/words.ts";
+import { DEGREE } from "./laser.ts";
 import { FakeModel } from "./models.ts";
 
 const SWEEP = { angleMin: -1, angleIncrement: 0.1, count: 21, rangeMin: 0.1, rangeMax: 10 };
@@ -285,4 +286,18 @@ test("before there are scans there is an axis and nothing on it", () => {
   assert.equal(state.whole, null);
   assert.deepEqual(state.view, [0, 1]);
   end();
+});
+
+test("rays are selected between two rows, and no farther than where a circle closes", () => {
+  for (const [angleMin, angleIncrement] of [
+    [0, DEGREE],
+    [2 * Math.PI, -DEGREE],
+  ] as const) {
+    const rows = toRows({ ...SWEEP, angleMin, angleIncrement, count: 360 });
+    const rowOf = (ray: number) => rows.rowOf[ray] as number;
+    assert.deepEqual(selectedRays(rows, rowOf(10), rowOf(40)), [10, 41]);
+    assert.deepEqual(selectedRays(rows, rowOf(40), rowOf(10)), [10, 41]);
+    assert.deepEqual(selectedRays(rows, rowOf(20), rowOf(350)), [0, 21]);
+    assert.deepEqual(selectedRays(rows, rowOf(350), rowOf(20)), [350, 360]);
+  }
 });

@@ -243,6 +243,15 @@ class TestSink:
         assert pad.get_state()["_state"]["error"] == ""
         pad.close()
 
+    def test_what_it_raises_at_every_speed_is_said_with_the_first_error(self) -> None:
+        def send(linear: float) -> None: ...
+
+        pad = Pad(send=send)
+        pad.hear("hold", token=pad.press(), forward=1)
+        wait_for(lambda: pad.get_state()["_state"]["error"].endswith(". Nor could it be told to stop"), "both are said")
+        assert pad.get_state()["_state"]["error"].startswith("The robot could not be driven: TypeError: ")
+        pad.close()
+
     def test_one_that_hangs_ends_the_press(self) -> None:
         back = threading.Event()
         pad = Pad(send=lambda *_: back.wait())

@@ -61,14 +61,16 @@ export function overlaps(a: Box, b: Box, margin = 0): boolean {
   );
 }
 
-/** Drops every second label until none overlaps another. */
+/** Drops every second label until none overlaps another; of a circle that is nearly closed first the last. */
 export function thinLabels(projection: Projection, labels: RayLabel[]): RayLabel[] {
+  const clash = (some: RayLabel[]) => {
+    const boxes = some.map((label) => rimBox(projection, label));
+    return boxes.some((box, i) => boxes.slice(i + 1).some((other) => overlaps(box, other, 2)));
+  };
   let kept = labels;
-  while (kept.length > 1) {
-    const boxes = kept.map((label) => rimBox(projection, label));
-    const clash = boxes.some((box, i) => boxes.slice(i + 1).some((other) => overlaps(box, other, 2)));
-    if (!clash) break;
-    kept = kept.filter((_, i) => i % 2 === 0);
+  while (clash(kept)) {
+    const open = kept.slice(0, -1);
+    kept = clash(open) ? kept.filter((_, i) => i % 2 === 0) : open;
   }
   return kept;
 }

@@ -1,5 +1,6 @@
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import { toFixed } from "../shared/format.ts";
+import { keepKeys } from "../shared/keys.ts";
 import { getMarks } from "../shared/marks.ts";
 import { getFlag, getNumber, getString, type Model, put } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
@@ -52,6 +53,7 @@ export class PlayerBar {
     this.#root.append(back, this.#play, on, time, track, this.#words, this.#speed, this.#loop);
     this.#root.tabIndex = -1;
     this.#root.addEventListener("keydown", (event) => this.#onKey(event), { signal });
+    keepKeys(this.#root, signal);
     element.append(this.#root);
 
     const draw = onceAFrame(() => this.#draw(), signal);
@@ -67,7 +69,6 @@ export class PlayerBar {
     slider.step = "any";
     slider.title = "Time in the recording (arrows: 1 s, with shift 10 s)";
     slider.ariaLabel = "Time in the recording";
-    slider.setAttribute("data-lm-suppress-shortcuts", "true");
     slider.addEventListener("input", () => this.#playback.seek(Number(slider.value)), { signal });
     slider.addEventListener("pointermove", (event) => this.#onPointer(event), { signal });
     slider.addEventListener("pointerleave", () => this.#playback.point(null), { signal });
@@ -115,7 +116,7 @@ export class PlayerBar {
       this.#play.ariaLabel = this.#play.title;
     }
     this.#loop.ariaPressed = String(getFlag(this.#model, "loop"));
-    setText(this.#words, waits ? "waiting for the kernel" : getString(this.#model, "_words"));
+    setText(this.#words, getString(this.#model, "_words") || (waits ? "waiting for the kernel" : ""));
     this.#drawSpeed();
     this.#drawMarks(duration);
   }

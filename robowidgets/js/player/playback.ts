@@ -59,7 +59,7 @@ export class Playback {
     this.#nextFrame = onceAFrame(() => this.#advance(), signal);
     onChange(model, ["time"], () => this.#onTime(), signal);
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
-    onChange(model, ["speed", "loop", "selection", "marks"], () => this.#changed(), signal);
+    onChange(model, ["speed", "loop", "selection", "marks", "_words"], () => this.#changed(), signal);
     const onMessage = (message: Message, buffers: DataView[]) => this.#onMessage(message, buffers);
     model.on("msg:custom", onMessage);
     signal.addEventListener("abort", () => model.off("msg:custom", onMessage));
@@ -144,7 +144,8 @@ export class Playback {
   #onPlaying(): void {
     this.#last = performance.now();
     if (this.playing) {
-      if (this.#time >= this.span[1]) this.seek(this.span[0]);
+      const [start, end] = this.span;
+      if (this.#time < start || this.#time >= end) this.seek(start);
       this.#nextFrame();
     }
     this.#changed();

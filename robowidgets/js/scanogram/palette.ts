@@ -1,7 +1,7 @@
 import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, TOO_CLOSE, type Validity } from "../laser/scan.ts";
 import { VIRIDIS } from "../laser/viridis.ts";
 import type { Theme } from "../shared/theme.ts";
-import { FARTHEST, KINDS, NO_SCAN, type Sweep } from "./data.ts";
+import { FARTHEST, KINDS, NO_SCAN, type Sweep, toRange } from "./data.ts";
 
 /** How each class without a distance is painted. */
 export function classColors(theme: Theme): Partial<Record<Validity, string>> {
@@ -24,9 +24,8 @@ export function distanceColors(dark: boolean): string[] {
 export function toPalette(theme: Theme, sweep: Sweep, [near, far]: [number, number]): Uint32Array {
   const palette = new Uint32Array(65_536);
   const colors = distanceColors(theme.dark).map(toPixel);
-  const perCode = (sweep.rangeMax - sweep.rangeMin) / FARTHEST;
   for (let code = 0; code <= FARTHEST; code++) {
-    const part = (sweep.rangeMin + code * perCode - near) / (far - near || 1);
+    const part = (toRange(code, sweep) - near) / (far - near || 1);
     palette[code] = colors[Math.min(colors.length - 1, Math.max(0, Math.floor(part * colors.length)))] ?? 0;
   }
   const classes = classColors(theme);

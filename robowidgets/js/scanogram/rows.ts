@@ -1,5 +1,6 @@
 import { isFullCircle } from "../laser/scan.ts";
 import type { Sweep } from "./data.ts";
+import { firstWhere } from "./search.ts";
 
 const TURN = 2 * Math.PI;
 const ROUNDING = 1e-6;
@@ -27,6 +28,14 @@ export function toRows({ angleMin, angleIncrement, count }: Sweep): Rows {
   return { rayOf, angles: rayOf.map((index) => byIndex[index] as number), rowOf };
 }
 
+/** First ray and the one after the last between two rows; no farther than where the circle closes, for it is one span. */
+export function selectedRays({ rayOf }: Rows, from: number, to: number): [number, number] {
+  const [first, last] = [rayOf[from] as number, rayOf[to] as number];
+  const isSpan = Math.abs(to - from) === Math.abs(last - first);
+  const end = isSpan ? last : last < first ? rayOf.length - 1 : 0;
+  return [Math.min(first, end), Math.max(first, end) + 1];
+}
+
 /** Rows with round angles, at least `apart` pixels from each other in a picture of a height. */
 export function angleTicks({ angles }: Rows, height: number, apart: number): number[] {
   const [low = 0, high = 0] = [angles[0], angles.at(-1)];
@@ -36,10 +45,11 @@ export function angleTicks({ angles }: Rows, height: number, apart: number): num
   const half = (high - low) / (angles.length - 1) / 2;
   const [first, last] = [Math.ceil((low - half) / step), Math.floor((high + half) / step)];
   if (last < first) return [];
-  return Array.from({ length: last - first + 1 }, (_, i) => nearestRow(angles, (first + i) * step));
-}
-
-function nearestRow(angles: number[], angle: number): number {
-  const off = angles.map((other) => Math.abs(other - angle));
-  return off.indexOf(Math.min(...off));
+  return Array.from({ length: last - first + 1 }, (_, i) => {
+    const least = (first + i) * step - half;
+    return Math.min(
+      firstWhere(angles, (angle) => angle >= least),
+      angles.length - 1,
+    );
+  });
 }

@@ -11,6 +11,7 @@ import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
 import { pointAt } from "./point.ts";
 import { placeBeside } from "./popup_place.ts";
+import { selectedRays } from "./rows.ts";
 import { type Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
 import { describeSelection, toFacts } from "./words.ts";
@@ -76,8 +77,8 @@ export class ScanogramView {
     if (!this.#state.whole) return;
     const times = [from, to].map(({ x }) => Math.round(toTime(this.#scene.axis, x) * 1e4) / 1e4);
     const [start, end] = [Math.min(...times), Math.max(...times)];
-    const rows = [from, to].map(({ y }) => this.#scene.rows.rayOf[this.#scene.toRow(y)] ?? 0);
-    this.#draft = rays ? [start, end, Math.min(...rows), Math.max(...rows) + 1] : [start, end];
+    const selected = selectedRays(this.#scene.rows, this.#scene.toRow(from.y), this.#scene.toRow(to.y));
+    this.#draft = rays ? [start, end, ...selected] : [start, end];
     if (done) {
       const selection = this.#draft;
       this.#draft = null;

@@ -119,7 +119,7 @@ export class Card {
     const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
     // An empty picture says the words itself.
     const words = shown && getSource(this.#model).words;
-    const lines = words ? [...said, words] : said;
+    const lines = words ? [words, ...said] : said;
     this.#notice.classList.toggle("rw-error", Boolean(error));
     this.#notice.classList.toggle("rw-status", said.length === 0);
     this.#bar.update(this.footer.hidden ? null : place);

@@ -1,0 +1,33 @@
+"""Which topics share a widget."""
+
+from __future__ import annotations
+
+import pytest
+
+from robowidgets._kinds import is_command
+from robowidgets._picks import picks
+from robowidgets.feeds._topics import Topic
+
+
+@pytest.mark.parametrize(
+    ("topics", "command_of"),
+    [
+        (["/odom", "/cmd_vel"], {"/odom": "/cmd_vel"}),
+        (["/odom", "/mobile_base/commands/velocity"], {"/odom": "/mobile_base/commands/velocity"}),
+        (["/wheel/odom", "/cmd_vel"], {"/wheel/odom": "/cmd_vel"}),
+        (["/odom", "/twist", "/cmd_vel"], {"/odom": "/cmd_vel", "/twist": "/cmd_vel"}),
+        (["/odom", "/cmd_vel", "/cmd_vel_mux/input"], {"/odom": "/cmd_vel"}),
+        (
+            ["/robot1/odom", "/robot1/cmd_vel", "/robot2/odom", "/robot2/cmd_vel"],
+            {"/robot1/odom": "/robot1/cmd_vel", "/robot2/odom": "/robot2/cmd_vel"},
+        ),
+        (["/robot1/odom", "/robot2/odom", "/robot2/cmd_vel"], {"/robot2/odom": "/robot2/cmd_vel"}),
+        (["/cmd_vel"], {}),
+    ],
+    ids=str,
+)
+def test_a_measured_speed_gets_the_command_of_its_own_robot(topics: list[str], command_of: dict[str, str]) -> None:
+    shown = [Topic(name, "", "speed", is_command(name), offered=True, wanted=None) for name in topics]
+    picked = picks(shown)
+    assert {pick.topic: pick.command for pick in picked if pick.command} == command_of
+    assert {pick.topic for pick in picked} == set(topics) - set(command_of.values())
