@@ -46,7 +46,7 @@ def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the one wo
     # Here, because it takes longer than all the rest of robowidgets, and who opens no recording need not wait for it.
     from .files import open_timeline
 
-    where = Path(os.fsdecode(path)).expanduser()
+    where = Path(os.fsdecode(path)).expanduser().absolute()  # who shows it later may have gone elsewhere
     return Recording(where, open_timeline(where))
 
 

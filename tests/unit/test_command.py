@@ -110,7 +110,7 @@ def test_python_m_robowidgets_is_the_same_command():
     assert version.stdout == f"robowidgets {robowidgets.__version__}\n"
     failed = subprocess.run([*run, "info", "no such file"], capture_output=True, text=True, check=False)
     assert failed.returncode == 1
-    assert failed.stderr.startswith("robowidgets: no such file")
+    assert failed.stderr == f"robowidgets: {Path.cwd() / 'no such file'}: no such file or folder\n"
     assert "Traceback" not in failed.stderr
 
 

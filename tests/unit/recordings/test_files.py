@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from robowidgets import SAMPLE
 from robowidgets.recordings import RecordingError, open
 from robowidgets.recordings.salvage.inflate import zstd
 
@@ -172,7 +173,7 @@ def test_a_folder_without_a_recording_names_what_it_holds(tmp_path: Path) -> Non
 
 def test_a_folder_is_named_however_it_was_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(RecordingError, match=r"^\.: no recording in this folder"):
+    with pytest.raises(RecordingError, match=rf"^{tmp_path}: no recording in this folder"):
         open(".")
 
 
@@ -214,3 +215,13 @@ def test_a_file_that_may_not_be_read_says_so(tmp_path: Path) -> None:
     path.chmod(0)
     with pytest.raises(RecordingError, match="Permission denied"):
         open(path)
+
+
+def test_a_recording_is_read_from_wherever_the_program_went(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copy(SAMPLE, tmp_path / "drive.mcap")
+    monkeypatch.chdir(tmp_path)
+    with open("drive.mcap") as recording:
+        monkeypatch.chdir(tmp_path.parent)
+        assert len(recording.scans()) == next(topic.count for topic in recording.topics if topic.widget == "laser")
+        with open(recording.path) as again:
+            assert again.topics == recording.topics
