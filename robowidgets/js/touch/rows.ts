@@ -13,7 +13,7 @@ const NARROWEST = 92;
 export const LOW = 58;
 const HIGH = 92;
 /** Below this width the words in a rectangle stand on lines of their own. */
-export const NARROW = 118;
+export const NARROW = 150;
 
 /** Height of a rectangle among others, by its width. */
 export function heightOf(width: number): number {
