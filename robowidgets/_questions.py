@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from functools import reduce
 from operator import and_, or_
 from typing import Any
@@ -64,8 +65,10 @@ def condition(arguments: argparse.Namespace) -> Condition:
     return reduce(or_ if arguments.any else and_, asked)
 
 
-def find(arguments: argparse.Namespace) -> tuple[str, int]:
+def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
     """What to print of ``robowidgets find``, and its exit code: 0 when something was found, 1 when nothing was.
+
+    ``warn`` is told what is wrong with the recording, line by line, as ``robowidgets info`` words it.
 
     Raises:
         QuestionError: the condition makes no sense.
@@ -76,6 +79,10 @@ def find(arguments: argparse.Namespace) -> tuple[str, int]:
             spans = recording.find(condition(arguments))
         except ValueError as error:
             raise QuestionError(str(error)) from None
+        finally:
+            # Also where it failed: damage may be why.
+            for line in recording.problems:
+                warn(f"! {line}")
     code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED
     return (_spans_as_json(spans) if arguments.json else _spans_as_text(spans)), code
 
@@ -98,6 +105,7 @@ def _spans_as_json(spans: Spans) -> str:
             "condition": spans.condition,
             "complete": spans.is_complete,
             "spans": [span._asdict() for span in spans],
+            "problems": list(spans.problems),
         },
         indent=2,
     )

@@ -24,7 +24,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return int(arguments.do(arguments) or 0)
     except (robowidgets.RecordingError, _questions.QuestionError, NoLabError, OSError) as error:
-        print(f"robowidgets: {error}", file=sys.stderr)
+        _warn(f"robowidgets: {error}")
         return int(arguments.failed)
     except KeyboardInterrupt:
         return 130
@@ -53,7 +53,7 @@ def _info(arguments: argparse.Namespace) -> None:
 
 
 def _find(arguments: argparse.Namespace) -> int:
-    text, code = _questions.find(arguments)
+    text, code = _questions.find(arguments, _warn)
     print(text)
     return code
 
@@ -69,6 +69,10 @@ def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace
 
 def _say(line: str) -> None:
     print(line, flush=True)
+
+
+def _warn(line: str) -> None:
+    print(line, file=sys.stderr)
 
 
 def _parser() -> argparse.ArgumentParser:

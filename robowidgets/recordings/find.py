@@ -83,4 +83,5 @@ def find(recording: Recording, given: Any, topics: str | Iterable[str] | None) -
         str(wanted),
         [Span((a - start_ns) / 1e9, (b - start_ns) / 1e9, (b - a) / 1e9, a, b) for a, b in found],
         (search.end_ns - start_ns) / 1e9 if search.is_cut else None,
+        recording.problems,
     )

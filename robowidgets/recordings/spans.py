@@ -31,16 +31,20 @@ class Spans(Sequence[Span]):
         condition: what held, in words.
         spans: in the order of time.
         until: seconds up to which the recording was looked at, when that was cut short; None: all of it.
+        problems: what was wrong with the recording, as `Recording.problems` tells it: something may be missed.
     """
 
-    def __init__(self, condition: str, spans: Sequence[Span], until: float | None = None) -> None:
+    def __init__(
+        self, condition: str, spans: Sequence[Span], until: float | None = None, problems: Sequence[str] = ()
+    ) -> None:
         self.condition = condition
         self.until = until
+        self.problems = tuple(problems)
         self._spans = tuple(spans)
 
     @property
     def is_complete(self) -> bool:
-        """Whether all of the recording was looked at."""
+        """Whether all of the recording was looked at that can be read; `problems` says what cannot."""
         return self.until is None
 
     @property
@@ -65,7 +69,7 @@ class Spans(Sequence[Span]):
     def __getitem__(self, which: slice) -> Spans: ...
     def __getitem__(self, which: int | slice) -> Span | Spans:
         if isinstance(which, slice):
-            return Spans(self.condition, self._spans[which], self.until)
+            return Spans(self.condition, self._spans[which], self.until, self.problems)
         return self._spans[which]
 
     def __iter__(self) -> Iterator[Span]:
@@ -91,9 +95,8 @@ class Spans(Sequence[Span]):
 
     def _notes(self) -> list[str]:
         more = [f"  ... and {len(self) - _SHOWN:,} more"] if len(self) > _SHOWN else []
-        if self.until is None:
-            return more
-        return [*more, f"! stopped at {self.until:.2f} s: nothing after that was looked at"]
+        stopped = [] if self.is_complete else [f"! stopped at {self.until:.2f} s: nothing after that was looked at"]
+        return [*more, *stopped, *(f"! {line}" for line in self.problems)]
 
 
 def _cells(span: Span) -> tuple[str, ...]:
