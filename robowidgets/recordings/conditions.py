@@ -251,7 +251,7 @@ class _Gap(Condition):
             times = search.over(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
         # Silence before the first sample and after the last counts too.
         ends = np.array([search.recording.start_ns or 0, search.end_ns], np.int64)
-        edges = np.sort(np.concatenate((ends[:1], times, ends[1:])))
+        edges = np.unique(np.concatenate((ends[:1], times, ends[1:])))
         silent = np.diff(edges) > self._seconds * 1e9
         return Steps(edges, np.append(np.where(silent, YES, NO), NO).astype(np.int8))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from heapq import merge
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,8 @@ if TYPE_CHECKING:
 _KINDS = {"laser": "scan", "speed": "speed", "touch": "touch"}
 _TIME = ""
 _BAR_EVERY = 500
+
+Make = Callable[[], Sample]
 
 
 class NotYetError(LookupError):
@@ -109,21 +110,23 @@ class Function(Condition):
         now = instant._now
         looked = 0
         try:
-            for time_ns, topic, sample in merge(*(_samples(recording, t) for t in topics), key=lambda found: found[0]):
+            for time_ns, samples in _together({t: _samples(recording, t) for t in topics}):
                 if time_ns > search.end_ns and search.is_cut:
                     break
-                instant._now, instant._samples[topic] = time_ns, sample
-                if not times or topic in instant._asked or _TIME in instant._asked:
+                instant._now = time_ns
+                instant._samples.update(samples)
+                if not times or _TIME in instant._asked or not instant._asked.isdisjoint(samples):
                     value = self._call(instant)
                 # In this order, so that an interrupt in between leaves no time without a value.
                 values.append(value)
                 times.append(time_ns)
-                now, looked = time_ns, looked + 1
-                if looked % _BAR_EVERY == 0:
-                    search.looked_at(_BAR_EVERY)
+                now, looked = time_ns, looked + len(samples)
+                if looked >= _BAR_EVERY:
+                    search.looked_at(looked)
+                    looked = 0
         except KeyboardInterrupt:
             search.cut(now)
-        search.looked_at(looked % _BAR_EVERY)
+        search.looked_at(looked)
         return steps(times, values[: len(times)])
 
     def _call(self, instant: Instant) -> int:
@@ -160,17 +163,34 @@ def _by_kind(recording: Recording, topics: list[str]) -> dict[str, str | None]:
     return found
 
 
-def _samples(recording: Recording, topic: str) -> Iterator[tuple[int, str, Callable[[], Sample]]]:
+def _together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[int, dict[str, Make]]]:
+    """The samples of all topics in the order of time, those of one time together.
+
+    Where topics have several at one time, first the first of each come together, then the second, and so on.
+    """
+    heads = {topic: head for topic, samples in topics.items() if (head := next(samples, None))}
+    while heads:
+        now = min(time_ns for time_ns, _ in heads.values())
+        said = {topic: make for topic, (time_ns, make) in heads.items() if time_ns == now}
+        yield now, said
+        for topic in said:
+            if head := next(topics[topic], None):
+                heads[topic] = head
+            else:
+                del heads[topic]
+
+
+def _samples(recording: Recording, topic: str) -> Iterator[tuple[int, Make]]:
     """Times that never go back, and what makes the sample of each."""
     widget = next(known.widget for known in recording.topics if known.name == topic)
     if widget == "touch":
         touches = recording.touches(topic)
         held = accumulate(touches.times_ns.tolist(), max)
-        yield from ((time_ns, topic, partial(touches.sample, i)) for i, time_ns in enumerate(held))
+        yield from ((time_ns, partial(touches.sample, i)) for i, time_ns in enumerate(held))
         return
     latest = 0
     series: Any = recording.scans(topic) if widget == "laser" else recording.speeds(topic)
     for chunk in series.chunks():
         for i, time_ns in enumerate(chunk.times_ns.tolist()):
             latest = max(latest, time_ns)
-            yield latest, topic, partial(chunk.sample, i)
+            yield latest, partial(chunk.sample, i)

@@ -16,15 +16,24 @@ class Steps(NamedTuple):
     """From each time on, until the next, whether something holds: ``NO``, ``UNKNOWN`` or ``YES``.
 
     ``times``: nanoseconds, shape (N,), ascending; before the first it is unknown. ``values``: shape (N,).
+    Several values at one time all hold at that moment, and the last of them from then on.
     """
 
     times: NDArray[np.int64]
     values: NDArray[np.int8]
 
     def at(self, times: NDArray[np.int64]) -> NDArray[np.int8]:
-        """What holds at some times."""
+        """What holds from some times on."""
         known = np.concatenate((np.array([UNKNOWN], np.int8), self.values))
         return known[np.searchsorted(self.times, times, side="right")]
+
+    def during(self, times: NDArray[np.int64], which: np.ufunc) -> NDArray[np.int8]:
+        """The least (`np.minimum`) or greatest of what holds at some moments, all of its own among them."""
+        values = self.at(times)
+        if len(self.times):
+            own, first = np.unique(self.times, return_index=True)
+            values[np.searchsorted(times, own)] = which.reduceat(self.values, first)
+        return values
 
 
 def steps(times: ArrayLike, values: ArrayLike) -> Steps:
@@ -34,9 +43,17 @@ def steps(times: ArrayLike, values: ArrayLike) -> Steps:
 
 
 def combined(parts: Sequence[Steps], how: Callable[..., Any]) -> Steps:
-    """Steps of several, at every time of any of them."""
+    """Steps of several, at every time of any of them.
+
+    Where one has several values at a time, any of them may go with any of another: the order tells nothing. So there
+    are the least and the greatest of what may come of it, and then what holds from there on.
+    """
     times = np.unique(np.concatenate([part.times for part in parts]))
-    return Steps(times, how([part.at(times) for part in parts], axis=0))
+    after = how([part.at(times) for part in parts], axis=0)
+    if all(np.all(part.times[1:] > part.times[:-1]) for part in parts):
+        return Steps(times, after)
+    least, most = (how([part.during(times, which) for part in parts], axis=0) for which in (np.minimum, np.maximum))
+    return Steps(np.repeat(times, 3), np.stack((least, most, after), axis=1).ravel())
 
 
 def inverted(part: Steps) -> Steps:
@@ -45,12 +62,14 @@ def inverted(part: Steps) -> Steps:
 
 
 def spans(part: Steps, end_ns: int) -> list[tuple[int, int]]:
-    """From when to when it holds; what holds at the last time goes on to ``end_ns``."""
-    times = np.append(part.times, end_ns)
-    # Of several values at one time the last counts.
-    last = np.append(part.times[1:] != part.times[:-1], True)[: len(part.values)]
-    starts, values = part.times[last], part.values[last]
+    """From when to when it holds; what holds at the last time goes on to ``end_ns``.
+
+    What holds only at a moment, and not from there on, is from that moment to the same.
+    """
+    moments = np.unique(part.times)
+    times = np.repeat(moments, 2)
+    values = np.stack((part.during(moments, np.maximum), part.at(moments)), axis=1).ravel()
     yes = np.concatenate(([False], values == YES, [False])).astype(np.int8)
     first, after = np.flatnonzero(np.diff(yes) == 1), np.flatnonzero(np.diff(yes) == -1)
-    edges = np.append(starts, max(end_ns, int(times[-1])))
+    edges = np.append(times, max(end_ns, int(times[-1])) if len(times) else end_ns)
     return [(int(edges[a]), int(edges[b])) for a, b in zip(first, after, strict=True)]
