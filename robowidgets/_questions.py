@@ -17,6 +17,15 @@ from .recordings.spans import Spans
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 
+_USED_BY = {
+    "sector": "nearest_below",
+    "scan": "nearest_below",
+    "axis": "speed_above",
+    "speed": "speed_above",
+    "touch": "touched",
+}
+"""Which condition an option belongs to."""
+
 
 class QuestionError(Exception):
     """The conditions make no sense, or not for this recording."""
@@ -25,7 +34,15 @@ class QuestionError(Exception):
 def add_find(parser: argparse.ArgumentParser) -> None:
     """The arguments of ``robowidgets find``, but for its file."""
     asked = parser.add_argument_group("conditions, of which all must hold")
-    asked.add_argument("--touched", nargs="?", const="", metavar="SENSOR", help="it is touched; none named: any")
+    asked.add_argument(
+        "--touched",
+        nargs="?",
+        const="",
+        action="append",
+        default=[],
+        metavar="SENSOR",
+        help="it is touched; none named: any; may be given again for another",
+    )
     asked.add_argument("--nearest-below", type=float, metavar="METRES", help="a ray meets something nearer than that")
     asked.add_argument("--speed-above", type=float, metavar="SPEED", help="it is faster than that, either way")
     asked.add_argument("--gap", type=float, metavar="SECONDS", help="no scan or no speed came for longer than that")
@@ -38,7 +55,7 @@ def add_find(parser: argparse.ArgumentParser) -> None:
         metavar=("FROM", "TO"),
         help="only rays between these angles, in radians counter-clockwise (default: all)",
     )
-    how.add_argument("--axis", default="linear.x", help="of the speed (default: linear.x; angular.z is yaw)")
+    how.add_argument("--axis", help="of the speed (default: linear.x; angular.z is yaw)")
     for kind in ("scan", "speed", "touch"):
         how.add_argument(f"--{kind}", metavar="TOPIC", help=f"the topic of the {kind} (default: the only one)")
     parser.add_argument("--json", action="store_true", help="print a list of spans as JSON, times in seconds")
@@ -48,21 +65,27 @@ def condition(arguments: argparse.Namespace) -> Condition:
     """The condition that the arguments name.
 
     Raises:
-        QuestionError: they name none.
+        QuestionError: they name none, or something that it does not use.
         ValueError: one makes no sense.
     """
-    asked: list[Condition] = []
-    if arguments.touched is not None:
-        asked.append(conditions.touched(arguments.touched or None, arguments.touch))
+    asked: list[Condition] = [conditions.touched(label or None, arguments.touch) for label in arguments.touched]
     if arguments.nearest_below is not None:
         asked.append(conditions.nearest_below(arguments.nearest_below, arguments.sector, arguments.scan))
     if arguments.speed_above is not None:
-        asked.append(conditions.speed_above(arguments.speed_above, arguments.axis, arguments.speed))
+        asked.append(conditions.speed_above(arguments.speed_above, arguments.axis or "linear.x", arguments.speed))
     if arguments.gap is not None:
         asked.append(conditions.gap(arguments.gap))
     if not asked:
         raise QuestionError("find: expected a condition: --touched, --nearest-below, --speed-above or --gap")
+    _check_used(arguments)
     return reduce(or_ if arguments.any else and_, asked)
+
+
+def _check_used(arguments: argparse.Namespace) -> None:
+    for name, user in _USED_BY.items():
+        unused = getattr(arguments, name) is not None and getattr(arguments, user) in (None, [])
+        if unused:
+            raise QuestionError(f"find: --{name} says where to look for --{user.replace('_', '-')}, which is not asked")
 
 
 def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
@@ -49,12 +50,12 @@ def _open(arguments: argparse.Namespace) -> None:
 
 
 def _info(arguments: argparse.Namespace) -> None:
-    print(_questions.info(arguments))
+    _say(_questions.info(arguments))
 
 
 def _find(arguments: argparse.Namespace) -> int:
     text, code = _questions.find(arguments, _warn)
-    print(text)
+    _say(text)
     return code
 
 
@@ -67,8 +68,12 @@ def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace
     _lab.run(notebook, arguments.port, arguments.browser, _say)
 
 
-def _say(line: str) -> None:
-    print(line, flush=True)
+def _say(text: str) -> None:
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        # Nobody reads on, as `head` does. What is left must not be written again at the end of Python.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _warn(line: str) -> None:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"]
 
 _ROUNDING = 1e-9
+_FULL_TURN = 2 * pi + 0.01
+"""And what is lost when it is typed with few digits."""
 
 
 class Condition(ABC):
@@ -79,7 +81,7 @@ def nearest_below(distance: float, sector: tuple[float, float] | None = None, to
 
     Raises:
         TypeError: something is no number.
-        ValueError: the distance is not above 0, or an angle is infinite or NaN.
+        ValueError: the distance is not above 0, or an angle is beyond a full turn either way, infinite or NaN.
     """
     return _NearestBelow(distance, sector, topic)
 
@@ -267,4 +269,8 @@ def _angles(sector: Iterable[float]) -> tuple[float, float]:
     start, end = number("sector", start), number("sector", end)
     if not (isfinite(start) and isfinite(end)):
         raise ValueError(f"sector: expected two angles in radians, got {sector!r}")
+    if max(abs(start), abs(end)) > _FULL_TURN:
+        raise ValueError(
+            f"sector: expected radians between -2 pi and 2 pi, got {sector!r}: math.radians() makes them of degrees"
+        )
     return start, end

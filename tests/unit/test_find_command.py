@@ -1,0 +1,52 @@
+"""What ``robowidgets find`` refuses, and what ends it early."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import robowidgets
+from robowidgets.command import main
+
+FILE = str(robowidgets.SAMPLE)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["--gap", "0.19", "--scan", "/nonsense"], "--scan says where to look for --nearest-below, which is not asked"),
+        (["--gap", "1", "--sector", "1", "2"], "--sector says where to look for --nearest-below, which is not asked"),
+        (["--touched", "--axis", "nonsense"], "--axis says where to look for --speed-above, which is not asked"),
+        (["--touched", "--speed", "/odom"], "--speed says where to look for --speed-above, which is not asked"),
+        (["--gap", "1", "--touch", "/bumper"], "--touch says where to look for --touched, which is not asked"),
+        (["--nearest-below", "1", "--sector", "-30", "30"], "math.radians() makes them of degrees"),
+    ],
+)
+def test_what_has_no_use_or_no_sense_is_refused(
+    arguments: list[str], text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["find", FILE, *arguments]) == 2
+    said = capsys.readouterr()
+    assert (said.out, said.err.count("\n")) == ("", 1)
+    assert text in said.err
+
+
+def test_all_sensors_that_are_named_must_be_touched(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["find", FILE, "--touched", "left", "--touched", "right", "--json"])
+    assert json.loads(capsys.readouterr().out)["condition"] == "(left touched & right touched)"
+    main(["find", FILE, "--touched", "left", "--touched", "--any", "--json"])
+    assert json.loads(capsys.readouterr().out)["condition"] == "(left touched | anything touched)"
+
+
+@pytest.mark.parametrize(("arguments", "code"), [(["find", FILE, "--touched"], 0), (["info", FILE], 0)])
+def test_a_closed_pipe_ends_quietly(arguments: list[str], code: int) -> None:
+    command = subprocess.Popen(
+        [sys.executable, "-m", "robowidgets", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert command.stdout is not None
+    command.stdout.close()
+    _, said = command.communicate(timeout=60)
+    assert (said, command.returncode) == (b"", code)
