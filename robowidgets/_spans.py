@@ -10,7 +10,7 @@ import traitlets
 
 
 class TimeSpan(traitlets.TraitType[Any, Any]):
-    """None, or (start, end) in seconds from the start, 0 <= start < end.
+    """None, or (start, end) in seconds from the start, 0 <= start < end. A span of `Recording.find` is taken as it is.
 
     Args:
         rays: whether (start, end, first, stop) may say as well which rays are meant: from index ``first`` up to, not
@@ -28,7 +28,7 @@ class TimeSpan(traitlets.TraitType[Any, Any]):
             expected += ", with rays (start, end, first, stop)"
         if value is None:
             return None
-        parts = value
+        parts = value[:2] if isinstance(value, tuple) and hasattr(value, "start_ns") else value
         if not isinstance(parts, (tuple, list)) or len(parts) not in ((2, 4) if self._rays else (2,)):
             raise traitlets.TraitError(f"{self.name}: {expected}; got {value!r}")
         if not all(isinstance(part, Real) and not isinstance(part, bool) and isfinite(part) for part in parts):

@@ -294,7 +294,7 @@ class Recording:
         self.close()
 
     def __getitem__(self, which: slice | Sequence[float]) -> Stretch:
-        """The samples of a stretch of time: ``recording[2:5]`` in seconds, or ``recording[scanogram.selection]``."""
+        """The samples of a stretch of time: ``recording[2:5]`` in seconds, a selection, or a span of `find`."""
         return Stretch(self, which)
 
     def __iter__(self) -> Iterator[Moment]:

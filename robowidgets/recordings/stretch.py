@@ -9,6 +9,7 @@ import traitlets
 
 from .._spans import TimeSpan
 from .scan_series import Scans
+from .spans import Span
 from .speed_series import Speeds
 from .timeline import Moment
 from .touch_series import Touches
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 _SPAN = TimeSpan(rays=True)
 _SPAN.name = "recording[...]"
 
+_MOMENT = 1e-9
+
 
 class Stretch:
     """What ``recording[start:end]`` gives: the samples between two times, read when their turn comes.
@@ -27,7 +30,8 @@ class Stretch:
 
     Args:
         recording: where they are.
-        which: a slice of seconds from the start, ``recording[2:5]``, or what `ScanogramWidget.selection` holds.
+        which: a slice of seconds from the start, ``recording[2:5]``, what `ScanogramWidget.selection` holds, or a span
+            of `Recording.find`; from one of 0 seconds, what came at that moment.
 
     ``start`` and ``end`` are seconds from the start, the end not included; None where a slice leaves it open. ``rays``
     is a slice of the selected rays, all of them where none are selected: ``scan.ranges[stretch.rays]``. The samples
@@ -44,9 +48,15 @@ class Stretch:
         self.end: float | None
         if isinstance(which, slice) and which.step is None:
             self.start, self.end = which.start, which.stop
+            for name, seconds in (("start", self.start), ("end", self.end)):
+                if seconds is not None:
+                    recording._time_ns(name, seconds)
+            return
+        if isinstance(which, Span):
+            self.start, self.end = which.start, max(which.end, which.start + _MOMENT)
             return
         if not isinstance(which, (tuple, list)):
-            raise TypeError(f"recording[...]: expected seconds, like recording[2:5], or a selection; got {which!r}")
+            raise TypeError(f"recording[...]: expected seconds, as [2:5], a selection or a span; got {which!r}")
         try:
             span = _SPAN.validate(None, which)
         except traitlets.TraitError as error:
