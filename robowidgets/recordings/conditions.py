@@ -244,7 +244,7 @@ class _Gap(Condition):
         return found
 
     def _of(self, search: Search, topic: str) -> Steps:
-        widget = next((t.widget for t in search.recording.topics if t.name == topic), None)
+        widget = next((t.widget for t in search.recording.topics if t.name == topic and t.widget), None)
         if widget == "touch":
             touches = search.recording.touches(topic)
             times = touches.times_ns[touches.said]

@@ -182,7 +182,7 @@ def _together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[i
 
 def _samples(recording: Recording, topic: str) -> Iterator[tuple[int, Make]]:
     """Times that never go back, and what makes the sample of each."""
-    widget = next(known.widget for known in recording.topics if known.name == topic)
+    widget = next(known.widget for known in recording.topics if known.name == topic and known.widget)
     if widget == "touch":
         touches = recording.touches(topic)
         held = accumulate(touches.times_ns.tolist(), max)

@@ -32,10 +32,13 @@ class MessageTimeline:
         self.start_ns, self.end_ns = source.start_ns, source.end_ns
         self._reads: dict[int, Read] = {}
         self._shown: defaultdict[str, list[Channel]] = defaultdict(list)
+        self._widgets: dict[str, tuple[Widget, str]] = {}
+        """By the name of a topic its widget, and the type that it is picked for."""
         self._left_out: dict[str, str] = {}
         self._stopped: list[str] = []
-        found = [(channel, *self._understand(channel)) for channel in source.channels]
-        self.topics = self._list(found)
+        # Those without a message last: of several types of a topic, the first that came is shown.
+        found = {c.id: self._understand(c) for c in sorted(source.channels, key=lambda channel: not channel.count)}
+        self.topics = self._list([(channel, *found[channel.id]) for channel in source.channels])
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -128,6 +131,9 @@ class MessageTimeline:
             if channel.type == _RANGE and not self._speaks(channel):
                 return None, ""
         if widget:
+            first = self._widgets.setdefault(channel.topic, (widget, channel.type))
+            if first[0] != widget:
+                return None, f"its messages of {first[1]} are shown, those of {channel.type} are left out"
             self._shown[channel.topic].append(channel)
         return widget, ""
 
