@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from ._traits import Flag
 from ._widget import HEAD, RobotWidget, bundle
 from .messages import ScanReader
 from .samples import Scan, Validity
-from .samples.scan import MAX_RAYS
+from .samples.scan import MAX_RAYS, in_radians
 
 _GEOMETRY = struct.Struct("<5d")
 _FLOAT = np.dtype("<f4")
@@ -189,12 +188,10 @@ class LaserWidget(RobotWidget[Scan]):
 
     @traitlets.validate("angle_offset")
     def _in_radians(self, proposal: Any) -> float:
-        offset = float(proposal["value"])
-        if not abs(offset) <= 2 * pi:
-            raise traitlets.TraitError(
-                f"angle_offset: expected radians within ±2 pi, got {offset!r}; math.radians() makes them of degrees"
-            )
-        return offset
+        try:
+            return in_radians("angle_offset", proposal["value"])
+        except ValueError as error:
+            raise traitlets.TraitError(str(error)) from None
 
     @traitlets.observe("angle_offset")
     def _turn(self, change: Any) -> None:

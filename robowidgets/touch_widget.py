@@ -6,7 +6,6 @@ import json
 import threading
 import time
 from collections.abc import Iterable
-from math import isfinite
 from typing import Any
 
 import traitlets
@@ -15,6 +14,7 @@ from ._pacer import pacer
 from ._widget import HEAD, RobotWidget, bundle
 from .messages import to_touch
 from .samples import Touch, TouchState
+from .samples.scan import in_radians
 from .touch_tracker import TouchSensor, TouchTracker
 
 
@@ -31,7 +31,8 @@ class TouchWidget(RobotWidget[Touch]):
         sensors: which sensors are shown, from left to right; empty: all of them, as their messages name them. For
             contacts of a simulator: the names of the robot's collisions.
         labels: sensor name to another text for its rectangle. Plain text.
-        angles: sensor name to its place on the body, in radians counter-clockwise from forward, finite.
+        angles: sensor name to its place on the body, in radians counter-clockwise from forward, within
+            ±2 pi.
         hold: seconds that a touch outlasts the last message that listed it, 0 or more.
         timeout: seconds of silence after which such a touch is over, infinite to wait for ever; None: like `hold`.
         paused: whether the picture is frozen.
@@ -62,7 +63,7 @@ class TouchWidget(RobotWidget[Touch]):
     angles = traitlets.Dict(
         key_trait=traitlets.Unicode(),
         value_trait=traitlets.Float(),
-        help="Sensor name to radians counter-clockwise from forward, finite.",
+        help="Sensor name to radians counter-clockwise from forward, within ±2 pi.",
     ).tag(sync=True)
     hold = traitlets.Float(0.15, help="Seconds that a touch outlasts the last message that listed it, 0 or more.")
     timeout = traitlets.Float(
@@ -194,11 +195,11 @@ class TouchWidget(RobotWidget[Touch]):
         self._send_again()
 
     @traitlets.validate("angles")
-    def _finite(self, proposal: Any) -> Any:
-        for name, angle in proposal["value"].items():
-            if not isfinite(angle):
-                raise traitlets.TraitError(f"angles[{name!r}]: expected a finite number of radians, got {angle!r}")
-        return proposal["value"]
+    def _in_radians(self, proposal: Any) -> Any:
+        try:
+            return {name: in_radians(f"angles[{name!r}]", angle) for name, angle in proposal["value"].items()}
+        except ValueError as error:
+            raise traitlets.TraitError(str(error)) from None
 
     @traitlets.validate("sensors")
     def _once_each(self, proposal: Any) -> Any:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..samples import Scan
-from ..samples.scan import number
+from ..samples.scan import OF_DEGREES, is_angle, number
 from .fields import MISSING, describe, frame_id, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
@@ -56,7 +56,11 @@ def to_scan(message: Any) -> Scan:
         intensities=np.empty(0, np.float32) if intensities is None else intensities,
         stamp_ns=stamp_ns(message),
         frame_id=frame_id(message),
-        notes=(*_about_angles(read("angle_max", None), _count(ranges), angle_min, increment), *_about_times(read)),
+        notes=(
+            *_about_angles(read("angle_max", None), _count(ranges), angle_min, increment),
+            *_about_unit(angle_min),
+            *_about_times(read),
+        ),
     )
 
 
@@ -138,6 +142,14 @@ def _count(ranges: Any) -> int:
     if not isinstance(ranges, Sized) or isinstance(ranges, (bytes, bytearray, str)):
         raise TypeError(f"ranges: expected an array of numbers, got {describe(ranges)}")
     return len(ranges)
+
+
+def _about_unit(angle_min: Any) -> tuple[str, ...]:
+    """What is said of an angle that no scanner starts at in radians."""
+    first = number("angle_min", angle_min)
+    if not isfinite(first) or is_angle(first):
+        return ()
+    return (f"angle_min is {first:g} rad: is it in degrees? {OF_DEGREES}",)
 
 
 def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> tuple[str, ...]:

@@ -17,6 +17,8 @@ MAX_RAYS = 1_000_000
 _FLOAT32 = np.dtype(np.float32)
 _ANGLE_ROUNDING = 1e-6
 
+OF_DEGREES = "math.radians() makes them of degrees"
+
 
 class Validity(IntEnum):
     """What a range says (REP-117). The five never mix: not in a picture, a pop-up or a count."""
@@ -230,8 +232,12 @@ class Scan:
         return self[int(np.nanargmin(self._distances))]
 
     def at(self, angle: float) -> Ray | None:
-        """The ray that points closest to an angle in radians; None more than half a step outside the sweep."""
-        off = np.abs((self.angles - finite("angle", angle, "radians") + pi) % (2 * pi) - pi)
+        """The ray that points closest to an angle in radians; None more than half a step outside the sweep.
+
+        Raises:
+            TypeError: no number. ValueError: it is beyond ±2 pi, as degrees are.
+        """
+        off = np.abs((self.angles - in_radians("angle", angle) + pi) % (2 * pi) - pi)
         if not off.size or off.min() > abs(self.angle_increment) / 2 + _ANGLE_ROUNDING:
             return None
         return self[int(off.argmin())]
@@ -271,6 +277,19 @@ def finite(name: str, value: Any, unit: str) -> float:
     if not isfinite(result):
         raise ValueError(f"{name}: expected a finite number of {unit}, got {result!r}")
     return result
+
+
+def in_radians(name: str, value: Any) -> float:
+    """An angle within ±2 pi; ValueError beyond it, where it is in degrees."""
+    angle = finite(name, value, "radians")
+    if not is_angle(angle):
+        raise ValueError(f"{name}: expected radians within ±2 pi, got {angle!r}; {OF_DEGREES}")
+    return angle
+
+
+def is_angle(value: float) -> bool:
+    """Whether this is within ±2 pi, as radians are."""
+    return abs(value) <= 2 * pi + _ANGLE_ROUNDING
 
 
 def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:

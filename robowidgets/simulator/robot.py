@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..samples import Scan, Speed, Touch, TouchMode
-from ..samples.scan import finite
+from ..samples.scan import finite, in_radians
 from .contact import BUMPERS, contact_angles, pressed, push_out
 from .motors import Motors
 from .scanner import Scanner
@@ -36,7 +36,7 @@ class Robot:
 
     Args:
         world: where it drives.
-        pose: (x, y, yaw) at the start, metres and radians.
+        pose: (x, y, yaw) at the start, metres and radians within ±2 pi.
         scanner: its laser; `Scanner()` when None.
         motors: its drive; `Motors()` when None.
         radius: of the body, metres.
@@ -82,7 +82,8 @@ class Robot:
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
         if len(pose) != 3:
             raise ValueError(f"pose: expected (x, y, yaw), got {len(pose)} values")
-        x, y, yaw = (finite(f"pose.{n}", v, u) for n, v, u in zip(Pose._fields, pose, ("m", "m", "rad"), strict=True))
+        x, y = (finite(f"pose.{name}", value, "m") for name, value in zip("xy", pose[:2], strict=True))
+        yaw = in_radians("pose.yaw", pose[2])
         room = world.clearance(x, y)
         if room < self.radius:
             raise ValueError(

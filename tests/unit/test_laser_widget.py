@@ -414,11 +414,17 @@ class TestAngleOffset:
         laser.paused = False
         assert laser.scan.angle_min == 0.5
 
-    @pytest.mark.parametrize("value", [nan, inf, 180.0, -6.3])
-    def test_is_in_radians(self, laser: LaserWidget, value: float) -> None:
+    @pytest.mark.parametrize(
+        ("value", "text"),
+        [
+            (nan, "a finite number of radians, got nan"),
+            (inf, "a finite number of radians, got inf"),
+            (180.0, "radians within ±2 pi, got 180.0; math.radians() makes them of degrees"),
+            (-6.3, "radians within ±2 pi, got -6.3; math.radians() makes them of degrees"),
+        ],
+    )
+    def test_is_in_radians(self, laser: LaserWidget, value: float, text: str) -> None:
         with pytest.raises(TraitError) as refusal:
             laser.angle_offset = value
-        assert str(refusal.value) == (
-            f"angle_offset: expected radians within ±2 pi, got {value!r}; math.radians() makes them of degrees"
-        )
+        assert str(refusal.value) == f"angle_offset: expected {text}"
         assert laser.angle_offset == 0

@@ -265,6 +265,15 @@ class TestOddScan:
         assert np.allclose(scan.y, [1, 0, -1])
         assert scan.notes == ()
 
+    @pytest.mark.parametrize("first", [-135.0, 6.3])
+    def test_an_angle_min_that_looks_like_degrees_is_noted(self, first: float) -> None:
+        scan = to_scan(laser([1, 1, 1], angle_min=first, angle_max=first + 1.0, angle_increment=0.5))
+        assert scan.notes == (f"angle_min is {first:g} rad: is it in degrees? math.radians() makes them of degrees",)
+
+    @pytest.mark.parametrize("first", [2 * pi, np.float32(2 * pi), -2 * pi])
+    def test_an_angle_min_of_a_full_turn_is_not_odd(self, first: float) -> None:
+        assert to_scan(laser([1, 1, 1], angle_min=first, angle_max=first + 1.0, angle_increment=0.5)).notes == ()
+
     def test_an_angle_max_against_the_increment_is_noted(self) -> None:
         scan = to_scan(laser([1, 1, 1], angle_min=1.0, angle_max=-1.0, angle_increment=1.0))
         assert scan.angles.tolist() == [1, 2, 3]

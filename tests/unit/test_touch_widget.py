@@ -286,6 +286,10 @@ class TestErrors:
             ({"hold": inf}, r"^hold: expected seconds, 0 or more, got inf$"),
             ({"timeout": nan}, r"^timeout: expected seconds, 0 or more, or None, got nan$"),
             ({"angles": {"left": inf}}, r"^angles\['left'\]: expected a finite number of radians, got inf$"),
+            (
+                {"angles": {"left": 0.9, "back": 180}},
+                r"^angles\['back'\]: expected radians within ±2 pi, got 180.0; math.radians\(\) makes them of degrees$",
+            ),
             ({"angles": {"left": "front"}}, r"'angles'.*TouchWidget.*float.*'front'"),
             ({"sensors": ["left", "right", "left"]}, r"^sensors: expected each name once, got 'left' more than once$"),
             ({"labels": {"left": 5}}, r"'labels'.*unicode string.*5"),

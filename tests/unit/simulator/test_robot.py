@@ -1,4 +1,4 @@
-from math import cos, hypot, inf, pi, sin
+from math import cos, hypot, inf, nan, pi, sin
 
 import numpy as np
 import pytest
@@ -256,7 +256,14 @@ def test_touch_says_how_every_bumper_stands():
         ((World(),), {"seed": -1}, ValueError, "seed: expected 0 or more, got -1"),
         ((World(),), {"radius": 0}, ValueError, "radius: expected metres above 0, got 0"),
         ((World(), (0.0, 0.0)), {}, ValueError, r"pose: expected \(x, y, yaw\), got 2 values"),
-        ((World(), (0.0, 0.0, inf)), {}, ValueError, r"pose.yaw: expected a finite number of rad, got inf"),
+        ((World(), (0.0, 0.0, inf)), {}, ValueError, r"pose.yaw: expected a finite number of radians, got inf"),
+        ((World(), (nan, 0.0, 0.0)), {}, ValueError, r"pose.x: expected a finite number of m, got nan"),
+        (
+            (World(), (0.0, 0.0, 90)),
+            {},
+            ValueError,
+            r"pose.yaw: expected radians within ±2 pi, got 90.0; math.radians\(\) makes them of degrees",
+        ),
         (
             (WALL, (1.9, 0.0, 0.0)),
             {},
