@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 from nbclient import NotebookClient
 
 from .conftest import ROOT
+from .unit.waiting import wait_for
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 WIDGET = "application/vnd.jupyter.widget-view+json"
@@ -66,3 +68,18 @@ def test_a_notebook_runs_from_top_to_bottom(file: Path, tmp_path: Path, monkeypa
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     assert [output.text for output in outputs if output.get("name") == "stderr"] == []
     assert [output for output in outputs if WIDGET in output.get("data", {})], f"{file.name} shows no widget"
+
+
+def test_the_lesson_of_the_pad_stands_when_its_first_cell_is_run_again() -> None:
+    cells = read(ROOT / "notebooks" / "drive_widget.ipynb").cells
+    first, second, *_ = [cell.source for cell in cells if cell.cell_type == "code"]
+    names: dict[str, Any] = {}
+    for source in (first, second, first):
+        exec(source, names)
+    try:
+        wait_for(lambda: sum("(live)" in thread.name for thread in threading.enumerate()) == 1, "one thread is left")
+        names["pad"]._dead_man.drive((0.3, 0.0))
+        wait_for(lambda: names["robot"].pose[:2] != (5.0, 0.4), "the new robot moves")
+    finally:
+        names["running"] = False
+        names["pad"].close()
