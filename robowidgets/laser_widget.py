@@ -147,6 +147,7 @@ class LaserWidget(RobotWidget[Scan]):
             # Most are like the one before, and then nothing else is to be looked at.
             scan = self._read.next(given)
             if scan is None:
+                _refuse_array(given)
                 scan = self._read(given)
         except (TypeError, ValueError) as error:
             self._refuse(error)
@@ -224,12 +225,19 @@ def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
         return fields
     if fields:
         raise TypeError(f"update() takes a message or fields, not both; got a message and {_listed(fields)}")
-    if type(message) in (list, tuple, np.ndarray):
+    return message
+
+
+def _refuse_array(message: Any) -> None:
+    """TypeError for plain numbers; messages pass, also those that are tuples or rows of a table."""
+    is_array = hasattr(message, "__array__") or (
+        isinstance(message, Sequence) and not isinstance(message, (str, bytes))
+    )
+    if is_array and not hasattr(message, "ranges"):
         raise TypeError(
             f"update() got a {type(message).__name__} without the scanner's geometry; plain numbers go by name: "
             "update(ranges=..., angle_min=..., angle_increment=..., range_min=..., range_max=...)"
         )
-    return message
 
 
 def _listed(names: Any) -> str:

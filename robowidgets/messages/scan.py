@@ -39,9 +39,11 @@ def to_scan(message: Any) -> Scan:
     given = {name: read(name, MISSING) for name in _NEEDED}
     missing = [name for name, value in given.items() if value is MISSING]
     if missing:
+        by_last = "angle_increment" in missing and read("angle_max", None) is not None
         raise TypeError(
             f"expected a message like sensor_msgs/LaserScan, with {', '.join(_NEEDED)}; got {describe(message)} "
             f"(missing: {', '.join(missing)})"
+            + ("; angle_increment = (angle_max - angle_min) / (len(ranges) - 1)" if by_last else "")
         )
     ranges, angle_min, increment, range_min, range_max = given.values()
     if increment is None:

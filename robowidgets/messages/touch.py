@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from numbers import Integral
+from numbers import Real
 from typing import Any
 
 from ..samples import Touch
@@ -34,11 +34,11 @@ def to_touch(message: Any, own: Collection[str] = ()) -> Touch:
         return message
     dialect = next((d for d in DIALECTS if d.fits(message)), None)
     if dialect is None:
-        _refuse_numbers(message)
+        _refuse_plain(message)
         known = ", ".join(d.types[0] for d in DIALECTS if d.types)
         raise TypeError(
-            f"expected a message like one of {known}, or a mapping of sensor names to True, False or None; "
-            f"got {describe(message)}"
+            "expected sensor names with True, False or None, like {'left': True}, or a message like one of "
+            f"{known}; got {describe(message)}"
         )
     said, stated = dialect.read(message), type_name(message)
     return Touch(
@@ -50,20 +50,20 @@ def to_touch(message: Any, own: Collection[str] = ()) -> Touch:
     )
 
 
-def _refuse_numbers(message: Any) -> None:
-    """TypeError for a mapping of names to 1 and 0, which are bits and codes elsewhere; other messages pass."""
-    values = message.values() if isinstance(message, Mapping) else ("",)
-    if all(value is None or is_flag(value) or isinstance(value, Integral) for value in values):
+def _refuse_plain(message: Any) -> None:
+    """TypeError for a mapping of names to numbers or text, which are bits, codes and words elsewhere; others pass."""
+    values = message.values() if isinstance(message, Mapping) else ((),)
+    if all(value is None or is_flag(value) or isinstance(value, (Real, str)) for value in values):
         for name, value in message.items():
             if value is not None and not is_flag(value):
+                remedy = "" if isinstance(value, str) else "; bool() makes it of a number"
                 raise TypeError(
-                    f"{name}: expected True, False or None in a mapping of sensor names, got {value!r}; "
-                    "bool() makes it of a number"
+                    f"{name}: expected True, False or None in a mapping of sensor names, got {value!r}{remedy}"
                 )
 
 
 def _name(sensor: Sensor, own: Collection[str]) -> str:
-    if isinstance(sensor, str):
+    if not isinstance(sensor, tuple):
         return sensor
     first, second = sensor
     return second if second in own and first not in own else first

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
+from typing import Any
 
 from .scan import number
 
@@ -40,10 +42,9 @@ class Speed:
             given = getattr(self, name)
             if type(given) is tuple and len(given) == 3 and all(type(v) is float for v in given):
                 continue
-            try:
-                values = tuple(given)
-            except TypeError:
-                raise TypeError(f"{name}: expected three numbers (x, y, z), got {given!r}") from None
+            values = _in_order(given)
+            if values is None:
+                raise TypeError(f"{name}: expected three numbers (x, y, z), got {given!r}")
             if len(values) != 3:
                 raise ValueError(f"{name}: expected three numbers (x, y, z), got {len(values)}")
             object.__setattr__(
@@ -54,3 +55,11 @@ class Speed:
     def values(self) -> tuple[float, ...]:
         """The six numbers in the order of `AXES`."""
         return self.linear + self.angular
+
+
+def _in_order(given: Any) -> tuple[Any, ...] | None:
+    """The values in a sequence or an array; None for text, mappings and sets: they have no x, y and z in this order."""
+    try:
+        return None if isinstance(given, (str, bytes, Mapping, Set)) else tuple(given)
+    except TypeError:
+        return None

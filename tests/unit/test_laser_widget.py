@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import logging
 import threading
+from array import array
 from collections.abc import Iterator
 from math import inf, nan, pi, radians
 
 import numpy as np
+import pandas as pd
 import pytest
 from traitlets import TraitError
 
@@ -20,6 +22,7 @@ from .pages import Page
 GEOMETRY = {"angle_min": -0.5, "angle_increment": 0.5, "range_min": 0.1, "range_max": 30.0}
 STAMP = 1_700_000_000_000_000_001
 MESSAGE = {"ranges": [1.0, 2.0, 3.0], **GEOMETRY}
+INCREMENT = r"\(missing: angle_increment\); angle_increment = \(angle_max - angle_min\) / \(len\(ranges\) - 1\)$"
 
 
 @pytest.fixture
@@ -224,6 +227,11 @@ class TestUpdate:
                 r"^update\(\) got a list without the scanner's geometry; plain numbers go by name: update\(ranges=",
             ),
             ((np.ones(3),), {}, r"^update\(\) got a ndarray without the scanner's geometry"),
+            ((np.ma.ones(3),), {}, r"^update\(\) got a MaskedArray without the scanner's geometry"),
+            ((pd.Series([1.0, 2.0]),), {}, r"^update\(\) got a Series without the scanner's geometry"),
+            ((pd.DataFrame({"a": [1.0]}),), {}, r"^update\(\) got a DataFrame without the scanner's geometry"),
+            ((array("f", [1.0]),), {}, r"^update\(\) got a array without the scanner's geometry"),
+            ((), {k: MESSAGE[k] for k in MESSAGE if k != "angle_increment"} | {"angle_max": 0.5}, INCREMENT),
             ((), {"ranges": [1.0, 2.0]}, r"\(missing: angle_min, angle_increment, range_min, range_max\)$"),
             (("scan",), {}, r"^expected a message like sensor_msgs/LaserScan, with ranges, .*; got a str"),
             ((), {**MESSAGE, "angle_min": 10**400}, r"^angle_min: expected a number, got 1000"),

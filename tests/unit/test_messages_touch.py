@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -310,6 +311,15 @@ def test_a_number_without_a_meaning_is_an_error_and_not_a_guess(message: dict, t
             r"^right: expected True, False or None in a mapping of sensor names, got 0; bool\(\) makes it of a number$",
         ),
         ({"data": 1}, r"^data: expected True, False or None in a mapping of sensor names, got 1; bool\(\) makes it"),
+        (
+            {"left": 1.0},
+            r"^left: expected True, False or None in a mapping of sensor names, got 1.0; bool\(\) makes it",
+        ),
+        (
+            {"right": True, "left": "True"},
+            r"^left: expected True, False or None in a mapping of sensor .*, got 'True'$",
+        ),
+        ({0: True}, r"^touched: expected sensor names as strings, got 0$"),
     ],
 )
 def test_a_field_of_no_use_is_named(message: dict, text: str) -> None:
@@ -320,7 +330,7 @@ def test_a_field_of_no_use_is_named(message: dict, text: str) -> None:
 @pytest.mark.parametrize(
     ("message", "came"),
     [
-        ({"left": 1, "right": "off"}, "a dict with the keys left, right"),
+        ({"left": 1, "right": [True]}, "a dict with the keys left, right"),
         ({}, r"a dict with the keys \(none\)"),
         ([True, False], r"a list: '\[True, False\]'"),
         (np.zeros(2), r"a ndarray: '\[0. 0.\]'"),
@@ -332,9 +342,9 @@ def test_anything_else_is_refused_with_the_list_of_what_is_understood(message: o
     with pytest.raises(TypeError, match=rf"got {came}$") as error:
         to_touch(message)
     text = str(error.value)
-    assert text.startswith("expected a message like one of create_msgs/Bumper, std_msgs/Bool, ")
-    assert "or a mapping of sensor names to True, False or None" in text
-    assert all(f"{type_name}, " in text for type_name in SENSORS)
+    words = "expected sensor names with True, False or None, like {'left': True}, or a message like one of "
+    assert text.startswith(f"{words}create_msgs/Bumper, std_msgs/Bool, ")
+    assert all(re.search(rf"{type_name}[,;] ", text) for type_name in SENSORS)
 
 
 def test_a_real_neato_is_pressed_at_22_seconds_on_both_front_sides(data: Path) -> None:

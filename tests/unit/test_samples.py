@@ -273,6 +273,13 @@ class TestSpeed:
         ("given", "error", "text"),
         [
             ({"linear": 0.5}, TypeError, r"^linear: expected three numbers \(x, y, z\), got 0.5$"),
+            (
+                {"linear": {"x": 0.4, "y": 0, "z": 0}},
+                TypeError,
+                r"^linear: expected three numbers .*, got {'x': 0.4, 'y",
+            ),
+            ({"linear": "0.5"}, TypeError, r"^linear: expected three numbers \(x, y, z\), got '0.5'$"),
+            ({"linear": {0.5, 0.1, 0.2}}, TypeError, r"^linear: expected three numbers \(x, y, z\), got {0."),
             ({"angular": (0, "fast", 0)}, TypeError, r"^angular.y: expected a number, got 'fast'$"),
             ({"angular": (0, 0, None)}, TypeError, r"^angular.z: expected a number, got None$"),
             ({"linear": (0, 0)}, ValueError, r"^linear: expected three numbers \(x, y, z\), got 2$"),

@@ -240,7 +240,7 @@ class TestErrors:
         ("arguments", "error", "text"),
         [
             (({"bumper": 9, "state": 1},), ValueError, r"^bumper: expected 0 \(left\), .*, got 9$"),
-            ((["left"],), TypeError, r"^expected a message like one of .*; got a list: "),
+            ((["left"],), TypeError, r"^expected sensor names with True, False or None, .*; got a list: "),
             ((), TypeError, r"^update\(\) needs a message, or sensors by name, like update\(left=True, right=False\)$"),
         ],
     )
@@ -260,7 +260,7 @@ class TestErrors:
             touch.update({"right": True}, left=True)
 
     def test_a_state_that_is_none_is_refused_by_name(self, touch: TouchWidget) -> None:
-        with pytest.raises(TypeError, match=r"got a dict with the keys left$"):
+        with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 'yes'$"):
             touch.update(left="yes")
         with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 1; "):
             touch.update(left=1)
