@@ -12,6 +12,7 @@ import traitlets
 from ._traits import Flag
 from ._widget import HEAD, RobotWidget, bundle
 from .messages import ScanReader
+from .messages.fields import unwrap
 from .samples import Scan, Validity
 from .samples.scan import MAX_RAYS, in_radians
 
@@ -147,7 +148,7 @@ class LaserWidget(RobotWidget[Scan]):
             # Most are like the one before, and then nothing else is to be looked at.
             scan = self._read.next(given)
             if scan is None:
-                _refuse_array(given)
+                _refuse_array(unwrap(given))
                 scan = self._read(given)
         except (TypeError, ValueError) as error:
             self._refuse(error)
@@ -229,7 +230,7 @@ def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
 
 
 def _refuse_array(message: Any) -> None:
-    """TypeError for plain numbers; messages pass, also those that are tuples or rows of a table."""
+    """TypeError for plain numbers; messages pass, also those that are tuples."""
     is_array = hasattr(message, "__array__") or (
         isinstance(message, Sequence) and not isinstance(message, (str, bytes))
     )

@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from traitlets import TraitError
 
+import robowidgets
 from robowidgets import LaserWidget, Scan, Validity
 from robowidgets._pacer import pacer
 from robowidgets._widget import HEAD
@@ -241,6 +242,12 @@ class TestUpdate:
         with pytest.raises(TypeError, match=text):
             laser.update(*given, **fields)
         assert laser.scan is None
+
+    def test_a_moment_of_a_recording_is_taken(self, laser: LaserWidget) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording:
+            moment = next(recording.samples("/scan"))
+        laser.update(moment)
+        assert laser.scan is moment.sample
 
     def test_a_name_that_no_field_has_is_refused_though_a_message_had_it(self, laser: LaserWidget) -> None:
         laser.update({**MESSAGE, "rangez": 0})
