@@ -235,9 +235,12 @@ class Scan:
         """The ray that points closest to an angle in radians; None more than half a step outside the sweep.
 
         Raises:
-            TypeError: no number. ValueError: it is beyond ±2 pi, as degrees are.
+            TypeError: no number. ValueError: it is beyond ±2 pi and all angles of the scan, as degrees are.
         """
-        off = np.abs((self.angles - in_radians("angle", angle) + pi) % (2 * pi) - pi)
+        angle = finite("angle", angle, "radians")
+        if abs(angle) > np.abs(self.angles).max(initial=0.0):
+            in_radians("angle", angle)
+        off = np.abs((self.angles - angle + pi) % (2 * pi) - pi)
         if not off.size or off.min() > abs(self.angle_increment) / 2 + _ANGLE_ROUNDING:
             return None
         return self[int(off.argmin())]

@@ -249,6 +249,10 @@ class TestUpdate:
         laser.update(moment)
         assert laser.scan is moment.sample
 
+    def test_a_row_of_a_table_is_taken(self, laser: LaserWidget) -> None:
+        laser.update(pd.DataFrame([MESSAGE]).iloc[0])
+        assert laser.scan.ranges.tolist() == [1.0, 2.0, 3.0]
+
     def test_a_name_that_no_field_has_is_refused_though_a_message_had_it(self, laser: LaserWidget) -> None:
         laser.update({**MESSAGE, "rangez": 0})
         with pytest.raises(TypeError, match=r"^update\(\) has no field 'rangez'"):

@@ -133,6 +133,12 @@ class TestRayAtAnAngle:
         assert scan().at(at).index == 2
         assert scan(angle_min=0.5, angle_increment=-0.5).at(at).index == 0
 
+    def test_an_angle_of_the_scan_itself_is_taken_however_large(self) -> None:
+        turned = circle().turned(pi)
+        assert turned.at(turned.angles[359]).index == 359
+        with pytest.raises(ValueError, match="radians within"):
+            turned.at(turned.angles[359] + 0.1)
+
     @pytest.mark.parametrize(("at", "index"), [(-1, 359), (0.4, 0), (359.6, 0), (-0.4, 0), (359.4, 359), (180, 180)])
     def test_a_full_circle_from_forward_closes(self, at: float, index: int) -> None:
         assert circle().at(radians(at)).index == index
