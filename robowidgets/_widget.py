@@ -10,7 +10,9 @@ import struct
 import threading
 import time
 import weakref
+from collections import deque
 from collections.abc import Iterable
+from math import inf
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -34,6 +36,9 @@ LONGEST_HISTORY = 600
 
 MOST_LOGGED = 50
 """Different errors of one widget that the log tells; a source gone mad must not fill it."""
+
+MOST_ABOUTS = 12_000
+"""Different words about samples that are remembered: one for each that the page keeps."""
 
 RETOLD = ("title", "_about", "_source")
 """Traits that only Python writes, and that go along with a frame again and again: a server that is flooded with prints
@@ -143,6 +148,8 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._arrived = 0.0
         self._meter = RateMeter()
         self._changed = False
+        self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
+        """From which sample on what was said."""
         self._held_about: dict[str, Any] = {}
         self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
         self._unsent: set[str] = set()
@@ -281,6 +288,8 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 if self._unsaved:
                     about = {**about, "notes": [*about.get("notes", ()), self._unsaved]}
             self._trait_values["_about"] = about
+            if about != self._abouts[-1][1]:
+                self._abouts.append((sequence, about))
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0
                 self._trait_values["_frame"] = HEAD.pack(sequence, rate, stamp) + self._pack(sample)
@@ -318,7 +327,9 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     @traitlets.observe("_held")
     def _after_held(self, _change: Any) -> None:
-        self._held_about = self._about
+        number = HEAD.unpack_from(self._held)[0] if self._held and not self.led else inf
+        said = (about for first, about in reversed(self._abouts) if first <= number)
+        self._held_about = self._about if number == inf else next(said, self._about)
 
 
 _made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()

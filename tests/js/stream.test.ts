@@ -254,3 +254,20 @@ test("silence is counted from the last frame of a source that had a rate", (t) =
   assert.equal(stream.silence, 0);
   end();
 });
+
+test("what is said of a frozen sample is what was said when it came", () => {
+  const { fake, stream, end } = open({ history: 30 });
+  fake.receive({ _frame: frame(1), _about: { frame_id: "front" } });
+  fake.receive({ _frame: frame(2), _about: { frame_id: "rear" } });
+  assert.equal(stream.about.frame_id, "rear");
+  stream.toggle();
+  fake.receive({ _frame: frame(3), _about: { frame_id: "front" } });
+  assert.equal(stream.about.frame_id, "rear");
+  stream.step(-1);
+  assert.equal(stream.about.frame_id, "front");
+  stream.step(1);
+  assert.equal(stream.about.frame_id, "rear");
+  stream.toggle();
+  assert.equal(stream.about.frame_id, "front");
+  end();
+});

@@ -381,6 +381,16 @@ class TestScanOnShow:
         laser.set_state({"_held": memoryview(b""), "paused": False})
         assert laser.scan.ranges.tolist() == [9.0]
 
+    def test_has_the_frame_of_the_sample_that_was_stepped_to(self, laser: LaserWidget, page: Page) -> None:
+        frames = []
+        for name in ("front", "rear", "front"):
+            laser.update(**MESSAGE, header={"frame_id": name})
+            pacer.flush()
+            frames.append(page.state["_frame"])
+        for frame, name in zip(frames, ("front", "rear", "front"), strict=True):
+            laser.set_state({"_held": memoryview(frame), "paused": True})
+            assert laser.frozen.frame_id == name
+
     def test_is_none_while_it_was_frozen_before_the_first(self) -> None:
         laser = LaserWidget(paused=True)
         laser.update(MESSAGE)

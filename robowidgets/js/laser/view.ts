@@ -2,7 +2,7 @@ import { type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
 import { toShortMetres } from "../shared/format.ts";
-import { getAbout, type Model, onChange, put } from "../shared/model.ts";
+import { type Model, onChange, put } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { onceAFrame, READING_MS, spaced } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -135,7 +135,7 @@ export class LaserView {
     const scan = this.#stream.shown;
     const { theme } = this.#card;
     this.#tell();
-    this.#card.update([getAbout(this.#model).frame_id ?? "", scan ? toRays(scan.count) : ""], "scan");
+    this.#card.update([this.#stream.about.frame_id ?? "", scan ? toRays(scan.count) : ""], "scan");
     setText(this.#empty, scan ? whyEmpty(scan) : this.#card.waiting("scan"));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];

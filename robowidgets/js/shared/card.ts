@@ -107,8 +107,9 @@ export class Card {
    */
   update(facts: string[], noun: string, paced = true): void {
     this.#theme ??= applyTheme(this.root);
-    const { error, notes = [] } = getAbout(this.#model);
-    const { paused, since } = this.#stream;
+    const { error } = getAbout(this.#model);
+    const { paused, since, about } = this.#stream;
+    const { notes = [] } = about;
     this.#header.hidden = !getFlag(this.#model, "header");
     this.footer.hidden = !getFlag(this.#model, "footer");
     setText(this.#title, getString(this.#model, "title"));

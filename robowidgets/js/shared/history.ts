@@ -1,7 +1,10 @@
-/** A sample that came, and when, in the page's milliseconds; NaN when the page found it at its load. */
+import type { About } from "./model.ts";
+
+/** A sample that came, when, in the page's milliseconds (NaN when the page found it at its load), and what was said of it. */
 export interface Moment {
   bytes: DataView;
   at: number;
+  about: About;
 }
 
 /** Samples kept for each second that is; what comes faster fills the room sooner. */
@@ -19,9 +22,9 @@ export class History {
   /** How many there were when it was held, and when that was. */
   #held: { count: number; at: number } | null = null;
 
-  add(bytes: DataView, at: number, seconds: number): void {
+  add(bytes: DataView, at: number, seconds: number, about: About = {}): void {
     const { moments } = this;
-    moments.push({ bytes, at });
+    moments.push({ bytes, at, about });
     if (!this.#held) this.#trim(seconds);
     else if (moments.length > this.#held.count + 1 && this.#isFull(seconds, this.#held.count, this.#held.at)) {
       moments.splice(-2, 1);

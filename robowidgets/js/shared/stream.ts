@@ -1,7 +1,7 @@
 import { copyOf, type Reader, toBytes } from "./bytes.ts";
 import { atEnd } from "./events.ts";
 import { History } from "./history.ts";
-import { getNumber, type Model, onChange, put } from "./model.ts";
+import { type About, getAbout, getNumber, type Model, onChange, put } from "./model.ts";
 import { spaced } from "./schedule.ts";
 
 /** What the head of every frame says. */
@@ -84,6 +84,11 @@ export class Stream<F extends Frame> {
     return this.#decoded.frame;
   }
 
+  /** What is said of the frame to draw. */
+  get about(): About {
+    return this.#history.moments[this.place?.index ?? -1]?.about ?? getAbout(this.#model);
+  }
+
   /** How many samples have come since the frozen one. */
   get since(): number {
     return Math.max(0, sequenceOf(this.#bytes("_frame")) - sequenceOf(this.#shownBytes()));
@@ -152,7 +157,9 @@ export class Stream<F extends Frame> {
 
   /** Keeps a copy, because hosts hand out views of larger buffers, and send the whole buffer under a view. */
   #keep(bytes: DataView | null, at: number): void {
-    if (bytes) this.#history.add(new DataView(copyOf(bytes, 0, bytes.byteLength)), at, this.#seconds);
+    if (!bytes) return;
+    const kept = new DataView(copyOf(bytes, 0, bytes.byteLength));
+    this.#history.add(kept, at, this.#seconds, getAbout(this.#model));
   }
 
   #onFrame(): void {

@@ -1,7 +1,7 @@
 import { watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
-import { getAbout, getFlag, getNumber, getString, type Model, onChange, put } from "../shared/model.ts";
+import { getFlag, getNumber, getString, type Model, onChange, put } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -139,7 +139,7 @@ export class SpeedView {
   #drawCard(speeds: Speeds | null, summary: string): void {
     const model = this.#model;
     const command = speeds?.commanded ? `with ${getString(model, "command_title") || "commands"}` : "";
-    this.#card.update([getAbout(model).frame_id ?? "", command], "speed");
+    this.#card.update([this.#stream.about.frame_id ?? "", command], "speed");
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
     this.#planar.ariaPressed = String(getFlag(model, "planar"));
     this.#reset.hidden = !getFlag(model, "hold_peaks");

@@ -2,7 +2,7 @@ import { type Size, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, setText } from "../shared/dom.ts";
 import { atEnd } from "../shared/events.ts";
-import { type About, getAbout, type Model, onChange } from "../shared/model.ts";
+import { type About, type Model, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
@@ -65,7 +65,7 @@ export class TouchView {
     if (this.#width === 0) return;
     const touch = this.#stream.shown;
     const sensors = select(touch?.sensors ?? [], (this.#model.get("sensors") as string[]) ?? []);
-    const { dialect = "", mode, still = false } = getAbout(this.#model) as TouchAbout;
+    const { dialect = "", mode, still = false } = this.#stream.about as TouchAbout;
     this.#card.update([dialect, modeWord(mode)], "states", mode !== "event");
     this.#footer.update(sensors);
     this.#empty.hidden = sensors.length > 0;
