@@ -255,7 +255,7 @@ def test_what_is_wrong_is_said(notebook: Callable[..., Notebook]) -> None:
     pad_of(nb).focus()
     nb.page.keyboard.down("ArrowUp")
     expect(nb.widget(0).locator(".rw-notice")).to_have_text(
-        "The robot could not be told to stop: OSError: no route to the <b>robot</b>"
+        "The robot could not be driven: OSError: no route to the <b>robot</b>. Nor could it be told to stop"
     )
     nb.page.keyboard.up("ArrowUp")
     nb.python("pad.enabled = False")
