@@ -327,8 +327,9 @@ def test_a_speed_after_a_lost_connection_is_written_as_before(ears: Ears) -> Non
 
 def test_what_json_cannot_say_is_not_published(ears: Ears) -> None:
     with Server({"/scan": SCAN}) as server:
-        middleware = opened(server.address, ears)
+        middleware = Rosbridge(server.address)
         middleware.publish("/cmd_vel", TWIST, {"linear": np.nan})  # there is no connection yet: nothing happens
+        middleware.open(ears)
         wait_for(lambda: ears.topics, "the topics were told")
         words = r"\{'linear': nan\} cannot be sent as a geometry_msgs/msg/Twist in JSON: Out of range float"
         with pytest.raises(FeedError, match=words):
