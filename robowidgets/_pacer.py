@@ -193,7 +193,7 @@ class Pacer:
             now = self._clock()
             with self._lock:
                 self._earliest[id(sender)] = max(self._earliest.get(id(sender), 0.0), now + rest)
-                if sender in self._due or rest is AGAIN:
+                if sender in self._due or rest == AGAIN:
                     self._due[sender] = max(self._due.get(sender, 0.0), self._earliest[id(sender)])
                 self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
 

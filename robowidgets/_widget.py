@@ -12,7 +12,6 @@ import time
 import weakref
 from collections import deque
 from collections.abc import Iterable
-from math import inf
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -327,9 +326,11 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     @traitlets.observe("_held")
     def _after_held(self, _change: Any) -> None:
-        number = HEAD.unpack_from(self._held)[0] if self._held and not self.led else inf
-        said = (about for first, about in reversed(self._abouts) if first <= number)
-        self._held_about = self._about if number == inf else next(said, self._about)
+        self._held_about = self._about
+        if self._held and not self.led:
+            number, *_ = HEAD.unpack_from(self._held)
+            said = (about for first, about in reversed(self._abouts) if first <= number)
+            self._held_about = next(said, self._about)
 
 
 _made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()

@@ -21,7 +21,6 @@ TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 LATELY = 30.0
 """Seconds for which a connection may be dead before that is noticed, generously."""
 
-
 AGAIN = 1.0
 """Seconds after which a zero that could not be sent is tried again."""
 
@@ -84,22 +83,20 @@ class Twists:
         """
         heard = self._heard.setdefault(topic, [])
         moves = bool(linear or angular)
-        with ExitStack() as kinds:  # each is sent, whatever another raises
-            for kind in [] if moves else heard:
-                kinds.callback(self._publish, topic, kind, 0.0, 0.0)
-            try:
-                kind = _type_to_send(topic, adverts)
-            except FeedError:
-                if moves or not heard:
-                    raise
-                return
-            if moves or kind not in heard:
-                kinds.callback(self._publish, topic, kind, linear, angular)
-            if moves and kind not in heard:
-                heard.append(kind)
-
-    def _publish(self, topic: str, kind: str, linear: float, angular: float) -> None:
-        self._middleware.publish(topic, kind, twist(kind, linear, angular))
+        kinds = [] if moves else list(heard)
+        try:
+            newest = _type_to_send(topic, adverts)
+        except FeedError:
+            if not kinds:
+                raise
+        else:
+            if newest not in kinds:
+                kinds.append(newest)
+            if moves and newest not in heard:
+                heard.append(newest)
+        with ExitStack() as each:  # each is sent, whatever another raises
+            for kind in kinds:
+                each.callback(self._middleware.publish, topic, kind, twist(kind, linear, angular))
 
 
 def _type_to_send(topic: str, adverts: Sequence[Advert]) -> str:

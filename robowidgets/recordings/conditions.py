@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import AXES, TouchState
-from ..samples.scan import number
+from ..samples.scan import OF_DEGREES, number
 from .chunks import ScanChunk, SpeedChunk
 from .source import UnknownTopicError
 from .steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
@@ -270,7 +270,5 @@ def _angles(sector: Iterable[float]) -> tuple[float, float]:
     if not (isfinite(start) and isfinite(end)):
         raise ValueError(f"sector: expected two angles in radians, got {sector!r}")
     if max(abs(start), abs(end)) > _FULL_TURN:
-        raise ValueError(
-            f"sector: expected radians between -2 pi and 2 pi, got {sector!r}: math.radians() makes them of degrees"
-        )
+        raise ValueError(f"sector: expected radians between -2 pi and 2 pi, got {sector!r}: {OF_DEGREES}")
     return start, end
