@@ -26,11 +26,6 @@ BYTES_PER_SECOND = 20_000_000
 REST = INTERVAL / 4
 """Seconds between the end of a send and the next of the same widget, at least, however late the first one was."""
 
-NAP = 0.0002
-"""Seconds for which the pacer's thread lets go of the interpreter after a send, where nobody else waits to be sent: the
-thread that carries the message out of the process is awake by then, and takes half as much again when it has to wait.
-"""
-
 AGAIN = 1.0
 """Seconds after a send that failed, or was interrupted, until it is tried again."""
 
@@ -147,9 +142,11 @@ class Pacer:
         try:
             while True:
                 wait = self._send_one()
-                if wait == 0 and not self._due:
-                    time.sleep(NAP)
-                elif wait != 0:
+                if wait == 0 and not self._due and not self._timers:
+                    # Without another look, which would hold the interpreter: the thread that carries the message out
+                    # of the process is awake by now, and takes half as much again when it has to wait.
+                    wait = None
+                if wait != 0:
                     self._bell.acquire(timeout=-1 if wait is None else min(wait, threading.TIMEOUT_MAX))
         finally:
             self._thread = None

@@ -150,7 +150,8 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
         """From which sample on what was said."""
         self._held_about: dict[str, Any] = {}
-        self._sent: dict[str, Any] = {"_frame": b"", "_about": {}}
+        self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
+        """Of the two traits that only the pacer sends, what it sent last."""
         self._unsent: set[str] = set()
         self._retell_at = time.monotonic() + RETELL
         self._make_locks()
@@ -222,18 +223,22 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             )
             return 0
         with self._sending:
-            comm = self.comm
+            values = self._trait_values  # past the descriptors of traits, which take longer than all the rest
+            comm = values.get("comm")
             if comm is None:
                 return 0
             self._bring_up_to_date()
-            state = {name: self._trait_values[name] for name in self._sent}
-            if self.led:
-                self._sent.update(state)
-            keys = [name for name, value in state.items() if value != self._sent[name]]
-            with self._storing:
-                unsent = tuple(self._unsent)
-                self._unsent.clear()
-            keys += unsent
+            frame, about = newest = values["_frame"], values["_about"]
+            keys = []
+            if not self.led:
+                keys += ["_frame"] if frame != self._sent[0] else []
+                keys += ["_about"] if about != self._sent[1] else []
+            unsent: tuple[str, ...] = ()
+            if self._unsent:
+                with self._storing:
+                    unsent = tuple(self._unsent)
+                    self._unsent.clear()
+                keys += unsent
             if keys and time.monotonic() >= self._retell_at:
                 keys = [*dict.fromkeys((*keys, *RETOLD))]
                 self._retell_at = time.monotonic() + RETELL
@@ -241,15 +246,15 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 if keys == ["_frame"]:
                     # As ipywidgets would pack it, many times a second.
                     update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]], "pad": next(_PADS)}
-                    comm.send(data=update, buffers=[state["_frame"]])
+                    comm.send(data=update, buffers=[frame])
                 elif keys:
                     super().send_state(keys)
             except BaseException:
                 with self._storing:
                     self._unsent.update(unsent)
                 raise
-            self._sent.update(state)
-            return len(state["_frame"]) if "_frame" in keys else 0
+            self._sent = newest
+            return len(frame) if "_frame" in keys else 0
 
     def send_state(self, key: str | Iterable[str] | None = None) -> None:
         """Send traits to the page, with the next sample; all of them, which a page asks for, at once."""

@@ -169,9 +169,10 @@ class LaserWidget(RobotWidget[Scan]):
         return self.scan if self.paused else None
 
     def _pack(self, sample: Scan) -> bytes:
-        head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, len(sample))
-        columns = (column.astype(_FLOAT, copy=False).data for column in (sample.ranges, sample.intensities))
-        return b"".join((head, *columns))
+        ranges, intensities = sample.ranges, sample.intensities
+        head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, ranges.size)
+        columns = (ranges, intensities) if intensities.size else (ranges,)
+        return b"".join([head, *[column.astype(_FLOAT, copy=False).data for column in columns]])
 
     def _unpack(self, frame: bytes) -> Scan:
         _, _, stamp_ns = HEAD.unpack_from(frame)

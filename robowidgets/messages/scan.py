@@ -73,7 +73,8 @@ class ScanReader:
     """
 
     def __init__(self) -> None:
-        self._known: _Known | None = None
+        self.next: Callable[[Any], Scan | None] = _nothing
+        """Gives the scan in a message that differs from the last one in values and stamp alone; None for any other."""
 
     def __call__(self, message: Any) -> Scan:
         """The scan in a message. Raises as `to_scan` does."""
@@ -84,13 +85,8 @@ class ScanReader:
         if scan is None:
             scan = to_scan(message)
             known = _Known(message, scan)
-            self._known = known if known.is_usual else None
+            self.next = known.next if known.is_usual else _nothing
         return scan
-
-    def next(self, message: Any) -> Scan | None:
-        """The scan in a message that differs from the last one in values and stamp alone; None for any other."""
-        known = self._known
-        return None if known is None else known.next(message)
 
 
 class _Known:
@@ -108,6 +104,7 @@ class _Known:
         self._values_of = values_of(*there, "ranges")
         self._settings: list[Any] = [*self._values_of(message)][:-1]
         self._kinds = list(map(type, self._settings))
+        self._has_more = not keyed or not self._fields <= {*there, "ranges"}
 
     @property
     def is_usual(self) -> bool:
@@ -117,12 +114,17 @@ class _Known:
 
     def next(self, message: Any) -> Scan | None:
         """The scan in a message that differs in values and stamp alone; None for any other message."""
-        if type(message) is not self._form or self._fields_of(message) != self._fields:
+        if type(message) is not self._form:
             return None
         try:
+            # Of those that have nothing more, the names are the same where they are as many, and none is missing.
+            if self._fields_of(message) != self._fields if self._has_more else len(message) != len(self._fields):
+                return None
             *settings, ranges = self._values_of(message)
             if list(map(type, settings)) != self._kinds or settings != self._settings or type(ranges) not in _COPIED:
                 return None
+            if not self._has_more:
+                return self._scan.again(ranges, None, None)
             if frame_id(message) != self._scan.frame_id:
                 return None
             intensities = reader(message)("intensities", None)
@@ -133,6 +135,10 @@ class _Known:
             return self._scan.again(ranges, intensities, stamp_ns(message))
         except (TypeError, ValueError, LookupError, AttributeError):  # `to_scan` finds out what is different
             return None
+
+
+def _nothing(_message: Any) -> None:
+    """Where no message is known, none is like it."""
 
 
 def _fields(message: Any) -> KeysView[str]:

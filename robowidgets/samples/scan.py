@@ -298,13 +298,14 @@ def is_angle(value: float) -> bool:
 def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
     """A read-only float32 copy of a one-dimensional array."""
     array: NDArray[np.float32] | None
+    if type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1:
+        array = values.copy()  # as scanners send it: nothing to guard against
+        array.setflags(write=False)
+        return array
     try:
         given = np.asarray(_unmasked(values) if isinstance(values, np.ma.MaskedArray) else values)
-        if given.dtype is _FLOAT32:  # as scanners send it: nothing to guard against
-            array = given.copy()
-        else:
-            with np.errstate(over="ignore"):
-                array = given.astype(np.float32) if given.dtype.kind in "fiuO" else None
+        with np.errstate(over="ignore"):
+            array = given.astype(np.float32) if given.dtype.kind in "fiuO" else None
     except (TypeError, ValueError, OverflowError):
         array = None
     if array is None:
