@@ -1,10 +1,8 @@
-"""What the widgets share: front end, the way of a sample to the page, freezing, words when something is wrong."""
+"""What the widgets share: the way of a sample to the page, freezing, words when something is wrong."""
 
 from __future__ import annotations
 
-import difflib
 import itertools
-import logging
 import os
 import struct
 import threading
@@ -12,29 +10,22 @@ import time
 import weakref
 from collections import deque
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-import anywidget
 import traitlets
 
 from ._caller import is_a_person
+from ._named_widget import NamedWidget
 from ._pacer import pacer
 from ._png import SavesPng
 from ._rate import RateMeter
 from ._traits import Flag, bytes_trait
 
-log = logging.getLogger("robowidgets")
-
-STATIC = Path(__file__).parent / "static"
 HEAD = struct.Struct("<ddq")
 """Each frame starts with its sequence number, samples per second (NaN: unknown), and the stamp in ns (0: none)."""
 
 LONGEST_HISTORY = 600
 """Seconds; what is kept longer is a recording."""
-
-MOST_LOGGED = 50
-"""Different errors of one widget that the log tells; a source gone mad must not fill it."""
 
 MOST_ABOUTS = 12_000
 """Different words about samples that are remembered: one for each that the page keeps."""
@@ -51,62 +42,7 @@ _PADS = itertools.cycle([" " * width for width in range(63, -1, -1)])
 and puts off the receipt of each by 40 ms for the next one to come; Jupyter's server, which has Nagle's algorithm on,
 puts off the next one for the receipt. So every third frame of the display would be missing."""
 
-_HOST_TRAITS = ("layout", "tooltip", "tabbable")
-
 S = TypeVar("S")
-
-
-def bundle(name: str) -> Any:
-    """The text of a built front-end file; its path, for hot reload, when ROBOWIDGETS_DEV is set."""
-    path = STATIC / name
-    if not path.is_file():
-        raise ImportError(
-            f"robowidgets was installed without its front end ({name} is missing); "
-            "in a checkout run `make build`, else install it again"
-        )
-    return path if os.environ.get("ROBOWIDGETS_DEV") else path.read_text(encoding="utf-8")
-
-
-class NamedWidget(anywidget.AnyWidget):
-    """A widget with a title, that refuses what it has no name for and logs each error once."""
-
-    title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
-    header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
-
-    _css = bundle("robowidgets.css")
-    _keywords: tuple[str, ...] = ()
-    """Keywords that are no traits."""
-
-    def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
-        """Refuse what has no name before there is anything to clean up."""
-        if unnamed:
-            raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
-        return super().__new__(cls, **kwargs)
-
-    def __init__(self, **kwargs: Any) -> None:
-        self._logged: set[str] = set()
-        settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
-        for name in kwargs:
-            if name not in settable:
-                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable))
-        super().__init__(**kwargs)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if not name.startswith("_") and not hasattr(type(self), name):
-            settable = [n for n in self.trait_names() if self._is_ours(n)]
-            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable))
-        super().__setattr__(name, value)
-
-    @classmethod
-    def _is_ours(cls, name: str) -> bool:
-        if name in _HOST_TRAITS:
-            return True
-        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, NamedWidget))
-
-    def _log_once(self, text: str) -> None:
-        if text not in self._logged and len(self._logged) < MOST_LOGGED:
-            self._logged.add(text)
-            log.error("%s %s: %s", type(self).__name__, self.title, text)
 
 
 class RobotWidget(SavesPng, NamedWidget, Generic[S]):
@@ -348,9 +284,3 @@ def _after_fork() -> None:
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_after_fork)
-
-
-def _unknown(of: str, what: str, name: str, known: list[str]) -> str:
-    near = difflib.get_close_matches(name, known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else "."
-    return f"{of} has no {what} {name!r}{hint} It takes: {', '.join(sorted(known))}"

@@ -13,8 +13,8 @@ import traitlets
 from ._dead_man import ZERO, DeadMan, Speed2
 from ._grip import Grip, Said, to_said
 from ._limits import LARGEST
+from ._named_widget import NamedWidget, bundle
 from ._traits import Flag
-from ._widget import NamedWidget, bundle
 from .samples import Speed
 
 _NOT_DRIVEN = "could not be driven"
@@ -115,8 +115,8 @@ class DriveWidget(NamedWidget):
         stop = getattr(robot, "stop", None)
         self._drive_by(drive, stop if callable(stop) else lambda: drive(0.0, 0.0), robot)
         topic = getattr(getattr(robot, "driving", None), "topic", "")
-        if not self.title and isinstance(topic, str):
-            self.title = topic
+        if isinstance(topic, str) and topic:
+            self._name_after(topic)
 
     def disconnect(self) -> None:
         """Drive nothing any more; what was driven is told to stop."""

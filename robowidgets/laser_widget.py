@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import traitlets
 
+from ._named_widget import bundle
 from ._traits import Flag
-from ._widget import HEAD, RobotWidget, bundle
+from ._widget import HEAD, RobotWidget
 from .messages import ScanReader
 from .messages.fields import unwrap
 from .samples import Scan, Validity

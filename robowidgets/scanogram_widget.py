@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._cells import take_the_place
 from ._limits import Pair
+from ._named_widget import NamedWidget, bundle
 from ._png import SavesPng
 from ._spans import Marks, TimeSpan
 from ._traits import Flag, bytes_trait
-from ._widget import NamedWidget, bundle
 from .samples import AXES, Scan
 from .scanogram.clock import Clock
-from .scanogram.levels import BUDGET, Levels, near_and_far
+from .scanogram.levels import BUDGET, Levels
 from .scanogram.parts import detail, overview
 from .scanogram.scans import Held, Scans, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
@@ -272,7 +272,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
             "duration": picture.duration,
             "pause": clock.pause,
             "class_counts": levels.counts.tolist(),
-            "colors": near_and_far(levels),
+            "colors": levels.near_and_far,
         }
         if speed:
             part = speed.part(0, picture.duration)

@@ -10,8 +10,9 @@ from typing import Any
 import traitlets
 
 from ._limits import AxisLimits, Limits, Pair, is_past
+from ._named_widget import bundle
 from ._traits import Flag
-from ._widget import HEAD, RobotWidget, bundle
+from ._widget import HEAD, RobotWidget
 from .messages import to_speed
 from .samples import AXES, Speed
 

@@ -10,8 +10,9 @@ from typing import Any
 
 import traitlets
 
+from ._named_widget import bundle
 from ._pacer import pacer
-from ._widget import HEAD, RobotWidget, bundle
+from ._widget import HEAD, RobotWidget
 from .messages import to_touch
 from .samples import Touch, TouchState
 from .samples.scan import in_radians

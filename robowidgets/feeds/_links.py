@@ -37,7 +37,6 @@ class Links:
             link.targets += (target,)
             if target.widget is not None:
                 self._widgets.setdefault(target.widget, []).append((link, target))
-                _give_title(target, topic)
         self.tell(link)
 
     def disconnect(self, topic: str, targets: Sequence[Target]) -> None:
@@ -93,15 +92,18 @@ class Links:
         if not links:
             widget._source = {}
             return
+        _name(widget, links)
         first = links[0][0]
         words = [link.words(self.there, leads=link is first) for link, _ in links]
         told = self.down or "; ".join(dict.fromkeys(filter(None, words)))
         widget._source = {"topic": first.topic, "type": first.type, "words": told}
 
 
-def _give_title(target: Target, topic: str) -> None:
-    widget = target.widget
-    if target.leads and widget is not None and not widget.title:
-        widget.title = topic
-    elif isinstance(widget, SpeedWidget) and target.hand == widget.command and not widget.command_title:
-        widget.command_title = topic
+def _name(widget: RobotWidget[Any], links: Sequence[tuple[Link, Target]]) -> None:
+    """Have its titles tell the first of its own topics, and the first that it takes commands from."""
+    first, target = links[0]
+    if target.leads:
+        widget._name_after(first.topic)
+    if isinstance(widget, SpeedWidget):
+        for link in [link for link, target in links if target.hand == widget.command][:1]:
+            widget._name_after(link.topic, "command_title")

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .pages import Buffer, Held, Raws
+from .pages import Buffer, Held, Raws, Unpacked
 from .salvage.inflate import COMPRESSIONS, MAX_CHUNK, inflate
 from .source import Channel, RecordingError
 
@@ -40,7 +40,8 @@ class McapPage:
     Args:
         path: the file.
         start, size: where the record of the chunk lies, as the index has it, and the records of its own index after it.
-        slow: whether it and the others take long to decompress, as the index has it.
+        packed: whether it is compressed, as the index has it.
+        slow: whether it and the others take long to decompress.
         channels: those that are wanted, by their ids in the file.
 
     Raises:
@@ -50,11 +51,25 @@ class McapPage:
     path: Path
     start: int
     size: int
+    packed: bool
     slow: bool
     channels: Mapping[int, Channel]
 
     def __call__(self) -> Held:
         """The messages, to be found."""
+        return self.find(self.unpack())
+
+    @property
+    def key(self) -> tuple[Path, int]:
+        """See `pages.ChunkPage`."""
+        return self.path, self.start
+
+    def find(self, unpacked: Unpacked) -> Held:
+        """See `pages.ChunkPage`."""
+        return partial(self._messages, *unpacked)
+
+    def unpack(self) -> Unpacked:
+        """See `pages.ChunkPage`: its data, and the records of its own index."""
         # A view, so that no part of it is copied.
         record = memoryview(read_part(self.path, self.start, self.size))
         try:
@@ -71,7 +86,7 @@ class McapPage:
         raw = unpacked(compression, record[at:end], size)
         if raw is None or (checksum and crc32(raw) != checksum):
             raise self._damaged()
-        return partial(self._messages, raw, record[end:])
+        return memoryview(raw), record[end:]
 
     def _messages(self, raw: Buffer, index: Buffer) -> list[Raws]:
         entries = self._entries(index)
@@ -123,16 +138,31 @@ class BagPage:
     channels: Mapping[int, Channel]
 
     @property
-    def slow(self) -> bool:
-        """Whether it takes long to read: it is compressed, mostly by bzip2."""
+    def packed(self) -> bool:
+        """Whether it is compressed, mostly by bzip2: that takes long."""
         return bool(self.compression)
+
+    slow = packed
 
     def __call__(self) -> Held:
         """The messages, to be found."""
+        return self.find(self.unpack())
+
+    @property
+    def key(self) -> tuple[Path, int]:
+        """See `pages.ChunkPage`."""
+        return self.path, self.start
+
+    def find(self, unpacked: Unpacked) -> Held:
+        """See `pages.ChunkPage`."""
+        return partial(self._messages, *unpacked)
+
+    def unpack(self) -> Unpacked:
+        """See `pages.ChunkPage`: its data."""
         raw = unpacked(self.compression, read_part(self.path, self.start, self.size))
         if raw is None:
             raise _damaged(self.path, self.start)
-        return partial(self._messages, raw)
+        return (memoryview(raw),)
 
     def _messages(self, raw: Buffer) -> list[Raws]:
         ids = np.repeat(list(self.index), [len(entries) for entries in self.index.values()]).astype(np.int64)

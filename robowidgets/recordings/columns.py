@@ -21,7 +21,7 @@ from .source import RecordingError
 Note = Callable[[Raws, int, Exception], None]
 """Is told of a message that cannot be shown: its number among the raw ones, and why."""
 
-_FIRST_LOOK = 32
+_FIRST_LOOK, _CAREFUL_LOOK = 1024, 32
 _HEAD = 4
 _STAMP = np.dtype([("seconds", "<i4"), ("nanoseconds", "<u4")])
 
@@ -59,7 +59,7 @@ class Columns(Generic[Chunk]):
             if alike and sizes[at] == alike.size:
                 rows = _rows(raws, at, min(at + self._look, len(sizes)), sizes)
                 count = _count_alike(alike, rows)
-                self._look = 4 * self._look if count == len(rows) else _FIRST_LOOK
+                self._look = 4 * self._look if count == len(rows) else _CAREFUL_LOOK
                 if count:
                     yield self._alike(alike, raws.times[at : at + count], rows[:count])
                     at += count

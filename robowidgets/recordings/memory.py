@@ -62,6 +62,15 @@ class Memory:
         self.put(key, made)
         return made
 
+    def spare(self, key: Hashable, make: Callable[[], Sequence[Any]]) -> Sequence[Any]:
+        """As `get`, but what is made is held only while half of the limit is free."""
+        with self._lock:
+            held = self._held.get(key)
+        made = make() if held is None else held
+        if held is None and 2 * (self._bytes + self._reserved + _size(made)) <= self._limit:
+            self.put(key, made)
+        return made
+
     def put(self, key: Hashable, made: Sequence[Any]) -> None:
         """Hold it, in place of what was asked for longest ago."""
         size = _size(made)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator
 from functools import partial
 from itertools import groupby
 from typing import NamedTuple, Protocol, runtime_checkable
@@ -36,6 +36,28 @@ Held = Callable[[], list[Raws]]
 
 Page = Callable[[], Held]
 """Reads one page. May be called again, and in any thread."""
+
+
+Unpacked = tuple[memoryview, ...]
+"""What was read and decompressed of a page, for all channels."""
+
+
+class ChunkPage(Protocol):
+    """A page that is a chunk of a file, in which other channels lie too."""
+
+    @property
+    def key(self) -> Hashable:
+        """What all pages of the same chunk share."""
+
+    @property
+    def packed(self) -> bool:
+        """Whether it has to be decompressed."""
+
+    def unpack(self) -> Unpacked:
+        """Read and decompress it."""
+
+    def find(self, unpacked: Unpacked) -> Held:
+        """The messages of the page's own channels in what was unpacked, to be found."""
 
 
 @runtime_checkable

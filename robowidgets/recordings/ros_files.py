@@ -133,7 +133,7 @@ def _mcap_pages(reader: McapReader, channels: ById) -> Pages:
     path = Path(str(reader.path))
     slow = sum(chunk.uncompressed_size for chunk in wanted if chunk.compression) >= _SLOW
     return [
-        McapPage(path, chunk.chunk_start_offset, size, slow, channels)
+        McapPage(path, chunk.chunk_start_offset, size, bool(chunk.compression), slow, channels)
         for chunk in wanted
         for size in (chunk.chunk_length + chunk.message_index_length,)
     ]

@@ -130,7 +130,10 @@ class Store(Generic[Chunk]):
                 yield replace(part, start=place.start + first)
 
     def _page(self, index: Index, number: int) -> Any:
-        return self.memory.get((index.id, number), lambda: self._compact(index.pages[number]()))
+        return self.memory.get((index.id, number), lambda: self._compact(self._kept(index.pages[number])()))
+
+    def _kept(self, page: Callable[[], Any]) -> Callable[[], Any]:
+        return _Kept(page, self.memory) if getattr(page, "packed", False) else page
 
     def _compact(self, page: Any) -> list[Chunk]:
         return [compact(chunk) for chunk in self.feed.decode(page)]
@@ -167,7 +170,7 @@ class Store(Generic[Chunk]):
         def noted() -> Iterator[Callable[[], Any]]:
             for page in self.feed.pages():
                 coming.append(page)
-                yield page
+                yield self._kept(page)
 
         coming: deque[Callable[[], Any]] = deque()
         results = read_ahead(noted())
@@ -190,6 +193,21 @@ class Store(Generic[Chunk]):
             for number, chunk in enumerate(chunks):
                 index.add(number, chunk)
                 yield chunk
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A `pages.ChunkPage` that is decompressed once, while there is room: other topics lie in the same chunk."""
+
+    page: Any
+    memory: Memory
+
+    @property
+    def slow(self) -> bool:
+        return bool(getattr(self.page, "slow", False))
+
+    def __call__(self) -> Any:
+        return self.page.find(self.memory.spare(self.page.key, self.page.unpack))
 
 
 class _PageError(Exception):

@@ -33,13 +33,10 @@ def encode(ranges: NDArray[np.float32], range_min: float, range_max: float) -> C
         scaled *= np.float32(FARTHEST / (float(high) - float(low)))
         codes: Codes = scaled.astype(np.uint16)
     if not reading.all():
-        others = ~reading
-        left = ranges[others]
-        code = np.full(left.shape, OUTSIDE_LIMITS, np.uint16)
-        code[np.isnan(left)] = NO_MEASUREMENT
-        code[left == np.inf] = NOTHING_IN_RANGE
-        code[left == -np.inf] = TOO_CLOSE
-        codes[others] = code
+        np.copyto(codes, OUTSIDE_LIMITS, where=~reading)
+        np.copyto(codes, NO_MEASUREMENT, where=np.isnan(ranges))
+        np.copyto(codes, NOTHING_IN_RANGE, where=ranges == np.inf)
+        np.copyto(codes, TOO_CLOSE, where=ranges == -np.inf)
     return codes
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import gcd
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,12 +14,17 @@ BUDGET = 256 << 20
 """Bytes that all levels together may take. What is finer is read again from where it lies."""
 
 FIRST = 3
-"""The first level that is kept. What is finer is made when it is looked at."""
+"""The first level that is kept, where there are many scans. What is finer is made when it is looked at."""
+
+FEW = 16 << 20
+"""Bytes of all levels together that are kept from level 0 on."""
 
 COARSEST = 256
 """Cells of the last level, at most."""
 
-_SAMPLED = 1 << 20
+_SAMPLED = 1 << 14
+_BIN = 4
+"""Bits of a code by which a bin of the histogram is coarser: a few thousand bins stay in the processor's cache."""
 
 
 class Levels:
@@ -28,19 +35,18 @@ class Levels:
         sweep: what they share.
         budget: bytes.
 
-    ``counts`` is how many rays there are of each class of `Validity`. ``histogram`` counts a share of the readings by
-    code.
+    ``counts`` is how many rays there are of each class of `Validity`.
     """
 
     def __init__(self, scans: Scans, sweep: Sweep, budget: int = BUDGET) -> None:
         self.scans, self.sweep = scans, sweep
         self.counts = np.zeros(1 + len(WITHOUT_READING), np.int64)
-        self.histogram = np.zeros(FARTHEST + 1, np.int64)
+        self._histogram = np.zeros((FARTHEST >> _BIN) + 1, np.int64)
         count = len(scans.times_ns)
-        self._first = FIRST
+        self._first = 0 if 4 * sweep.ray_count * count <= min(FEW, budget) else FIRST
         while 4 * sweep.ray_count * (count >> self._first) > budget:
             self._first += 1
-        self._kept: list[Codes] = [self._build(max(1, count * sweep.ray_count // _SAMPLED))]
+        self._kept: list[Codes] = [self._build()]
         while len(self._kept[-1]) > COARSEST:
             self._kept.append(fold(self._kept[-1], 2))
 
@@ -56,11 +62,28 @@ class Levels:
         size = 1 << level
         return fold(self._encode(self.scans.read(start * size, stop * size)), size)
 
-    def _build(self, every: int) -> Codes:
+    @property
+    def near_and_far(self) -> tuple[float, float]:
+        """The distances in metres between which nearly all readings lie, for a scale of colours.
+
+        The nearest counts always; of the farthest, the last hundredth is left out. The limits where there is no
+        reading.
+        """
+        low, high = self.sweep.range_min, self.sweep.range_max
+        counts = self._histogram
+        if not counts.any():
+            return low, high
+        near = int(self._kept[-1].min())
+        far = int(np.searchsorted(np.cumsum(counts), 0.99 * counts.sum()) + 1) << _BIN
+        step = (high - low) / FARTHEST
+        return low + near * step, min(high, low + max(far, near + 1) * step)
+
+    def _build(self) -> Codes:
         """The first level that is kept; on the way, everything is counted."""
         size = 1 << self._first
         cells = -(-len(self.scans.times_ns) // size)
         kept = np.full((cells, self.sweep.ray_count), NO_SCAN, np.uint16)
+        every = _step(self.sweep.ray_count, cells * size)
         at = 0
         for ranges in self.scans.chunks():
             codes = self._encode(ranges)
@@ -82,19 +105,13 @@ class Levels:
     def _count(self, codes: Codes, every: int) -> None:
         without = [int(np.count_nonzero(codes == code)) for code in WITHOUT_READING]
         self.counts += [codes.size - sum(without), *without]
-        self.histogram += np.bincount(codes.ravel()[::every], minlength=NO_SCAN)[: FARTHEST + 1]
+        binned = np.bincount(codes.ravel()[::every] >> _BIN, minlength=len(self._histogram))
+        self._histogram += binned[: len(self._histogram)]
 
 
-def near_and_far(levels: Levels) -> tuple[float, float]:
-    """The distances in metres between which nearly all readings lie, for a scale of colours.
-
-    The nearest counts always; of the farthest, the last hundredth is left out. The limits where there is no reading.
-    """
-    low, high = levels.sweep.range_min, levels.sweep.range_max
-    counts = levels.histogram
-    if not counts.any():
-        return low, high
-    near = int(np.flatnonzero(counts)[0])
-    far = int(np.searchsorted(np.cumsum(counts), 0.99 * counts.sum()))
-    step = (high - low) / FARTHEST
-    return low + near * step, low + (max(far, near) + 1) * step
+def _step(rays: int, scans: int) -> int:
+    """From one code to the next of a sample of all: one that meets every ray in turn."""
+    step = max(1, rays * scans // _SAMPLED)
+    while gcd(step, rays) > 1:
+        step += 1
+    return step

@@ -71,7 +71,7 @@ def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
     little = {name: np.ascontiguousarray(a, a.dtype.newbyteorder("<")) for name, a in arrays.items()}
     listed = [[name, a.dtype.str[1:], a.size] for name, a in little.items()]
     text = json.dumps({**facts, "arrays": listed}, allow_nan=False).encode()
-    return b"".join((_LENGTH.pack(len(text)), text, *(a.tobytes() for a in little.values())))
+    return b"".join((_LENGTH.pack(len(text)), text, *(a.data for a in little.values())))
 
 
 def _part(levels: Levels, clock: Clock, first: int, stop: int, level: int, most: int) -> Part:

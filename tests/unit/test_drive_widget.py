@@ -7,6 +7,7 @@ import logging
 import threading
 from collections.abc import Iterator
 from math import inf, nan
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -204,6 +205,9 @@ class TestSink:
             feed.driving = Driving(max_linear=0.2)
             pad.connect(feed)
             assert pad.title == "/cmd_vel"
+            pad.connect(SimpleNamespace(drive=feed.drive, driving=Driving(topic="/base/cmd_vel")))
+            assert pad.title == "/base/cmd_vel"
+            pad.connect(feed)
             pad.hear("hold", token=pad.press(), forward=1, turn=1)
             wait_for(lambda: pad.commanded == Speed((0.2, 0.0, 0.0), (0.0, 0.0, 1.0)), "it is told")
             assert script.speeds[0] == (0.2, 1.0)

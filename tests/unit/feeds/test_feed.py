@@ -100,6 +100,21 @@ def test_a_topic_goes_to_any_number_of_widgets_and_functions(opened: Opened) -> 
     assert script.asked == [("subscribe", "/scan")]
 
 
+def test_a_widget_is_titled_after_the_topic_that_it_shows_now_unless_a_person_named_it(opened: Opened) -> None:
+    feed, _ = opened(SCAN, SCAN._replace(name="/rear"), ODOM, CMD_VEL)
+    laser, mine, speed = LaserWidget(), LaserWidget(title="mine"), SpeedWidget()
+    feed.connect("/scan", laser, mine)
+    feed.connect("/rear", laser, mine)
+    assert laser.title == "/scan"
+    feed.disconnect("/scan", laser, mine)
+    assert (laser.title, mine.title) == ("/rear", "mine")
+    laser.title = ""
+    feed.connect("/rear", speed.command)
+    feed.disconnect("/rear", speed.command)
+    feed.connect("/cmd_vel", speed.command)
+    assert (laser.title, speed.title, speed.command_title) == ("", "", "/cmd_vel")
+
+
 def test_a_method_of_a_speed_widget_takes_the_commanded_speed(opened: Opened) -> None:
     feed, script = opened(ODOM, CMD_VEL)
     speed = SpeedWidget()

@@ -13,7 +13,7 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError
-from robowidgets.recordings import pages, ros_files
+from robowidgets.recordings import chunk_pages, pages, ros_files
 from robowidgets.recordings.ahead import read_ahead
 from robowidgets.recordings.chunk_pages import BagPage
 from robowidgets.recordings.files import open_timeline
@@ -21,7 +21,7 @@ from robowidgets.recordings.pages import pages_of
 from robowidgets.recordings.salvage import open_file
 from robowidgets.recordings.source import Source
 
-from . import sweeps
+from . import clock_back, sweeps
 from .written import messages, write_bag, write_db3, write_indexed_mcap
 
 HELD = messages(200)
@@ -188,3 +188,34 @@ def test_reading_ahead_keeps_the_order_and_passes_on_errors(slow: bool) -> None:
     assert [next(read) for _ in range(3)] == [0, 1, 2]
     with pytest.raises(OSError, match="the disk is gone"):
         next(read)
+
+
+class TestChunksThatArePacked:
+    @pytest.fixture
+    def inflated(self, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+        calls: list[Any] = []
+        real = chunk_pages.inflate
+
+        def inflate(*given: Any) -> Any:
+            calls.append(given)
+            return real(*given)
+
+        monkeypatch.setattr(chunk_pages, "inflate", inflate)
+        return calls
+
+    def test_are_decompressed_once_for_all_topics(self, tmp_path: Path, inflated: list[Any]) -> None:
+        with robowidgets.open(clock_back.bz2(tmp_path, clock_back.drive(clock_back.step(0)))) as recording:
+            assert len(recording.scans()) == 100
+            chunks = len(inflated)
+            assert chunks > 3
+            assert len(recording.speeds()) == 100
+            assert len(inflated) == chunks
+
+    def test_are_let_go_of_where_there_is_little_room(self, tmp_path: Path, inflated: list[Any]) -> None:
+        with robowidgets.open(clock_back.bz2(tmp_path, clock_back.drive(clock_back.step(0)))) as recording:
+            recording.memory = 3000
+            assert len(recording.scans()) == 100
+            chunks = len(inflated)
+            assert len(recording.speeds()) == 100
+            assert len(inflated) == 2 * chunks
+            assert recording._series.memory.held <= 3000

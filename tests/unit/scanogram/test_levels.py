@@ -5,7 +5,7 @@ import pytest
 
 from robowidgets.samples import Scan
 from robowidgets.scanogram.codes import encode, fold
-from robowidgets.scanogram.levels import Levels, near_and_far
+from robowidgets.scanogram.levels import Levels
 from robowidgets.scanogram.scans import Held, Sweep
 
 GEOMETRY = (-1.0, 0.01, 0.1, 30.0)
@@ -45,7 +45,7 @@ def test_one_near_reading_among_a_million_is_seen_at_every_level() -> None:
     near = encode(np.array([0.5], np.float32), 0.1, 30.0)[0]
     for level in range(levels.last + 1):
         assert levels.codes(level, 1234 >> level, (1234 >> level) + 1)[0, 56] == near
-    assert near_and_far(levels)[0] == pytest.approx(0.5, abs=0.01)
+    assert levels.near_and_far[0] == pytest.approx(0.5, abs=0.01)
 
 
 def test_the_classes_are_counted() -> None:
@@ -57,7 +57,14 @@ def test_the_classes_are_counted() -> None:
 def test_the_colours_leave_out_the_farthest_hundredth_and_fall_back_on_the_limits() -> None:
     ranges = np.linspace(1.0, 5.0, 1000).reshape(10, 100)
     ranges[0, :5] = 29.0
-    near, far = near_and_far(made(ranges))
+    near, far = made(ranges).near_and_far
     assert near == pytest.approx(1.0, abs=0.05)
     assert 4.8 < far < 5.1
-    assert near_and_far(made(np.full((3, 4), np.inf))) == pytest.approx((0.1, 30.0))
+    assert made(np.full((3, 4), np.inf)).near_and_far == pytest.approx((0.1, 30.0))
+
+
+def test_every_ray_is_in_the_sample_that_the_colours_are_fitted_to() -> None:
+    ranges = np.full((2048, 128), np.inf)
+    ranges[:, 100:108] = 7.0
+    near, far = made(ranges).near_and_far
+    assert (near, far) == pytest.approx((7.0, 7.0), abs=0.02)

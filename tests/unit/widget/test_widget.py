@@ -16,9 +16,10 @@ import numpy as np
 import pytest
 import traitlets
 
-from robowidgets import _widget
+from robowidgets import _named_widget, _widget
+from robowidgets._named_widget import MOST_LOGGED, bundle
 from robowidgets._pacer import pacer
-from robowidgets._widget import MOST_LOGGED, RETELL, RETOLD, bundle
+from robowidgets._widget import RETELL, RETOLD
 
 from ..pages import Page
 from ..waiting import wait_for
@@ -229,7 +230,7 @@ class TestToThePage:
         if child == 0:
             try:
                 told: list[str] = []
-                _widget.log.addFilter(lambda record: told.append(record.getMessage()))
+                _named_widget.log.addFilter(lambda record: told.append(record.getMessage()))
                 for value in range(3):
                     widget.update(value)
                     pacer.flush()
@@ -338,7 +339,7 @@ class TestRate:
 
 class TestBundle:
     def test_a_missing_front_end_says_how_to_get_it(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-        monkeypatch.setattr(_widget, "STATIC", tmp_path)
+        monkeypatch.setattr(_named_widget, "STATIC", tmp_path)
         with pytest.raises(ImportError) as missing:
             bundle("laser_widget.js")
         assert str(missing.value) == (
@@ -347,7 +348,7 @@ class TestBundle:
         )
 
     def test_it_is_text_and_a_path_for_hot_reload_only(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-        monkeypatch.setattr(_widget, "STATIC", tmp_path)
+        monkeypatch.setattr(_named_widget, "STATIC", tmp_path)
         (tmp_path / "a.js").write_text("größe", encoding="utf-8")
         monkeypatch.delenv("ROBOWIDGETS_DEV", raising=False)
         assert bundle("a.js") == "größe"
@@ -357,3 +358,11 @@ class TestBundle:
     def test_instances_share_one_text(self) -> None:
         assert isinstance(NumberWidget._css, str)
         assert issubclass(NumberWidget, anywidget.AnyWidget)
+
+    def test_the_class_with_the_front_end_is_made_once(self) -> None:
+        one, other = NumberWidget(), NumberWidget()
+        assert type(one) is type(other) is not NumberWidget
+        assert other.get_state()["_esm"] == NumberWidget._esm
+        other.add_traits(mine=traitlets.Int(3).tag(sync=True))
+        assert other.get_state()["mine"] == 3
+        assert "mine" not in NumberWidget().get_state()
