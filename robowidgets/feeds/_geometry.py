@@ -5,12 +5,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from math import degrees
-from typing import Any
+from typing import Any, NamedTuple
 
-from ..messages.fields import reader, unwrap
+from ..messages.fields import frame_id, reader, unwrap
 
-Shape = tuple[int, float, float]
-"""Rays, first angle and increment in radians."""
+
+class Shape(NamedTuple):
+    """What a scan tells of its scanner: rays, first angle and increment in radians, frame."""
+
+    rays: int
+    first: float
+    step: float
+    frame_id: str
+
 
 ALIKE = 0.05
 """Of one scanner, rays and increment differ by no more than this share, and the first angle by this share of its sweep.
@@ -46,33 +53,36 @@ class Geometry:
             return
         if self._now is not None and _is_one(shape, self._before) and self._clock() - self._changed_at <= FORGET:
             if not self.words:
-                first, second = sorted((shape, self._now))
-                self.words = f"two scanners take turns on this topic: {_told(first)}, and {_told(second)}"
+                told = ", and ".join(
+                    _told(one, shape.frame_id != self._now.frame_id) for one in sorted((shape, self._now))
+                )
+                self.words = f"two scanners take turns on this topic: {told}"
         elif self.words and self._before is not None:
             self.words = ""
         self._before, self._now, self._changed_at = self._now, shape, self._clock()
 
 
 def _shape(message: Any) -> Shape | None:
-    read = reader(unwrap(message))
+    message = unwrap(message)
+    read = reader(message)
     try:
-        return len(read("ranges", None)), float(read("angle_min", None)), float(read("angle_increment", None))
+        angles = float(read("angle_min", None)), float(read("angle_increment", None))
+        return Shape(len(read("ranges", None)), *angles, frame_id(message))
     except (OverflowError, TypeError, ValueError):
         return None
 
 
 def _is_one(shape: Shape, other: Shape | None) -> bool:
     """Whether two shapes may be turns of one scanner."""
-    if other is None:
+    if other is None or shape.frame_id != other.frame_id:
         return False
-    (rays, first, step), (other_rays, other_first, other_step) = shape, other
     return (
-        abs(rays - other_rays) <= ALIKE * rays
-        and abs(step - other_step) <= ALIKE * abs(step)
-        and abs(first - other_first) <= ALIKE * rays * abs(step)
+        abs(shape.rays - other.rays) <= ALIKE * shape.rays
+        and abs(shape.step - other.step) <= ALIKE * abs(shape.step)
+        and abs(shape.first - other.first) <= ALIKE * shape.rays * abs(shape.step)
     )
 
 
-def _told(shape: Shape) -> str:
-    rays, first, step = shape
-    return f"{rays} rays from {degrees(first):.1f}° in steps of {degrees(step):.2f}°"
+def _told(shape: Shape, by_frame: bool) -> str:
+    frame = f"{shape.frame_id or 'no frame'}: " if by_frame else ""
+    return f"{frame}{shape.rays} rays from {degrees(shape.first):.1f}° in steps of {degrees(shape.step):.2f}°"

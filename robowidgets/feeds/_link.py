@@ -89,10 +89,9 @@ class Link:
             several = f"{self.topic} is published as {self.type.replace(', ', ' and as ')}" if ", " in self.type else ""
             all_of_it = (self.trouble, self._failed, several or self._retyped, self._geometry.words)
             return "; ".join(filter(None, all_of_it))
-        if self.trouble:
-            return self.trouble
-        if there is not None and self.topic not in there:
-            return no_such(self.topic, there)
+        gone = no_such(self.topic, there) if there is not None and self.topic not in there else ""
+        if gone or self.trouble:
+            return "; ".join(filter(None, (gone, self.trouble)))
         if not leads:
             return ""
         if there is not None and not there[self.topic].offered:

@@ -51,6 +51,8 @@ class Stretch:
             for name, seconds in (("start", self.start), ("end", self.end)):
                 if seconds is not None:
                     recording._time_ns(name, seconds)
+            if self.start is not None and self.end is not None and self.start > self.end:
+                raise ValueError(f"recording[{self.start}:{self.end}]: expected a start before the end, in seconds")
             return
         if isinstance(which, Span):
             self.start, self.end = which.start, max(which.end, which.start + _MOMENT)

@@ -17,6 +17,9 @@ MAX_RAYS = 1_000_000
 _FLOAT32 = np.dtype(np.float32)
 _ANGLE_ROUNDING = 1e-6
 
+MILLIMETRES = 25
+"""Times range_max that lies beyond what drivers send for rays that saw nothing."""
+
 OF_DEGREES = "math.radians() makes them of degrees"
 
 
@@ -125,6 +128,7 @@ class Scan:
             )
         put(self, "range_min", low)
         put(self, "range_max", high)
+        notes += _about_unit(ranges, low, high)
         put(self, "notes", tuple(dict.fromkeys(notes)))
 
     def __len__(self) -> int:
@@ -313,6 +317,17 @@ def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
     if array.ndim != 1:
         raise ValueError(f"{name}: expected a one-dimensional array, got shape {array.shape}")
     return _frozen(array)
+
+
+def _about_unit(ranges: NDArray[np.float32], low: float, high: float) -> list[str]:
+    """What is said of ranges none of which is a reading, and most of which lie as far out as millimetres do."""
+    if ((low <= ranges) & (ranges <= high)).any():
+        return []
+    finite = ranges[np.isfinite(ranges)]
+    usual = float(np.median(finite)) if finite.size else 0.0
+    if usual <= MILLIMETRES * high:
+        return []
+    return [f"ranges are around {usual:,.0f} where range_max is {high:g} m: are they in millimetres? They go in metres"]
 
 
 def _unmasked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[np.float32]:

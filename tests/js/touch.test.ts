@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Clock } from "../../robowidgets/js/touch/clock.ts";
 import { decodeTouch, type Sensor, select } from "../../robowidgets/js/touch/touch.ts";
-import { detailOf, modeWord, summarize, tellAll, toDuration, toLabels } from "../../robowidgets/js/touch/words.ts";
+import { detailOf, modeWord, summarize, tellAll, tellBeside, toDuration, toLabels } from "../../robowidgets/js/touch/words.ts";
 
 const LEFT: Sensor = { name: "left", state: "free", touches: 3, seconds: 2 };
 const CENTER: Sensor = { name: "center", state: "touched", touches: 1, seconds: 0.5 };
@@ -44,6 +44,11 @@ test("a selection keeps its own order, and what nobody spoke of is unknown", () 
     { name: "tail", state: "unknown", touches: 0, seconds: null },
   ]);
   assert.deepEqual(select([LEFT, CENTER], []), [LEFT, CENTER]);
+});
+
+test("a touched sensor that is not on show is told", () => {
+  assert.equal(tellBeside([LEFT, CENTER, RIGHT], [LEFT]), "touched, but not among the sensors: center");
+  assert.equal(tellBeside([LEFT, CENTER, RIGHT], [CENTER]), "");
 });
 
 test("durations are read at a glance", () => {

@@ -58,6 +58,17 @@ class TestGeometry:
         assert circle(364).notes == ("the rays sweep more than a full circle",)
 
 
+class TestMillimetres:
+    def test_are_asked_after_where_no_range_is_a_reading(self) -> None:
+        assert scan([1500, 2000, nan, inf]).notes == (
+            "ranges are around 1,750 where range_max is 30 m: are they in millimetres? They go in metres",
+        )
+
+    def test_are_not_where_there_is_a_reading_or_what_drivers_send_for_nothing_seen(self) -> None:
+        for ranges in ([1500, 2000, 3.0], [65.535, 65.535], [nan, inf], []):
+            assert scan(ranges).notes == ()
+
+
 class TestValidity:
     def test_the_five_classes_stay_apart(self) -> None:
         one = scan([0.1, 30.0, -inf, inf, nan, 0.0, 30.01, -1.0], angle_increment=0.1)

@@ -29,7 +29,7 @@ export class PlayerBar {
   readonly #marks = make("div", "rw-play-marks");
   readonly #speed = make("select", "rw-button rw-play-speed");
   readonly #words = make("span", "rw-play-words");
-  #drawn = "";
+  #drawn: unknown[] = [];
   #icon = "";
 
   constructor(model: Model, element: HTMLElement, playback: Playback, signal: AbortSignal) {
@@ -133,9 +133,10 @@ export class PlayerBar {
   #drawMarks(duration: number): void {
     const marks = getMarks(this.#model);
     const selection = this.#model.get("selection") as [number, number] | null;
-    const key = JSON.stringify([marks, selection, duration]);
-    if (key === this.#drawn) return;
-    this.#drawn = key;
+    // The very ones: there may be thousands, and each frame of a picture that plays comes by here.
+    const drawn = [marks, selection, duration];
+    if (drawn.every((one, i) => one === this.#drawn[i])) return;
+    this.#drawn = drawn;
     const stretch = (className: string, start: number, end: number, label: string) => {
       const mark = make("span", className);
       mark.style.left = `${(100 * start) / duration}%`;

@@ -1,13 +1,14 @@
 import { make, setText } from "../shared/dom.ts";
 import { toCount } from "../shared/format.ts";
 import type { Sensor, TouchState } from "./touch.ts";
-import { summarize, toTouches } from "./words.ts";
+import { summarize, tellBeside, toTouches } from "./words.ts";
 
 const STATES: TouchState[] = ["touched", "free", "unknown"];
 
 /** How many sensors are in each state, and how many touches there were. */
 export class Footer {
   readonly #counts = new Map<TouchState, HTMLElement>();
+  readonly #beside = make("span", "rw-strong");
   readonly #touches = make("span", "rw-touches");
 
   constructor(element: HTMLElement) {
@@ -21,11 +22,13 @@ export class Footer {
       list.append(item);
       this.#counts.set(state, count);
     }
-    element.append(list, this.#touches);
+    element.append(list, this.#beside, this.#touches);
   }
 
-  update(sensors: Sensor[]): void {
+  /** @param all also those that are not among the sensors on show */
+  update(sensors: Sensor[], all: Sensor[]): void {
     const { counts, touches } = summarize(sensors);
+    setText(this.#beside, tellBeside(all, sensors));
     for (const [state, element] of this.#counts) setText(element, toCount(counts[state]));
     setText(this.#touches, toTouches(touches));
   }

@@ -64,10 +64,11 @@ export class TouchView {
   #draw(): void {
     if (this.#width === 0) return;
     const touch = this.#stream.shown;
-    const sensors = select(touch?.sensors ?? [], (this.#model.get("sensors") as string[]) ?? []);
+    const all = touch?.sensors ?? [];
+    const sensors = select(all, (this.#model.get("sensors") as string[]) ?? []);
     const { dialect = "", mode, still = false } = this.#stream.about as TouchAbout;
     this.#card.update([dialect, modeWord(mode)], "states", mode !== "event");
-    this.#footer.update(sensors);
+    this.#footer.update(sensors, all);
     this.#empty.hidden = sensors.length > 0;
     setText(this.#empty, this.#card.waiting("touch message"));
     this.#lay(sensors);

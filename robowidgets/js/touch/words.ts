@@ -39,6 +39,13 @@ export function tellAll({ name, state, touches, seconds }: Sensor, elapsed: numb
   return `${name}: ${since}, ${toTouches(touches)} so far`;
 }
 
+/** Which sensors are touched that are not on show: "touched, but not among the sensors: center". */
+export function tellBeside(all: Sensor[], shown: Sensor[]): string {
+  const there = new Set(shown.map(({ name }) => name));
+  const names = all.filter(({ name, state }) => state === "touched" && !there.has(name)).map(({ name }) => name);
+  return names.length ? `touched, but not among the sensors: ${names.join(", ")}` : "";
+}
+
 /** How many sensors are in each state, and all touches together. */
 export function summarize(sensors: Sensor[]): { counts: Record<TouchState, number>; touches: number } {
   const counts: Record<TouchState, number> = { touched: 0, free: 0, unknown: 0 };

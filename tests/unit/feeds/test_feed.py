@@ -254,6 +254,10 @@ def test_trouble_of_the_middleware_is_told_until_it_is_over(opened: Opened) -> N
     feed.connect("/scan", laser)
     script.listener.on_trouble("/scan", "the publisher is best-effort, so nothing comes")
     assert source(laser)["words"] == "the publisher is best-effort, so nothing comes"
+    script.listener.on_topics([ODOM])
+    gone = "no such topic /scan; there are /odom"
+    assert source(laser)["words"] == f"{gone}; the publisher is best-effort, so nothing comes"
+    script.listener.on_topics([SCAN])
     script.listener.on_trouble("/scan", "")
     assert source(laser)["words"] == "waiting for /scan"
     script.listener.on_trouble("/other", "nobody is connected to it")

@@ -26,6 +26,14 @@ def test_two_that_take_turns_are_two_whatever_their_messages_are_made_of():
     assert watch.words == f"two scanners take turns on this topic: {few}, and {many}"
 
 
+def test_two_of_one_make_are_told_apart_by_their_frames():
+    watch = Geometry()
+    for frame in ("front", "rear", "front", "rear"):
+        watch.see({**FEW, "header": {"frame_id": frame}})
+    rays = "2 rays from 0.0° in steps of 5.73°"
+    assert watch.words == f"two scanners take turns on this topic: front: {rays}, and rear: {rays}"
+
+
 def test_it_is_over_when_one_of_them_has_ended_for_a_while():
     now = [0.0]
     watch = Geometry(lambda: now[0])

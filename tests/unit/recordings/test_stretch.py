@@ -57,6 +57,7 @@ def test_a_span_is_selected(drive: Recording) -> None:
     [
         (slice("a", 2), "start: expected seconds from the start of the recording, got 'a'", TypeError),
         (slice(1, "b"), "end: expected seconds from the start of the recording, got 'b'", TypeError),
+        (slice(5, 2), r"recording\[5:2\]: expected a start before the end, in seconds", ValueError),
         (slice(float("nan"), 2), "start: expected seconds from the start of the recording, got nan", ValueError),
     ],
 )
