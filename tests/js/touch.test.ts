@@ -2,7 +2,15 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Clock } from "../../robowidgets/js/touch/clock.ts";
 import { decodeTouch, type Sensor, select } from "../../robowidgets/js/touch/touch.ts";
-import { detailOf, modeWord, summarize, tellAll, tellBeside, toDuration, toLabels } from "../../robowidgets/js/touch/words.ts";
+import {
+  detailOf,
+  modeWord,
+  summarize,
+  tellAll,
+  tellBeside,
+  toDuration,
+  toLabels,
+} from "../../robowidgets/js/touch/words.ts";
 
 const LEFT: Sensor = { name: "left", state: "free", touches: 3, seconds: 2 };
 const CENTER: Sensor = { name: "center", state: "touched", touches: 1, seconds: 0.5 };
