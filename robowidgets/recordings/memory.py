@@ -63,11 +63,11 @@ class Memory:
         return made
 
     def spare(self, key: Hashable, make: Callable[[], Sequence[Any]]) -> Sequence[Any]:
-        """As `get`, but what is made is held only while half of the limit is free."""
+        """As `get`, but what is made is held only while an eighth of the limit is enough for all."""
         with self._lock:
             held = self._held.get(key)
         made = make() if held is None else held
-        if held is None and 2 * (self._bytes + self._reserved + _size(made)) <= self._limit:
+        if held is None and 8 * (self._bytes + self._reserved + _size(made)) <= self._limit:
             self.put(key, made)
         return made
 

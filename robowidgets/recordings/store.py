@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import Any, Generic, NamedTuple, Protocol
+from typing import Any, Generic, NamedTuple, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from .ahead import read_ahead
 from .chunks import Chunk, ScanChunk, compact
 from .memory import Memory
+from .pages import ChunkPage
 from .progress import Progress
 
 _numbers = count()
@@ -133,7 +134,7 @@ class Store(Generic[Chunk]):
         return self.memory.get((index.id, number), lambda: self._compact(self._kept(index.pages[number])()))
 
     def _kept(self, page: Callable[[], Any]) -> Callable[[], Any]:
-        return _Kept(page, self.memory) if getattr(page, "packed", False) else page
+        return _Kept(cast(ChunkPage, page), self.memory) if getattr(page, "packed", False) else page
 
     def _compact(self, page: Any) -> list[Chunk]:
         return [compact(chunk) for chunk in self.feed.decode(page)]
@@ -199,7 +200,7 @@ class Store(Generic[Chunk]):
 class _Kept:
     """A `pages.ChunkPage` that is decompressed once, while there is room: other topics lie in the same chunk."""
 
-    page: Any
+    page: ChunkPage
     memory: Memory
 
     @property
@@ -207,7 +208,7 @@ class _Kept:
         return bool(getattr(self.page, "slow", False))
 
     def __call__(self) -> Any:
-        return self.page.find(self.memory.spare(self.page.key, self.page.unpack))
+        return self.page.find(tuple(self.memory.spare(self.page.key, self.page.unpack)))
 
 
 class _PageError(Exception):

@@ -55,7 +55,7 @@ test("a selection keeps its own order, and what nobody spoke of is unknown", () 
 });
 
 test("a touched sensor that is not on show is told", () => {
-  assert.equal(tellBeside([LEFT, CENTER, RIGHT], [LEFT]), "touched, but not among the sensors: center");
+  assert.equal(tellBeside([LEFT, CENTER, RIGHT], [LEFT]), "also touched: center");
   assert.equal(tellBeside([LEFT, CENTER, RIGHT], [CENTER]), "");
 });
 

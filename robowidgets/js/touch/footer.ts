@@ -8,7 +8,7 @@ const STATES: TouchState[] = ["touched", "free", "unknown"];
 /** How many sensors are in each state, and how many touches there were. */
 export class Footer {
   readonly #counts = new Map<TouchState, HTMLElement>();
-  readonly #beside = make("span", "rw-strong");
+  readonly #beside = make("span", "rw-beside");
   readonly #touches = make("span", "rw-touches");
 
   constructor(element: HTMLElement) {
@@ -28,7 +28,9 @@ export class Footer {
   /** @param all also those that are not among the sensors on show */
   update(sensors: Sensor[], all: Sensor[]): void {
     const { counts, touches } = summarize(sensors);
-    setText(this.#beside, tellBeside(all, sensors));
+    const beside = tellBeside(all, sensors);
+    setText(this.#beside, beside);
+    this.#beside.title = beside;
     for (const [state, element] of this.#counts) setText(element, toCount(counts[state]));
     setText(this.#touches, toTouches(touches));
   }

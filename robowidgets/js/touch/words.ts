@@ -39,11 +39,11 @@ export function tellAll({ name, state, touches, seconds }: Sensor, elapsed: numb
   return `${name}: ${since}, ${toTouches(touches)} so far`;
 }
 
-/** Which sensors are touched that are not on show: "touched, but not among the sensors: center". */
+/** Which sensors are touched that are not on show: "also touched: center". */
 export function tellBeside(all: Sensor[], shown: Sensor[]): string {
   const there = new Set(shown.map(({ name }) => name));
   const names = all.filter(({ name, state }) => state === "touched" && !there.has(name)).map(({ name }) => name);
-  return names.length ? `touched, but not among the sensors: ${names.join(", ")}` : "";
+  return names.length ? `also touched: ${names.join(", ")}` : "";
 }
 
 /** How many sensors are in each state, and all touches together. */
