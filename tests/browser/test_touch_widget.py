@@ -174,6 +174,10 @@ def test_settings_change_while_it_runs_and_text_stays_text(notebook: Callable[..
     shows(widget, "not heard of", "unknown", "—")
     expect(widget.locator(".rw-tile-label")).to_have_text(["not heard of", "Nose"])
     expect(widget.locator(".rw-body")).to_have_count(0)
+    nb.python("odd.update({'<b>tail</b>': True})")
+    expect(widget.locator(".rw-beside")).to_have_text("also touched: <b>tail</b>")
+    nb.python("odd.update({'<b>tail</b>': False})")
+    expect(widget.locator(".rw-beside")).to_be_empty()
 
     nb.python("odd.angles = {'plain': 0.5}")
     mark = widget.locator(".rw-body-mark")
