@@ -37,8 +37,8 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   for an array take it longer than to decode them, while rosbags keeps no array. Of short recordings most of rosbags'
   time goes into the code that it makes for a type of messages; of compressed ones, most of all times to decompress.
 - A scanogram is ready with all its levels of detail and its strips, where rosbags goes through the raw messages of the
-  same topics; rounds as above. It takes some milliseconds to make any widget, and as many for each type of messages,
-  which counts in recordings of a few hundred scans.
+  same topics; rounds as above. Making a widget, and reading the first message of each type, counts in recordings of a
+  few hundred scans.
 - Memory is the most that a process takes above what it takes with the file open, `memory` at 64 MB.
 - A player shows a recording whose scans carry their numbers, and its page reads them back. A click on scanogram or
   slider counts from its event to the end of the frame that shows the new moment; a bare round trip is one message of a

@@ -8,7 +8,6 @@ from __future__ import annotations
 from binascii import crc32
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from struct import Struct, error
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .pages import Buffer, Held, Raws, Unpacked
+from .pages import Buffer, ChunkPage, Raws, Unpacked
 from .salvage.inflate import COMPRESSIONS, MAX_CHUNK, inflate
 from .source import Channel, RecordingError
 
@@ -34,14 +33,14 @@ _OF_MESSAGE = {b"op=\x02": None, b"conn=": 4, b"time=": 8}
 
 
 @dataclass(frozen=True)
-class McapPage:
+class McapPage(ChunkPage):
     """A chunk of an MCAP file. Called, it reads and decompresses; what it then gives finds the messages.
 
     Args:
         path: the file.
         start, size: where the record of the chunk lies, as the index has it, and the records of its own index after it.
-        packed: whether it is compressed, as the index has it.
-        slow: whether it and the others take long to decompress.
+        compression: how it is packed, as the index has it; empty when it is not.
+        much: whether there is much to decompress in it and the others.
         channels: those that are wanted, by their ids in the file.
 
     Raises:
@@ -51,22 +50,14 @@ class McapPage:
     path: Path
     start: int
     size: int
-    packed: bool
-    slow: bool
+    compression: str
+    much: bool
     channels: Mapping[int, Channel]
 
-    def __call__(self) -> Held:
-        """The messages, to be found."""
-        return self.find(self.unpack())
-
     @property
-    def key(self) -> tuple[Path, int]:
-        """See `pages.ChunkPage`."""
-        return self.path, self.start
-
-    def find(self, unpacked: Unpacked) -> Held:
-        """See `pages.ChunkPage`."""
-        return partial(self._messages, *unpacked)
+    def slow(self) -> bool:
+        """See `pages.ChunkPage`: zstd and lz4 take long only where there is much."""
+        return self.much
 
     def unpack(self) -> Unpacked:
         """See `pages.ChunkPage`: its data, and the records of its own index."""
@@ -119,7 +110,7 @@ class McapPage:
 
 
 @dataclass(frozen=True)
-class BagPage:
+class BagPage(ChunkPage):
     """A chunk of a ROS 1 bag; as `McapPage`.
 
     Args:
@@ -136,26 +127,6 @@ class BagPage:
     compression: str
     index: Mapping[int, Sequence[tuple[int, int]]]
     channels: Mapping[int, Channel]
-
-    @property
-    def packed(self) -> bool:
-        """Whether it is compressed, mostly by bzip2: that takes long."""
-        return bool(self.compression)
-
-    slow = packed
-
-    def __call__(self) -> Held:
-        """The messages, to be found."""
-        return self.find(self.unpack())
-
-    @property
-    def key(self) -> tuple[Path, int]:
-        """See `pages.ChunkPage`."""
-        return self.path, self.start
-
-    def find(self, unpacked: Unpacked) -> Held:
-        """See `pages.ChunkPage`."""
-        return partial(self._messages, *unpacked)
 
     def unpack(self) -> Unpacked:
         """See `pages.ChunkPage`: its data."""

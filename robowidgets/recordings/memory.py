@@ -52,22 +52,17 @@ class Memory:
         """Bytes that are held now."""
         return self._bytes
 
-    def get(self, key: Hashable, make: Callable[[], Sequence[Any]]) -> Sequence[Any]:
-        """What is held under a key, or is made now, and held if there is room: a sequence of things with ``nbytes``."""
+    def get(self, key: Hashable, make: Callable[[], Sequence[Any]], share: int = 1) -> Sequence[Any]:
+        """What is held under a key, or is made now, and held if there is room: a sequence of things with ``nbytes``.
+
+        With a share above 1 it is held only while all together takes no more than that part of the limit.
+        """
         with self._lock:
             if key in self._held:
                 self._held.move_to_end(key)
                 return self._held[key]
         made = make()
-        self.put(key, made)
-        return made
-
-    def spare(self, key: Hashable, make: Callable[[], Sequence[Any]]) -> Sequence[Any]:
-        """As `get`, but what is made is held only while an eighth of the limit is enough for all."""
-        with self._lock:
-            held = self._held.get(key)
-        made = make() if held is None else held
-        if held is None and 8 * (self._bytes + self._reserved + _size(made)) <= self._limit:
+        if share == 1 or share * (self._bytes + self._reserved + _size(made)) <= self._limit:
             self.put(key, made)
         return made
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator
 from functools import partial
 from itertools import groupby
-from typing import NamedTuple, Protocol, runtime_checkable
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,22 +44,44 @@ Unpacked = tuple[memoryview, ...]
 """What was read and decompressed of a page, for all channels."""
 
 
-class ChunkPage(Protocol):
-    """A page that is a chunk of a file, in which other channels lie too."""
+class ChunkPage(ABC):
+    """A page that is a chunk of a file, in which other channels lie too. Called, it is unpacked.
+
+    Attributes:
+        path: the file.
+        start: where the chunk lies in it.
+        compression: how it is packed; empty when it is not.
+    """
+
+    path: Path
+    start: int
+    compression: str
+
+    def __call__(self) -> Held:
+        """The messages, to be found."""
+        return self.find(self.unpack())
 
     @property
     def key(self) -> Hashable:
         """What all pages of the same chunk share."""
+        return self.path, self.start
 
     @property
-    def packed(self) -> bool:
-        """Whether it has to be decompressed."""
+    def slow(self) -> bool:
+        """Whether a thread should read it ahead: it takes long to decompress."""
+        return bool(self.compression)
 
+    @abstractmethod
     def unpack(self) -> Unpacked:
         """Read and decompress it."""
 
     def find(self, unpacked: Unpacked) -> Held:
         """The messages of the page's own channels in what was unpacked, to be found."""
+        return partial(self._messages, *unpacked)
+
+    @abstractmethod
+    def _messages(self, *unpacked: Any, **none: Any) -> list[Raws]:
+        """The same, found."""
 
 
 @runtime_checkable

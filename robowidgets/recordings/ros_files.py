@@ -131,9 +131,9 @@ def _mcap_pages(reader: McapReader, channels: ById) -> Pages:
     wanted = [chunk for chunk in reader.chunks if any(chunk.channel_count.get(number) for number in channels)]
     wanted.sort(key=lambda chunk: chunk.chunk_start_offset)
     path = Path(str(reader.path))
-    slow = sum(chunk.uncompressed_size for chunk in wanted if chunk.compression) >= _SLOW
+    much = sum(chunk.uncompressed_size for chunk in wanted if chunk.compression) >= _SLOW
     return [
-        McapPage(path, chunk.chunk_start_offset, size, bool(chunk.compression), slow, channels)
+        McapPage(path, chunk.chunk_start_offset, size, chunk.compression, much, channels)
         for chunk in wanted
         for size in (chunk.chunk_length + chunk.message_index_length,)
     ]

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import Any, Generic, NamedTuple, Protocol, cast
+from typing import Any, Generic, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from .pages import ChunkPage
 from .progress import Progress
 
 _numbers = count()
+
+_SHARE = 8
+"""The part of the memory's limit, an eighth, in which unpacked chunks may stand."""
 
 
 class Feed(Protocol[Chunk]):
@@ -134,7 +137,7 @@ class Store(Generic[Chunk]):
         return self.memory.get((index.id, number), lambda: self._compact(self._kept(index.pages[number])()))
 
     def _kept(self, page: Callable[[], Any]) -> Callable[[], Any]:
-        return _Kept(cast(ChunkPage, page), self.memory) if getattr(page, "packed", False) else page
+        return _Kept(page, self.memory) if isinstance(page, ChunkPage) and page.compression else page
 
     def _compact(self, page: Any) -> list[Chunk]:
         return [compact(chunk) for chunk in self.feed.decode(page)]
@@ -198,17 +201,17 @@ class Store(Generic[Chunk]):
 
 @dataclass(frozen=True)
 class _Kept:
-    """A `pages.ChunkPage` that is decompressed once, while there is room: other topics lie in the same chunk."""
+    """A page that is decompressed once, while there is room: other topics lie in the same chunk."""
 
     page: ChunkPage
     memory: Memory
 
     @property
     def slow(self) -> bool:
-        return bool(getattr(self.page, "slow", False))
+        return self.page.slow
 
     def __call__(self) -> Any:
-        return self.page.find(tuple(self.memory.spare(self.page.key, self.page.unpack)))
+        return self.page.find(tuple(self.memory.get(self.page.key, self.page.unpack, share=_SHARE)))
 
 
 class _PageError(Exception):

@@ -128,7 +128,7 @@ class Scan:
             )
         put(self, "range_min", low)
         put(self, "range_max", high)
-        notes += _about_unit(ranges, low, high)
+        notes += _about_metres(ranges, low, high)
         put(self, "notes", tuple(dict.fromkeys(notes)))
 
     def __len__(self) -> int:
@@ -319,7 +319,7 @@ def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
     return _frozen(array)
 
 
-def _about_unit(ranges: NDArray[np.float32], low: float, high: float) -> list[str]:
+def _about_metres(ranges: NDArray[np.float32], low: float, high: float) -> list[str]:
     """What is said of ranges none of which is a reading, and most of which lie as far out as millimetres do."""
     if ((low <= ranges) & (ranges <= high)).any():
         return []
