@@ -267,6 +267,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         arrays: dict[str, NDArray[Any]] = {}
         facts: dict[str, Any] = {
             **levels.sweep._asdict(),
+            "far": levels.far,
             "edition": self._edition,
             "scan_count": len(clock),
             "duration": picture.duration,

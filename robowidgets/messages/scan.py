@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, KeysView, Mapping, Sized
-from math import degrees, isfinite, pi
+from math import degrees, inf, isfinite, nan, pi
 from operator import attrgetter, itemgetter, methodcaller
 from typing import Any
 
@@ -46,8 +46,11 @@ def to_scan(message: Any) -> Scan:
             + ("; angle_increment = (angle_max - angle_min) / (len(ranges) - 1)" if by_last else "")
         )
     ranges, angle_min, increment, range_min, range_max = given.values()
+    # JSON has neither NaN nor infinity.
     if increment is None:
-        increment = float("nan")
+        increment = nan
+    if range_max is None:
+        range_max = inf
     intensities = read("intensities", None)
     return Scan(
         ranges=ranges,

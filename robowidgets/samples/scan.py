@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 MAX_RAYS = 1_000_000
 _FLOAT32 = np.dtype(np.float32)
+_FARTHEST = float(np.finfo(np.float32).max)
 _ANGLE_ROUNDING = 1e-6
 
 MILLIMETRES = 25
@@ -63,7 +64,8 @@ class Scan:
         angle_min: angle of ray 0 in radians, counter-clockwise from forward.
         angle_increment: radians from one ray to the next; NaN or 0 only where there is at most one ray.
         range_min, range_max: metres; a range within them, both included, is a reading. Kept at float32's precision, so
-            that a limit and a reading sent as the same number are equal.
+            that a limit and a reading sent as the same number are equal. A range_max of inf, as some converters of
+            point clouds send it, sets no limit: it is kept as the largest number that there is.
         intensities: nothing, or R values in device units. Another length is noted and the values are not used.
         stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
         frame_id: coordinate frame of the scanner.
@@ -119,7 +121,9 @@ class Scan:
             notes.append("the rays sweep more than a full circle")
         put(self, "angle_increment", increment)
 
-        low, high = (float(np.float32(finite(n, getattr(self, n), "metres"))) for n in ("range_min", "range_max"))
+        far = min(number("range_max", self.range_max), _FARTHEST)
+        limits = (("range_min", self.range_min), ("range_max", far))
+        low, high = (float(np.float32(finite(*limit, "metres"))) for limit in limits)
         if low < 0:
             raise ValueError(f"range_min: expected metres, 0 or more, got {low!r}")
         if high <= low:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 Codes = NDArray[np.uint16]
 
 FARTHEST = 65_000
-"""Code of range_max; that of range_min is 0, and readings between lie evenly between."""
+"""Code of the farthest reading there may be; that of range_min is 0, and those between lie evenly between."""
 
 TOO_CLOSE, OUTSIDE_LIMITS, NO_MEASUREMENT, NOTHING_IN_RANGE = 65_531, 65_532, 65_533, 65_534
 NO_SCAN = 65_535
@@ -17,7 +17,7 @@ WITHOUT_READING = (TOO_CLOSE, NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS)
 """Codes of the classes of `Validity` from TOO_CLOSE on, in its order."""
 
 
-def encode(ranges: NDArray[np.float32], range_min: float, range_max: float) -> Codes:
+def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
     """Ranges in metres as codes of the same shape.
 
     The least code of several rays is what is shown of them: the nearest reading; where there is none, the first of too
@@ -25,7 +25,7 @@ def encode(ranges: NDArray[np.float32], range_min: float, range_max: float) -> C
 
     Source: REP-117 for the classes.
     """
-    low, high = np.float32(range_min), np.float32(range_max)
+    low, high = np.float32(range_min), np.float32(far)
     reading = ranges >= low
     reading &= ranges <= high
     with np.errstate(invalid="ignore", over="ignore"):  # what is no reading gets its code below

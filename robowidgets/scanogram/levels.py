@@ -22,6 +22,9 @@ FEW = 16 << 20
 COARSEST = 256
 """Cells of the last level, at most."""
 
+_FAR = 0.01 * FARTHEST
+"""Metres up to which codes lie within a centimetre of each other."""
+
 _SAMPLED = 1 << 14
 _BIN = 4
 """Bits of a code by which a bin of the histogram is coarser: a few thousand bins stay in the processor's cache."""
@@ -35,11 +38,13 @@ class Levels:
         sweep: what they share.
         budget: bytes.
 
-    ``counts`` is how many rays there are of each class of `Validity`.
+    ``counts`` is how many rays there are of each class of `Validity`. ``far`` is the distance of the greatest code:
+    range_max; where codes up to there would lie too far apart, the farthest reading.
     """
 
     def __init__(self, scans: Scans, sweep: Sweep, budget: int = BUDGET) -> None:
         self.scans, self.sweep = scans, sweep
+        self.far = sweep.range_max if sweep.range_max < _FAR else _farthest(scans, sweep)
         self.counts = np.zeros(1 + len(WITHOUT_READING), np.int64)
         self._histogram = np.zeros((FARTHEST >> _BIN) + 1, np.int64)
         count = len(scans.times_ns)
@@ -69,7 +74,7 @@ class Levels:
         The nearest counts always; of the farthest, the last hundredth is left out. The limits where there is no
         reading.
         """
-        low, high = self.sweep.range_min, self.sweep.range_max
+        low, high = self.sweep.range_min, self.far
         counts = self._histogram
         if not counts.any():
             return low, high
@@ -100,13 +105,21 @@ class Levels:
         return kept
 
     def _encode(self, ranges: NDArray[np.float32]) -> Codes:
-        return encode(ranges, self.sweep.range_min, self.sweep.range_max)
+        return encode(ranges, self.sweep.range_min, self.far)
 
     def _count(self, codes: Codes, every: int) -> None:
         without = [int(np.count_nonzero(codes == code)) for code in WITHOUT_READING]
         self.counts += [codes.size - sum(without), *without]
         binned = np.bincount(codes.ravel()[::every] >> _BIN, minlength=len(self._histogram))
         self._histogram += binned[: len(self._histogram)]
+
+
+def _farthest(scans: Scans, sweep: Sweep) -> float:
+    """The farthest reading in metres, where there is one beyond range_min."""
+    far = sweep.range_min
+    for ranges in scans.chunks():
+        far = float(ranges.max(initial=far, where=ranges <= sweep.range_max))
+    return far if far > sweep.range_min else sweep.range_min + _FAR
 
 
 def _step(rays: int, scans: int) -> int:

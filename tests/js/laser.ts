@@ -47,16 +47,16 @@ export const BOXES = [
 
 export function scanOf(values: number[], more: Partial<Scan> = {}): Scan {
   const ranges = Float32Array.from(values);
-  const { rangeMin = Math.fround(0.1), rangeMax = 30 } = more;
-  const kinds = Array.from(ranges, (range) => classify(range, rangeMin, rangeMax));
+  const { minRange = Math.fround(0.1), maxRange = 30 } = more;
+  const kinds = Array.from(ranges, (range) => classify(range, minRange, maxRange));
   return {
     sequence: 1,
     rate: Number.NaN,
     angleMin: -0.5,
     angleIncrement: 0.5,
     count: ranges.length,
-    rangeMin,
-    rangeMax,
+    minRange,
+    maxRange,
     ranges,
     kinds,
     ...takeCensus(ranges, kinds),

@@ -56,8 +56,8 @@ function toScan(given: Case): Scan {
   return scanOf(ranges, {
     angleMin: given.angle_min,
     angleIncrement: toNumber(given.angle_increment) || 0,
-    rangeMin: Math.fround(given.range_min),
-    rangeMax: Math.fround(given.range_max),
+    minRange: Math.fround(given.range_min),
+    maxRange: Math.fround(given.range_max),
   });
 }
 
@@ -88,7 +88,7 @@ test("a frame that Python packed is read to the byte, wherever it starts", () =>
     assert.equal(scan.sequence, 1);
     assert.ok(Number.isNaN(scan.rate));
     assert.deepEqual(
-      [scan.angleMin, scan.angleIncrement, scan.rangeMin, scan.rangeMax, scan.count],
+      [scan.angleMin, scan.angleIncrement, scan.minRange, scan.maxRange, scan.count],
       [frame.angle_min, frame.angle_increment, frame.range_min, frame.range_max, 5],
     );
     assert.deepEqual([...scan.ranges], frame.ranges?.map(toNumber));

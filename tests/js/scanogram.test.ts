@@ -12,7 +12,7 @@ import { describeMark, describePlace, describeSelection, toShare } from "../../r
 import { DEGREE } from "./laser.ts";
 import { FakeModel } from "./models.ts";
 
-const SWEEP = { angleMin: -1, angleIncrement: 0.1, count: 21, rangeMin: 0.1, rangeMax: 10 };
+const SWEEP = { angleMin: -1, angleIncrement: 0.1, count: 21, minRange: 0.1, maxRange: 10, far: 10 };
 
 /** Bytes as Python packs them, amid a larger message. */
 function pack(facts: object, arrays: Record<string, Float64Array | Float32Array | Uint16Array>): DataView {
@@ -41,7 +41,7 @@ function coarse(edition = 1): DataView {
   const codes = new Uint16Array(100 * 21).fill(data.toCode(5, SWEEP));
   codes[40 * 21 + 6] = data.toCode(0.5, SWEEP);
   const facts = {
-    ...{ angle_min: -1, angle_increment: 0.1, range_min: 0.1, range_max: 10, ray_count: 21, edition },
+    ...{ angle_min: -1, angle_increment: 0.1, range_min: 0.1, range_max: 10, far: 10, ray_count: 21, edition },
     ...{ scan_count: 800, duration: 80, pause: 0.1, class_counts: [16800, 0, 0, 0, 0], colors: [0.5, 5] },
     ...{ level: 3, first: 0, ray_step: 1 },
   };

@@ -7,7 +7,7 @@ const MINUS = "\u2212";
 const scan = scanOf([2, -Infinity, Infinity, Number.NaN, 0.05, 61], {
   angleMin: 0,
   angleIncrement: Math.PI / 2,
-  rangeMax: 60,
+  maxRange: 60,
 });
 
 test("each value means something", () => {
@@ -22,6 +22,12 @@ test("each value means something", () => {
       "outside the limits 0.1 m to 60 m",
     ],
   );
+});
+
+test("a scanner without a limit sees nothing in range, and nothing beyond it", () => {
+  const without = scanOf([Infinity, 0.05], { maxRange: 3.4028234663852886e38 });
+  assert.equal(meaningOf(without, 0), "+inf: nothing in range");
+  assert.equal(meaningOf(without, 1), "outside the limits 0.1 m to \u221e");
 });
 
 test("the classes are numbered and named as in Python", () => {
@@ -96,7 +102,7 @@ test("a picture without readings says why", () => {
     whyEmpty(
       scanOf(
         Array.from({ length: count }, () => value),
-        { rangeMin: Math.fround(0.12), rangeMax: 3.5 },
+        { minRange: Math.fround(0.12), maxRange: 3.5 },
       ),
     );
   assert.equal(whyEmpty(scanOf([])), "this scan is empty: it has no rays");

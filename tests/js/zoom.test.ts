@@ -5,7 +5,7 @@ import { near, randoms, scanOf } from "./laser.ts";
 
 /** A scan whose readings all lie at one distance, but for the farthest few. */
 const room = (metres: number, outliers: number[] = []) =>
-  scanOf([...Array.from({ length: 1000 - outliers.length }, () => metres), ...outliers], { rangeMax: 60 });
+  scanOf([...Array.from({ length: 1000 - outliers.length }, () => metres), ...outliers], { maxRange: 60 });
 
 test("metres are rounded up to round numbers", () => {
   const cases: [number, number][] = [
@@ -48,12 +48,12 @@ test("each step in is a step nearer in round numbers, down to 5 cm", () => {
 });
 
 test("a step out undoes a step in", () => {
-  for (const rangeMax of [60, 30, 5.6, 3.5, 12.3]) {
-    let metres = rangeMax;
+  for (const maxRange of [60, 30, 5.6, 3.5, 12.3]) {
+    let metres = maxRange;
     for (let i = 0; i < 20 && metres > 0.06; i++) {
-      const closer = stepRange(metres, -1, rangeMax);
+      const closer = stepRange(metres, -1, maxRange);
       assert.ok(closer < metres);
-      assert.equal(stepRange(closer, 1, rangeMax), metres, `${metres} -> ${closer}`);
+      assert.equal(stepRange(closer, 1, maxRange), metres, `${metres} -> ${closer}`);
       metres = closer;
     }
   }
@@ -100,7 +100,7 @@ test("the reach leaves out the farthest 2 % of the readings, and what is no read
 });
 
 test("readings are ordered as numbers", () => {
-  assert.ok(near(reach(scanOf([9, 10, 2], { rangeMax: 60 })), 10));
+  assert.ok(near(reach(scanOf([9, 10, 2], { maxRange: 60 })), 10));
 });
 
 test("a 60 m scanner in a 4 m room shows the room", () => {
@@ -109,8 +109,8 @@ test("a 60 m scanner in a 4 m room shows the room", () => {
 });
 
 test("a fit never passes what the sensor can see", () => {
-  assert.equal(fitRange(0, scanOf([5.5], { rangeMax: 5.6 })), 5.6);
-  assert.equal(fitRange(5.6, scanOf([5.6], { rangeMax: 5.6 })), 5.6);
+  assert.equal(fitRange(0, scanOf([5.5], { maxRange: 5.6 })), 5.6);
+  assert.equal(fitRange(5.6, scanOf([5.6], { maxRange: 5.6 })), 5.6);
 });
 
 test("noise changes a fit at most once, wherever it lies", () => {
@@ -119,7 +119,7 @@ test("noise changes a fit at most once, wherever it lies", () => {
     let range = 0;
     let changes = -1;
     for (let i = 0; i < 60; i++) {
-      const next = fitRange(range, scanOf([metres * (0.95 + 0.1 * random())], { rangeMax: 60 }));
+      const next = fitRange(range, scanOf([metres * (0.95 + 0.1 * random())], { maxRange: 60 }));
       if (next !== range) changes++;
       range = next;
     }
@@ -136,8 +136,20 @@ test("a fit grows at once, and shrinks only when far less is needed", () => {
   assert.equal(fitRange(5, room(20)), 25);
 });
 
+test("a scanner without a limit shows what it reads, and 10 m while it reads nothing", () => {
+  const maxRange = 3.4028234663852886e38;
+  const reading = scanOf([4, 80, 1e30], { maxRange });
+  assert.equal(resolveRange("sensor", scanOf([4, 4], { maxRange }), 0), 5);
+  assert.equal(resolveRange("sensor", scanOf([4, 3], { maxRange }), 5), 5);
+  assert.equal(resolveRange("sensor", scanOf([Infinity], { maxRange }), 0), 10);
+  assert.equal(resolveRange("sensor", reading, 0), 100_000);
+  assert.equal(resolveRange(30, reading, 0), 30);
+  assert.equal(stepRange(100_000, 1, maxRange), 100_000);
+  assert.equal(resolveRange("sensor", scanOf([4], { maxRange: 100_000 }), 0), 100_000);
+});
+
 test("a scan without readings leaves the fit as it was", () => {
-  const empty = scanOf([Infinity, Number.NaN], { rangeMax: 12 });
+  const empty = scanOf([Infinity, Number.NaN], { maxRange: 12 });
   assert.equal(fitRange(4, empty), 4);
   assert.equal(fitRange(0, empty), 12);
 });

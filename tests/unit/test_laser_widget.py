@@ -262,7 +262,7 @@ class TestUpdate:
         ("changed", "text"),
         [
             ({"range_min": 30.0, "range_max": 0.1}, r"^range_max: .* got 0.1; are the two swapped\?$"),
-            ({"range_max": inf}, r"^range_max: expected a finite number of metres, got inf$"),
+            ({"range_max": nan}, r"^range_max: expected a finite number of metres, got nan$"),
             ({"angle_increment": 0.0}, r"^angle_increment: expected a finite step in radians other than 0 for 3 rays"),
             ({"ranges": np.ones((2, 3))}, r"^ranges: expected a one-dimensional array, got shape \(2, 3\)$"),
             ({"ranges": np.ones(1_000_001)}, r"^ranges: expected at most 1,000,000 rays, got 1,000,001$"),

@@ -125,7 +125,7 @@ class TestScan:
             ({"ranges": None}, r"^ranges: expected an array of numbers, got a NoneType"),
             ({"ranges": 3.0}, r"^ranges: expected an array of numbers, got a float: '3.0'"),
             ({"ranges": ["1", "2"]}, r"^ranges: expected a one-dimensional array of numbers, got \['1', '2'\]"),
-            ({"range_max": None}, r"^range_max: expected a number, got None$"),
+            ({"range_min": None}, r"^range_min: expected a number, got None$"),
             ({"angle_min": "left"}, r"^angle_min: expected a number, got 'left'$"),
             ({"angle_max": "right"}, r"^angle_max: expected a number, got 'right'$"),
             ({"time_increment": []}, r"^time_increment: expected a number, got \[\]$"),
@@ -258,6 +258,11 @@ class TestOddScan:
         assert scan.xy.tolist() == [[pytest.approx(10.47), 0.0]]
         noted = ("one ray, angle_increment is not a number: drawn at angle_min",)
         assert scan.notes == (() if increment == 0.0 else noted)
+
+    @pytest.mark.parametrize("range_max", [inf, None])
+    def test_a_converter_of_point_clouds_sets_no_limit_which_json_cannot_say(self, range_max: float | None) -> None:
+        scan = to_scan(laser([0.5, 80.0, inf], range_max=range_max))
+        assert scan.validity.tolist() == [Validity.READING, Validity.READING, Validity.NOTHING_IN_RANGE]
 
     def test_an_upside_down_scanner_runs_clockwise(self) -> None:
         scan = to_scan(laser([1, 1, 1], angle_min=pi / 2, angle_max=-pi / 2, angle_increment=-pi / 2))

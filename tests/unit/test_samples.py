@@ -92,6 +92,15 @@ class TestValidity:
     def test_doubles_too_large_for_float32_are_beyond_every_range(self) -> None:
         assert scan([1e300, 1.0, 1.0])[0].validity is Validity.NOTHING_IN_RANGE
 
+    @pytest.mark.parametrize(
+        "range_max", [inf, np.float32(inf), 1.7976931348623157e308, float(np.finfo(np.float32).max)]
+    )
+    def test_without_a_limit_every_distance_is_a_reading_and_infinity_is_none(self, range_max: float) -> None:
+        one = scan([50.0, 3e38, inf, nan, 0.0], angle_increment=0.1, range_max=range_max)
+        assert one.validity.tolist() == [0, 0, 2, 3, 4]
+        assert one.range_max == np.finfo(np.float32).max
+        assert one.notes == ()
+
 
 class TestRays:
     def test_a_reading_has_a_place(self) -> None:
@@ -234,7 +243,7 @@ class TestScanErrors:
             ),
             ({"angle_increment": inf}, r"^angle_increment: expected a finite step .* for 3 rays, got inf$"),
             ({"range_min": nan}, r"^range_min: expected a finite number of metres, got nan$"),
-            ({"range_max": inf}, r"^range_max: expected a finite number of metres, got inf$"),
+            ({"range_max": -inf}, r"^range_max: expected a finite number of metres, got -inf$"),
             ({"range_min": -0.5}, r"^range_min: expected metres, 0 or more, got -0.5$"),
             (
                 {"range_min": 30.0, "range_max": 0.1},

@@ -27,21 +27,21 @@ export function drawArea(
   sweep: Sweep & Limits,
   theme: Theme,
 ): void {
-  const { rangeMin, rangeMax } = sweep;
-  const far = Math.min(rangeMax, projection.viewRange);
-  if (sweep.count === 0 || rangeMin >= far) return;
+  const { minRange, maxRange } = sweep;
+  const far = Math.min(maxRange, projection.viewRange);
+  if (sweep.count === 0 || minRange >= far) return;
   if (sweep.count === 1) {
-    drawLine(context, projection, angleOf(sweep, 0), rangeMin, far, theme.line, 3);
+    drawLine(context, projection, angleOf(sweep, 0), minRange, far, theme.line, 3);
     return;
   }
   context.beginPath();
   traceArc(context, projection, sweep, far);
   // Where a circle closes there is no edge; elsewhere the canvas joins the two arcs with one.
   if (isFullCircle(sweep)) {
-    const { x, y } = toPixel(projection, rangeMin, angleOf(sweep, 0));
+    const { x, y } = toPixel(projection, minRange, angleOf(sweep, 0));
     context.moveTo(x, y);
   }
-  traceArc(context, projection, sweep, rangeMin, true);
+  traceArc(context, projection, sweep, minRange, true);
   if (!isFullCircle(sweep)) context.closePath();
   context.fillStyle = theme.area;
   context.fill("evenodd");
@@ -66,8 +66,8 @@ export function drawGuides(
     traceArc(context, projection, sweep, distance);
     context.stroke();
   }
-  const far = Math.min(sweep.rangeMax, projection.viewRange);
-  for (const index of rays) drawLine(context, projection, angleOf(sweep, index), sweep.rangeMin, far, theme.line, 1);
+  const far = Math.min(sweep.maxRange, projection.viewRange);
+  for (const index of rays) drawLine(context, projection, angleOf(sweep, index), sweep.minRange, far, theme.line, 1);
 }
 
 export function drawLine(

@@ -43,7 +43,7 @@ export function drawReadings(
   occupied: Occupancy,
 ): number {
   const scale = projection.radius / projection.viewRange;
-  const rim = Math.min(scan.rangeMax, projection.viewRange) * scale;
+  const rim = Math.min(scan.maxRange, projection.viewRange) * scale;
   const last: ({ x: number; y: number } | undefined)[] = [];
   let beyond = 0;
   let color = theme.reading;

@@ -18,9 +18,12 @@ export interface Sweep {
 
 /** Metres within which a range is a reading. */
 export interface Limits {
-  rangeMin: number;
-  rangeMax: number;
+  minRange: number;
+  maxRange: number;
 }
+
+/** Metres: no picture reaches farther, and a limit beyond is none. Python has the same number. */
+export const FARTHEST_VIEW = 100_000;
 
 /** One scan as it comes from Python; metres and radians. */
 export interface Scan extends Frame, Sweep, Limits, Census {
@@ -34,16 +37,16 @@ export interface Scan extends Frame, Sweep, Limits, Census {
 export function decodeScan(bytes: DataView): Scan {
   const reader = new Reader(bytes);
   const head = readHead(reader);
-  const [angleMin = 0, angleIncrement = 0, rangeMin = 0, rangeMax = 0, count = 0] = reader.float64s(5);
+  const [angleMin = 0, angleIncrement = 0, minRange = 0, maxRange = 0, count = 0] = reader.float64s(5);
   const ranges = reader.float32s(count);
-  const kinds = Array.from(ranges, (range) => classify(range, rangeMin, rangeMax));
+  const kinds = Array.from(ranges, (range) => classify(range, minRange, maxRange));
   const intensities = reader.float32s(reader.left / 4);
   return {
     ...head,
     angleMin,
     angleIncrement,
-    rangeMin,
-    rangeMax,
+    minRange,
+    maxRange,
     count,
     ranges,
     kinds,
@@ -59,8 +62,8 @@ export function angleOf(sweep: Sweep, index: number): number {
 }
 
 /** The order of the questions matters: NaN must not slip through a comparison. */
-export function classify(range: number, rangeMin: number, rangeMax: number): Validity {
-  if (rangeMin <= range && range <= rangeMax) return READING;
+export function classify(range: number, minRange: number, maxRange: number): Validity {
+  if (minRange <= range && range <= maxRange) return READING;
   if (range === -Infinity) return TOO_CLOSE;
   if (range === Infinity) return NOTHING_IN_RANGE;
   if (Number.isNaN(range)) return NO_MEASUREMENT;

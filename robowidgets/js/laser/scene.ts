@@ -27,15 +27,15 @@ import {
 import { type Box, FORWARD, fit, type Point, type Projection, rimBox, sweepRim, toPixel } from "./projection.ts";
 import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "./scan.ts";
 import { CLASSES } from "./words.ts";
-import { resolveRange, type ViewRange } from "./zoom.ts";
+import { fitsReadings, resolveRange, type ViewRange } from "./zoom.ts";
 
 /** What an empty widget shows: the area of a common scanner. */
 const PLACEHOLDER = {
   angleMin: (-3 * Math.PI) / 4,
   angleIncrement: Math.PI / 180,
   count: 271,
-  rangeMin: 0.1,
-  rangeMax: 10,
+  minRange: 0.1,
+  maxRange: 10,
 };
 
 /** The traits on which the lower canvas depends. */
@@ -120,16 +120,16 @@ export class Scene {
   #visible(scan: Scan, index: number): number {
     const kind = scan.kinds[index];
     const isMeasured = kind === READING || kind === OUTSIDE_LIMITS;
-    return Math.min(isMeasured ? Math.max(0, scan.ranges[index] as number) : scan.rangeMax, this.viewRange);
+    return Math.min(isMeasured ? Math.max(0, scan.ranges[index] as number) : scan.maxRange, this.viewRange);
   }
 
   #drawBase(scan: Scan | null, size: Surface, theme: Theme): void {
     const [range, ...settings] = SETTINGS.map((name) => this.#model.get(name)) as Settings;
     const [arcCount, rayCount, asked, forward] = settings;
-    const { angleMin, angleIncrement, count, rangeMin, rangeMax } = scan ?? PLACEHOLDER;
-    const sweep = { angleMin, angleIncrement, count, rangeMin, rangeMax };
+    const { angleMin, angleIncrement, count, minRange, maxRange } = scan ?? PLACEHOLDER;
+    const sweep = { angleMin, angleIncrement, count, minRange, maxRange };
     const viewRange = resolveRange(range, scan, this.#fitted);
-    this.#fitted = range === "data" ? viewRange : 0;
+    this.#fitted = fitsReadings(range, scan?.maxRange) ? viewRange : 0;
     const key = JSON.stringify([sweep, viewRange, settings, this.box, size, theme]);
     if (key === this.#baseKey) return;
     this.#baseKey = key;
@@ -142,7 +142,7 @@ export class Scene {
     this.projection = { ...fit(rim, this.box), viewRange, forward: turn };
     context.font = arcFont(theme);
     this.#arcs = arcDistances(asked, arcCount, viewRange)
-      .filter((distance) => count && distance > rangeMin && distance <= rangeMax * (1 + 1e-6))
+      .filter((distance) => count && distance > minRange && distance <= maxRange * (1 + 1e-6))
       .map((distance) => ({ distance, width: context.measureText(toShortMetres(distance)).width + 6 }));
     const kept: RayLabel[] = thinLabels(this.projection, labels);
     this.labelBoxes = kept.map((label) => rimBox(this.projection, label));

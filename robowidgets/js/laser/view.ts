@@ -96,19 +96,19 @@ export class LaserView {
 
   onZoom(direction: -1 | 1): void {
     const range = this.#zoomed(direction);
-    put(this.#model, { view_range: range === this.#rangeMax ? "sensor" : range });
+    put(this.#model, { view_range: range === this.#maxRange ? "sensor" : range });
   }
 
   canZoom(direction: -1 | 1): boolean {
     return this.#zoomed(direction) !== this.#scene.viewRange;
   }
 
-  get #rangeMax(): number {
-    return this.#stream.shown?.rangeMax ?? this.#scene.viewRange;
+  get #maxRange(): number {
+    return this.#stream.shown?.maxRange ?? this.#scene.viewRange;
   }
 
   #zoomed(direction: -1 | 1): number {
-    return stepRange(this.#scene.viewRange, direction, this.#rangeMax);
+    return stepRange(this.#scene.viewRange, direction, this.#maxRange);
   }
 
   #onFit(): void {

@@ -1,6 +1,7 @@
 import { toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../shared/format.ts";
 import {
   angleOf,
+  FARTHEST_VIEW,
   type Limits,
   NO_MEASUREMENT,
   NOTHING_IN_RANGE,
@@ -48,18 +49,18 @@ interface Classed extends Limits {
 }
 
 /** What a ray without a reading means; nothing for a reading. */
-export function meaningOf({ kinds, rangeMin, rangeMax }: Classed, index: number): string {
+export function meaningOf({ kinds, minRange, maxRange }: Classed, index: number): string {
   switch (kinds[index]) {
     case READING:
       return "";
     case TOO_CLOSE:
-      return `\u2212inf: closer than ${toShortMetres(rangeMin)}`;
+      return `\u2212inf: closer than ${toShortMetres(minRange)}`;
     case NOTHING_IN_RANGE:
-      return `+inf: nothing within ${toShortMetres(rangeMax)}`;
+      return `+inf: nothing ${maxRange > FARTHEST_VIEW ? "in range" : `within ${toShortMetres(maxRange)}`}`;
     case NO_MEASUREMENT:
       return "NaN: no measurement";
     default:
-      return `outside the limits ${toShortMetres(rangeMin)} to ${toShortMetres(rangeMax)}`;
+      return `outside the limits ${toShortMetres(minRange)} to ${maxRange > FARTHEST_VIEW ? "\u221e" : toShortMetres(maxRange)}`;
   }
 }
 

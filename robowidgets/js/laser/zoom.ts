@@ -1,9 +1,12 @@
-import { READING, type Scan } from "./scan.ts";
+import { FARTHEST_VIEW, READING, type Scan } from "./scan.ts";
 
-/** How far the picture reaches: "sensor" (range_max), "data" (fit to the readings), or metres. */
+/** How far the picture reaches: "sensor" (range_max, if it sets a limit), "data" (fit to the readings), or metres. */
 export type ViewRange = "sensor" | "data" | number;
 
 const CLOSEST = 0.05;
+
+/** What a picture without anything to go by reaches to. */
+const EMPTY = 10;
 
 /** Round numbers of metres, from 1 cm to 800 km. */
 const ROUND = [-2, -1, 0, 1, 2, 3, 4, 5].flatMap((power) =>
@@ -16,8 +19,8 @@ export function roundUp(metres: number): number {
 }
 
 /** One step nearer (-1) or farther (+1) in round numbers, within what the sensor can see. */
-export function stepRange(metres: number, direction: -1 | 1, rangeMax: number): number {
-  if (direction > 0) return Math.min(rangeMax, roundUp(metres * 1.01));
+export function stepRange(metres: number, direction: -1 | 1, maxRange: number): number {
+  if (direction > 0) return Math.min(maxRange, FARTHEST_VIEW, roundUp(metres * 1.01));
   return Math.max(CLOSEST, ROUND.filter((round) => round <= metres * 0.99).at(-1) ?? 0);
 }
 
@@ -30,14 +33,19 @@ export function reach(scan: Scan): number {
 /** A range that fits the readings and keeps still: it grows when they need it, shrinks only when they need far less. */
 export function fitRange(previous: number, scan: Scan): number {
   const needed = reach(scan) * 1.05;
-  if (needed === 0) return previous || scan.rangeMax;
+  if (needed === 0) return previous || (scan.maxRange > FARTHEST_VIEW ? EMPTY : scan.maxRange);
   if (previous && needed <= previous && needed > previous * 0.5) return previous;
-  return Math.min(scan.rangeMax, roundUp(needed));
+  return Math.min(scan.maxRange, FARTHEST_VIEW, roundUp(needed));
 }
 
-/** The metres to show for a setting; `fitted` is what "data" showed last, or 0. */
+/** Whether the picture is to reach as far as the readings do. */
+export function fitsReadings(setting: ViewRange, maxRange = 0): boolean {
+  return setting === "data" || (setting === "sensor" && maxRange > FARTHEST_VIEW);
+}
+
+/** The metres to show for a setting; `fitted` is what was fitted to the readings last, or 0. */
 export function resolveRange(setting: ViewRange, scan: Scan | null, fitted: number): number {
   if (typeof setting === "number") return setting;
-  if (!scan) return fitted || 10;
-  return setting === "data" ? fitRange(fitted, scan) : scan.rangeMax;
+  if (!scan) return fitted || EMPTY;
+  return fitsReadings(setting, scan.maxRange) ? fitRange(fitted, scan) : scan.maxRange;
 }

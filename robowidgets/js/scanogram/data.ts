@@ -30,8 +30,10 @@ export interface Sweep {
   angleMin: number;
   angleIncrement: number;
   count: number;
-  rangeMin: number;
-  rangeMax: number;
+  minRange: number;
+  maxRange: number;
+  /** The distance of the greatest code. */
+  far: number;
 }
 
 /** All that the page gets at once; seconds and metres. */
@@ -102,6 +104,7 @@ interface Facts {
   ray_count: number;
   range_min: number;
   range_max: number;
+  far: number;
   scan_count: number;
   duration: number;
   pause: number;
@@ -118,8 +121,9 @@ export function decodeWhole(bytes: DataView): Whole {
     angleMin: facts.angle_min,
     angleIncrement: facts.angle_increment,
     count: facts.ray_count,
-    rangeMin: facts.range_min,
-    rangeMax: facts.range_max,
+    minRange: facts.range_min,
+    maxRange: facts.range_max,
+    far: facts.far,
   };
   const { speed, touch } = facts;
   const speeds = toSpeeds(arrays);
@@ -148,9 +152,9 @@ export function decodeDetail(bytes: DataView, sweep: Sweep): Detail {
 }
 
 /** The least code of several is shown of them, as in Python. */
-export function toCode(range: number, { rangeMin, rangeMax }: Sweep): number {
-  if (rangeMin <= range && range <= rangeMax) {
-    return Math.floor(((range - rangeMin) * FARTHEST) / (rangeMax - rangeMin));
+export function toCode(range: number, { minRange, maxRange, far }: Sweep): number {
+  if (minRange <= range && range <= maxRange) {
+    return Math.floor(((range - minRange) * FARTHEST) / (far - minRange));
   }
   if (range === -Infinity) return TOO_CLOSE;
   if (range === Infinity) return NOTHING_IN_RANGE;
@@ -158,8 +162,8 @@ export function toCode(range: number, { rangeMin, rangeMax }: Sweep): number {
 }
 
 /** Metres of the code of a reading. */
-export function toRange(code: number, { rangeMin, rangeMax }: Sweep): number {
-  return rangeMin + ((code + 0.5) * (rangeMax - rangeMin)) / FARTHEST;
+export function toRange(code: number, { minRange, far }: Sweep): number {
+  return minRange + ((code + 0.5) * (far - minRange)) / FARTHEST;
 }
 
 function unpack(bytes: DataView): Unpacked {

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from robowidgets.samples import Scan
-from robowidgets.scanogram.codes import encode, fold
+from robowidgets.scanogram.codes import FARTHEST, encode, fold
 from robowidgets.scanogram.levels import Levels
 from robowidgets.scanogram.scans import Held, Sweep
 
 GEOMETRY = (-1.0, 0.01, 0.1, 30.0)
 
 
-def made(ranges: np.ndarray, budget: int | None = None) -> Levels:
+def made(ranges: np.ndarray, budget: int | None = None, range_max: float = 30.0) -> Levels:
     ranges = ranges.astype(np.float32)
     scans = Held(np.arange(len(ranges)) * 100_000_000, [ranges[:700], ranges[700:]])
-    sweep = Sweep.of(Scan(ranges[0], *GEOMETRY))
+    sweep = Sweep.of(Scan(ranges[0], *GEOMETRY[:-1], range_max))
     return Levels(scans, sweep) if budget is None else Levels(scans, sweep, budget)
 
 
@@ -46,6 +46,24 @@ def test_one_near_reading_among_a_million_is_seen_at_every_level() -> None:
     for level in range(levels.last + 1):
         assert levels.codes(level, 1234 >> level, (1234 >> level) + 1)[0, 56] == near
     assert levels.near_and_far[0] == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("range_max", [600.0, 1e5, np.inf])
+def test_distances_are_as_exact_whatever_the_scanner_claims_to_see(range_max: float) -> None:
+    ranges = np.random.default_rng(1).uniform(0.2, 29.0, (1000, 90))
+    ranges[3, :4] = np.inf, np.nan, -np.inf, 0.05
+    levels = made(ranges, range_max=range_max)
+    assert levels.far == (pytest.approx(29.0, abs=0.01) if range_max > 650 else range_max)
+    metres = 0.1 + (levels.codes(0, 0, 1000) + 0.5) * (levels.far - 0.1) / FARTHEST
+    read = np.isfinite(ranges) & (ranges > 0.1)
+    assert np.abs(metres - ranges)[read].max() < 0.006
+    assert levels.counts.tolist() == [90_000 - 4, 1, 1, 1, 1]
+    assert levels.near_and_far[1] < 31
+
+
+def test_without_a_limit_and_without_a_reading_there_is_a_scale_all_the_same() -> None:
+    levels = made(np.full((10, 8), np.inf), range_max=np.inf)
+    assert levels.near_and_far == (pytest.approx(0.1), pytest.approx(650.1))
 
 
 def test_the_classes_are_counted() -> None:
