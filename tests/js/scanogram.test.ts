@@ -119,6 +119,10 @@ test("the cursor steps from scan to scan", () => {
   assert.equal(round(blocks.step(31.05, -1)), 31);
   assert.equal(round(blocks.step(31, -1)), 30.9);
   assert.equal(round(blocks.step(31, 10)), 32);
+  assert.equal(round(blocks.step(33.9, 1)), 34.4, "at its end the coarser one goes on");
+  assert.equal(round(blocks.step(30, -1)), 29.6);
+  assert.equal(round(blocks.step(79.2, 1)), 79.2);
+  assert.equal(blocks.step(0, -1), 0);
 });
 
 test("a cell without length is still found, and a gap is none", () => {

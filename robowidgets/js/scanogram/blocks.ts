@@ -102,10 +102,14 @@ export class Blocks {
 
   /** The start of the scan so many further on than the one at a time; as far as the page knows them. */
   step(time: number, by: number): number {
-    const block = this.over([time, time]);
-    const at = firstWhere(block.startsAt, (start) => start > time + 1e-9) - 1;
-    const onTheWay = by < 0 && (block.startsAt[at] ?? time) < time - 1e-9 ? by + 1 : by;
-    return block.startsAt[Math.min(block.startsAt.length - 1, Math.max(0, at + onTheWay))] ?? time;
+    for (const block of this.all) {
+      const { startsAt } = block;
+      const at = firstWhere(startsAt, (start) => start > time + by / 1e9) + by - (by > 0 ? 1 : 0);
+      const next = startsAt[Math.min(startsAt.length - 1, Math.max(0, at))] ?? time;
+      // At the end of a fine block a coarser one knows further.
+      if (covers(block, [time, time]) && by * (next - time) > 0) return next;
+    }
+    return time;
   }
 
   /** How many scans start in a span, and whether that is exact. */
