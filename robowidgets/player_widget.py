@@ -39,6 +39,7 @@ class PlayerWidget(anywidget.AnyWidget):
 
     _stretch = traitlets.Float(1.0).tag(sync=True)
     _targets = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    _pauses = traitlets.List(traitlets.Float()).tag(sync=True)
     _followers = traitlets.List(traitlets.Unicode()).tag(sync=True)
     _first = traitlets.Dict().tag(sync=True, echo_update=False)
     _words = traitlets.Unicode().tag(sync=True)
@@ -50,6 +51,10 @@ class PlayerWidget(anywidget.AnyWidget):
     def when_pointed(self, call: Callable[[float], Any]) -> None:
         """Call back with the time at which a person points, or to which the page has gone, and which it lacks."""
         self.on_msg(lambda _widget, content, _buffers: "pointed" in content and call(content["pointed"]))
+
+    def when_stepped(self, call: Callable[[float, int], Any]) -> None:
+        """Call back with a time from which a person steps on (1) or back (-1) to a sample that the page lacks."""
+        self.on_msg(lambda _widget, content, _buffers: "step" in content and call(*content["step"]))
 
     @property
     def span(self) -> Span:

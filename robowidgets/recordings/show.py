@@ -31,6 +31,8 @@ MOST_SCANS = 20_000
 """With more scans a scanogram is made only when it is asked for: it reads them all."""
 
 _EARLY = 0.1
+_TINY = 1e-7
+_SHORTEST_PAUSE = 2.0
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 _VIEWER = "660px"
 """With less, Rerun hides its time."""
@@ -102,6 +104,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._sender = sender = Sender(self._open_tracks, self._send, recording.duration, self._complain)
         self.bar.when_asked(sender.start)
         self.bar.when_pointed(sender.point)
+        self.bar.when_stepped(self._step)
         self.bar.observe(partial(self._on_time, sender), ["time", "playing", "speed", "loop", "selection"])
         for view in self.views:
             if view.pick.widget == "laser":
@@ -150,6 +153,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             time=seconds,
             _stretch=STRETCH,
             _targets=[view.widget.model_id for view in self.views],
+            _pauses=[_pause(self.recording, view.pick) for view in self.views],
             _followers=[self.scanogram.model_id] if self.scanogram else [],
             _first={
                 "stretch": index,
@@ -188,6 +192,19 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             if name == "time":
                 # While it plays, a page takes a time that it is told for that of another page.
                 self.bar.send({"seek": value})
+
+    def _step(self, seconds: float, direction: int) -> None:
+        """Go from a time to the next sample of the first widget, or to the one before: it may be an hour away."""
+        topic = self.views[0].pick.topic
+        with self._seeking:
+            if direction > 0:
+                found = next((m for m in self.recording.samples(topic, seconds) if m.seconds > seconds), None)
+            else:
+                found = self.recording.at(topic, seconds)
+                if found and found.seconds >= seconds:
+                    found = self.recording.at(topic, seconds - _TINY)
+        if found:
+            self.bar.send({"seek": found.seconds})
 
     def _on_time(self, sender: Sender, change: Any) -> None:
         bar = self.bar
@@ -278,6 +295,13 @@ def _replay(recording: Recording, topic: str, widget: TouchWidget) -> Seek:
         widget.show(history.at(time_ns), time_ns)
 
     return seek
+
+
+def _pause(recording: Recording, pick: Pick) -> float:
+    """Seconds after which what a widget shows of a topic is old; 0: never."""
+    rate = next(topic.rate for topic in recording.topics if topic.name == pick.topic)
+    # What is said of touches holds until a message says otherwise.
+    return max(_SHORTEST_PAUSE, 2 / rate) if rate and pick.widget != "touch" else 0.0
 
 
 def _first_look(recording: Recording, views: Iterable[View]) -> float:

@@ -108,6 +108,7 @@ async function play(values: Record<string, unknown> = {}, stretches = [0, 1, 2])
     marks: [],
     _stretch: 1,
     _first: {},
+    _pauses: [],
     ...values,
   });
   Object.assign(fake, { send: (content: unknown) => sent.push(content) });
@@ -131,6 +132,42 @@ async function play(values: Record<string, unknown> = {}, stretches = [0, 1, 2])
   };
   return { fake, follower, playback, state, sent, give, pass, end: () => controller.abort() };
 }
+
+test("what is old is told with its age, whether it is new on show or not", async () => {
+  const { fake, playback, state, end } = await play({ _pauses: [2], duration: 99 }, [0]);
+  const frame = [...FRAME];
+  for (const [index, time] of [
+    [5, 0.5],
+    [6, 0.5],
+    [7, 7],
+    [8, -1],
+  ] as const) {
+    fake.tell({ stretch: index, drop: [], abouts: [[{ frame_id: "laser" }]] }, [packed([time, 0, frame])]);
+  }
+  const told = (time: number) => {
+    playback.seek(time);
+    return state._about;
+  };
+  assert.deepEqual(told(0.9), { frame_id: "0" });
+  assert.deepEqual(told(5.04), { frame_id: "laser", age: 4.5 });
+  const shown = state._frame;
+  assert.deepEqual(told(5.17), { frame_id: "laser", age: 4.6 });
+  assert.equal(state._frame, shown, "the same is not shown anew");
+  assert.deepEqual(told(6), { frame_id: "laser", age: 5.5 });
+  assert.deepEqual(told(7.9), { frame_id: "laser" });
+  assert.deepEqual(told(8.5), { frame_id: "laser" }, "nothing was measured yet: it has no age");
+  fake.receive({ _pauses: [0] });
+  assert.deepEqual(told(5.04), { frame_id: "laser" }, "what holds until a message says otherwise is never old");
+  end();
+});
+
+test("a step to what is not here is left to Python", async () => {
+  const { playback, sent, end } = await play({}, [0]);
+  playback.seek(0.5);
+  playback.step(1);
+  assert.deepEqual(sent.at(-1), { step: [0.5, 1] });
+  end();
+});
 
 test("a page that has nothing says so, and shows what comes without a word to the kernel", async () => {
   const { fake, state, sent, end } = await play();

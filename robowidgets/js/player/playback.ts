@@ -45,6 +45,7 @@ export class Playback {
   readonly #nextFrame: () => void;
   #moved: Moved = { targets: [], followers: [] };
   #shown: unknown[] = [];
+  #ages: number[] = [];
   #time: number;
   #last = 0;
   /** Whether the moment asked for is not here yet. */
@@ -126,6 +127,8 @@ export class Playback {
     if (this.playing) put(this.#model, { playing: false });
     const to = this.#stretches.neighbour(0, this.#time, direction, this.duration);
     if (to !== null) this.seek(to);
+    // Across a long silence Python knows where it is, and sends there.
+    else this.#model.send({ step: [this.#time, direction] });
   }
 
   /** To the start of the next mark, or of the one before. */
@@ -188,15 +191,23 @@ export class Playback {
   #show(): void {
     const stills = this.#stretches.at(this.#time);
     this.waits = stills === null;
+    const pauses = this.#model.get("_pauses") as number[];
     for (const [i, { track, still }] of (stills ?? []).entries()) {
       const target = this.#moved.targets[i];
-      if (!target || this.#shown[i] === still) continue;
+      const age = still.time < 0 ? 0 : toAge(this.#time - still.time, pauses[i]);
+      const isNew = this.#shown[i] !== still;
+      if (!target || (!isNew && this.#ages[i] === age)) continue;
       this.#shown[i] = still;
-      const shown = toBytes(target.get("_frame"));
-      // Numbered on, so that a frozen widget tells how many have come since.
-      const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
-      still.frame.setFloat64(0, number, true);
-      target.set_state({ _frame: still.frame, _about: track.abouts[still.about] ?? {} });
+      this.#ages[i] = age;
+      const state: Record<string, unknown> = { _about: { ...track.abouts[still.about], ...(age && { age }) } };
+      if (isNew) {
+        const shown = toBytes(target.get("_frame"));
+        // Numbered on, so that a frozen widget tells how many have come since.
+        const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
+        still.frame.setFloat64(0, number, true);
+        state._frame = still.frame;
+      }
+      target.set_state(state);
     }
     for (const follower of this.#moved.followers) {
       if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
@@ -233,4 +244,9 @@ export class Playback {
   #changed(): void {
     for (const listener of this.#listeners) listener();
   }
+}
+
+/** For how many seconds there is nothing newer, to the tenth, where that is longer than a pause; else 0. */
+function toAge(seconds: number, pause = 0): number {
+  return pause && seconds > pause ? Math.floor(seconds * 10) / 10 : 0;
 }

@@ -8,6 +8,8 @@ export interface About {
   frame_id?: string;
   notes?: string[];
   error?: string;
+  /** Seconds for which a recording has nothing newer, where that is long. */
+  age?: number;
 }
 
 /** What a feed says of its topic; all of it may be missing. Plain text. */

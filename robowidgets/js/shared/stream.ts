@@ -99,9 +99,10 @@ export class Stream<F extends Frame> {
     return this.#bytes("_frame")?.getFloat64(8, true) ?? NaN;
   }
 
-  /** Milliseconds for which nothing has come, of a source that was live; else 0. */
+  /** Milliseconds for which nothing has come, of a source that was live, or of a recording; else 0. */
   get silence(): number {
-    return this.arrived && !this.live && Number.isFinite(this.rate) ? performance.now() - this.arrived : 0;
+    const wasLive = this.arrived && !this.live && Number.isFinite(this.rate);
+    return wasLive ? performance.now() - this.arrived : 1000 * (getAbout(this.#model).age ?? 0);
   }
 
   /** Null when the picture is not frozen, or there is nothing to step to. */

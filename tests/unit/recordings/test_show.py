@@ -200,6 +200,22 @@ def test_a_page_that_has_nothing_gets_the_time_on_show_first(player: Player, mon
     assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in stretches)
 
 
+def test_a_step_that_the_page_cannot_take_goes_to_the_next_scan_or_the_one_before(
+    player: Player, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent: list[object] = []
+    monkeypatch.setattr(player.bar, "send", lambda content, _buffers=None: sent.append(content))
+    scans = [moment.seconds for moment in player.recording.samples("/scan")]
+    for seconds, direction in ((scans[4], 1), (scans[4], -1), (scans[4] + 0.01, -1), (scans[-1], 1), (scans[0], -1)):
+        player.bar._handle_custom_msg({"step": [seconds, direction]}, [])
+    assert sent == [{"seek": scans[5]}, {"seek": scans[3]}, {"seek": scans[4]}]
+
+
+def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
+    rates = {topic.name: topic.rate or 0.0 for topic in player.recording.topics}
+    assert player.bar._pauses == [max(2.0, 2 / rates["/scan"]), max(2.0, 2 / rates["/odom"]), 0.0]
+
+
 def test_the_first_look_is_in_the_state_of_the_bar(player: Player) -> None:
     first = player.bar._first
     assert first["stretch"] == int(player.time)
