@@ -7,9 +7,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from html import escape
+from itertools import islice
+from statistics import median
 from typing import Any, NamedTuple
 
 import ipywidgets
+import numpy as np
 import traitlets
 
 from .._cells import close_all, take_the_place
@@ -33,6 +36,7 @@ MOST_SCANS = 20_000
 _EARLY = 0.1
 _TINY = 1e-7
 _SHORTEST_PAUSE = 2.0
+_LOOKED_AT = 20
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 _VIEWER = "660px"
 """With less, Rerun hides its time."""
@@ -299,9 +303,12 @@ def _replay(recording: Recording, topic: str, widget: TouchWidget) -> Seek:
 
 def _pause(recording: Recording, pick: Pick) -> float:
     """Seconds after which what a widget shows of a topic is old; 0: never."""
-    rate = next(topic.rate for topic in recording.topics if topic.name == pick.topic)
-    # What is said of touches holds until a message says otherwise.
-    return max(_SHORTEST_PAUSE, 2 / rate) if rate and pick.widget != "touch" else 0.0
+    if pick.widget == "touch":
+        # What is said of touches holds until a message says otherwise.
+        return 0.0
+    # Of the first, because silences make the rate of all a poor guess.
+    times = [moment.seconds for moment in islice(recording.samples(pick.topic), _LOOKED_AT)]
+    return max(_SHORTEST_PAUSE, 2 * median(np.diff(times))) if len(times) > 1 else 0.0
 
 
 def _first_look(recording: Recording, views: Iterable[View]) -> float:

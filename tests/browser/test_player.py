@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
-from ..unit.recordings import sweeps
+from ..unit.recordings import robot, sweeps
 from ..unit.waiting import wait_for
 from .chromium import shoot
 from .notebook import CellError, Notebook
@@ -95,6 +95,29 @@ def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(notebook: Open, da
         bar(nb).locator(focused).focus()
         nb.page.keyboard.press("x")
     expect(nb.page.locator(".jp-Cell")).to_have_count(2)
+
+
+def test_a_step_crosses_hours_of_silence_in_which_what_is_shown_is_told_to_be_old(
+    notebook: Open, tmp_path: Path
+) -> None:
+    nb = opened(notebook, robot.write(tmp_path / "night", silence=7200))
+    facts = nb.output(1).locator(".rw-laser .rw-facts")
+    bar(nb).locator("input").focus()
+    nb.python("player.time = 4.9")
+    expect(facts).to_have_text("laser ·\u00a01 ray")
+    for key, time, told in (
+        (".", "7205.00", "laser ·\u00a01 ray"),
+        (",", "4.90", "laser ·\u00a01 ray"),
+        ("ArrowRight", "5.90", "laser ·\u00a01 ray"),
+        ("Shift+ArrowRight", "15.90", "no data for 11.0 s ·\u00a0laser ·\u00a01 ray"),
+        (",", "4.90", "laser ·\u00a01 ray"),
+    ):
+        nb.page.keyboard.press(key)
+        expect(bar(nb).locator(".rw-play-now")).to_have_text(time)
+        expect(facts).to_have_text(told)
+    to_time(nb, 7204)
+    expect(nb.output(1).locator(".rw-speed .rw-facts")).to_contain_text("no data for 1 h")
+    shoot(nb.output(1), "player-silence")
 
 
 def test_a_click_on_the_whole_drive_moves_all(notebook: Open, data: Path) -> None:

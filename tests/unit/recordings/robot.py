@@ -24,7 +24,7 @@ _TYPES = {
 _COVARIANCE = np.zeros(36)
 
 
-def write(folder: Path, bad_scan_at: int | None = None) -> Path:
+def write(folder: Path, bad_scan_at: int | None = None, silence: int = 0) -> Path:
     """Ten seconds at 10 Hz: scan i has the one range 1 + i / 100, speed and command are i / 100.
 
     Commands begin at 5 s. The left bumper is pressed at 2 and 6 s, and released at 3 and 7 s.
@@ -32,6 +32,7 @@ def write(folder: Path, bad_scan_at: int | None = None) -> Path:
     Args:
         folder: is made, with an MCAP file in it.
         bad_scan_at: number of a scan whose limits are the wrong way round.
+        silence: seconds without a message in the middle.
     """
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connections = {t: writer.add_connection(t, name, typestore=_STORE) for t, name in _TYPES.items()}
@@ -40,14 +41,14 @@ def write(folder: Path, bad_scan_at: int | None = None) -> Path:
             writer.write(connections[topic], time_ns, _STORE.serialize_cdr(message, _TYPES[topic]))
 
         for i in range(10 * SECONDS):
-            time_ns = START_NS + i * 100_000_000
+            time_ns = START_NS + i * 100_000_000 + (i >= 5 * SECONDS) * silence * 1_000_000_000
             put("/scan", time_ns, _scan(time_ns, 1 + i / 100, swapped=i == bad_scan_at))
             put("/odom", time_ns, _odometry(time_ns, i / 100))
             if i >= 50:
                 put("/cmd_vel", time_ns, _twist(i / 100))
             if i in (20, 30, 60, 70):
                 put("/bumper", time_ns, _new("kobuki_ros_interfaces/msg/BumperEvent", 0, i in (20, 60)))
-        put("/log", START_NS + SECONDS * 1_000_000_000, _new("std_msgs/msg/String", "done"))
+        put("/log", START_NS + (SECONDS + silence) * 1_000_000_000, _new("std_msgs/msg/String", "done"))
     return folder
 
 
