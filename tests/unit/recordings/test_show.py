@@ -17,7 +17,7 @@ from comm import get_comm_manager
 from traitlets import TraitError
 
 from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget, _cells
-from robowidgets.recordings import Recording, UnknownTopicError, open
+from robowidgets.recordings import Recording, UnknownTopicError, open, sender
 from robowidgets.recordings.sender import stretch
 from robowidgets.recordings.show import Player, _tracks
 from robowidgets.recordings.touch_history import TouchHistory
@@ -189,12 +189,14 @@ def test_what_cannot_be_is_refused(player: Player, name: str, value: object, err
         setattr(player, name, value)
 
 
-def test_a_page_that_has_nothing_gets_the_time_on_show_first(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_that_has_nothing_gets_the_time_on_show_first(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sent: list[tuple[dict, list[bytes]]] = []
-    monkeypatch.setattr(player.bar, "send", lambda content, buffers=(): sent.append((content, buffers)))
-    player.time = 5.5
-    player.bar._handle_custom_msg({"have": "nothing"}, [])
-    wait_for(lambda: len(sent) >= 6, "the last five seconds came, and the one before")
+    monkeypatch.setattr(sender, "PATIENCE", 60.0)
+    with shown(path) as player:
+        monkeypatch.setattr(player.bar, "send", lambda content, buffers=(): sent.append((content, buffers)))
+        player.time = 5.5
+        player.bar._handle_custom_msg({"have": "nothing"}, [])
+        wait_for(lambda: len(sent) >= 6, "the last five seconds came, and the one before")
     stretches = [(content, buffers) for content, buffers in sent if "stretch" in content]
     assert [content["stretch"] for content, _ in stretches] == [5, 6, 4, 7, 8, 9, 10][: len(stretches)]
     assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in stretches)
