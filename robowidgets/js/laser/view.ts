@@ -1,7 +1,7 @@
 import { type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
-import { toShortMetres } from "../shared/format.ts";
+import { toMany, toShortMetres } from "../shared/format.ts";
 import { type Model, onChange, put } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { onceAFrame, READING_MS, spaced } from "../shared/schedule.ts";
@@ -14,7 +14,7 @@ import { placePopup } from "./popup_place.ts";
 import type { Box, Point } from "./projection.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
-import { describeRay, toRays, whyEmpty } from "./words.ts";
+import { describeRay, whyEmpty } from "./words.ts";
 import { stepRange } from "./zoom.ts";
 
 const TRAITS = [...SETTINGS, "marks", "color_by_intensity", "hovered", "pinned"];
@@ -135,7 +135,7 @@ export class LaserView {
     const scan = this.#stream.shown;
     const { theme } = this.#card;
     this.#tell();
-    this.#card.update([this.#stream.about.frame_id ?? "", scan ? toRays(scan.count) : ""], "scan");
+    this.#card.update([this.#stream.about.frame_id ?? "", scan ? toMany(scan.count, "ray") : ""], "scan");
     setText(this.#empty, scan ? whyEmpty(scan) : this.#card.waiting("scan"));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];

@@ -1,4 +1,4 @@
-import { toCount, toDegrees, toFixed, toMetres, toShortMetres } from "../shared/format.ts";
+import { toCount, toDegrees, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
 import {
   angleOf,
   FARTHEST_VIEW,
@@ -11,11 +11,6 @@ import {
   TOO_CLOSE,
   type Validity,
 } from "./scan.ts";
-
-/** "1 ray", "1040 rays". */
-export function toRays(count: number): string {
-  return `${toCount(count)} ray${count === 1 ? "" : "s"}`;
-}
 
 /** What each class is called: in the legend, and by Python's trait `marks`. */
 export const CLASSES: { kind: Validity; name: string; symbol: string; word: string; explained: string }[] = [
@@ -75,7 +70,7 @@ export function whyEmpty(scan: Scan): string {
     const sample = scan.ranges[0] as number;
     const isOutside = only.kind === OUTSIDE_LIMITS;
     const isSame = !isOutside || scan.ranges.every((range) => range === sample);
-    const who = scan.count === 1 ? "the one ray says" : `all ${toRays(scan.count)} ${isSame ? "say" : "are"}`;
+    const who = scan.count === 1 ? "the one ray says" : `all ${toMany(scan.count, "ray")} ${isSame ? "say" : "are"}`;
     const value = isOutside && isSame ? `${toFixed(sample, 3)} m, ` : "";
     return `no readings: ${who} ${value}${meaningOf(scan, 0)}`;
   }
@@ -101,7 +96,7 @@ export function describeRay(scan: Scan, index: number): RayWords {
       expression,
       distance: "\u2014",
       angle: "",
-      details: `this scan has ${toRays(scan.count)}`,
+      details: `this scan has ${toMany(scan.count, "ray")}`,
       side: "",
     };
   }

@@ -1,6 +1,6 @@
 import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, TOO_CLOSE } from "../laser/scan.ts";
 import { meaningOf, type RayWords, sideOf } from "../laser/words.ts";
-import { toCount, toDegrees, toFixed, toMetres } from "../shared/format.ts";
+import { toCount, toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts";
 import { toSeconds } from "./axis.ts";
 import type { Place } from "./blocks.ts";
 import { kindOf, type Stretch, type Sweep, type Whole } from "./data.ts";
@@ -33,7 +33,7 @@ function toMoment({ scan, scans, time }: Place): string {
 /** Says of how many this is one, where it is not all there is. */
 function nearestOf({ scans, rays, code }: Place): string {
   if (scans === 1 && rays === 1) return "";
-  const parts = [scans > 1 ? `${toCount(scans)} scans` : "", rays > 1 ? `${rays} rays` : ""].filter(Boolean);
+  const parts = [scans > 1 ? toMany(scans, "scan") : "", rays > 1 ? toMany(rays, "ray") : ""].filter(Boolean);
   return `${kindOf(code) === READING ? "nearest of" : "all of"} ${parts.join(", ")}`;
 }
 
@@ -50,9 +50,7 @@ export function toShare(count: number, all: number): string {
 export function describeSelection(selection: number[], scans: { scans: number; exact: boolean }): string {
   const [start = 0, end = 0, first, stop] = selection;
   const rays = first === undefined || stop === undefined ? "" : ` · [${first}] to [${stop - 1}]`;
-  return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}${rays} · ${scans.exact ? "" : "about "}${toCount(scans.scans)} scan${
-    scans.scans === 1 ? "" : "s"
-  }`;
+  return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}${rays} · ${scans.exact ? "" : "about "}${toMany(scans.scans, "scan")}`;
 }
 
 /** What the pop-up says of one axis of the speed at a moment. */
@@ -85,5 +83,5 @@ function toWords({ start, end }: Stretch): string {
 
 /** What the header says of all of it. */
 export function toFacts({ scanCount, sweep, duration }: Whole): string[] {
-  return [`${toCount(scanCount)} scans`, `${toCount(sweep.count)} rays`, toSeconds(duration, 1)];
+  return [toMany(scanCount, "scan"), toMany(sweep.count, "ray"), toSeconds(duration, 1)];
 }

@@ -29,6 +29,11 @@ export function toCount(value: number): string {
   return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 }
 
+/** "1 ray", "1040 rays". */
+export function toMany(count: number, noun: string): string {
+  return `${toCount(count)} ${noun}${count === 1 ? "" : "s"}`;
+}
+
 /** How long ago: "2.3 s", "3 min", "2 h". */
 export function toAge(ms: number, decimals = 1): string {
   const seconds = ms / 1000;
