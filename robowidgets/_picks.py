@@ -62,13 +62,13 @@ def _paired(measured: list[str], commands: list[str]) -> dict[str, str]:
     """By measured speed its command: that with which it shares most of its namespace, unless another shares more."""
     command_of = {}
     for name in measured:
-        best = max(commands, key=lambda command: _shared(name, command), default="")
-        if best and _shared(name, best) == max(_shared(other, best) for other in measured):
+        best = max(commands, key=lambda command: shared(name, command), default="")
+        if best and shared(name, best) == max(shared(other, best) for other in measured):
             command_of[name] = best
     return command_of
 
 
-def _shared(one: str, other: str) -> int:
+def shared(one: str, other: str) -> int:
     """How many parts of their namespace two topics share."""
     parts = zip(one.strip("/").split("/")[:-1], other.strip("/").split("/")[:-1], strict=False)
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], parts))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -108,8 +108,10 @@ class ScanogramWidget(SavesPng, NamedWidget):
         super().__init__(**kwargs)
 
     @classmethod
-    def of(cls, recording: Recording, topic: str | None = None, **options: Any) -> ScanogramWidget:
-        """The scanogram of a recording, with its speeds and touches.
+    def of(
+        cls, recording: Recording, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
+    ) -> ScanogramWidget:
+        """The scanogram of a recording, with the speed and the touches of the same robot.
 
         It reads the file by itself: the recording may be read on, or closed. Running the cell again that made it closes
         it.
@@ -117,6 +119,8 @@ class ScanogramWidget(SavesPng, NamedWidget):
         Args:
             recording: where the scans are.
             topic: name of the topic with the scans; None: the first one with scans.
+            beside: names of the topics of which the speed and the touches may be; None: any, but for those that share
+                more of their namespace with other scans.
             **options: keywords of the widget.
 
         Raises:
@@ -129,7 +133,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         take_the_place(widget)
         with widget.hold_sync():
             widget._is_whole = False
-            fill(widget, recording, topic)
+            fill(widget, recording, topic, beside)
             widget._is_whole = True
             widget._draw(widget._scans_first("of()"))
         return widget
@@ -208,10 +212,11 @@ class ScanogramWidget(SavesPng, NamedWidget):
             RuntimeError: there are no scans yet. ValueError: a span that ends before it starts.
         """
         picture = self._scans_first("set_touches()")
-        listed = sorted(spans)
-        for start, end, name in listed:
-            if not (isfinite(start) and isfinite(end) and start <= end):
-                raise ValueError(f"spans: expected (start, end, sensor) with start <= end, got {(start, end, name)!r}")
+        listed = list(spans)
+        for span in listed:
+            if not _is_touch(span):
+                raise ValueError(f"spans: expected (start, end, sensor) with start <= end, got {span!r}")
+        listed.sort()
         sensors = sorted({name for _, _, name in listed})
         numbers = [(start, end, sensors.index(name)) for start, end, name in listed]
         strip = TouchStrip(title, sensors, np.array(numbers, np.float64).reshape(-1, 3))
@@ -322,10 +327,19 @@ class ScanogramWidget(SavesPng, NamedWidget):
         return value
 
 
+def _is_touch(span: Any) -> bool:
+    """Whether this is (start, end, sensor)."""
+    try:
+        start, end, name = span
+        return isinstance(name, str) and isfinite(start) and isfinite(end) and start <= end
+    except (TypeError, ValueError):
+        return False
+
+
 def _array(name: str, values: ArrayLike, kind: type[Any], dimensions: int) -> NDArray[Any]:
     array = np.asarray(values)
     if array.dtype.kind not in ("iu" if kind is np.int64 else "iuf"):
-        what = "whole numbers" if kind is np.int64 else "numbers"
+        what = "whole numbers of nanoseconds" if kind is np.int64 else "numbers"
         raise TypeError(f"{name}: expected an array of {what}, got {array.dtype}")
     if array.ndim != dimensions:
         raise ValueError(f"{name}: expected an array of {dimensions} dimensions, got shape {array.shape}")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..samples import TouchState
+from .._picks import shared
+from ..samples import Scan, TouchState
+from ..scanogram.by_angle import keeps_indices, on_rays, rays_at
 from ..scanogram.levels import BUDGET
 from ..scanogram.scans import Held, Scans, Sweep, cut
 from ..scanogram_widget import ScanogramWidget
@@ -15,6 +18,7 @@ from . import scan_series
 from .chunks import ScanChunk
 from .recording import Recording, open
 from .source import RecordingError
+from .timeline import Topic
 from .touch_series import Touches
 
 HELD_BYTES = 256 << 20
@@ -23,34 +27,88 @@ HELD_BYTES = 256 << 20
 LOOKED_AT_BYTES = 32 << 20
 """Of those that are read again, so many bytes are kept."""
 
+_FINER = 2
+"""How many times as many rays as is usual a scan may have."""
+
+_KNOWN = 1000
+
+
+class Onto:
+    """Puts scans on the rays of one sweep. Those with more rays than it has none of there.
+
+    Args:
+        sweep: the rays.
+    """
+
+    def __init__(self, sweep: Sweep) -> None:
+        self.sweep = sweep
+        self._rays = lru_cache(_KNOWN)(lambda of: rays_at(of, sweep))
+
+    def fits(self, like: Scan) -> bool:
+        """Whether scans like this one are in the picture."""
+        return 0 < len(like) <= self.sweep.ray_count
+
+    def keeps_indices(self, like: Scan) -> bool:
+        """Whether their rays have the same indices there."""
+        return not self.fits(like) or self._is_same(like) or keeps_indices(self._rays(Sweep.of(like)))
+
+    def __call__(self, chunk: ScanChunk) -> Iterator[NDArray[np.float32]]:
+        """The ranges of a chunk, in arrays of shape (n, rays of the sweep)."""
+        if self._is_same(chunk.like):
+            yield chunk.ranges
+            return
+        rays = self._rays(Sweep.of(chunk.like)) if self.fits(chunk.like) else np.full(self.sweep.ray_count, -1)
+        # A few at a time, for there may be many more rays than they had.
+        for ranges in cut([chunk.ranges], self.sweep.ray_count):
+            yield on_rays(ranges, rays)
+
+    def _is_same(self, like: Scan) -> bool:
+        sweep = self.sweep
+        return (len(like), like.angle_min, like.angle_increment) == (
+            sweep.ray_count, sweep.angle_min, sweep.angle_increment
+        )  # fmt: skip
+
 
 class Read:
     """Scans that are read from a file whenever they are needed.
 
     Args:
-        series: scans with the same number of rays.
+        series: where they are.
+        onto: puts those of a chunk on the rays of the picture.
     """
 
-    def __init__(self, series: scan_series.Scans) -> None:
-        self._series = series
+    def __init__(self, series: scan_series.Scans, onto: Onto) -> None:
+        self._series, self._onto = series, onto
         self.times_ns = series.times_ns
 
     def chunks(self) -> Iterator[NDArray[np.float32]]:
         """See `Scans`."""
-        return cut(chunk.ranges for chunk in self._series.chunks())
+        return cut(ranges for chunk in self._series.chunks() for ranges in self._onto(chunk))
 
     def read(self, start: int, stop: int) -> NDArray[np.float32]:
         """See `Scans`."""
-        return np.concatenate([chunk.ranges for chunk in self._series[start:stop].chunks()])
+        return np.concatenate([ranges for chunk in self._series[start:stop].chunks() for ranges in self._onto(chunk)])
 
 
-def fill(widget: ScanogramWidget, recording: Recording, topic: str | None) -> None:
-    """Put the scans of a recording into a scanogram, with its measured speed and all its touches."""
-    if topic is None:
-        topic = next((t.name for t in recording.topics if t.widget == "laser"), None)
-    _put_scans(widget, recording, recording.scans(topic))
-    _put_speeds(widget, recording)
-    _put_touches(widget, recording)
+def fill(widget: ScanogramWidget, recording: Recording, topic: str | None, beside: Collection[str] | None) -> None:
+    """Put the scans of a recording into a scanogram, with the measured speed and all touches of the same robot.
+
+    Args:
+        widget: the scanogram.
+        recording: where they are.
+        topic: that of the scans; None: the first.
+        beside: topics of which the speed and the touches may be; None: any.
+    """
+    lasers = [t.name for t in recording.topics if t.widget == "laser"]
+    scans = recording.scans(lasers[0] if topic is None and lasers else topic)
+    _put_scans(widget, recording, scans)
+
+    def of_the_robot(kind: str) -> list[Topic]:
+        topics = [t for t in recording.topics if t.widget == kind and (beside is None or t.name in beside)]
+        return [t for t in topics if shared(t.name, scans.topic) == max(shared(t.name, name) for name in lasers)]
+
+    _put_speeds(widget, recording, of_the_robot("speed"))
+    _put_touches(widget, recording, [t.name for t in of_the_robot("touch")])
 
 
 def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series.Scans) -> None:
@@ -58,36 +116,51 @@ def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series
     counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
     if not counts:
         raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} holds no scan with rays")
-    rays = max(counts, key=lambda rays: counts[rays])
-    notes = []
-    if counts[rays] < len(scans):
-        notes.append(f"{len(scans) - counts[rays]} of {len(scans)} scans have not {rays} rays: not in the picture")
-    source: Scans
-    if held is None:
+    usual = max(counts, key=lambda rays: counts[rays])
+    # As fine as the finest of one scanner, so that no ray is left out; some count differently in each turn.
+    rays = max(count for count in counts if count <= _FINER * usual)
+    if held is None or 4 * rays * len(scans) > HELD_BYTES:
+        held = None
         # A file of its own, so that the recording given may be closed.
         widget._file = open(recording.path)
         widget._file.memory = min(LOOKED_AT_BYTES, recording.memory)
-        own = _group(widget._file.scans(scans.topic), rays)
-        likes = [chunk.like for chunk in own.chunks()]
-        source = Read(own)
+        series = widget._file.scans(scans.topic)
+        likes = [(chunk.like, len(chunk)) for chunk in series.chunks()]
     else:
-        same = [chunk for chunk in held if chunk.ranges.shape[1] == rays]
-        likes = [chunk.like for chunk in same]
-        source = Held(_group(scans, rays).times_ns, [chunk.ranges for chunk in same])
-    sweep = Sweep.of(likes[0])
-    if any(Sweep.of(like) != sweep for like in likes):
-        notes.append("the scanner's geometry changes: the angles and limits are those of the first scan")
-    notes += likes[0].notes
+        likes = [(chunk.like, len(chunk)) for chunk in held]
+    first = next(like for like, _ in likes if len(like) == rays)
+    onto = Onto(Sweep.of(first))
+    by_angle = not all(onto.keeps_indices(like) for like, _ in likes)
+    source: Scans = (
+        Read(series, onto)
+        if held is None
+        else Held(scans.times_ns, [ranges for chunk in held for ranges in onto(chunk)])
+    )
     widget._put(
         source,
-        sweep,
+        onto.sweep._replace(by_angle=by_angle),
         recording.start_ns or 0,
         duration=recording.duration,
-        notes=notes,
+        notes=[*_about(likes, onto, by_angle), *first.notes],
         budget=min(BUDGET, recording.memory // 4),
     )
     if not widget.title:
         widget.title = scans.topic
+
+
+def _about(likes: list[tuple[Scan, int]], onto: Onto, by_angle: bool) -> Iterator[str]:
+    """What is to be said of scans that have not all the same rays."""
+    left_out = sum(count for like, count in likes if not onto.fits(like))
+    if left_out:
+        of = sum(count for _, count in likes)
+        yield f"{left_out:,} of {of:,} scans have no rays, or more than {onto.sweep.ray_count:,}: not in the picture"
+    if by_angle:
+        counts = sorted({len(like) for like, _ in likes if onto.fits(like)})
+        some = f"{counts[0]:,} to {counts[-1]:,} rays" if len(counts) > 1 else "rays at other angles now and then"
+        yield f"the scans have {some}: drawn by angle, without indices"
+    limits = {(like.range_min, like.range_max) for like, _ in likes if onto.fits(like)}
+    if len(limits) > 1:
+        yield "range_min and range_max change: those of the first scan count"
 
 
 def _held(scans: scan_series.Scans, most: int) -> list[ScanChunk] | None:
@@ -101,22 +174,16 @@ def _held(scans: scan_series.Scans, most: int) -> list[ScanChunk] | None:
     return chunks
 
 
-def _group(scans: scan_series.Scans, rays: int) -> scan_series.Scans:
-    return next(group for group in scans.groups if group.ray_count == rays)
-
-
-def _put_speeds(widget: ScanogramWidget, recording: Recording) -> None:
+def _put_speeds(widget: ScanogramWidget, recording: Recording, topics: list[Topic]) -> None:
     """The first measured speed; a commanded one where none was measured."""
-    topics = sorted((t for t in recording.topics if t.widget == "speed"), key=lambda topic: topic.commanded)
-    for topic in topics:
+    for topic in sorted(topics, key=lambda topic: topic.commanded):
         speeds = recording.speeds(topic.name)
         if len(speeds):
             widget.set_speeds(times_ns=speeds.times_ns, values=speeds.values, title=topic.name)
             return
 
 
-def _put_touches(widget: ScanogramWidget, recording: Recording) -> None:
-    topics = [t.name for t in recording.topics if t.widget == "touch"]
+def _put_touches(widget: ScanogramWidget, recording: Recording, topics: list[str]) -> None:
     if topics:
         spans = [span for topic in topics for span in touched(recording.touches(topic), recording.duration)]
         widget.set_touches(spans, title=", ".join(topics))

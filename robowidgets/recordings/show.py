@@ -237,7 +237,9 @@ def _scanogram(recording: Recording, views: Iterable[View], wanted: bool | None)
     if topic is None or wanted is False or (wanted is None and count > MOST_SCANS):
         return None
     try:
-        return ScanogramWidget.of(recording, topic, layout=ipywidgets.Layout(margin="0 4px", width="calc(100% - 8px)"))
+        beside = [name for view in views for name in view.seeks]
+        layout = ipywidgets.Layout(margin="0 4px", width="calc(100% - 8px)")
+        return ScanogramWidget.of(recording, topic, beside, layout=layout)
     except RecordingError:
         # It holds no scan with rays.
         if wanted:

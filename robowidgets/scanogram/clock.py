@@ -34,7 +34,7 @@ class Clock:
         self.ends = self.starts + np.where(follows > self.gap, self.pause, follows)
         back = int((np.diff(times_ns) < 0).sum())
         self.notes = (f"the clock goes back {_times(back)}: shown in the order of arrival",) if back else ()
-        if len(times_ns) > 1 and not moving.size:
+        if len(times_ns) > 1 and not moving.size and not back:
             self.notes = (f"the clock stands still: all {len(times_ns)} scans have the same time",)
 
     def __len__(self) -> int:

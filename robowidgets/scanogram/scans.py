@@ -15,13 +15,17 @@ CHUNK_CELLS = 1 << 18
 
 
 class Sweep(NamedTuple):
-    """What all scans of a scanogram share: radians and metres as in `Scan`, and the number of rays."""
+    """What all scans of a scanogram share: radians and metres as in `Scan`, and the number of rays.
+
+    ``by_angle``: some had other rays, and stand where their angles are; so an index is not that of a program.
+    """
 
     angle_min: float
     angle_increment: float
     range_min: float
     range_max: float
     ray_count: int
+    by_angle: bool = False
 
     @classmethod
     def of(cls, scan: Scan) -> Sweep:
@@ -67,9 +71,9 @@ class Held:
         return np.concatenate([piece[max(0, start - at) : max(0, stop - at)] for at, piece in near])
 
 
-def cut(pieces: Iterable[NDArray[np.float32]]) -> Iterator[NDArray[np.float32]]:
-    """The same rows in arrays of about `CHUNK_CELLS`."""
+def cut(pieces: Iterable[NDArray[np.float32]], width: int = 0) -> Iterator[NDArray[np.float32]]:
+    """The same rows in arrays of about `CHUNK_CELLS`, each row counted as so many cells if it has fewer."""
     for piece in pieces:
-        rows = max(1, CHUNK_CELLS // max(1, piece.shape[1]))
+        rows = max(1, CHUNK_CELLS // max(1, width, piece.shape[1]))
         for start in range(0, len(piece), rows):
             yield piece[start : start + rows]

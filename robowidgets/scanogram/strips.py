@@ -20,7 +20,7 @@ MOST_TOUCHES = 2_000
 SIDEWAYS = 0.05
 """Metres a second; what is slower is taken for noise of a robot that cannot move so."""
 
-_PLANAR = (AXES.index("linear.x"), AXES.index("linear.y"), AXES.index("angular.z"))
+_ALWAYS = ("linear.x", "angular.z")
 
 
 class SpeedPart(NamedTuple):
@@ -31,7 +31,7 @@ class SpeedPart(NamedTuple):
 
 
 class SpeedStrip:
-    """The speeds of a robot on the ground: linear x, linear y where there is any, angular z.
+    """The speeds of a robot on the ground: linear x, linear y where there is any, angular z; others past their limits.
 
     Args:
         title: the topic.
@@ -44,8 +44,13 @@ class SpeedStrip:
         self, title: str, clock: Clock, values: NDArray[np.float64], limits: dict[str, tuple[float, float]]
     ) -> None:
         self.title, self.clock = title, clock
-        sideways = np.nan_to_num(np.abs(values[:, _PLANAR[1]])).max(initial=0) > SIDEWAYS
-        shown = [i for i in _PLANAR if AXES[i] != "linear.y" or sideways]
+        known = np.nan_to_num(values)
+        sideways = np.abs(known[:, AXES.index("linear.y")]).max(initial=0) > SIDEWAYS
+        over = [
+            ((column < limits[axis][0]) | (column > limits[axis][1])).any()
+            for axis, column in zip(AXES, known.T, strict=True)
+        ]
+        shown = [i for i, axis in enumerate(AXES) if axis in _ALWAYS or over[i] or (axis == "linear.y" and sideways)]
         self._values = np.ascontiguousarray(values[:, shown].T, np.float32)
         self.axes = [AXES[i] for i in shown]
         self.limits = [limits[axis] for axis in self.axes]

@@ -12,7 +12,7 @@ import { describeMark, describePlace, describeSelection, toShare } from "../../r
 import { DEGREE } from "./laser.ts";
 import { FakeModel } from "./models.ts";
 
-const SWEEP = { angleMin: -1, angleIncrement: 0.1, count: 21, minRange: 0.1, maxRange: 10, far: 10 };
+const SWEEP = { angleMin: -1, angleIncrement: 0.1, count: 21, minRange: 0.1, maxRange: 10, far: 10, byAngle: false };
 
 /** Bytes as Python packs them, amid a larger message. */
 function pack(facts: object, arrays: Record<string, Float64Array | Float32Array | Uint16Array>): DataView {
@@ -41,7 +41,16 @@ function coarse(edition = 1): DataView {
   const codes = new Uint16Array(100 * 21).fill(data.toCode(5, SWEEP));
   codes[40 * 21 + 6] = data.toCode(0.5, SWEEP);
   const facts = {
-    ...{ angle_min: -1, angle_increment: 0.1, range_min: 0.1, range_max: 10, far: 10, ray_count: 21, edition },
+    ...{
+      angle_min: -1,
+      angle_increment: 0.1,
+      range_min: 0.1,
+      range_max: 10,
+      far: 10,
+      by_angle: false,
+      ray_count: 21,
+      edition,
+    },
     ...{ scan_count: 800, duration: 80, pause: 0.1, class_counts: [16800, 0, 0, 0, 0], colors: [0.5, 5] },
     ...{ level: 3, first: 0, ray_step: 1 },
   };
@@ -178,6 +187,20 @@ test("angles grow upwards, and forward is in the middle of a circle", () => {
   assert.deepEqual([clockwise.rayOf[0], clockwise.rayOf[20]], [20, 0]);
   assert.ok(clockwise.angles.every((angle, i) => i === 0 || angle > (clockwise.angles[i - 1] as number)));
   assert.deepEqual(toRows({ ...SWEEP, count: 0 }).rayOf, []);
+});
+
+test("where rays are few each is labelled once", () => {
+  const few = toRows({ ...SWEEP, angleMin: -0.5, angleIncrement: 0.5, count: 3 });
+  assert.deepEqual(angleTicks(few, 300, 34), [0, 1, 2]);
+});
+
+test("where scans count their rays differently no index is named", () => {
+  const { blocks } = known();
+  const place = blocks.at(31, 6);
+  assert.ok(place);
+  const said = (byAngle: boolean) => describePlace(place, 0, { ...SWEEP, byAngle }).expression;
+  assert.deepEqual([said(false), said(true)], ["ranges[6]", ""]);
+  assert.equal(toRows({ ...SWEEP, byAngle: true }).byAngle, true);
 });
 
 test("a span of rays that a circle cuts is two stretches of rows", () => {

@@ -43,7 +43,11 @@ def test_it_sends_all_scans_ahead(scanogram: ScanogramWidget) -> None:
     [
         ({"ranges": np.zeros(5)}, ValueError, r"ranges: expected an array of 2 dimensions, got shape \(5,\)"),
         ({"ranges": [["a"]]}, TypeError, "ranges: expected an array of numbers, got <U1"),
-        ({"times_ns": [0.5] * 50}, TypeError, "times_ns: expected an array of whole numbers, got float64"),
+        (
+            {"times_ns": [0.5] * 50},
+            TypeError,
+            "times_ns: expected an array of whole numbers of nanoseconds, got float64",
+        ),
         ({"times_ns": [1, 2]}, ValueError, "times_ns: expected one for each of 50 scans, got 2"),
         (
             {"ranges": np.zeros((50, 0))},

@@ -32,6 +32,8 @@ export interface Sweep {
   count: number;
   minRange: number;
   maxRange: number;
+  /** Whether some scans had other rays, and stand where their angles are: then no index holds for all. */
+  byAngle: boolean;
   /** The distance of the greatest code. */
   far: number;
 }
@@ -105,6 +107,7 @@ interface Facts {
   range_min: number;
   range_max: number;
   far: number;
+  by_angle: boolean;
   scan_count: number;
   duration: number;
   pause: number;
@@ -124,6 +127,7 @@ export function decodeWhole(bytes: DataView): Whole {
     minRange: facts.range_min,
     maxRange: facts.range_max,
     far: facts.far,
+    byAngle: facts.by_angle,
   };
   const { speed, touch } = facts;
   const speeds = toSpeeds(arrays);

@@ -47,7 +47,9 @@ export function drawAngles(
     const middle = Math.min(last, Math.max(first, y - 6));
     const degrees = toDegrees(rows.angles[row] as number);
     write(context, degrees, left - 8, middle, theme.ink, `600 ${textFont(theme)}`, "right");
-    write(context, `[${rows.rayOf[row]}]`, left - 8, middle + 12, theme.muted, `10px ${theme.mono}`, "right");
+    if (!rows.byAngle) {
+      write(context, `[${rows.rayOf[row]}]`, left - 8, middle + 12, theme.muted, `10px ${theme.mono}`, "right");
+    }
   }
 }
 

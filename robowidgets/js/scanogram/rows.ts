@@ -14,10 +14,12 @@ export interface Rows {
   angles: number[];
   /** By index: the row. */
   rowOf: number[];
+  /** Whether the indices are those of the picture alone. */
+  byAngle: boolean;
 }
 
 /** Rays as the scanner's angles have them; where they close a circle, forward is in the middle. */
-export function toRows({ angleMin, angleIncrement, count }: Sweep): Rows {
+export function toRows({ angleMin, angleIncrement, count, byAngle }: Sweep): Rows {
   const isCircle = isFullCircle({ angleMin, angleIncrement, count });
   const bottom = -Math.PI - ROUNDING;
   const turn = (angle: number) => (isCircle ? angle - TURN * Math.floor((angle - bottom) / TURN) : angle);
@@ -25,7 +27,7 @@ export function toRows({ angleMin, angleIncrement, count }: Sweep): Rows {
   const rayOf = byIndex.map((_, i) => i).sort((a, b) => (byIndex[a] as number) - (byIndex[b] as number));
   const rowOf: number[] = [];
   for (const [row, index] of rayOf.entries()) rowOf[index] = row;
-  return { rayOf, angles: rayOf.map((index) => byIndex[index] as number), rowOf };
+  return { rayOf, angles: rayOf.map((index) => byIndex[index] as number), rowOf, byAngle };
 }
 
 /** First ray and the one after the last between two rows; no farther than where the circle closes, for it is one span. */
@@ -45,11 +47,13 @@ export function angleTicks({ angles }: Rows, height: number, apart: number): num
   const half = (high - low) / (angles.length - 1) / 2;
   const [first, last] = [Math.ceil((low - half) / step), Math.floor((high + half) / step)];
   if (last < first) return [];
-  return Array.from({ length: last - first + 1 }, (_, i) => {
+  const ticks = Array.from({ length: last - first + 1 }, (_, i) => {
     const least = (first + i) * step - half;
     return Math.min(
       firstWhere(angles, (angle) => angle >= least),
       angles.length - 1,
     );
   });
+  // Where rays are few, several round angles have the same as the nearest.
+  return [...new Set(ticks)];
 }

@@ -10,7 +10,7 @@ import { toPalette } from "./palette.ts";
 import { type Rows, toRows } from "./rows.ts";
 import type { State } from "./state.ts";
 
-const NO_ROWS: Rows = { rayOf: [], angles: [], rowOf: [] };
+const NO_ROWS: Rows = { rayOf: [], angles: [], rowOf: [], byAngle: false };
 
 /** Where a person points: in a row, or below the scans. */
 export interface Pointed {

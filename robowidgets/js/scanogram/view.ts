@@ -78,7 +78,7 @@ export class ScanogramView {
     const times = [from, to].map(({ x }) => Math.round(toTime(this.#scene.axis, x) * 1e4) / 1e4);
     const [start, end] = [Math.min(...times), Math.max(...times)];
     const selected = selectedRays(this.#scene.rows, this.#scene.toRow(from.y), this.#scene.toRow(to.y));
-    this.#draft = rays ? [start, end, ...selected] : [start, end];
+    this.#draft = rays && !this.#scene.rows.byAngle ? [start, end, ...selected] : [start, end];
     if (done) {
       const selection = this.#draft;
       this.#draft = null;

@@ -18,7 +18,7 @@ export function describePlace(place: Place, angle: number, sweep: Sweep): RayWor
   const known = kind === OUTSIDE_LIMITS && place.exact ? `${toFixed(place.range, 3)} m` : SYMBOLS[kind];
   const lines = [meaningOf({ kinds: [kind], ...sweep }, 0), toMoment(place), nearestOf(place)];
   return {
-    expression: `ranges[${place.index}]`,
+    expression: sweep.byAngle ? "" : `ranges[${place.index}]`,
     distance: kind === READING ? toMetres(place.range) : (known ?? ""),
     angle: toDegrees(angle),
     details: lines.filter(Boolean).join("\n"),

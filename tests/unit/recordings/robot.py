@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ _TYPES = {
 _COVARIANCE = np.zeros(36)
 
 
-def write(folder: Path, bad_scan_at: int | None = None, silence: int = 0) -> Path:
+def write(folder: Path, bad_scan_at: int | None = None, silence: int = 0, robots: Sequence[str] = ("",)) -> Path:
     """Ten seconds at 10 Hz: scan i has the one range 1 + i / 100, speed and command are i / 100.
 
     Commands begin at 5 s. The left bumper is pressed at 2 and 6 s, and released at 3 and 7 s.
@@ -33,12 +34,18 @@ def write(folder: Path, bad_scan_at: int | None = None, silence: int = 0) -> Pat
         folder: is made, with an MCAP file in it.
         bad_scan_at: number of a scan whose limits are the wrong way round.
         silence: seconds without a message in the middle.
+        robots: namespaces, each with all the topics.
     """
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connections = {t: writer.add_connection(t, name, typestore=_STORE) for t, name in _TYPES.items()}
+        connections = {
+            robot + t: writer.add_connection(robot + t, name, typestore=_STORE)
+            for robot in robots
+            for t, name in _TYPES.items()
+        }
 
         def put(topic: str, time_ns: int, message: Any) -> None:
-            writer.write(connections[topic], time_ns, _STORE.serialize_cdr(message, _TYPES[topic]))
+            for robot in robots:
+                writer.write(connections[robot + topic], time_ns, _STORE.serialize_cdr(message, _TYPES[topic]))
 
         for i in range(10 * SECONDS):
             time_ns = START_NS + i * 100_000_000 + (i >= 5 * SECONDS) * silence * 1_000_000_000

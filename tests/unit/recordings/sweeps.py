@@ -15,12 +15,18 @@ TYPE = "sensor_msgs/msg/LaserScan"
 _STORE = get_typestore(Stores.ROS2_HUMBLE)
 
 
-def scan(stamp_ns: int, ranges: Sequence[float], intensities: Sequence[float] = (), angle_min: float = -0.5) -> bytes:
-    """The bytes of a scan; limits 0.1 to 30 m, rays 0.1 rad apart."""
+def scan(
+    stamp_ns: int,
+    ranges: Sequence[float],
+    intensities: Sequence[float] = (),
+    angle_min: float = -0.5,
+    increment: float = 0.1,
+) -> bytes:
+    """The bytes of a scan; limits 0.1 to 30 m, rays so many radians apart."""
     stamp = _STORE.types["builtin_interfaces/msg/Time"](*divmod(stamp_ns, 10**9))
     header = _STORE.types["std_msgs/msg/Header"](stamp, "laser")
     both = (np.asarray(values, np.float32) for values in (ranges, intensities))
-    message = _STORE.types[TYPE](header, angle_min, 0.5, 0.1, 0.0, 0.0, 0.1, 30.0, *both)
+    message = _STORE.types[TYPE](header, angle_min, 0.5, increment, 0.0, 0.0, 0.1, 30.0, *both)
     return bytes(_STORE.serialize_cdr(message, TYPE))
 
 

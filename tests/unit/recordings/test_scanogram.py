@@ -13,6 +13,8 @@ from robowidgets.recordings import scanogram as source
 from robowidgets.samples import Scan
 from robowidgets.scanogram.codes import fold
 
+from . import robot, sweeps
+
 
 @pytest.fixture
 def sample() -> Iterator[robowidgets.Recording]:
@@ -71,6 +73,82 @@ def test_a_recording_too_large_to_hold_is_read_again_where_it_is_looked_at(
     assert np.array_equal(picture.levels.scans.read(40, 90), held.levels.scans.read(40, 90), equal_nan=True)
     assert (picture.levels.codes(2, 0, 20) == held.levels.codes(2, 0, 20)).all()
     widget.close()
+
+
+def written(folder: Path, scans: list[list[float]], increments: list[float] | None = None) -> robowidgets.Recording:
+    """A recording of scans, a tenth of a second apart."""
+    steps = increments or [0.1] * len(scans)
+    raw = [sweeps.scan(0, ranges, increment=step) for ranges, step in zip(scans, steps, strict=True)]
+    return robowidgets.open(sweeps.write(folder / "scans", [(i / 10, one) for i, one in enumerate(raw)]))
+
+
+@pytest.mark.parametrize("held", [1 << 28, 100])
+def test_scans_that_count_their_rays_differently_are_drawn_by_angle(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, held: int
+) -> None:
+    monkeypatch.setattr(source, "HELD_BYTES", held)
+    # A circle of 100 rays, and of 91 to 99; the wall behind is at 1 m, all else at 5.
+    counts = [100 if i % 10 == 0 else 90 + i % 10 for i in range(60)]
+    scans = [[1.0 if abs(i / count - 0.5) < 0.1 else 5.0 for i in range(count)] for count in counts]
+    with written(tmp_path, scans, [2 * np.pi / count for count in counts]) as recording:
+        widget = recording.scanogram()
+    picture = picture_of(widget)
+    assert widget._about["notes"][0] == "the scans have 91 to 100 rays: drawn by angle, without indices"
+    assert picture.levels.sweep.by_angle
+    assert picture.levels.counts.tolist() == [6000, 0, 0, 0, 0]
+    assert picture.clock.starts == pytest.approx(np.arange(60) / 10)
+    seen = picture.levels.scans.read(0, 60)
+    assert seen.shape == (60, 100)
+    assert (seen[:, 42:59] == 1).all()
+    assert (seen[:, :39] == 5).all()
+    widget.close()
+
+
+def test_scans_that_break_off_keep_the_indices_of_their_rays(tmp_path: Path) -> None:
+    with written(tmp_path, [[1.0] * 8, [2.0] * 5, [1.0] * 8, []]) as recording:
+        widget = recording.scanogram()
+    picture = picture_of(widget)
+    assert not picture.levels.sweep.by_angle
+    assert widget._about["notes"][0] == "1 of 4 scans have no rays, or more than 8: not in the picture"
+    seen = picture.levels.scans.read(1, 2)[0]
+    assert np.array_equal(seen, [2] * 5 + [np.nan] * 3, equal_nan=True)
+    assert len(picture.clock) == 4, "a scan has the number that it has in the recording"
+
+
+def test_a_scanner_that_is_turned_is_drawn_by_angle(tmp_path: Path) -> None:
+    raw = [sweeps.scan(0, [1.0, 2.0, 3.0, 4.0], angle_min=first) for first in (-0.5, -0.5, -0.3)]
+    with robowidgets.open(sweeps.write(tmp_path / "scans", [(i / 10, one) for i, one in enumerate(raw)])) as recording:
+        widget = recording.scanogram()
+    said = "the scans have rays at other angles now and then: drawn by angle, without indices"
+    assert widget._about["notes"][0] == said
+    seen = picture_of(widget).levels.scans.read(2, 3)[0]
+    assert np.array_equal(seen, [np.nan, np.nan, 1, 2], equal_nan=True)
+
+
+def test_one_scan_with_far_more_rays_does_not_make_all_others_as_large(tmp_path: Path) -> None:
+    with written(tmp_path, [[1.0] * 4] * 20 + [[2.0] * 100_000]) as recording:
+        widget = recording.scanogram()
+    assert widget._about["notes"][0] == "1 of 21 scans have no rays, or more than 4: not in the picture"
+    assert picture_of(widget).levels.sweep.ray_count == 4
+
+
+def test_under_the_scans_of_a_robot_stand_its_own_speed_and_touches(tmp_path: Path) -> None:
+    with robowidgets.open(robot.write(tmp_path / "two", robots=("/one", "/two"))) as recording:
+        for name in ("/one", "/two"):
+            picture = picture_of(recording.scanogram(f"{name}/scan"))
+            assert picture.speed
+            assert picture.speed.title == f"{name}/odom"
+            assert picture.touch
+            assert picture.touch.title == f"{name}/bumper"
+        chosen = picture_of(ScanogramWidget.of(recording, "/one/scan", ["/one/cmd_vel"]))
+        assert chosen.speed
+        assert (chosen.speed.title, chosen.touch) == ("/one/cmd_vel", None)
+        player = recording.show("/two/scan", "/two/bumper")
+    assert player.scanogram
+    shown = picture_of(player.scanogram)
+    assert shown.touch
+    assert (shown.speed, shown.touch.title) == (None, "/two/bumper")
+    player.close()
 
 
 def test_its_levels_take_a_quarter_of_the_memory_of_a_recording(sample: robowidgets.Recording) -> None:

@@ -33,6 +33,7 @@ def test_a_clock_that_goes_back_is_told_and_the_order_is_that_of_arrival() -> No
 def test_a_clock_that_stands_still_is_told() -> None:
     assert clock(1, 1, 1).notes == ("the clock stands still: all 3 scans have the same time",)
     assert clock(1).notes == ()
+    assert clock(3, 2, 1).notes == ("the clock goes back 2 times: shown in the order of arrival",)
 
 
 def test_a_cell_lasts_from_its_first_scan_to_the_end_of_its_last() -> None:

@@ -20,6 +20,14 @@ def test_sideways_speed_has_a_strip_only_where_there_is_any() -> None:
     assert strip(values).axes == ["linear.x", "linear.y", "angular.z"]
 
 
+def test_any_other_axis_has_a_strip_only_where_it_is_past_its_limit() -> None:
+    values = np.full((10, 6), 0.9)
+    values[4, 3] = np.nan
+    assert strip(values).axes == ["linear.x", "linear.y", "angular.z"]
+    values[3, 2], values[5, 4] = 1.1, -1.1
+    assert strip(values).axes == ["linear.x", "linear.y", "linear.z", "angular.y", "angular.z"]
+
+
 def test_one_peak_among_a_million_speeds_is_kept_and_found_closer_by() -> None:
     values = np.zeros((1_000_000, 6))
     values[654_321, 0], values[654_322, 5] = 1.5, -2.5

@@ -1,0 +1,37 @@
+"""Scans of several geometries on the rays of one, each where its angle is."""
+
+from __future__ import annotations
+
+from math import copysign, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .scans import Sweep
+
+
+def rays_at(of: Sweep, on: Sweep) -> NDArray[np.int64]:
+    """For each ray of the second sweep the index of the ray of the first that points there; -1 where none does.
+
+    A ray points wherever no other is nearer, up to half a step beside the first and the last.
+    """
+    step = abs(of.angle_increment) or abs(on.angle_increment)
+    angles = on.angle_min + np.arange(on.ray_count) * on.angle_increment
+    ahead = (angles - of.angle_min) * copysign(1.0, of.angle_increment) + step / 2
+    known = (ahead >= 0) & (ahead < of.ray_count * step)
+    # What lies outside may be met once more round the circle.
+    index = np.floor(np.where(known, ahead, ahead % (2 * pi)) / (step or 1.0)).astype(np.int64)
+    index[index >= of.ray_count] = -1
+    return index
+
+
+def keeps_indices(rays: NDArray[np.int64]) -> bool:
+    """Whether each ray that is there has the index that it had."""
+    return bool(((rays == np.arange(rays.size)) | (rays < 0)).all())
+
+
+def on_rays(ranges: NDArray[np.float32], rays: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Ranges in metres, shape (N, R), of the rays of another sweep, shape (N, rays); NaN where there is none."""
+    if not ranges.shape[1]:
+        return np.full((len(ranges), rays.size), np.nan, np.float32)
+    return np.where(rays >= 0, ranges[:, rays], np.float32(np.nan))
