@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .._limits import is_past
 from ..samples import AXES
 from .clock import Clock
 
@@ -45,12 +46,13 @@ class SpeedStrip:
     ) -> None:
         self.title, self.clock = title, clock
         known = np.nan_to_num(values)
-        sideways = np.abs(known[:, AXES.index("linear.y")]).max(initial=0) > SIDEWAYS
-        over = [
-            ((column < limits[axis][0]) | (column > limits[axis][1])).any()
-            for axis, column in zip(AXES, known.T, strict=True)
-        ]
-        shown = [i for i, axis in enumerate(AXES) if axis in _ALWAYS or over[i] or (axis == "linear.y" and sideways)]
+        ends = {
+            axis: (column.min(initial=0), column.max(initial=0)) for axis, column in zip(AXES, known.T, strict=True)
+        }
+        over = {axis for axis in AXES if any(is_past(float(end), limits[axis]) for end in ends[axis])}
+        if max(np.abs(ends["linear.y"])) > SIDEWAYS:
+            over.add("linear.y")
+        shown = [i for i, axis in enumerate(AXES) if axis in _ALWAYS or axis in over]
         self._values = np.ascontiguousarray(values[:, shown].T, np.float32)
         self.axes = [AXES[i] for i in shown]
         self.limits = [limits[axis] for axis in self.axes]

@@ -36,15 +36,27 @@ test("lines divide the swept angle in equal parts, ends included", () => {
 
 test("on a full circle the ends meet, so that one line stands for both", () => {
   for (const sweep of [circle(), circle(360, 0), SWEEPS["360 degrees clockwise"] as Sweep]) {
-    assert.deepEqual(rayIndices(sweep, 4), [0, 90, 180, 270]);
-    assert.deepEqual(rayIndices(sweep, 8), [0, 45, 90, 135, 180, 225, 270, 315]);
+    const sorted = (count: number) => rayIndices(sweep, count).sort((a, b) => a - b);
+    assert.deepEqual(sorted(4), [0, 90, 180, 270]);
+    assert.deepEqual(sorted(8), [0, 45, 90, 135, 180, 225, 270, 315]);
+  }
+});
+
+test("on a full circle a line stands ahead, wherever the scanner starts", () => {
+  for (const first of [-180, -90, 0, 90]) {
+    for (const count of [4, 9]) {
+      const sweep = circle(360, first);
+      const angles = rayIndices(sweep, count).map((index) => Math.round(angleOf(sweep, index) / DEGREE));
+      assert.equal((angles[0] as number) % 360 || 0, 0, `${count} lines from ${first} degrees`);
+      assert.equal(new Set(angles).size, count);
+    }
   }
 });
 
 test("a repeated end ray leaves the parts of a circle equal", () => {
-  assert.deepEqual(rayIndices(sweepOf(360, 361), 4), [0, 90, 180, 270]);
+  assert.deepEqual(rayIndices(sweepOf(360, 361), 4), [180, 270, 0, 90]);
   assert.deepEqual(
-    rayIndices(sweepOf(360, 361), 360),
+    rayIndices(sweepOf(360, 361), 360).sort((a, b) => a - b),
     Array.from({ length: 360 }, (_, i) => i),
   );
 });
@@ -57,7 +69,7 @@ test("one line stands in the middle, none where none is asked for or there is no
 
 test("more lines than rays is each ray once", () => {
   assert.deepEqual(rayIndices(sweepOf(60, 5), 360), [0, 1, 2, 3, 4]);
-  assert.deepEqual(rayIndices(circle(4), 360), [0, 1, 2, 3]);
+  assert.deepEqual(rayIndices(circle(4), 360), [2, 3, 0, 1]);
   assert.deepEqual(rayIndices(sweepOf(0, 1), 9), [0]);
 });
 

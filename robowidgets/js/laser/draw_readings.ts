@@ -16,6 +16,9 @@ import {
 } from "./scan.ts";
 
 const DOT = 3;
+/** Where rays are few, no neighbour helps to see a reading. */
+const FEW = 40;
+const LARGE_DOT = 6;
 const LANE = 5;
 const INNER_LANE = 17;
 const MARK_SPACING = 7;
@@ -44,6 +47,7 @@ export function drawReadings(
 ): number {
   const scale = projection.radius / projection.viewRange;
   const rim = Math.min(scan.maxRange, projection.viewRange) * scale;
+  const dot = scan.count > FEW ? DOT : LARGE_DOT;
   const last: ({ x: number; y: number } | undefined)[] = [];
   let beyond = 0;
   let color = theme.reading;
@@ -60,7 +64,7 @@ export function drawReadings(
         color = next;
         context.fillStyle = color;
       }
-      context.fillRect(x - DOT / 2, y - DOT / 2, DOT, DOT);
+      context.fillRect(x - dot / 2, y - dot / 2, dot, dot);
       occupied.mark(x, y);
       continue;
     }

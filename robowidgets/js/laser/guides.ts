@@ -1,6 +1,6 @@
 import { toDegrees } from "../shared/format.ts";
 import { type Box, type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
-import { angleFrom, angleOf, isFullCircle, type Sweep, spanOf } from "./scan.ts";
+import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "./scan.ts";
 
 /** Distances of the range arcs in metres: those asked for, or `count` that divide the view in equal parts. */
 export function arcDistances(asked: number[], count: number, viewRange: number): number[] {
@@ -14,15 +14,17 @@ function divide(count: number, whole: number): number[] {
 
 /**
  * Indices of the rays at which radial lines stand: `count` of them, which divide the swept angle in equal parts, as
- * near as there is a ray. The first and the last ray are among them, but on a full circle, where they meet.
+ * near as there is a ray. The first and the last ray are among them; on a full circle, where they meet, forward is.
  */
 export function rayIndices(sweep: Sweep, count: number): number[] {
   if (sweep.count === 0 || count === 0) return [];
   if (count === 1) return [Math.floor((sweep.count - 1) / 2)];
-  const step = isFullCircle(sweep)
-    ? (2 * Math.PI) / Math.abs(sweep.angleIncrement) / count
-    : (sweep.count - 1) / (count - 1);
-  return [...new Set(Array.from({ length: count }, (_, i) => Math.min(sweep.count - 1, Math.round(i * step))))];
+  const isCircle = isFullCircle(sweep);
+  const whole = isCircle ? (2 * Math.PI) / Math.abs(sweep.angleIncrement) : sweep.count;
+  const first = isCircle ? indexAt(sweep, 0) : 0;
+  const step = isCircle ? whole / count : (whole - 1) / (count - 1);
+  const indices = Array.from({ length: count }, (_, i) => Math.round((first + i * step) % whole));
+  return [...new Set(indices.map((index) => Math.min(sweep.count - 1, index)))];
 }
 
 export interface RayLabel extends Rim {

@@ -22,8 +22,11 @@ export interface Limits {
   maxRange: number;
 }
 
-/** Metres: no picture reaches farther, and a limit beyond is none. Python has the same number. */
+/** Metres: no picture reaches farther. Python has the same number. */
 export const FARTHEST_VIEW = 100_000;
+
+/** Metres that no scanner measures: a limit beyond sets none. */
+export const NO_LIMIT = 2000;
 
 /** One scan as it comes from Python; metres and radians. */
 export interface Scan extends Frame, Sweep, Limits, Census {

@@ -1,8 +1,8 @@
 import { toCount, toDegrees, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
 import {
   angleOf,
-  FARTHEST_VIEW,
   type Limits,
+  NO_LIMIT,
   NO_MEASUREMENT,
   NOTHING_IN_RANGE,
   OUTSIDE_LIMITS,
@@ -51,11 +51,11 @@ export function meaningOf({ kinds, minRange, maxRange }: Classed, index: number)
     case TOO_CLOSE:
       return `\u2212inf: closer than ${toShortMetres(minRange)}`;
     case NOTHING_IN_RANGE:
-      return `+inf: nothing ${maxRange > FARTHEST_VIEW ? "in range" : `within ${toShortMetres(maxRange)}`}`;
+      return `+inf: nothing ${maxRange > NO_LIMIT ? "in range" : `within ${toShortMetres(maxRange)}`}`;
     case NO_MEASUREMENT:
       return "NaN: no measurement";
     default:
-      return `outside the limits ${toShortMetres(minRange)} to ${maxRange > FARTHEST_VIEW ? "\u221e" : toShortMetres(maxRange)}`;
+      return `outside the limits ${toShortMetres(minRange)} to ${maxRange > NO_LIMIT ? "\u221e" : toShortMetres(maxRange)}`;
   }
 }
 

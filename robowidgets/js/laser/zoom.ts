@@ -1,4 +1,4 @@
-import { FARTHEST_VIEW, READING, type Scan } from "./scan.ts";
+import { FARTHEST_VIEW, NO_LIMIT, READING, type Scan } from "./scan.ts";
 
 /** How far the picture reaches: "sensor" (range_max, if it sets a limit), "data" (fit to the readings), or metres. */
 export type ViewRange = "sensor" | "data" | number;
@@ -33,14 +33,14 @@ export function reach(scan: Scan): number {
 /** A range that fits the readings and keeps still: it grows when they need it, shrinks only when they need far less. */
 export function fitRange(previous: number, scan: Scan): number {
   const needed = reach(scan) * 1.05;
-  if (needed === 0) return previous || (scan.maxRange > FARTHEST_VIEW ? EMPTY : scan.maxRange);
+  if (needed === 0) return previous || (scan.maxRange > NO_LIMIT ? EMPTY : scan.maxRange);
   if (previous && needed <= previous && needed > previous * 0.5) return previous;
   return Math.min(scan.maxRange, FARTHEST_VIEW, roundUp(needed));
 }
 
 /** Whether the picture is to reach as far as the readings do. */
 export function fitsReadings(setting: ViewRange, maxRange = 0): boolean {
-  return setting === "data" || (setting === "sensor" && maxRange > FARTHEST_VIEW);
+  return setting === "data" || (setting === "sensor" && maxRange > NO_LIMIT);
 }
 
 /** The metres to show for a setting; `fitted` is what was fitted to the readings last, or 0. */

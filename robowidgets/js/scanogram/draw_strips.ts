@@ -7,7 +7,14 @@ import type { Band } from "./layout.ts";
 import { firstWhere } from "./search.ts";
 
 const ROUNDING = 1e-6;
-const LETTERS: Record<string, string> = { "linear.x": "x", "linear.y": "y", "angular.z": "yaw" };
+const LETTERS: Record<string, string> = {
+  "linear.x": "x",
+  "linear.y": "y",
+  "linear.z": "z",
+  "angular.x": "roll",
+  "angular.y": "pitch",
+  "angular.z": "yaw",
+};
 
 type Speed = NonNullable<Whole["speed"]>;
 
