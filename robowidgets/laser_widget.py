@@ -15,7 +15,8 @@ from ._widget import HEAD, RobotWidget
 from .messages import ScanReader
 from .messages.fields import unwrap
 from .samples import Scan, Validity
-from .samples.scan import MAX_RAYS, in_radians
+from .samples.numbers import in_radians
+from .samples.scan import MAX_RAYS
 
 _GEOMETRY = struct.Struct("<5d")
 _FLOAT = np.dtype("<f4")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from .samples import Touch, TouchMode, TouchState
-from .samples.scan import number
+from .samples.numbers import number
 
 _STATES = {True: TouchState.TOUCHED, False: TouchState.FREE, None: TouchState.UNKNOWN}
 

@@ -15,7 +15,7 @@ from ._pacer import pacer
 from ._widget import HEAD, RobotWidget
 from .messages import to_touch
 from .samples import Touch, TouchState
-from .samples.scan import in_radians
+from .samples.numbers import in_radians
 from .touch_tracker import TouchSensor, TouchTracker
 
 

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from typing import Any
 
-from ..samples.scan import finite
+from ..samples.numbers import finite
 from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")

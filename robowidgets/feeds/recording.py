@@ -10,7 +10,7 @@ from typing import Any
 
 from ..recordings import Recording
 from ..recordings import open as open_recording
-from ..samples.scan import finite
+from ..samples.numbers import finite
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener
 

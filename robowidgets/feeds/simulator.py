@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..messages import to_speed
-from ..samples.scan import finite
+from ..samples.numbers import finite
 from ..simulator import Robot, World, wander
 from ._drive import TWIST
 from .feed import Feed

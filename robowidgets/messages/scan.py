@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..samples import Scan
-from ..samples.scan import OF_DEGREES, is_angle, number
-from .fields import MISSING, describe, frame_id, reader, stamp_ns, unwrap
+from ..samples.numbers import OF_DEGREES, is_angle, number
+from .fields import MISSING, describe, frame_id, has, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 _SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
@@ -20,6 +20,10 @@ _COMPARED = frozenset((float, int, np.float32, np.float64, type(None)))
 _COPIED = frozenset((np.ndarray, array, list, tuple))
 _LONGEST_SCAN = 60.0
 _NOTHING: dict[str, Any] = {}
+_ONE_RAY = (
+    "; a single distance is one ray: ranges=[message.range], angle_min=0, angle_increment=0, "
+    "range_min=message.min_range, range_max=message.max_range"
+)
 
 
 def to_scan(message: Any) -> Scan:
@@ -44,6 +48,7 @@ def to_scan(message: Any) -> Scan:
             f"expected a message like sensor_msgs/LaserScan, with {', '.join(_NEEDED)}; got {describe(message)} "
             f"(missing: {', '.join(missing)})"
             + ("; angle_increment = (angle_max - angle_min) / (len(ranges) - 1)" if by_last else "")
+            + (_ONE_RAY if has(message, "range", "min_range", "max_range") else "")
         )
     ranges, angle_min, increment, range_min, range_max = given.values()
     # JSON has neither NaN nor infinity.

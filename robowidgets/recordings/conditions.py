@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import AXES, TouchState
-from ..samples.scan import OF_DEGREES, number
+from ..samples.numbers import OF_DEGREES, number
 from .chunks import ScanChunk, SpeedChunk
 from .source import UnknownTopicError
 from .steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps

@@ -6,22 +6,23 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from enum import IntEnum
 from functools import cached_property
-from math import atan2, cos, isfinite, pi, sin
+from math import atan2, cos, degrees, isfinite, pi, sin
 from operator import index as as_index
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .numbers import ANGLE_ROUNDING, OF_DEGREES, finite, floats, frozen, in_radians, is_frozen, number
+from .sector import Sector, in_sector, to_sector
+
 MAX_RAYS = 1_000_000
-_FLOAT32 = np.dtype(np.float32)
 _FARTHEST = float(np.finfo(np.float32).max)
-_ANGLE_ROUNDING = 1e-6
+
+_MOST_TURNS = 3
 
 MILLIMETRES = 25
 """Times range_max that lies beyond what drivers send for rays that saw nothing."""
-
-OF_DEGREES = "math.radians() makes them of degrees"
 
 
 class Validity(IntEnum):
@@ -96,14 +97,14 @@ class Scan:
     def __post_init__(self) -> None:
         put = object.__setattr__
         notes = list(self.notes)
-        ranges = _floats("ranges", self.ranges)
+        ranges = floats("ranges", self.ranges)
         if ranges.size > MAX_RAYS:
             raise ValueError(f"ranges: expected at most {MAX_RAYS:,} rays, got {ranges.size:,}")
         put(self, "ranges", ranges)
-        intensities = _floats("intensities", self.intensities)
+        intensities = floats("intensities", self.intensities)
         if intensities.size not in (0, ranges.size):
             notes.append(f"{intensities.size} intensities for {ranges.size} rays: not used")
-            intensities = _floats("intensities", ())
+            intensities = floats("intensities", ())
         put(self, "intensities", intensities)
 
         put(self, "angle_min", finite("angle_min", self.angle_min, "radians"))
@@ -117,7 +118,10 @@ class Scan:
                 f"angle_increment: expected a finite step in radians other than 0 for {ranges.size} rays, "
                 f"got {increment!r}"
             )
-        if abs(increment) * (ranges.size - 1) > 2 * pi + 2 * abs(increment):
+        turns = abs(increment) * (ranges.size - 1) / (2 * pi)
+        if turns > _MOST_TURNS:
+            notes.append(f"the rays sweep {turns:,.0f} full circles: is angle_increment in degrees? {OF_DEGREES}")
+        elif turns > 1 + abs(increment) / pi:
             notes.append("the rays sweep more than a full circle")
         put(self, "angle_increment", increment)
 
@@ -158,6 +162,13 @@ class Scan:
             validity=validity,
         )
 
+    def __repr__(self) -> str:
+        rays = f"{len(self):,} ray{'' if len(self) == 1 else 's'}"
+        sweep = f" from {degrees(self.angles[0]):.1f}° to {degrees(self.angles[-1]):.1f}°" if len(self) else ""
+        near = self.nearest()
+        where = f", nearest {near.range:.2f} m at ranges[{near.index}]" if near else ", no readings"
+        return f"<Scan of {rays}{sweep}{where}>"
+
     def __iter__(self) -> Iterator[Ray]:
         return (self[i] for i in range(len(self)))
 
@@ -186,7 +197,7 @@ class Scan:
         values["stamp_ns"] = stamp_ns
         for name, given in (("ranges", ranges), ("intensities", intensities)):
             if given is not None:
-                array = given if keep and _is_frozen(given) else _floats(name, given)
+                array = given if keep and is_frozen(given) else floats(name, given)
                 if array.size != values[name].size:
                     raise ValueError(
                         f"{name}: expected {values[name].size:,} values as in the scan before, got {array.size:,}"
@@ -197,7 +208,7 @@ class Scan:
     @cached_property
     def angles(self) -> NDArray[np.float64]:
         """Angle of every ray as the scanner counts it, in radians, shape (R,): a full circle may run from 0 to 2 pi."""
-        return _frozen(self.angle_min + np.arange(len(self)) * self.angle_increment)
+        return frozen(self.angle_min + np.arange(len(self)) * self.angle_increment)
 
     @cached_property
     def validity(self) -> NDArray[np.uint8]:
@@ -205,12 +216,12 @@ class Scan:
         r = self.ranges
         conditions = [(self.range_min <= r) & (r <= self.range_max), r == -np.inf, r == np.inf, np.isnan(r)]
         kinds = [Validity.READING, Validity.TOO_CLOSE, Validity.NOTHING_IN_RANGE, Validity.NO_MEASUREMENT]
-        return _frozen(np.select(conditions, kinds, Validity.OUTSIDE_LIMITS).astype(np.uint8))
+        return frozen(np.select(conditions, kinds, Validity.OUTSIDE_LIMITS).astype(np.uint8))
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
         """True where there is a reading, shape (R,)."""
-        return _frozen(self.validity == Validity.READING)
+        return frozen(self.validity == Validity.READING)
 
     @cached_property
     def counts(self) -> dict[Validity, int]:
@@ -221,23 +232,31 @@ class Scan:
     @cached_property
     def x(self) -> NDArray[np.float64]:
         """Metres forward, shape (R,); NaN where there is no reading."""
-        return _frozen(self._distances * np.cos(self.angles))
+        return frozen(self._distances * np.cos(self.angles))
 
     @cached_property
     def y(self) -> NDArray[np.float64]:
         """Metres to the left, shape (R,); NaN where there is no reading."""
-        return _frozen(self._distances * np.sin(self.angles))
+        return frozen(self._distances * np.sin(self.angles))
 
     @property
     def xy(self) -> NDArray[np.float64]:
         """Points of the readings only, shape (N, 2), metres forward and to the left."""
         return np.column_stack((self.x, self.y))[self.valid]
 
-    def nearest(self) -> Ray | None:
-        """The reading at the smallest distance, the first of equals; None when there is no reading."""
-        if not self.valid.any():
-            return None
-        return self[int(np.nanargmin(self._distances))]
+    def nearest(self, sector: Sector | None = None) -> Ray | None:
+        """The reading at the smallest distance, the first of equals; None when there is no reading.
+
+        Args:
+            sector: two angles in radians; only rays from the first counter-clockwise to the second count.
+
+        Raises:
+            TypeError: the sector is no pair of numbers. ValueError: an angle is beyond a full turn either way.
+        """
+        distances = self._distances
+        if sector is not None:
+            distances = np.where(in_sector(self.angles, to_sector(sector)), distances, np.nan)
+        return None if np.isnan(distances).all() else self[int(np.nanargmin(distances))]
 
     def at(self, angle: float) -> Ray | None:
         """The ray that points closest to an angle in radians; None more than half a step outside the sweep.
@@ -249,7 +268,7 @@ class Scan:
         if abs(angle) > np.abs(self.angles).max(initial=0.0):
             in_radians("angle", angle)
         off = np.abs((self.angles - angle + pi) % (2 * pi) - pi)
-        if not off.size or off.min() > abs(self.angle_increment) / 2 + _ANGLE_ROUNDING:
+        if not off.size or off.min() > abs(self.angle_increment) / 2 + ANGLE_ROUNDING:
             return None
         return self[int(off.argmin())]
 
@@ -267,60 +286,7 @@ class Scan:
 
 
 def _within_half_turn(angle: float) -> float:
-    return angle if abs(angle) <= pi + _ANGLE_ROUNDING else atan2(sin(angle), cos(angle))
-
-
-def number(name: str, value: Any) -> float:
-    """A float, NaN and inf included; TypeError when it is no number."""
-    if type(value) is float:
-        return value
-    if isinstance(value, (str, bytes, bool)):
-        raise TypeError(f"{name}: expected a number, got {value!r}")
-    try:
-        return float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"{name}: expected a number, got {_short(value)}") from None
-
-
-def finite(name: str, value: Any, unit: str) -> float:
-    """A finite float; ValueError when it is NaN or infinite."""
-    result = number(name, value)
-    if not isfinite(result):
-        raise ValueError(f"{name}: expected a finite number of {unit}, got {result!r}")
-    return result
-
-
-def in_radians(name: str, value: Any) -> float:
-    """An angle within ±2 pi; ValueError beyond it, where it is in degrees."""
-    angle = finite(name, value, "radians")
-    if not is_angle(angle):
-        raise ValueError(f"{name}: expected radians within ±2 pi, got {angle!r}; {OF_DEGREES}")
-    return angle
-
-
-def is_angle(value: float) -> bool:
-    """Whether this is within ±2 pi, as radians are."""
-    return abs(value) <= 2 * pi + _ANGLE_ROUNDING
-
-
-def _floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
-    """A read-only float32 copy of a one-dimensional array."""
-    array: NDArray[np.float32] | None
-    if type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1:
-        array = values.copy()  # as scanners send it: nothing to guard against
-        array.setflags(write=False)
-        return array
-    try:
-        given = np.asarray(_unmasked(values) if isinstance(values, np.ma.MaskedArray) else values)
-        with np.errstate(over="ignore"):
-            array = given.astype(np.float32) if given.dtype.kind in "fiuO" else None
-    except (TypeError, ValueError, OverflowError):
-        array = None
-    if array is None:
-        raise TypeError(f"{name}: expected a one-dimensional array of numbers, got {_short(values)}")
-    if array.ndim != 1:
-        raise ValueError(f"{name}: expected a one-dimensional array, got shape {array.shape}")
-    return _frozen(array)
+    return angle if abs(angle) <= pi + ANGLE_ROUNDING else atan2(sin(angle), cos(angle))
 
 
 def _about_metres(ranges: NDArray[np.float32], low: float, high: float) -> list[str]:
@@ -332,23 +298,3 @@ def _about_metres(ranges: NDArray[np.float32], low: float, high: float) -> list[
     if usual <= MILLIMETRES * high:
         return []
     return [f"ranges are around {usual:,.0f} where range_max is {high:g} m: are they in millimetres? They go in metres"]
-
-
-def _unmasked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[np.float32]:
-    """What is masked as NaN: there is no measurement."""
-    return np.ma.filled(values.astype(np.float32), np.nan)
-
-
-def _is_frozen(values: Any) -> TypeGuard[NDArray[np.float32]]:
-    """Whether this is a read-only one-dimensional array of float32."""
-    return type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1 and not values.flags.writeable
-
-
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)
-    return array
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return f"{text[:60]}…" if len(text) > 60 else text

@@ -11,11 +11,14 @@ import numpy as np
 
 
 class TouchState(IntEnum):
-    """What is known of one touch sensor."""
+    """What is known of one touch sensor. Only what is touched is true: ``if touch.states["left"]: stop()``."""
 
     FREE = 0
     TOUCHED = 1
     UNKNOWN = 2
+
+    def __bool__(self) -> bool:
+        return self is TouchState.TOUCHED
 
 
 class TouchMode(Enum):

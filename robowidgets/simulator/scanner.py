@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Scan
-from ..samples.scan import MAX_RAYS, finite
+from ..samples.numbers import finite
+from ..samples.scan import MAX_RAYS
 from .raycast import cast_rays
 from .world import World
 

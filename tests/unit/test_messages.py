@@ -224,6 +224,15 @@ class TestScanReader:
         assert ScanReader()(scan) is scan
 
 
+class TestRange:
+    def test_a_single_distance_is_told_how_it_goes(self) -> None:
+        message = {"range": 1.0, "min_range": 0.1, "max_range": 4.0, "field_of_view": 0.3, "radiation_type": 0}
+        with pytest.raises(
+            TypeError, match=r"\(missing: ranges, .*\); a single distance is one ray: ranges=\[message\.range\]"
+        ):
+            to_scan(message)
+
+
 class TestOddScan:
     """The inputs that exist in the wild."""
 

@@ -8,7 +8,7 @@ from math import cos, degrees, inf, isnan, nan, pi, radians, sin
 import numpy as np
 import pytest
 
-from robowidgets.samples import AXES, Ray, Scan, Speed, Touch, TouchMode, Validity
+from robowidgets.samples import AXES, Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity
 from robowidgets.samples.scan import MAX_RAYS
 
 
@@ -57,6 +57,11 @@ class TestGeometry:
         assert circle(361).notes == ()
         assert circle(364).notes == ("the rays sweep more than a full circle",)
 
+    def test_a_step_in_degrees_is_asked_after(self) -> None:
+        assert scan(np.ones(360), angle_min=0.0, angle_increment=1.0).notes == (
+            "the rays sweep 57 full circles: is angle_increment in degrees? math.radians() makes them of degrees",
+        )
+
 
 class TestMillimetres:
     def test_are_asked_after_where_no_range_is_a_reading(self) -> None:
@@ -100,6 +105,32 @@ class TestValidity:
         assert one.validity.tolist() == [0, 0, 2, 3, 4]
         assert one.range_max == np.finfo(np.float32).max
         assert one.notes == ()
+
+
+class TestNearest:
+    def test_only_a_sector_may_count_also_across_the_ends_of_a_circle(self) -> None:
+        one = scan([1.0, 2.0, 3.0, 0.5], angle_min=0.0, angle_increment=pi / 2)
+        found = [one.nearest(sector) for sector in (None, (-0.1, 0.1), (pi / 2, pi), (-pi / 2, 0.0), (0.1, 0.2))]
+        assert [ray and ray.index for ray in found] == [3, 0, 1, 3, None]
+
+    @pytest.mark.parametrize(
+        ("sector", "error", "text"),
+        [
+            ((1, 2, 3), TypeError, r"^sector: expected two angles in radians, got \(1, 2, 3\)$"),
+            ((0, 90), ValueError, r"^sector: expected radians within ±2 pi, got 90.0; math.radians\(\) makes them"),
+            ((0, nan), ValueError, r"^sector: expected a finite number of radians, got nan$"),
+        ],
+    )
+    def test_what_is_no_sector_is_refused(self, sector: tuple[float, float], error: type[Exception], text: str) -> None:
+        with pytest.raises(error, match=text):
+            scan().nearest(sector)
+
+
+class TestShown:
+    def test_a_scan_fits_on_a_line(self) -> None:
+        assert repr(scan([2.0, 0.5, inf])) == "<Scan of 3 rays from -28.6° to 28.6°, nearest 0.50 m at ranges[1]>"
+        assert repr(scan([inf], angle_min=0.0, angle_increment=0.0)) == "<Scan of 1 ray from 0.0° to 0.0°, no readings>"
+        assert repr(scan([])) == "<Scan of 0 rays, no readings>"
 
 
 class TestRays:
@@ -314,6 +345,11 @@ class TestSpeed:
     def test_what_is_no_vector_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
         with pytest.raises(error, match=text):
             Speed(**given)
+
+
+class TestTouchState:
+    def test_only_touched_is_true(self) -> None:
+        assert [bool(state) for state in TouchState] == [False, True, False]
 
 
 class TestTouch:

@@ -1,0 +1,90 @@
+"""Numbers as they are given, checked, and arrays that nobody changes."""
+
+from __future__ import annotations
+
+from math import isfinite, pi
+from typing import Any, TypeGuard
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+OF_DEGREES = "math.radians() makes them of degrees"
+
+ANGLE_ROUNDING = 1e-6
+"""Radians."""
+
+_FLOAT32 = np.dtype(np.float32)
+
+
+def number(name: str, value: Any) -> float:
+    """A float, NaN and inf included; TypeError when it is no number."""
+    if type(value) is float:
+        return value
+    if isinstance(value, (str, bytes, bool)):
+        raise TypeError(f"{name}: expected a number, got {value!r}")
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{name}: expected a number, got {_short(value)}") from None
+
+
+def finite(name: str, value: Any, unit: str) -> float:
+    """A finite float; ValueError when it is NaN or infinite."""
+    result = number(name, value)
+    if not isfinite(result):
+        raise ValueError(f"{name}: expected a finite number of {unit}, got {result!r}")
+    return result
+
+
+def in_radians(name: str, value: Any) -> float:
+    """An angle within ±2 pi; ValueError beyond it, where it is in degrees."""
+    angle = finite(name, value, "radians")
+    if not is_angle(angle):
+        raise ValueError(f"{name}: expected radians within ±2 pi, got {angle!r}; {OF_DEGREES}")
+    return angle
+
+
+def is_angle(value: float) -> bool:
+    """Whether this is within ±2 pi, as radians are."""
+    return abs(value) <= 2 * pi + ANGLE_ROUNDING
+
+
+def floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
+    """A read-only float32 copy of a one-dimensional array."""
+    array: NDArray[np.float32] | None
+    if type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1:
+        array = values.copy()  # as scanners send it: nothing to guard against
+        array.setflags(write=False)
+        return array
+    try:
+        given = np.asarray(_unmasked(values) if isinstance(values, np.ma.MaskedArray) else values)
+        with np.errstate(over="ignore"):
+            array = given.astype(np.float32) if given.dtype.kind in "fiuO" else None
+    except (TypeError, ValueError, OverflowError):
+        array = None
+    if array is None:
+        raise TypeError(f"{name}: expected a one-dimensional array of numbers, got {_short(values)}")
+    if array.ndim != 1:
+        raise ValueError(f"{name}: expected a one-dimensional array, got shape {array.shape}")
+    return frozen(array)
+
+
+def _unmasked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[np.float32]:
+    """What is masked as NaN: there is no measurement."""
+    return np.ma.filled(values.astype(np.float32), np.nan)
+
+
+def is_frozen(values: Any) -> TypeGuard[NDArray[np.float32]]:
+    """Whether this is a read-only one-dimensional array of float32."""
+    return type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1 and not values.flags.writeable
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """The same array, read-only."""
+    array.setflags(write=False)
+    return array
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return f"{text[:60]}…" if len(text) > 60 else text
