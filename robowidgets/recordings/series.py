@@ -89,17 +89,21 @@ class Series(ABC, Generic[Taken]):
         return len(self.rows)
 
     @overload
-    def __getitem__(self, which: slice) -> Self: ...
+    def __getitem__(self, which: slice | NDArray[np.bool_]) -> Self: ...
     @overload
     def __getitem__(self, which: int) -> Moment: ...
-    def __getitem__(self, which: int | slice) -> Self | Moment:
+    def __getitem__(self, which: int | slice | NDArray[np.bool_]) -> Self | Moment:
         if isinstance(which, slice):
             return self._with(self.rows[which])
+        if isinstance(which, np.ndarray) and which.dtype == bool:
+            if which.shape != (len(self),):
+                raise IndexError(f"{self.topic}: expected a mask of {len(self):,} values, got shape {which.shape}")
+            return self._with(np.asarray(self.rows, np.int64)[which])
         try:
             number = as_index(which)
         except TypeError:
             raise TypeError(
-                f"{self.topic}: expected a number or a slice of numbers, got {which!r}; "
+                f"{self.topic}: expected a number, a slice of numbers or a mask, got {repr(which)[:60]}; "
                 "by time there are at(seconds) and between(start, end)"
             ) from None
         if not -len(self) <= number < len(self):

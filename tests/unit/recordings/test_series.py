@@ -59,6 +59,15 @@ class TestColumns:
         np.testing.assert_allclose(speeds.linear[:, 0], np.arange(100) / 100)
         assert not speeds.angular.any()
 
+    def test_a_mask_picks_samples(self, drive: robowidgets.Recording) -> None:
+        scans = drive.scans("/scan")
+        some = scans[10:][(scans[10:].ranges[:, 0] > 1.5) & (scans[10:].seconds % 1 < 0.05)]
+        np.testing.assert_allclose(some.seconds, [6, 7, 8, 9])
+        np.testing.assert_allclose(some.ranges[:, 0], [1.6, 1.7, 1.8, 1.9], rtol=1e-6)
+        assert len(scans[np.zeros(100, bool)]) == 0
+        with pytest.raises(IndexError, match=r"^/scan: expected a mask of 100 values, got shape \(5,\)$"):
+            scans[np.ones(5, bool)]
+
     def test_values_are_those_that_were_sent(self, tmp_path: Path) -> None:
         sent = [[1.0, NAN, INF, -INF, 0.0], [2.0, 3.0, NAN, 0.001, 31.0]]
         scans = open_sweeps(
