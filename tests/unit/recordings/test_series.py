@@ -167,7 +167,7 @@ class TestPicking:
         with pytest.raises(IndexError, match="/scan: number 100, and there are 100"):
             scans[100]
         with pytest.raises(
-            TypeError, match=r"a slice of numbers, got 2\.5; by time there are at\(seconds\) and between"
+            TypeError, match=r"a slice of numbers or a mask, got 2\.5; by time there are at\(seconds\) and between"
         ):
             scans[2.5]  # type: ignore[call-overload]
         with pytest.raises(TypeError, match="start: expected seconds from the start of the recording, got 'x'"):
