@@ -13,7 +13,9 @@ import robowidgets
 
 from .recordings import Recording, conditions
 from .recordings.conditions import Condition
+from .recordings.source import UnnamedTopicError
 from .recordings.spans import Spans
+from .samples.scan import OF_DEGREES
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 
@@ -23,8 +25,22 @@ _USED_BY = {
     "axis": "speed_above",
     "speed": "speed_above",
     "touch": "touched",
+    "silent": "gap",
 }
 """Which condition an option belongs to."""
+
+_OPTIONS = {
+    "label": "--touched",
+    "distance": "--nearest-below",
+    "sector": "--sector",
+    "limit": "--speed-above",
+    "axis": "--axis",
+    "seconds": "--gap",
+}
+"""Which option gives an argument of a condition."""
+
+_NAMED_BY = {"laser": "--scan", "speed": "--speed", "touch": "--touch", None: "--silent"}
+"""Which option names a topic of a kind; of no kind: the topic with a gap."""
 
 
 class QuestionError(Exception):
@@ -45,7 +61,7 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     )
     asked.add_argument("--nearest-below", type=float, metavar="METRES", help="a ray meets something nearer than that")
     asked.add_argument("--speed-above", type=float, metavar="SPEED", help="it is faster than that, either way")
-    asked.add_argument("--gap", type=float, metavar="SECONDS", help="no scan or no speed came for longer than that")
+    asked.add_argument("--gap", type=float, metavar="SECONDS", help="nothing came for longer than that")
     asked.add_argument("--any", action="store_true", help="one of the conditions is enough")
     how = parser.add_argument_group("where to look")
     how.add_argument(
@@ -58,6 +74,9 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     how.add_argument("--axis", help="of the speed (default: linear.x; angular.z is yaw)")
     for kind in ("scan", "speed", "touch"):
         how.add_argument(f"--{kind}", metavar="TOPIC", help=f"the topic of the {kind} (default: the only one)")
+    how.add_argument(
+        "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans or measured speeds)"
+    )
     parser.add_argument("--json", action="store_true", help="print a list of spans as JSON, times in seconds")
 
 
@@ -74,7 +93,7 @@ def condition(arguments: argparse.Namespace) -> Condition:
     if arguments.speed_above is not None:
         asked.append(conditions.speed_above(arguments.speed_above, arguments.axis or "linear.x", arguments.speed))
     if arguments.gap is not None:
-        asked.append(conditions.gap(arguments.gap))
+        asked.append(conditions.gap(arguments.gap, arguments.silent))
     if not asked:
         raise QuestionError("find: expected a condition: --touched, --nearest-below, --speed-above or --gap")
     _check_used(arguments)
@@ -101,13 +120,24 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
         try:
             spans = recording.find(condition(arguments))
         except ValueError as error:
-            raise QuestionError(str(error)) from None
+            raise QuestionError(_in_options(str(error))) from None
+        except UnnamedTopicError as error:
+            option = _NAMED_BY[error.widget]
+            raise QuestionError(f"{error.there}: name the topic, as in {option} {error.topics[0]}") from None
         finally:
             # Also where it failed: damage may be why.
             for line in recording.problems:
                 warn(f"! {line}")
     code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED
-    return (_spans_as_json(spans) if arguments.json else _spans_as_text(spans)), code
+    if arguments.json:
+        return _spans_as_json(spans), code
+    return _spans_as_text(spans, tells_silent=arguments.gap is not None), code
+
+
+def _in_options(error: str) -> str:
+    """What is wrong with an argument of a condition, said of the option that gave it."""
+    argument, colon, what = error.partition(":")
+    return f"find: {_OPTIONS.get(argument, argument)}{colon}{what.replace(OF_DEGREES, 'a degree is 0.01745 radians')}"
 
 
 def info(arguments: argparse.Namespace) -> str:
@@ -116,10 +146,13 @@ def info(arguments: argparse.Namespace) -> str:
         return _info_as_json(recording) if arguments.json else recording.info()
 
 
-def _spans_as_text(spans: Spans) -> str:
-    lines = [f"{span.start:.3f}\t{span.end:.3f}\t{span.seconds:.3f}" for span in spans]
+def _spans_as_text(spans: Spans, tells_silent: bool) -> str:
+    width = 4 if tells_silent else 3
+    head = "\t".join(("# start", "end", "seconds", "silent")[:width])
+    rows = ((*(f"{time:.3f}" for time in span[:3]), ", ".join(span.silent)) for span in spans)
+    lines = ["\t".join(row[:width]) for row in rows]
     stopped = [] if spans.is_complete else [f"# stopped at {spans.until:.3f}: nothing after that was looked at"]
-    return "\n".join(["# start\tend\tseconds", *lines, *stopped])
+    return "\n".join([head, *lines, *stopped])
 
 
 def _spans_as_json(spans: Spans) -> str:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from .._kinds import Widget
 from .clocks import about_clock
+from .kinds import WORDS, named, only
 from .memory import Memory
 from .scan_series import Scans
 from .source import UnknownTopicError
@@ -48,9 +48,10 @@ class AllSeries:
             UnknownTopicError: the topic is of another kind.
         """
         if topic.widget != widget:
-            there = ", ".join(_named(self._timeline.topics, widget)) or "none"
+            there = ", ".join(named(self._timeline.topics, widget)) or "none"
             raise UnknownTopicError(
-                f"{self._name}: {topic.name!r} is a topic of {topic.widget}: those of {widget} are {there}"
+                f"{self._name}: {topic.name!r} is a topic of {WORDS[topic.widget]}: "
+                f"those of {WORDS[widget]} are {there}"
             )
         series = self._made.get(topic.name)
         if not isinstance(series, kind):
@@ -62,18 +63,8 @@ class AllSeries:
         return series
 
     def only(self, widget: Widget) -> str:
-        """The one topic of a kind; of speeds, the one that is measured.
-
-        Raises:
-            UnknownTopicError: there is not just one.
-        """
-        topics = _named(self._timeline.topics, widget)
-        for some in (topics, {name: topic for name, topic in topics.items() if not topic.commanded}):
-            if len(some) == 1:
-                return next(iter(some))
-        if not topics:
-            raise UnknownTopicError(f"{self._name} has no topic of {widget}")
-        raise UnknownTopicError(f"{self._name} has several topics of {widget}, name one: {', '.join(topics)}")
+        """See `kinds.only`."""
+        return only(self._name, self._timeline.topics, widget)
 
     def clear(self) -> None:
         """Let go of all of them, but not of what is wrong with their clocks."""
@@ -85,7 +76,3 @@ class AllSeries:
         for name, store in list(self._steady.items()):
             if store.is_known and name not in self._clocks:
                 self._clocks[name] = about_clock(store.times_ns, self._timeline.start_ns or 0)
-
-
-def _named(topics: tuple[Topic, ...], widget: Widget) -> Mapping[str, Topic]:
-    return {topic.name: topic for topic in topics if topic.widget == widget}

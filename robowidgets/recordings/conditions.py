@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ..samples import AXES, TouchState
 from ..samples.numbers import OF_DEGREES, number
 from .chunks import ScanChunk, SpeedChunk
-from .source import UnknownTopicError
+from .source import UnknownTopicError, UnnamedTopicError
 from .steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
 if TYPE_CHECKING:
@@ -232,16 +232,21 @@ class _Gap(Condition):
         self._topic = topic
 
     def steps(self, search: Search) -> Steps:
-        return combined([self._of(search, name) for name in self._topics(search)], np.max)
+        silences = [(name, self._of(search, name)) for name in self._topics(search)]
+        search.silences += silences
+        return combined([when for _, when in silences], np.max)
 
     def _topics(self, search: Search) -> Sequence[str]:
         if self._topic is not None:
             return [self._topic]
-        found = [t.name for t in search.recording.topics if t.widget in ("laser", "speed") and not t.commanded]
-        if not found:
-            name = search.recording.path.name
-            raise UnknownTopicError(f"{name} has no topic of scans or measured speeds: name one, as in gap(1.0, topic)")
-        return found
+        shown = [topic for topic in search.recording.topics if topic.widget]
+        found = [topic.name for topic in shown if topic.widget != "touch" and not topic.commanded]
+        if found:
+            return found
+        there = f"{search.recording.path.name} has neither laser scans nor measured speeds"
+        if not shown:
+            raise UnknownTopicError(there)
+        raise UnnamedTopicError(there, [topic.name for topic in shown], None)
 
     def _of(self, search: Search, topic: str) -> Steps:
         widget = next((t.widget for t in search.recording.topics if t.name == topic and t.widget), None)
@@ -250,7 +255,7 @@ class _Gap(Condition):
             times = touches.times_ns[touches.said]
         else:
             series = search.recording.speeds(topic) if widget == "speed" else search.recording.scans(topic)
-            times = search.over(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
+            times = search.times(series)
         # Silence before the first sample and after the last counts too.
         ends = np.array([search.recording.start_ns or 0, search.end_ns], np.int64)
         edges = np.unique(np.concatenate((ends[:1], times, ends[1:])))

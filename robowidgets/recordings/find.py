@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .conditions import condition
 from .progress import Progress, one_bar
 from .spans import Span, Spans
-from .steps import Steps, spans, steps
+from .steps import NO, Steps, spans, steps
 
 if TYPE_CHECKING:
     from .recording import Recording
@@ -35,6 +35,8 @@ class Search:
         self.topics = topics
         self.end_ns = recording.end_ns or 0
         self.is_cut = False
+        self.silences: list[tuple[str, Steps]] = []
+        """Topics, and when they were silent for longer than was asked."""
         self._bar = bar
 
     def over(self, series: Scans | Speeds, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
@@ -54,6 +56,10 @@ class Search:
             self.cut(int(times[-1][-1]) if len(times) > 1 else self.recording.start_ns or 0)
         return steps(np.concatenate(times), np.concatenate(values))
 
+    def times(self, series: Scans | Speeds) -> NDArray[np.int64]:
+        """When the samples of a series came."""
+        return self.over(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
+
     def looked_at(self, count: int) -> None:
         """Tell of progress."""
         self._bar.update(count)
@@ -62,6 +68,19 @@ class Search:
         """Go no further than a time."""
         self.end_ns = min(self.end_ns, time_ns)
         self.is_cut = True
+
+    def found(self, held: Steps) -> list[Span]:
+        """From when to when something held, and what was silent meanwhile."""
+        inside = held.times <= self.end_ns
+        found = spans(Steps(held.times[inside], held.values[inside]), self.end_ns)
+        silences = [
+            (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
+        ]
+        start_ns = self.recording.start_ns or 0
+        return [
+            Span((a - start_ns) / 1e9, (b - start_ns) / 1e9, (b - a) / 1e9, a, b, tuple(_silent(silences, a, b)))
+            for a, b in found
+        ]
 
 
 def find(recording: Recording, given: Any, topics: str | Iterable[str] | None) -> Spans:
@@ -77,11 +96,19 @@ def find(recording: Recording, given: Any, topics: str | Iterable[str] | None) -
             # Where a condition does not look from sample to sample, nothing is known of any time.
             search.cut(start_ns)
             held = steps([], [])
-    inside = held.times <= search.end_ns
-    found = spans(Steps(held.times[inside], held.values[inside]), search.end_ns)
     return Spans(
         str(wanted),
-        [Span((a - start_ns) / 1e9, (b - start_ns) / 1e9, (b - a) / 1e9, a, b) for a, b in found],
+        search.found(held),
         (search.end_ns - start_ns) / 1e9 if search.is_cut else None,
         recording.problems,
     )
+
+
+def _silent(silences: list[tuple[str, NDArray[np.int64]]], start_ns: int, end_ns: int) -> dict[str, None]:
+    """The topics with a silence in a stretch of time, each once, in order."""
+    names: dict[str, None] = {}
+    for topic, when in silences:
+        next_one = np.searchsorted(when[:, 1], start_ns, side="right")
+        if next_one < len(when) and when[next_one, 0] < max(end_ns, start_ns + 1):
+            names[topic] = None
+    return names

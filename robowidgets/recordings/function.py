@@ -7,18 +7,19 @@ from functools import partial
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
+from .._kinds import Widget
 from ..samples import Scan, Speed, Touch
 from .conditions import Condition
+from .kinds import only
 from .ros_types import one_line
-from .source import RecordingError
+from .source import RecordingError, UnknownTopicError, UnnamedTopicError
 from .steps import NO, UNKNOWN, YES, Steps, steps
-from .timeline import Sample
+from .timeline import Sample, Topic
 
 if TYPE_CHECKING:
     from .find import Search
     from .recording import Recording
 
-_KINDS = {"laser": "scan", "speed": "speed", "touch": "touch"}
 _TIME = ""
 _BAR_EVERY = 500
 
@@ -32,14 +33,19 @@ class NotYetError(LookupError):
 class Instant:
     """All that is known at one moment: of each topic the last sample up to then.
 
-    ``moment.scan``, ``moment.speed`` and ``moment.touch`` are those of the first topic of their kind (of speeds, the
-    first that is measured); ``moment["/cmd_vel"]`` is that of any topic. ``moment.seconds`` counts from the start of
-    the recording, ``moment.time_ns`` is by its clock.
+    ``moment.scan``, ``moment.speed`` and ``moment.touch`` are those of the one topic of their kind (of speeds, the one
+    that is measured); ``moment["/cmd_vel"]`` is that of any topic. ``moment.seconds`` counts from the start of the
+    recording, ``moment.time_ns`` is by its clock.
+
+    Raises:
+        UnknownTopicError: there are several topics of a kind, so that one has to be named.
     """
 
-    def __init__(self, topics: dict[str, str | None], all_topics: list[str], start_ns: int) -> None:
+    def __init__(self, name: str, topics: list[Topic], start_ns: int) -> None:
+        self._name = name
         self._topics = topics
-        self._all = all_topics
+        self._all = [topic.name for topic in topics]
+        self._meant: dict[Widget, str] = {}
         self._start_ns = start_ns
         self._now = start_ns
         self._samples: dict[str, Callable[[], Sample] | Sample] = {}
@@ -48,7 +54,7 @@ class Instant:
     @property
     def scan(self) -> Scan:
         """The last scan."""
-        return self._of("scan")  # type: ignore[no-any-return]
+        return self._of("laser")  # type: ignore[no-any-return]
 
     @property
     def speed(self) -> Speed:
@@ -82,11 +88,20 @@ class Instant:
             sample = self._samples[topic] = sample()
         return sample
 
-    def _of(self, kind: str) -> Any:
-        topic = self._topics.get(kind)
-        if topic is None:
-            raise AttributeError(f"the recording has no topic of a {kind} among those that are looked at")
-        return self[topic]
+    def _of(self, widget: Widget) -> Any:
+        if widget not in self._meant:
+            self._meant[widget] = self._only(widget)
+        return self[self._meant[widget]]
+
+    def _only(self, widget: Widget) -> str:
+        try:
+            return only(self._name, self._topics, widget)
+        except UnnamedTopicError as error:
+            first = error.topics[0]
+            how = f"ask for one, as in moment[{first!r}], or have one of them looked at, as in topics={[first]!r}"
+            raise UnnamedTopicError(error.there, error.topics, widget, how) from None
+        except UnknownTopicError as error:
+            raise AttributeError(f"{error} among those that are looked at") from None
 
 
 class Function(Condition):
@@ -103,14 +118,14 @@ class Function(Condition):
         """See `Condition`."""
         recording = search.recording
         topics = _topics(recording, search.topics)
-        instant = Instant(_by_kind(recording, topics), topics, recording.start_ns or 0)
+        instant = Instant(recording.path.name, topics, recording.start_ns or 0)
         times: list[int] = []
         values: list[int] = []
         value = UNKNOWN
         now = instant._now
         looked = 0
         try:
-            for time_ns, samples in _together({t: _samples(recording, t) for t in topics}):
+            for time_ns, samples in _together({topic.name: _samples(recording, topic) for topic in topics}):
                 if time_ns > search.end_ns and search.is_cut:
                     break
                 instant._now = time_ns
@@ -135,6 +150,8 @@ class Function(Condition):
             return YES if self._function(instant) else NO
         except NotYetError:
             return UNKNOWN
+        except UnnamedTopicError:
+            raise
         except Exception as error:
             seconds = (instant._now - instant._start_ns) / 1e9
             raise RecordingError(
@@ -145,22 +162,14 @@ class Function(Condition):
         return str(getattr(self._function, "__name__", type(self._function).__name__))
 
 
-def _topics(recording: Recording, asked: Any) -> list[str]:
+def _topics(recording: Recording, asked: Any) -> list[Topic]:
+    shown = {topic.name: topic for topic in recording.topics if topic.widget}
     if asked is None:
-        return [topic.name for topic in recording.topics if topic.widget]
+        return list(shown.values())
     names = [asked] if isinstance(asked, str) else list(asked)
     for name in names:
         recording.check(name)
-    return names
-
-
-def _by_kind(recording: Recording, topics: list[str]) -> dict[str, str | None]:
-    """The topic for each kind: the first, of speeds the first that is measured, if there is one."""
-    known = {topic.name: topic for topic in recording.topics if topic.widget}
-    found: dict[str, str | None] = {}
-    for name in sorted(topics, key=lambda name: known[name].commanded):
-        found.setdefault(_KINDS[str(known[name].widget)], name)
-    return found
+    return [shown[name] for name in dict.fromkeys(names)]
 
 
 def _together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[int, dict[str, Make]]]:
@@ -180,16 +189,15 @@ def _together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[i
                 del heads[topic]
 
 
-def _samples(recording: Recording, topic: str) -> Iterator[tuple[int, Make]]:
+def _samples(recording: Recording, topic: Topic) -> Iterator[tuple[int, Make]]:
     """Times that never go back, and what makes the sample of each."""
-    widget = next(known.widget for known in recording.topics if known.name == topic and known.widget)
-    if widget == "touch":
-        touches = recording.touches(topic)
+    if topic.widget == "touch":
+        touches = recording.touches(topic.name)
         held = accumulate(touches.times_ns.tolist(), max)
         yield from ((time_ns, partial(touches.sample, i)) for i, time_ns in enumerate(held))
         return
     latest = 0
-    series: Any = recording.scans(topic) if widget == "laser" else recording.speeds(topic)
+    series: Any = recording.scans(topic.name) if topic.widget == "laser" else recording.speeds(topic.name)
     for chunk in series.chunks():
         for i, time_ns in enumerate(chunk.times_ns.tolist()):
             latest = max(latest, time_ns)

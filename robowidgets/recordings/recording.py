@@ -222,7 +222,7 @@ class Recording:
         Raises:
             TypeError: it is no condition.
             ValueError: a condition asks for a touch sensor that there is not.
-            UnknownTopicError: a condition needs a topic that there is not.
+            UnknownTopicError: a condition needs a topic that there is not, or one to be named where there are several.
             RecordingError: the recording is closed; or the function failed, and at which time.
 
         Example:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -17,6 +17,23 @@ class UnknownTopicError(RecordingError, KeyError):
     """A topic that a recording does not have, or that no widget shows."""
 
     __str__ = Exception.__str__
+
+
+class UnnamedTopicError(UnknownTopicError):
+    """No topic was named, and there is not just one that can be meant.
+
+    Args:
+        there: what there is, for a person.
+        topics: those that can be named.
+        widget: what shows them; None: any.
+        how: how one is named.
+    """
+
+    def __init__(self, there: str, topics: Sequence[str], widget: str | None, how: str = "") -> None:
+        super().__init__(f"{there}: {how or f'name the topic, as in topic={topics[0]!r}'}")
+        self.there = there
+        self.topics = tuple(topics)
+        self.widget = widget
 
 
 class Channel(NamedTuple):

@@ -16,6 +16,7 @@ class Span(NamedTuple):
 
     ``end`` is when the next sample said that it is over, or the end of the recording. It is ``start`` where one of
     several samples of a time held, and the last of them did not.
+    ``silent`` names the topics with a gap in it, where a gap was looked for.
     """
 
     start: float
@@ -23,6 +24,7 @@ class Span(NamedTuple):
     seconds: float
     start_ns: int
     end_ns: int
+    silent: tuple[str, ...] = ()
 
 
 class Spans(Sequence[Span]):
@@ -77,16 +79,21 @@ class Spans(Sequence[Span]):
         return iter(self._spans)
 
     def __repr__(self) -> str:
-        rows = [("start", "end", "seconds"), *(_cells(span) for span in self._spans[:_SHOWN])]
-        table = ["  " + "  ".join(cell.rjust(10) for cell in row) for row in rows] if self._spans else []
+        head, rows = self._table()
+        table = ["  " + "  ".join(cell.rjust(10) for cell in row) for row in (head, *rows)] if rows else []
         return "\n".join((self._heading(), *table, *self._notes()))
 
     def _repr_html_(self) -> str:
-        rows = "".join(_row("td", _cells(span)) for span in self._spans[:_SHOWN])
-        head = _row("th", ("start", "end", "seconds"))
-        table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if self._spans else ""
+        head, rows = self._table()
+        body = "".join(_row("td", row) for row in rows)
+        table = f"<table><thead>{_row('th', head)}</thead><tbody>{body}</tbody></table>" if rows else ""
         notes = "".join(f"<div>{escape(line.strip())}</div>" for line in self._notes())
         return f"<div><div>{escape(self._heading())}</div>{table}{notes}</div>"
+
+    def _table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+        """Head and rows; what was silent only where something was."""
+        width = 4 if any(span.silent for span in self) else 3
+        return ("start", "end", "seconds", "silent")[:width], [_cells(span)[:width] for span in self._spans[:_SHOWN]]
 
     def _heading(self) -> str:
         if not self._spans:
@@ -101,8 +108,8 @@ class Spans(Sequence[Span]):
 
 
 def _cells(span: Span) -> tuple[str, ...]:
-    return f"{span.start:.2f}", f"{span.end:.2f}", f"{span.seconds:.2f}"
+    return f"{span.start:.2f}", f"{span.end:.2f}", f"{span.seconds:.2f}", ", ".join(span.silent)
 
 
 def _row(tag: str, cells: Sequence[str]) -> str:
-    return "<tr>" + "".join(f'<{tag} style="text-align:right">{cell}</{tag}>' for cell in cells) + "</tr>"
+    return "<tr>" + "".join(f'<{tag} style="text-align:right">{escape(cell)}</{tag}>' for cell in cells) + "</tr>"

@@ -94,7 +94,16 @@ def test_help_names_the_commands_and_what_they_take(capsys):
         (["info", "--help"], ["FILE", "rosbag2 folder", "--json"]),
         (
             ["find", "--help"],
-            ["FILE", "--touched", "--nearest-below", "--speed-above", "--gap", "Exits with 0", "--json"],
+            [
+                "FILE",
+                "--touched",
+                "--nearest-below",
+                "--speed-above",
+                "--gap",
+                "--silent TOPIC",
+                "Exits with 0",
+                "--json",
+            ],
         ),
     ):
         with pytest.raises(SystemExit) as stopped:
@@ -283,7 +292,7 @@ def test_find_prints_json(capsys, monkeypatch):
     told = json.loads(said.out)
     assert told["condition"] == "(linear.x above 0.1 m/s | gap longer than 1 s)"
     assert told["complete"] is True
-    assert {"start", "end", "seconds", "start_ns", "end_ns"} == set(told["spans"][0])
+    assert {"start", "end", "seconds", "start_ns", "end_ns", "silent"} == set(told["spans"][0])
 
 
 def test_find_of_nothing_is_1(capsys):
@@ -296,10 +305,13 @@ def test_find_of_nothing_is_1(capsys):
     [
         (["no.bag", "--touched"], "no.bag: no such file or folder"),
         ([str(robowidgets.SAMPLE)], "expected a condition: --touched, --nearest-below, --speed-above or --gap"),
-        ([str(robowidgets.SAMPLE), "--touched", "nose"], "/bumper has no sensor 'nose'; it has left, center, right"),
-        ([str(robowidgets.SAMPLE), "--gap=-1"], "expected a time above 0, got -1.0"),
+        (
+            [str(robowidgets.SAMPLE), "--touched", "nose"],
+            "find: --touched: /bumper has no sensor 'nose'; it has left, center, right",
+        ),
+        ([str(robowidgets.SAMPLE), "--gap=-1"], "find: --gap: expected a time above 0, got -1.0"),
         ([str(robowidgets.SAMPLE), "--nearest-below", "1", "--scan", "/scam"], "has no topic '/scam'"),
-        ([str(robowidgets.SAMPLE), "--speed-above", "1", "--axis", "x"], "axis: expected one of linear.x"),
+        ([str(robowidgets.SAMPLE), "--speed-above", "1", "--axis", "x"], "find: --axis: expected one of linear.x"),
     ],
 )
 def test_find_that_cannot_look_is_one_line_and_2(arguments, text, capsys):

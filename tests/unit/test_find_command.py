@@ -22,7 +22,13 @@ FILE = str(robowidgets.SAMPLE)
         (["--touched", "--axis", "nonsense"], "--axis says where to look for --speed-above, which is not asked"),
         (["--touched", "--speed", "/odom"], "--speed says where to look for --speed-above, which is not asked"),
         (["--gap", "1", "--touch", "/bumper"], "--touch says where to look for --touched, which is not asked"),
-        (["--nearest-below", "1", "--sector", "-30", "30"], "math.radians() makes them of degrees"),
+        (["--touched", "--silent", "/bumper"], "--silent says where to look for --gap, which is not asked"),
+        (["--nearest-below", "0"], "find: --nearest-below: expected metres above 0, got 0.0"),
+        (["--speed-above", "-1"], "find: --speed-above: expected a speed, 0 or more, got -1.0"),
+        (
+            ["--nearest-below", "1", "--sector", "-30", "30"],
+            "find: --sector: expected radians between -2 pi and 2 pi, got [-30.0, 30.0]: a degree is 0.01745 radians",
+        ),
     ],
 )
 def test_what_has_no_use_or_no_sense_is_refused(

@@ -120,7 +120,9 @@ class TestReadyMade:
 
     def test_a_gap_of_nothing_is_refused_with_words(self, tmp_path: Path) -> None:
         recording = robowidgets.open(hazards.write(tmp_path / "x", {0.0: True, 2.0: True}))
-        with pytest.raises(UnknownTopicError, match=r"x has no topic of scans or measured speeds: name one, as in gap"):
+        with pytest.raises(
+            UnknownTopicError, match="x has neither laser scans nor measured speeds: name the topic, as in topic="
+        ):
             recording.find(conditions.gap(1))
 
     def test_joined(self, drive: robowidgets.Recording) -> None:
@@ -159,7 +161,7 @@ class TestReadyMade:
 
     def test_what_there_is_not_cannot_be_found(self, tmp_path: Path) -> None:
         recording = robowidgets.open(sweeps.write(tmp_path / "x", sweeps.numbered(3)))
-        with pytest.raises(UnknownTopicError, match="has no topic of touch"):
+        with pytest.raises(UnknownTopicError, match="x has no touch sensors"):
             recording.find(conditions.touched())
 
 
@@ -207,7 +209,7 @@ class TestFunctions:
     def test_a_topic_that_is_not_looked_at_is_named(self, drive: robowidgets.Recording) -> None:
         with pytest.raises(RecordingError, match="no topic '/odom' is looked at here: those that are: /scan"):
             drive.find(lambda moment: moment["/odom"], topics=["/scan"])
-        with pytest.raises(RecordingError, match="has no topic of a touch among those that are looked at"):
+        with pytest.raises(RecordingError, match="drive has no touch sensors among those that are looked at"):
             drive.find(lambda moment: moment.touch, topics=["/scan"])
         with pytest.raises(UnknownTopicError, match="no topic '/scam'"):
             drive.find(conditions.when(bool), topics="/scam")
@@ -321,7 +323,7 @@ class TestSpans:
     def test_go_to_pandas(self, monkeypatch: pytest.MonkeyPatch) -> None:
         frame = self.FEW.to_pandas()
         assert frame["end"].tolist() == [3, 5.5]
-        assert list(frame.columns) == ["start", "end", "seconds", "start_ns", "end_ns"]
+        assert list(frame.columns) == ["start", "end", "seconds", "start_ns", "end_ns", "silent"]
         monkeypatch.setitem(sys.modules, "pandas", None)
         with pytest.raises(ImportError, match="pip install pandas"):
             self.FEW.to_pandas()

@@ -58,4 +58,4 @@ def test_the_shell_tells_it_also_where_it_cannot_look(damaged: Path, capsys: pyt
     assert main(["find", str(damaged), "--touched"]) == 2
     first, second = capsys.readouterr().err.splitlines()
     assert first.startswith("! the recording was cut off: ")
-    assert "has no topic of touch" in second
+    assert "has no touch sensors" in second

@@ -181,9 +181,9 @@ class TestPicking:
         assert drive.scans().topic == "/scan"
         assert drive.speeds().topic == "/odom"  # /cmd_vel is commanded
         assert drive.touches().topic == "/bumper"
-        with pytest.raises(UnknownTopicError, match="has no topic of touch"):
+        with pytest.raises(UnknownTopicError, match="has no touch sensors"):
             open_sweeps(tmp_path, *sweeps.numbered(2)).touches()
-        with pytest.raises(UnknownTopicError, match="'/odom' is a topic of speed: those of laser are /scan"):
+        with pytest.raises(UnknownTopicError, match="'/odom' is a topic of speeds: those of laser scans are /scan"):
             drive.scans("/odom")
         with pytest.raises(UnknownTopicError, match="has no topic '/scam'"):
             drive.scans("/scam")
@@ -192,7 +192,7 @@ class TestPicking:
             drive.scans()
 
     def test_several_of_a_kind_have_to_be_named(self, data: Path) -> None:
-        with pytest.raises(UnknownTopicError, match="several topics of laser, name one: /scan, /stable_scan"):
+        with pytest.raises(UnknownTopicError, match=r"several topics of laser scans \(/scan, /stable_scan\): name the"):
             robowidgets.open(data / "good" / "neato_fsm").scans()
 
 
