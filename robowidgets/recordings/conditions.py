@@ -1,6 +1,8 @@
 """Ready-made conditions for `Recording.find`, and what combines them: ``&``, ``|`` and ``~``.
 
-Each looks at whole columns at a time, while the next part of the file is read and decompressed on the other core.
+Each looks at whole columns at a time, while the next part of the file is read and decompressed on the other core. What
+a scan or a speed said is old one usual step into a silence, a pause of more than 2 s and of more than two such steps.
+What was said of touches holds until a message says otherwise.
 
 Example:
     >>> from robowidgets import conditions

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .conditions import condition
+from .pauses import until_old
 from .progress import Progress, one_bar
 from .spans import Span, Spans
 from .steps import NO, Steps, spans, steps
@@ -40,7 +41,15 @@ class Search:
         self._bar = bar
 
     def over(self, series: Scans | Speeds, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
-        """Whether something holds from each sample of a series on, found for whole chunks at a time."""
+        """Whether something holds from each sample on until it is old, found for whole chunks at a time."""
+        held = self._tested(series, test)
+        return until_old(held, [(held.times, np.ones(len(held.times), bool))], self.end_ns)
+
+    def times(self, series: Scans | Speeds) -> NDArray[np.int64]:
+        """When the samples of a series came."""
+        return self._tested(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
+
+    def _tested(self, series: Scans | Speeds, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
         times: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
         values: list[NDArray[np.int8]] = [np.empty(0, np.int8)]
         try:
@@ -55,10 +64,6 @@ class Search:
             del values[len(times) :]
             self.cut(int(times[-1][-1]) if len(times) > 1 else self.recording.start_ns or 0)
         return steps(np.concatenate(times), np.concatenate(values))
-
-    def times(self, series: Scans | Speeds) -> NDArray[np.int64]:
-        """When the samples of a series came."""
-        return self.over(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
 
     def looked_at(self, count: int) -> None:
         """Tell of progress."""

@@ -7,10 +7,13 @@ from functools import partial
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .._kinds import Widget
 from ..samples import Scan, Speed, Touch
 from .conditions import Condition
 from .kinds import only
+from .pauses import until_old
 from .ros_types import one_line
 from .source import RecordingError, UnknownTopicError, UnnamedTopicError
 from .steps import NO, UNKNOWN, YES, Steps, steps
@@ -105,7 +108,7 @@ class Instant:
 
 
 class Function(Condition):
-    """Holds from each moment on at which a function returns something true.
+    """Holds from each moment on at which a function returns something true, until a scan or speed that it saw is old.
 
     Args:
         function: takes an `Instant`. It is called again only when something changes that it looked at last time.
@@ -121,7 +124,11 @@ class Function(Condition):
         instant = Instant(recording.path.name, topics, recording.start_ns or 0)
         times: list[int] = []
         values: list[int] = []
+        looked_at: list[frozenset[str]] = []
+        # What is said of touches holds until a message says otherwise.
+        grow_old: dict[str, list[int]] = {topic.name: [] for topic in topics if topic.widget != "touch"}
         value = UNKNOWN
+        asked: frozenset[str] = frozenset()
         now = instant._now
         looked = 0
         try:
@@ -132,8 +139,12 @@ class Function(Condition):
                 instant._samples.update(samples)
                 if not times or _TIME in instant._asked or not instant._asked.isdisjoint(samples):
                     value = self._call(instant)
+                    asked = frozenset(instant._asked)
+                for topic in grow_old.keys() & samples:
+                    grow_old[topic].append(time_ns)
                 # In this order, so that an interrupt in between leaves no time without a value.
                 values.append(value)
+                looked_at.append(asked)
                 times.append(time_ns)
                 now, looked = time_ns, looked + len(samples)
                 if looked >= _BAR_EVERY:
@@ -142,7 +153,11 @@ class Function(Condition):
         except KeyboardInterrupt:
             search.cut(now)
         search.looked_at(looked)
-        return steps(times, values[: len(times)])
+        depends = (
+            (np.array(said, np.int64), np.array([name in there for there in looked_at[: len(times)]], bool))
+            for name, said in grow_old.items()
+        )
+        return until_old(steps(times, values[: len(times)]), depends, search.end_ns)
 
     def _call(self, instant: Instant) -> int:
         instant._asked.clear()

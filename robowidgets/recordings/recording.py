@@ -210,10 +210,10 @@ class Recording:
         of one moment: of an `Instant` with the ``scan``, ``speed`` and ``touch`` of the same time, each the last up to
         then. Where a function asks for a sample and there is none yet, nothing is known and nothing found.
 
-        What holds at a sample goes on holding until the next one says otherwise. Conditions look at whole columns while
-        both cores read and decompress the file; a function is called in this process, one moment after the other, while
-        the file is read ahead on the other core, so it may be a lambda and need not be pure Python that can be pickled.
-        An interrupt (stop the cell, Ctrl-C) ends the search: what was found up to there is given, and says so.
+        What holds at a sample goes on holding until the next one says otherwise; what scans and speeds said, one usual
+        step into a silence at most. Conditions look at whole columns while both cores read and decompress the file; a
+        function is called in this process, while the file is read ahead on the other core, so it may be a lambda. An
+        interrupt (stop the cell, Ctrl-C) ends the search: what was found up to there is given, and says so.
 
         Args:
             condition: what to look for.

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from functools import partial
 from html import escape
 from itertools import islice
-from statistics import median
 from typing import Any, NamedTuple
 
 import ipywidgets
@@ -24,6 +23,7 @@ from ..in_rerun.widget import RerunWidget
 from ..player_widget import PlayerWidget
 from ..scanogram_widget import ScanogramWidget
 from ..touch_widget import TouchWidget
+from .pauses import longest_pause, usual_step
 from .recording import Recording, open
 from .sender import STRETCH, Sender, stretch
 from .source import RecordingError
@@ -35,7 +35,6 @@ MOST_SCANS = 20_000
 
 _EARLY = 0.1
 _TINY = 1e-7
-_SHORTEST_PAUSE = 2.0
 _LOOKED_AT = 20
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 _VIEWER = "660px"
@@ -309,8 +308,8 @@ def _pause(recording: Recording, pick: Pick) -> float:
         # What is said of touches holds until a message says otherwise.
         return 0.0
     # Of the first, because silences make the rate of all a poor guess.
-    times = [moment.seconds for moment in islice(recording.samples(pick.topic), _LOOKED_AT)]
-    return max(_SHORTEST_PAUSE, 2 * median(np.diff(times))) if len(times) > 1 else 0.0
+    times = [moment.time_ns for moment in islice(recording.samples(pick.topic), _LOOKED_AT)]
+    return longest_pause(usual_step(np.array(times, np.int64))) / 1e9 if len(times) > 1 else 0.0
 
 
 def _first_look(recording: Recording, views: Iterable[View]) -> float:
