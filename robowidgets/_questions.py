@@ -15,7 +15,7 @@ from .recordings import Recording, conditions
 from .recordings.conditions import Condition
 from .recordings.source import UnnamedTopicError
 from .recordings.spans import Spans
-from .samples.scan import OF_DEGREES
+from .samples.numbers import OF_DEGREES
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 

@@ -12,15 +12,16 @@ Example:
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
-from math import inf, isfinite, pi
+from collections.abc import Callable, Sequence
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import AXES, TouchState
-from ..samples.numbers import OF_DEGREES, number
+from ..samples.numbers import number
+from ..samples.sector import in_sector, to_sector
 from .chunks import ScanChunk, SpeedChunk
 from .source import UnknownTopicError, UnnamedTopicError
 from .steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
@@ -29,10 +30,6 @@ if TYPE_CHECKING:
     from .find import Search
 
 __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"]
-
-_ROUNDING = 1e-9
-_FULL_TURN = 2 * pi + 0.01
-"""And what is lost when it is typed with few digits."""
 
 
 class Condition(ABC):
@@ -184,7 +181,7 @@ class _NearestBelow(Condition):
         self._distance = number("distance", distance)
         if not 0 < self._distance < inf:
             raise ValueError(f"distance: expected metres above 0, got {self._distance!r}")
-        self._sector = None if sector is None else _angles(sector)
+        self._sector = None if sector is None else to_sector(sector)
         self._topic = topic
 
     def steps(self, search: Search) -> Steps:
@@ -193,10 +190,7 @@ class _NearestBelow(Condition):
     def _test(self, chunk: ScanChunk) -> NDArray[np.int8]:
         ranges = chunk.ranges
         if self._sector is not None:
-            start, end = self._sector
-            angles = chunk.angle_min + np.arange(ranges.shape[1]) * chunk.angle_increment
-            sweep = end - start if end - start >= 2 * pi else (end - start) % (2 * pi)
-            ranges = ranges[:, (angles - start + _ROUNDING) % (2 * pi) <= sweep + 2 * _ROUNDING]
+            ranges = ranges[:, in_sector(chunk.like.angles, self._sector)]
         near = (chunk.range_min <= ranges) & (ranges <= chunk.range_max) & (ranges < np.float32(self._distance))
         return np.where((near | (ranges == -np.inf)).any(axis=1), YES, NO).astype(np.int8)
 
@@ -266,16 +260,3 @@ class _Gap(Condition):
 
     def __str__(self) -> str:
         return f"gap longer than {self._seconds:g} s" + (f" in {self._topic}" if self._topic else "")
-
-
-def _angles(sector: Iterable[float]) -> tuple[float, float]:
-    try:
-        start, end = sector
-    except (TypeError, ValueError):
-        raise TypeError(f"sector: expected two angles in radians, got {sector!r}") from None
-    start, end = number("sector", start), number("sector", end)
-    if not (isfinite(start) and isfinite(end)):
-        raise ValueError(f"sector: expected two angles in radians, got {sector!r}")
-    if max(abs(start), abs(end)) > _FULL_TURN:
-        raise ValueError(f"sector: expected radians between -2 pi and 2 pi, got {sector!r}: {OF_DEGREES}")
-    return start, end

@@ -13,6 +13,9 @@ OF_DEGREES = "math.radians() makes them of degrees"
 ANGLE_ROUNDING = 1e-6
 """Radians."""
 
+_FULL_TURN = 2 * pi + 0.01
+"""And what is lost when it is typed with few digits."""
+
 _FLOAT32 = np.dtype(np.float32)
 
 
@@ -46,7 +49,7 @@ def in_radians(name: str, value: Any) -> float:
 
 def is_angle(value: float) -> bool:
     """Whether this is within ±2 pi, as radians are."""
-    return abs(value) <= 2 * pi + ANGLE_ROUNDING
+    return abs(value) <= _FULL_TURN
 
 
 def floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:

@@ -27,7 +27,7 @@ FILE = str(robowidgets.SAMPLE)
         (["--speed-above", "-1"], "find: --speed-above: expected a speed, 0 or more, got -1.0"),
         (
             ["--nearest-below", "1", "--sector", "-30", "30"],
-            "find: --sector: expected radians between -2 pi and 2 pi, got [-30.0, 30.0]: a degree is 0.01745 radians",
+            "find: --sector: expected radians within ±2 pi, got -30.0; a degree is 0.01745 radians",
         ),
     ],
 )

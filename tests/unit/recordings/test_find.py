@@ -140,11 +140,15 @@ class TestReadyMade:
         [
             (lambda: conditions.nearest_below(0), ValueError, "distance: expected metres above 0, got 0.0"),
             (lambda: conditions.nearest_below("1"), TypeError, "distance: expected a number, got '1'"),
-            (lambda: conditions.nearest_below(1, (0, NAN)), ValueError, "sector: expected two angles in radians, got"),
+            (
+                lambda: conditions.nearest_below(1, (0, NAN)),
+                ValueError,
+                "sector: expected a finite number of radians, got nan",
+            ),
             (
                 lambda: conditions.nearest_below(1, (-30, 30)),
                 ValueError,
-                r"got \(-30, 30\): math.radians\(\) makes them",
+                r"sector: expected radians within ±2 pi, got -30.0; math.radians\(\) makes them",
             ),
             (lambda: conditions.nearest_below(1, 0.5), TypeError, "sector: expected two angles in radians, got 0.5"),
             (lambda: conditions.speed_above(-1), ValueError, "limit: expected a speed, 0 or more, got -1.0"),
