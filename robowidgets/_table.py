@@ -37,6 +37,11 @@ def many(count: int, word: str) -> str:
     return f"{count:,} {word}{'' if count == 1 else 's'}"
 
 
+def listed(names: Sequence[str]) -> str:
+    """A few names, and how many there are beside them."""
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
 def _cells(tag: str, cells: Sequence[str], right: Collection[int]) -> str:
     return "".join(
         f'<{tag} style="text-align:{"right" if i in right else "left"}">{escape(cell)}</{tag}>'

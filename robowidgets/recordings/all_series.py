@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeVar
 
 from .._kinds import Widget
-from .clocks import about_clock
+from .clocks import Clock, about_clocks, clock_of
 from .kinds import WORDS, named, only
 from .memory import Memory
 from .scan_series import Scans
@@ -33,13 +33,13 @@ class AllSeries:
         self._made: dict[str, Scans | Speeds | Touches] = {}
         self._steady: dict[str, Store[Any]] = {}
         """Of topics that are not silent for long in a sound recording."""
-        self._clocks: dict[str, tuple[str, ...]] = {}
+        self._clocks: dict[str, Clock] = {}
 
     @property
     def problems(self) -> tuple[str, ...]:
         """What is wrong with the clocks of scans and measured speeds that were read from start to end."""
         self._note_clocks()
-        return tuple(f"{name}: {line}" for name, lines in self._clocks.items() for line in lines)
+        return about_clocks(self._clocks)
 
     def of(self, topic: Topic, widget: Widget, kind: type[AnySeries]) -> AnySeries:
         """The series of a topic.
@@ -75,4 +75,4 @@ class AllSeries:
     def _note_clocks(self) -> None:
         for name, store in list(self._steady.items()):
             if store.is_known and name not in self._clocks:
-                self._clocks[name] = about_clock(store.times_ns, self._timeline.start_ns or 0)
+                self._clocks[name] = clock_of(store.times_ns, self._timeline.start_ns or 0)

@@ -2,34 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
+from .._table import listed
 from .held_clock import often
 from .one_clock import JITTER_NS
 
 _STILL_SHARE = 0.5
 _STILL_LEAST = 10
-_JUMP = 60.0
-_JUMP_STEPS = 100
+_SILENCE = 60.0
+_SILENT_STEPS = 100
+_SAME_SHARE = 0.9
 
 
-def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
-    """Lines about a clock that goes back, stands still or jumps ahead; nothing about one that does neither.
+class Clock(NamedTuple):
+    """What is wrong with a topic's clock: lines, and start and end of its silences in seconds, shape (K, 2)."""
+
+    lines: tuple[str, ...]
+    silences: NDArray[np.float64]
+
+
+def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> Clock:
+    """Whether a clock goes back or stands still, and where nothing comes for long.
 
     One that goes back is mostly held when the file is opened. Here it still does where a topic has several senders or
     messages that came late; or, in an MCAP file so long that its index is not read, within a chunk.
 
-    It stands still when every other message, and ten at least, bears the time of the one before. It jumps where nothing
-    comes for a minute and for a hundred times the usual pause: what was recorded does not tell it from a long silence.
+    It stands still when every other message, and ten at least, bears the time of the one before. A silence is where
+    nothing comes for a minute and for a hundred times the usual pause: what was recorded does not tell it from a clock
+    that jumps ahead.
 
     Args:
         times_ns: nanoseconds, shape (N,), in the order of arrival.
         start_ns: start of the recording.
     """
     steps = np.diff(times_ns)
-    if not steps.size:
-        return ()
     lines = []
     back = np.flatnonzero(steps < -JITTER_NS)
     if back.size:
@@ -43,11 +54,50 @@ def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
         lines.append(f"the clock stands still: {still:,} of {len(times_ns):,} samples bear the time of the one before")
     forward = steps[steps > 0]
     usual = float(np.median(forward)) if forward.size else 0.0
-    jumps = np.flatnonzero(steps > max(_JUMP * 1e9, _JUMP_STEPS * usual))
-    if jumps.size:
-        at = (times_ns[jumps[0]] - start_ns) / 1e9
-        lines.append(
-            f"the clock jumps ahead {often(jumps.size)}, or nothing was recorded: first at {at:.2f} s, "
-            f"by up to {steps.max() / 1e9:.2f} s"
-        )
-    return tuple(lines)
+    silent = np.flatnonzero(steps > max(_SILENCE * 1e9, _SILENT_STEPS * usual))
+    return Clock(tuple(lines), (np.stack((times_ns[silent], times_ns[silent + 1]), 1) - start_ns) / 1e9)
+
+
+def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
+    """Lines about a clock, by the arguments of `clock_of`; none about one that is sound."""
+    clock = clock_of(times_ns, start_ns)
+    return (*clock.lines, *_about(clock.silences))
+
+
+def about_clocks(clocks: Mapping[str, Clock]) -> tuple[str, ...]:
+    """Lines about the clocks of topics, by their names; what several are silent for is told once."""
+    shared: list[tuple[list[str], NDArray[np.float64]]] = []
+    for name, clock in clocks.items():
+        for i, (names, silences) in enumerate(shared):
+            if _is_same(silences, clock.silences):
+                shared[i] = ([*names, name], _common(silences, clock.silences))
+                break
+        else:
+            shared.append(([name], clock.silences))
+    told = (f"{name}: {line}" for name, clock in clocks.items() for line in clock.lines)
+    return (*told, *(f"{listed(names)}: {line}" for names, silences in shared for line in _about(silences)))
+
+
+def _about(silences: NDArray[np.float64]) -> tuple[str, ...]:
+    if not len(silences):
+        return ()
+    longest = (silences[:, 1] - silences[:, 0]).max()
+    start = silences[0, 0]
+    if len(silences) == 1:
+        return (f"nothing was recorded for {longest:.2f} s from {start:.2f} s on, or the clock jumped ahead",)
+    return (
+        f"nothing was recorded {often(len(silences))}, first from {start:.2f} s on, for up to {longest:.2f} s, "
+        "or the clock jumped ahead",
+    )
+
+
+def _common(some: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+    """When both are silent."""
+    return np.stack((np.maximum(some[:, 0], others[:, 0]), np.minimum(some[:, 1], others[:, 1])), 1)
+
+
+def _is_same(some: NDArray[np.float64], others: NDArray[np.float64]) -> bool:
+    if len(some) != len(others):
+        return False
+    both, *each = (silences[:, 1] - silences[:, 0] for silences in (_common(some, others), some, others))
+    return all((both >= _SAME_SHARE * length).all() for length in each)

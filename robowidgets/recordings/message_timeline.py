@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
 from .._kinds import Widget, is_command, is_standard, widget_by_shape, widget_by_type
+from .._table import listed
 from ..messages.touch import to_touch
 from .columns import TouchColumns, scan_columns, speed_columns
 from .joints import ODOMETRY, TRANSFORMS, Joint, joints_of
@@ -47,7 +48,7 @@ class MessageTimeline:
         for topic in self.topics:
             if topic.problem and topic.count:
                 alike[topic.problem].append(topic.name)
-        unread = [f"{_names(names)}: {problem}" for problem, names in alike.items()]
+        unread = [f"{listed(names)}: {problem}" for problem, names in alike.items()]
         return (*self._source.problems, *unread, *self._stopped, *self._left_out.values())
 
     def moments(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[Moment]:
@@ -188,7 +189,3 @@ class MessageTimeline:
         line = f"the file can be read no further: {one_line(error)}"
         if line not in self._stopped:
             self._stopped.append(line)
-
-
-def _names(names: list[str]) -> str:
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

@@ -82,7 +82,7 @@ class Series(ABC, Generic[Taken]):
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What is wrong with the clock of its times, one line each: going back, standing still, jumping."""
+        """What is wrong with the clock of its times, one line each: going back, standing still, silent for long."""
         return about_clock(self.times_ns, self._start_ns)
 
     def __len__(self) -> int:

@@ -267,9 +267,7 @@ class TestClocks:
         assert still.problems == ("the clock stands still: 19 of 20 samples bear the time of the one before",)
         times = [0.1 * i + 4000 * (i > 5) for i in range(10)]
         jumps = open_sweeps(tmp_path / "2", *((t, sweeps.scan(START_NS, [1.0])) for t in times)).scans()
-        assert jumps.problems == (
-            "the clock jumps ahead once, or nothing was recorded: first at 0.50 s, by up to 4000.10 s",
-        )
+        assert jumps.problems == ("nothing was recorded for 4000.10 s from 0.50 s on, or the clock jumped ahead",)
 
     def test_that_go_on_are_not_worth_a_word(self, data: Path) -> None:
         for path in (data / "good").iterdir():
