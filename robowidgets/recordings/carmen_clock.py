@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from .held_clock import about_held, hold
+from .held_clock import about_set, hold
 
 STILL = 0.1
 
@@ -13,8 +13,8 @@ STILL = 0.1
 def steady(times: Sequence[float]) -> tuple[list[int], bool, str]:
     """Nanoseconds that never go back, whether they are the clock's, and a line about what was wrong with it.
 
-    Order is kept, and a clock that goes back is held: see `hold`. One that hardly moves (fewer than one different time
-    in ten) is of no use: its lines are set `STILL` seconds apart.
+    Order is kept, a clock that goes back is held, and one that leaps ahead goes on: see `hold`. One that hardly moves
+    (fewer than one different time in ten) is of no use: its lines are set `STILL` seconds apart.
 
     Args:
         times: seconds, in the order of the lines; NaN where a line has none.
@@ -26,6 +26,6 @@ def steady(times: Sequence[float]) -> tuple[list[int], bool, str]:
             f"the lines are set {STILL:g} s apart, in their order"
         )
         return [round(i * STILL * 1e9) for i in range(len(times))], False, line
-    held, furthest = hold(times, 1)
+    held, odd = hold(times, 1)
     back = sum(not after >= before for before, after in pairwise(times))
-    return [round(time * 1e9) for time in held], True, about_held(back, furthest) if back else ""
+    return [round(time * 1e9) for time in held], True, about_set(back, odd)

@@ -27,6 +27,7 @@ _NOTHING = (8.187, 16.379, 32.763, 51.15)
 _NEAR = 0.02
 _SHARE = 1 / 200
 _LINES_LOOKED_AT = 100
+_LATEST = 2**62 / 1e9
 
 
 def word_of(line: bytes) -> str:
@@ -36,11 +37,12 @@ def word_of(line: bytes) -> str:
 
 
 def time_of(line: bytes) -> float:
-    """When a line was logged, in seconds: its last word. NaN when that is no number."""
+    """When a line was logged, in seconds: its last word. NaN when that is no number, or more than clocks have."""
     try:
-        return float(line.rsplit(None, 1)[-1])
+        seconds = float(line.rsplit(None, 1)[-1])
     except ValueError:
         return nan
+    return seconds if abs(seconds) < _LATEST else nan
 
 
 def speed(line: bytes) -> Speed:
@@ -145,4 +147,4 @@ def _floats(words: list[bytes], first: int, count: int) -> NDArray[np.float32]:
 
 def _stamp_ns(words: list[bytes]) -> int | None:
     seconds = float(words[-3])
-    return round(seconds * 1e9) if isfinite(seconds) and seconds > 0 else None
+    return round(seconds * 1e9) if 0 < seconds < _LATEST else None

@@ -14,7 +14,7 @@ from .carmen import CarmenLog
 from .carmen_lines import word_of
 from .chain import Chain, open_chain
 from .message_timeline import MessageTimeline
-from .one_clock import goes_back, in_order
+from .one_clock import in_order, was_set
 from .relay import Relay
 from .salvage import find_files, open_file
 from .salvage.report import kind
@@ -73,12 +73,12 @@ def _open_file(path: Path) -> Source:
 
 
 def _running(open_quick: Callable[[], Source], patient: Callable[[], Source]) -> Source | None:
-    """A source that rosbags can read, and whose clock never went back."""
+    """A source that rosbags can read, and whose clock was never set."""
     try:
         with ExitStack() as stack:
             quick = open_quick()
             stack.callback(quick.close)
-            if not goes_back(quick):
+            if not was_set(quick):
                 stack.pop_all()
                 return Relay(quick, patient)
     except Exception:  # rosbags raises what it stumbles over; what is wrong, the patient reader finds out and tells
@@ -112,7 +112,7 @@ def _open_folder(path: Path) -> Source:
         held = _some([file.name for file in files])
         raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {held}")
     source = open_chain(files, _open_file)
-    if len(files) > 1 and goes_back(source):
+    if len(files) > 1 and was_set(source):
         source.close()
         source = open_chain(files, open_file)
         in_order(source)

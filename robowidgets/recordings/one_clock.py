@@ -1,4 +1,4 @@
-"""Recordings whose clock went back while they were written: found, and put in the order of arrival."""
+"""Recordings whose clock was set while they were written: found, and put in the order of arrival."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .held_clock import about_held, hold
+from .held_clock import LEAP, about_set, hold
 from .source import Arrivals, SavedSource, Source
 
 JITTER_NS = 10_000_000
 """How far times in a row may go back: threads of a recorder overtake each other by less, clocks are set by more."""
 
 _SECOND = 1_000_000_000
+LEAP_NS = int(LEAP) * _SECOND
 _LATEST = 2**63 - 1
 _HABIT, _RARELY = 10, 100
 """A topic that goes back more often than the one, and than at every so many messages, has several senders: its times
@@ -23,25 +24,33 @@ _MOST = 10_000_000
 """Of votes: no clock has so many, and they would take long."""
 
 
-def goes_back(source: Source) -> bool:
-    """Whether the clock behind a source went back, as far as that is known without reading the messages."""
-    return bool(steps_back(source.arrivals()))
+def was_set(source: Source) -> bool:
+    """Whether the clock behind a source was set back, or far ahead, as its index tells without reading the messages."""
+    arrivals = source.arrivals()
+    return leaps(arrivals.times) or bool(steps_back(arrivals))
 
 
 def in_order(source: SavedSource) -> SavedSource:
-    """The source, in the order of arrival where its clock went back, with times that are held as `hold` says."""
+    """The source, in the order of arrival where its clock was set, with times that are held as `hold` says."""
     arrivals = source.arrivals()
     steps = steps_back(arrivals)
-    if steps:
+    if steps or leaps(arrivals.times):
         stretches = np.zeros(len(arrivals.times), np.int64)
         stretches[steps] = 1
         # Within each stretch the clock ran, and topics overtake each other as they do in any recording.
         order = np.lexsort((arrivals.times, np.cumsum(stretches)))
-        held, furthest = hold(arrivals.times[order].tolist(), _SECOND)
+        held, odd = hold(arrivals.times[order].tolist(), _SECOND)
         times = np.empty_like(arrivals.times)
-        times[order] = [min(time, _LATEST) for time in held]
-        source.retime(times, about_held(len(steps), furthest / _SECOND))
+        times[order] = [max(-_LATEST, min(time, _LATEST)) for time in held]
+        source.retime(times, about_set(len(steps), odd))
     return source
+
+
+def leaps(times: NDArray[np.int64]) -> bool:
+    """Whether nothing came for longer than a robot is silent: its clock was set ahead meanwhile."""
+    if not times.size or float(times.max()) - float(times.min()) <= LEAP_NS:
+        return False
+    return bool((np.diff(np.sort(times).astype(np.float64)) > LEAP_NS).any())
 
 
 def steps_back(arrivals: Arrivals) -> list[int]:

@@ -18,7 +18,7 @@ from rosbags.rosbag2.storage_mcap import ChunkInfo, McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from .chunk_pages import ENTRY, INDEX_HEAD, index_records
-from .one_clock import JITTER_NS
+from .one_clock import JITTER_NS, LEAP_NS
 from .source import Arrivals, RecordingError, joined
 
 _MOST_CHUNKS = 1000
@@ -35,7 +35,9 @@ def bag_arrivals(reader: BagReader) -> Arrivals:
 
 
 def mcap_arrivals(reader: McapReader) -> Arrivals:
-    """Of every message in an MCAP file; of the ends of its chunks where time goes forward from each to the next.
+    """Of every message in an MCAP file, or of the ends of its chunks.
+
+    Of the ends where time goes forward from each chunk to the next, and leaps in none.
 
     Raises:
         RecordingError: there is no index, or it claims what cannot be.
@@ -45,7 +47,8 @@ def mcap_arrivals(reader: McapReader) -> Arrivals:
         raise RecordingError(f"{reader.path}: expected an index of its chunks")
     starts, ends = (np.array([chunk[i] for chunk in chunks], np.int64) for i in (0, 1))
     path = Path(str(reader.path))
-    if (starts[1:] < np.maximum.accumulate(ends)[:-1] - JITTER_NS).any() or _goes_back_within(path, chunks):
+    is_back = (starts[1:] < np.maximum.accumulate(ends)[:-1] - JITTER_NS).any()
+    if is_back or (ends - LEAP_NS > starts).any() or _goes_back_within(path, chunks):
         return _by_message(path, chunks)
     counts = np.array([len(chunk.channel_count) for chunk in chunks], np.int64)
     ids = [number for chunk in chunks for number in (*chunk.channel_count, *chunk.channel_count)]
@@ -53,7 +56,10 @@ def mcap_arrivals(reader: McapReader) -> Arrivals:
 
 
 def sqlite_arrivals(reader: Sqlite3Reader) -> Arrivals:
-    """Of every row in a database; where time goes forward with them of its ends, as if each topic was there."""
+    """Of every row in a database, or of its ends, as if each topic was there.
+
+    Of the ends where time goes forward with the rows, and not for so long that it may leap.
+    """
     assert reader.dbconn
     ids = [connection.id for connection in reader.connections if connection.msgcount]
     if not ids:
@@ -61,8 +67,9 @@ def sqlite_arrivals(reader: Sqlite3Reader) -> Arrivals:
     # Of the index of times alone, and as one text: that takes a tenth of the time to open the file.
     query = "SELECT group_concat(rowid) FROM (SELECT rowid FROM messages ORDER BY timestamp)"
     ((rows,),) = reader.dbconn.execute(query)
-    if (np.diff(np.fromstring(rows, np.int64, sep=",")) > 0).all():
-        ends = np.array([reader.metadata.start_time, reader.metadata.end_time - 1], np.int64)
+    start, end = reader.metadata.start_time, reader.metadata.end_time - 1
+    if end - start <= LEAP_NS and (np.diff(np.fromstring(rows, np.int64, sep=",")) > 0).all():
+        ends = np.array([start, end], np.int64)
         return Arrivals(np.repeat(ends, len(ids)), np.array(2 * ids, np.int64))
     entries = chain.from_iterable(reader.dbconn.execute("SELECT timestamp, topic_id FROM messages ORDER BY rowid"))
     table = np.fromiter(entries, np.int64).reshape(-1, 2)
@@ -91,7 +98,7 @@ def _goes_back_within(path: Path, chunks: Sequence[ChunkInfo]) -> bool:
     if len(chunks) > _MOST_CHUNKS:
         return False
     most = [max(chunk.channel_count.items(), key=itemgetter(1), default=(0, 0)) for chunk in chunks]
-    index = _read_index(
+    index = read_index(
         path,
         [
             (chunk.message_index_offsets[channel], INDEX_HEAD.size + count * ENTRY.itemsize)
@@ -107,14 +114,14 @@ def _goes_back_within(path: Path, chunks: Sequence[ChunkInfo]) -> bool:
 
 
 def _by_message(path: Path, chunks: Sequence[ChunkInfo]) -> Arrivals:
-    index = _read_index(
+    index = read_index(
         path, [(chunk.chunk_start_offset + chunk.chunk_length, chunk.message_index_length) for chunk in chunks]
     )
     order = np.lexsort((index.entries["offset"], np.repeat(index.places, index.counts)))
     return Arrivals(index.entries["time"].astype(np.int64)[order], np.repeat(index.channels, index.counts)[order])
 
 
-class _Index(NamedTuple):
+class Index(NamedTuple):
     """Of each record: the number of the place where it was read, channel, number of entries; and all entries."""
 
     places: NDArray[np.int64]
@@ -123,7 +130,7 @@ class _Index(NamedTuple):
     entries: NDArray[Any]
 
 
-def _read_index(path: Path, places: Sequence[tuple[int, int]]) -> _Index:
+def read_index(path: Path, places: Sequence[tuple[int, int]]) -> Index:
     """The records of indexes of chunks at some places: where each starts, and its bytes."""
     records: list[tuple[int, int, int]] = []
     bodies: list[bytes] = []
@@ -138,7 +145,7 @@ def _read_index(path: Path, places: Sequence[tuple[int, int]]) -> _Index:
                 records.append((number, channel, count))
                 bodies.append(index[at : at + count * ENTRY.itemsize])
     table = np.array(records, np.int64).reshape(-1, 3)
-    return _Index(table[:, 0], table[:, 1], table[:, 2], np.frombuffer(b"".join(bodies), ENTRY))
+    return Index(table[:, 0], table[:, 1], table[:, 2], np.frombuffer(b"".join(bodies), ENTRY))
 
 
 def _ids(channels: Mapping[int, object]) -> NDArray[np.int64]:

@@ -28,7 +28,7 @@ KEPT_BYTES = 64_000_000
 """Most that the page keeps; what lies farthest from the time on show is dropped first."""
 
 KEPT_STRETCHES = 7200
-"""Most stretches that the page keeps: where a clock jumps ahead by a year, there are millions with nothing in them."""
+"""Most stretches that the page keeps: where nothing was recorded for weeks, there are millions with nothing in them."""
 
 BYTES_PER_SECOND = 10_000_000
 """Half of what a page takes: the rest is for all else."""
