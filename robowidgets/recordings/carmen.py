@@ -22,6 +22,7 @@ from .carmen_lines import (
     time_of,
     word_of,
 )
+from .endings import LEAST, about_end
 from .joints import Joint
 from .timeline import Moment, Sample, Topic
 
@@ -58,12 +59,17 @@ class CarmenLog:
         for place, word in enumerate(words):
             self._places[word].append(place)
         self._reads: dict[str, Callable[[bytes], Sample]] = {word: self._reader(word) for word in self._places}
-        self._problems = (*problems, *([about_times] if about_times else []))
         self._left_out: dict[str, str] = {}
         self.start_ns = self._times[0] if lines else None
         self.end_ns = self._times[-1] if lines else None
         seconds = (self._times[-1] - self._times[0]) / 1e9 if timed and lines else 0.0
         self.topics = tuple(_topic(word, len(places), seconds) for word, places in self._places.items())
+        ends = (
+            about_end(word, len(places), self._times[places[-1]], self._times[0], self._times[-1])
+            for word, places in self._places.items()
+            if timed and len(places) >= LEAST
+        )
+        self._problems = tuple(filter(None, (*problems, about_times, *ends)))
         if estimates:
             self.topics += (Topic(ESTIMATE, f"CARMEN {ESTIMATE}", estimates, None, None, False, ""),)
 

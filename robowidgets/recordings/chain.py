@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .pages import Held, Page, pages_of
-from .source import Arrivals, Channel, RecordingError, SavedSource, Source, joined
+from .source import Arrivals, Channel, RecordingError, SavedSource, Source, joined, latest
 
 
 class Chain:
@@ -79,6 +79,11 @@ class Chain:
             source.arrivals().renumbered({channel.id: self._ids[_same(channel)] for channel in source.channels})
             for source in self._sources
         )
+
+    def last_ns(self, channel: Channel) -> int | None:
+        """See `Source`."""
+        mine = ((source, c) for source in self._sources for c in source.channels if _same(c) == _same(channel))
+        return latest(source.last_ns(c) for source, c in mine if c.count)
 
     def retime(self, times: NDArray[np.int64], why: str) -> None:
         """See `SavedSource`. All of its sources are such."""

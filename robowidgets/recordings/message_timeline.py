@@ -10,12 +10,13 @@ from .._kinds import Widget, is_command, is_standard, widget_by_shape, widget_by
 from .._table import listed
 from ..messages.touch import to_touch
 from .columns import TouchColumns, scan_columns, speed_columns
+from .endings import LEAST, about_end
 from .joints import ODOMETRY, TRANSFORMS, Joint, joints_of
 from .progress import Progress
 from .quick import ScanReader, SpeedReader
 from .raw_feed import RawFeed
 from .ros_types import ENCODINGS, decoder_of, one_line, shape_of
-from .source import Channel, RecordingError, Source
+from .source import Channel, RecordingError, Source, latest
 from .timeline import Moment, Sample, Topic
 
 Read = Callable[[bytes], Sample]
@@ -40,6 +41,7 @@ class MessageTimeline:
         # Those without a message last: of several types of a topic, the first that came is shown.
         found = {c.id: self._understand(c) for c in sorted(source.channels, key=lambda channel: not channel.count)}
         self.topics = self._list([(channel, *found[channel.id]) for channel in source.channels])
+        self._ended = self._about_ends()
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -49,7 +51,7 @@ class MessageTimeline:
             if topic.problem and topic.count:
                 alike[topic.problem].append(topic.name)
         unread = [f"{listed(names)}: {problem}" for problem, names in alike.items()]
-        return (*self._source.problems, *unread, *self._stopped, *self._left_out.values())
+        return (*self._source.problems, *unread, *self._ended, *self._stopped, *self._left_out.values())
 
     def moments(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[Moment]:
         """See `Timeline`."""
@@ -160,6 +162,18 @@ class MessageTimeline:
         if seconds < _SHORTEST:
             return tuple(topics.values())
         return tuple(t._replace(rate=(t.count - 1) / seconds) if t.count > 1 else t for t in topics.values())
+
+    def _about_ends(self) -> tuple[str, ...]:
+        """Lines about topics that end early: of touches and commands none can, they may be silent for long."""
+        lines = []
+        for topic, channels in self._shown.items():
+            count = sum(channel.count for channel in channels)
+            if count < LEAST or self._widgets[topic][0] == "touch" or is_command(topic):
+                continue
+            last = latest(self._source.last_ns(channel) for channel in channels if channel.count)
+            if last is not None and self.start_ns is not None and self.end_ns is not None:
+                lines.append(about_end(topic, count, last, self.start_ns, self.end_ns))
+        return tuple(filter(None, lines))
 
     def _joints(self, channel: Channel, time_ns: int, decode: Callable[[bytes], Any], raw: bytes) -> list[Joint]:
         try:

@@ -54,6 +54,13 @@ class Relay:
         """See `Source`: those of the quick source."""
         return self._quick.arrivals()
 
+    def last_ns(self, channel: Channel) -> int | None:
+        """See `Source`."""
+        try:
+            return self._quick.last_ns(channel)
+        except Exception:  # what rosbags stumbles over is met again, and told, when the messages are read
+            return None
+
     def close(self) -> None:
         """See `Source`."""
         self._quick.close()

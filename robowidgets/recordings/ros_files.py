@@ -1,6 +1,6 @@
 """Files and folders of messages as rosbags reads them.
 
-This module, `ros_arrivals` and `ros_types` are the only ones that know rosbags.
+This module, `ros_arrivals`, `ros_ends` and `ros_types` are the only ones that know rosbags.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 from .chunk_pages import BagPage, McapPage
 from .pages import Page
 from .ros_arrivals import bag_arrivals, folder_arrivals, mcap_arrivals, sqlite_arrivals
+from .ros_ends import bag_last, folder_last, mcap_last, sqlite_last
 from .salvage.inflate import MAX_CHUNK, inflate
 from .source import Arrivals, Channel, RecordingError
 
@@ -50,12 +51,13 @@ DECOMPRESSORS.update({name: _bounded(name) for name in ("zstd", "lz4")})
 
 def open_bag(path: Path) -> RosSource:
     """A ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
-    return RosSource(BagReader(path), lambda reader: (reader.start_time, reader.end_time), bag_arrivals, _bag_pages)
+    reader = BagReader(path)
+    return RosSource(reader, lambda reader: (reader.start_time, reader.end_time), bag_arrivals, bag_last, _bag_pages)
 
 
 def open_mcap(path: Path) -> RosSource:
     """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError when there is no index."""
-    source = RosSource(McapReader(path), _times, mcap_arrivals, _mcap_pages)
+    source = RosSource(McapReader(path), _times, mcap_arrivals, mcap_last, _mcap_pages)
     if not source.indexed:
         source.close()
         raise RecordingError("without an index rosbags reads messages in one way only, from the start to the end")
@@ -65,13 +67,13 @@ def open_mcap(path: Path) -> RosSource:
 def open_sqlite(path: Path) -> RosSource:
     """A ``.db3``. Raises as `open_bag`."""
     _check(path)
-    return RosSource(Sqlite3Reader(path), _times, sqlite_arrivals)
+    return RosSource(Sqlite3Reader(path), _times, sqlite_arrivals, sqlite_last)
 
 
 def open_folder(path: Path) -> RosSource:
     """A folder with a ``metadata.yaml``. Raises as `open_bag`."""
     _check(path)
-    return RosSource(DirectoryReader(path), _times, folder_arrivals, _folder_pages)
+    return RosSource(DirectoryReader(path), _times, folder_arrivals, folder_last, _folder_pages)
 
 
 class RosSource:
@@ -82,11 +84,13 @@ class RosSource:
         reader: Any,
         times: Callable[[Any], tuple[int, int]],
         arrivals: Callable[[Any], Arrivals],
+        last: Callable[[Any, int], int | None],
         pages: Callable[[Any, ById], Pages] | None = None,
     ) -> None:
         reader.open()
         self._reader = reader
         self._arrivals = arrivals
+        self._last = last
         self._pages = pages
         self._open = True
         self.problems: tuple[str, ...] = ()
@@ -119,6 +123,10 @@ class RosSource:
     def arrivals(self) -> Arrivals:
         """See `Source`."""
         return self._arrivals(self._reader)
+
+    def last_ns(self, channel: Channel) -> int | None:
+        """See `Source`."""
+        return self._last(self._reader, channel.id)
 
     def close(self) -> None:
         """See `Source`."""

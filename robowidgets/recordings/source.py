@@ -73,6 +73,16 @@ def joined(parts: Iterable[Arrivals]) -> Arrivals:
     return Arrivals(np.concatenate(times), np.concatenate(channels))
 
 
+def latest(times: Iterable[int | None]) -> int | None:
+    """The last of some times; None where one of them is not known, or there is none."""
+    known: list[int] = []
+    for time in times:
+        if time is None:
+            return None
+        known.append(time)
+    return max(known, default=None)
+
+
 class Source(Protocol):
     """The messages of one file or folder, as bytes.
 
@@ -106,6 +116,9 @@ class Source(Protocol):
 
     def arrivals(self) -> Arrivals:
         """What the index of the file tells about the order of arrival: of every message, or of some of each part."""
+
+    def last_ns(self, channel: Channel) -> int | None:
+        """Log time of the last message of a channel, or a little later; None where the index does not tell."""
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""

@@ -51,6 +51,10 @@ class Known:
         """See `Source`: every message."""
         return self._times.arrivals()
 
+    def last_ns(self, channel: Channel) -> int | None:
+        """See `Source`."""
+        return self._times.last(channel.id)
+
     def retime(self, times: NDArray[np.int64], why: str) -> None:
         """See `SavedSource`."""
         self._times.retime(times)

@@ -43,6 +43,11 @@ class Times:
         """Of every message that counts."""
         return Arrivals(self._all_times[self._known], self._all_channels[self._known])
 
+    def last(self, channel: int) -> int | None:
+        """The last log time of a channel; None when it has none."""
+        times = self._times[self._channels == channel]
+        return int(times[-1]) if times.size else None
+
     def retime(self, times: NDArray[np.int64]) -> None:
         """Take other times for all `arrivals`."""
         self._all_times = self._all_times.copy()
