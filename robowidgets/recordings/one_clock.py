@@ -65,7 +65,8 @@ def steps_back(arrivals: Arrivals) -> list[int]:
         return []
     by_topic = np.argsort(arrivals.channels, kind="stable")
     topics = np.split(by_topic, np.flatnonzero(np.diff(arrivals.channels[by_topic])) + 1)
-    found = [falls for places in topics if (falls := _falls(times, places)).places.size]
+    ahead = np.append(-1, np.flatnonzero(np.diff(times) > LEAP_NS) + 1)
+    found = [falls for places in topics if (falls := _falls(times, places, ahead)).places.size]
     if not 0 < sum(falls.places.size for falls in found) * len(topics) < _MOST:
         return []
     falls = _Falls(*(np.concatenate(column) for column in zip(*found, strict=True)))
@@ -81,26 +82,32 @@ def steps_back(arrivals: Arrivals) -> list[int]:
 
 
 class _Falls(NamedTuple):
-    """Where one message of a topic has an earlier time than the one before: places, by how much, time until the end."""
+    """Where one message of a topic has an earlier time than the one before.
+
+    Places of both, by how much, time until the end, and the place of the last leap ahead before it.
+    """
 
     places: NDArray[np.int64]
     before: NDArray[np.int64]
     depths: NDArray[np.float64]
     rests: NDArray[np.float64]
+    leaps: NDArray[np.int64]
 
 
-def _falls(times: NDArray[np.float64], places: NDArray[np.int64]) -> _Falls:
+def _falls(times: NDArray[np.float64], places: NDArray[np.int64], ahead: NDArray[np.int64]) -> _Falls:
     own = times[places]
     at = np.flatnonzero(np.diff(own) < -JITTER_NS)
     if at.size > max(_HABIT, own.size / _RARELY):
         at = at[:0]
-    return _Falls(places[at + 1], places[at], own[at] - own[at + 1], own[-1] - own[at + 1])
+    last = ahead[np.searchsorted(ahead, places[at + 1]) - 1]
+    return _Falls(places[at + 1], places[at], own[at] - own[at + 1], own[-1] - own[at + 1], last)
 
 
 def _votes(times: NDArray[np.float64], places: NDArray[np.int64], falls: _Falls) -> NDArray[np.int64]:
     """What one topic says to each fall: 1 if it falls there too, -1 if it goes on or has ended, 0 if it cannot tell.
 
-    That it goes on tells something only if it usually speaks in less than half the time of the fall.
+    That it goes on tells something only if it usually speaks in less than half the time of the fall; and where a leap
+    ahead came before the fall, if it spoke since.
     """
     own = times[places]
     steps = np.diff(own)
@@ -109,6 +116,8 @@ def _votes(times: NDArray[np.float64], places: NDArray[np.int64], falls: _Falls)
     both = (number > 0) & (number < own.size)
     before, after = own[np.maximum(number - 1, 0)], own[np.minimum(number, own.size - 1)]
     ended = (number == own.size) & (_SILENT * usual < falls.rests)
-    against = (both & (after >= before) & (usual < falls.depths / 2)) | ended
+    goes_on = both & (after >= before) & (usual < falls.depths / 2)
+    goes_on &= (falls.depths <= LEAP_NS) | (places[np.maximum(number - 1, 0)] >= falls.leaps)
+    against = goes_on | ended
     votes: NDArray[np.int64] = (both & (after < before)).astype(np.int64) - against
     return votes

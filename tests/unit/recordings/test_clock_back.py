@@ -274,6 +274,13 @@ class TestAStepBack:
         after = [*((time + 18.0, topic) for time, topic in self.run(5.0)), (23.0, self.MAP)]
         assert steps_back(arrivals(*before, *after)) == [len(before)]
 
+    def test_is_not_hidden_by_topics_that_were_silent_since_the_clock_leapt_ahead(self) -> None:
+        slow = [(10.0 * i, topic) for i in range(10) for topic in range(self.MAP, self.MAP + 5)]
+        run = sorted((*self.run(90.0), *slow))
+        at = [i for i, (time, _) in enumerate(run) if 33.0 < time < 35.0]
+        ahead = [(time + 1e8 * (i in at), topic) for i, (time, topic) in enumerate(run)]
+        assert steps_back(arrivals(*ahead)) == [at[-1] + 1]
+
     def test_is_not_where_one_topic_bears_times_of_its_own(self) -> None:
         run = self.run()
         run[500:500] = [(run[500][0] + 0.5, self.TF), (run[500][0], self.TF)]
