@@ -54,7 +54,7 @@ class Link:
         self.type = ""
         self.trouble = ""
         self.came = False
-        self._ever = False
+        self.ever = False
         self._retyped = ""
         self._failed = ""
         self._geometry = Geometry()
@@ -68,7 +68,7 @@ class Link:
         before = (self.came, self._failed, self._geometry.words)
         if any(isinstance(target.widget, LaserWidget) for target in self.targets):
             self._geometry.see(message)
-        self.came, self._ever, self._failed = True, True, failed
+        self.came, self.ever, self._failed = True, True, failed
         return before != (True, failed, self._geometry.words)
 
     def listed(self, topic: Topic | None) -> None:
@@ -95,7 +95,7 @@ class Link:
         if not leads:
             return ""
         if there is not None and not there[self.topic].offered:
-            return f"nobody publishes {self.topic} {'any more' if self._ever else 'yet'}"
+            return f"nobody publishes {self.topic} {'any more' if self.ever else 'yet'}"
         return f"waiting for {self.topic}"
 
     def _hand(self, target: Target, message: Any) -> str:

@@ -88,15 +88,32 @@ class Links:
         self._say(widget)
 
     def _say(self, widget: RobotWidget[Any]) -> None:
-        links = sorted(self._widgets.get(widget, []), key=lambda pair: not pair[1].leads)
+        links = sorted(self._widgets.get(widget, []), key=_rank)
         if not links:
             widget._source = {}
             return
         _name(widget, links)
         first = links[0][0]
-        words = [link.words(self.there, leads=link is first) for link, _ in links]
+        words = [link.words(self.there, leads=link is first) for link, _ in self._unmended(widget, links)]
         told = self.down or "; ".join(dict.fromkeys(filter(None, words)))
         widget._source = {"topic": first.topic, "type": first.type, "words": told}
+
+    def _unmended(self, widget: RobotWidget[Any], links: Sequence[tuple[Link, Target]]) -> list[tuple[Link, Target]]:
+        """The links without topics that are not there, where one that was connected later delivers in their place."""
+        made = self._widgets[widget]
+        return [
+            (link, target)
+            for link, target in links
+            if self.there is None
+            or link.topic in self.there
+            or not any(later.ever and target == other for later, other in made[made.index((link, target)) + 1 :])
+        ]
+
+
+def _rank(pair: tuple[Link, Target]) -> tuple[bool, bool, bool]:
+    """First what leads, and of that what delivers, or did before all was lost."""
+    link, target = pair
+    return not target.leads, not link.came, not link.ever
 
 
 def _name(widget: RobotWidget[Any], links: Sequence[tuple[Link, Target]]) -> None:

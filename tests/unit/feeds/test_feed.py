@@ -115,6 +115,43 @@ def test_a_widget_is_titled_after_the_topic_that_it_shows_now_unless_a_person_na
     assert (laser.title, speed.title, speed.command_title) == ("", "", "/cmd_vel")
 
 
+def test_once_a_topic_that_was_mended_delivers_the_widget_is_titled_after_it_and_complains_no_more(
+    opened: Opened,
+) -> None:
+    feed, script = opened(SCAN, ODOM, CMD_VEL)
+    laser, speed = LaserWidget(), SpeedWidget()
+    feed.connect("/scna", laser)
+    feed.connect("/scan", laser)
+    complaint = "no such topic /scna; there are /scan, /odom, /cmd_vel; did you mean /scan?"
+    assert (laser.title, source(laser)["words"]) == ("/scna", complaint)
+    script.listener.on_message("/scan", scan())
+    assert laser.title == "/scan"
+    assert source(laser) == {"topic": "/scan", "type": SCAN.type, "words": ""}
+    assert feed.words_of("/scna") == complaint
+    script.listener.on_lost("no route to host", 1.0)
+    script.listener.on_connected()
+    assert (laser.title, source(laser)["words"]) == ("/scan", "waiting for /scan")
+    feed.connect("/odm", speed)
+    feed.connect("/cmd_vle", speed.command)
+    feed.connect("/odom", speed)
+    script.listener.on_message("/odom", twist(0.1))
+    assert (speed.title, speed.command_title) == ("/odom", "/cmd_vle")
+    assert source(speed)["words"].startswith("no such topic /cmd_vle; ")
+    feed.connect("/cmd_vel", speed.command)
+    script.listener.on_message("/cmd_vel", twist(0.1))
+    assert (speed.command_title, source(speed)["words"]) == ("/cmd_vel", "")
+
+
+def test_a_topic_that_is_misspelt_after_another_delivered_is_told(opened: Opened) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+    feed.connect("/scan", laser)
+    script.listener.on_message("/scan", scan())
+    feed.connect("/raer", laser)
+    assert laser.title == "/scan"
+    assert source(laser)["words"] == "no such topic /raer; there are /scan"
+
+
 def test_a_method_of_a_speed_widget_takes_the_commanded_speed(opened: Opened) -> None:
     feed, script = opened(ODOM, CMD_VEL)
     speed = SpeedWidget()
