@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from math import isfinite
 from numbers import Real
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import traitlets
 
@@ -19,6 +19,18 @@ from .samples import Speed
 
 _NOT_DRIVEN = "could not be driven"
 _NOR_STOPPED = ". Nor could it be told to stop"
+
+
+@runtime_checkable
+class _Feed(Protocol):
+    """What says when it was closed."""
+
+    @property
+    def is_closed(self) -> bool: ...
+
+    def watch(self, tell: Callable[[], None]) -> None: ...
+
+    def forget(self, tell: Callable[[], None]) -> None: ...
 
 
 class _Limit(traitlets.TraitType[Any, Any]):
@@ -77,28 +89,34 @@ class DriveWidget(NamedWidget):
     _esm = bundle("drive_widget.js")
     _keywords = ("send",)
     _dead_man: DeadMan | None = None
+    _feed: _Feed | None = None
 
     linear_limit = _Limit(0.5, "m/s", help="At the edge of the pad, m/s.").tag(sync=True)
     angular_limit = _Limit(1.0, "rad/s", help="At the edge of the pad, rad/s.").tag(sync=True)
     enabled = Flag(True, help="Whether the pad drives.").tag(sync=True)
     _ready = Flag(False, help="Whether there is something to drive.").tag(sync=True)
-    _state = traitlets.Dict(help="speed: (m/s, rad/s) handed on last; press: who holds the pad; error: text.").tag(
-        sync=True, echo_update=False
-    )
+    _state = traitlets.Dict(
+        help="speed: (m/s, rad/s) handed on last; press: who holds the pad; error: text; cause: why a press ended, or "
+        "nothing can be driven any more."
+    ).tag(sync=True, echo_update=False)
 
     def __init__(self, *, send: Callable[[float, float], Any] | None = None, **kwargs: Any) -> None:
         if send is not None and not callable(send):
             raise TypeError(f"send: expected a function of linear and angular speed, got {send!r}")
         self._grip = Grip()
         self._telling = threading.Lock()
+        self._failed = ""
+        """The press that an error ended last."""
         super().__init__(**kwargs)
-        self._tell(speed=ZERO, press="", error="")
+        self._tell(speed=ZERO, press="", error="", cause="")
         self.on_msg(self._on_page)
         if send is not None:
             self._drive_by(send, lambda: send(0.0, 0.0))
 
     def connect(self, robot: Any) -> None:
         """Drive this one from now on; what was driven until now is told to stop.
+
+        When a feed is closed, the pad says so.
 
         Args:
             robot: a feed, or anything with ``drive(linear, angular)``. Its ``stop()`` is used where it has one.
@@ -117,11 +135,16 @@ class DriveWidget(NamedWidget):
         topic = getattr(getattr(robot, "driving", None), "topic", "")
         if isinstance(topic, str) and topic:
             self._name_after(topic)
+        if isinstance(robot, _Feed):
+            self._feed = robot
+            robot.watch(self._look)
+            self._look()
 
     def disconnect(self) -> None:
         """Drive nothing any more; what was driven is told to stop."""
         self._end()
         self._ready = False
+        self._tell(cause="")
 
     def stop(self) -> None:
         """Tell the robot to stop, and let nobody drive who does not press anew."""
@@ -144,9 +167,19 @@ class DriveWidget(NamedWidget):
         self._end()
         self._dead_man = DeadMan(drive, halt, lambda speed: self._on_told(speed, robot), self._on_failed)
         self._ready = True
-        self._tell(error="")
+        self._tell(error="", cause="")
+
+    def _look(self) -> None:
+        """Say so when the feed was closed; the feed's call, from any thread."""
+        if self._feed is not None and self._feed.is_closed:
+            self._end()
+            self._ready = False
+            self._tell(error="", cause="the feed is closed")
 
     def _end(self) -> None:
+        feed, self._feed = self._feed, None
+        if feed is not None:
+            feed.forget(self._look)
         dead_man, self._dead_man = self._dead_man, None
         if dead_man is not None:
             self._let_go()
@@ -158,18 +191,21 @@ class DriveWidget(NamedWidget):
 
     def _on_told(self, speed: Speed2, robot: Any) -> None:
         within = getattr(getattr(robot, "driving", None), "within", None)
-        words = getattr(robot, "drive_words", "") if speed != ZERO else ""
-        self._tell(speed=within(*speed) if callable(within) else speed, **({"error": words} if words else {}))
+        words = {"error": getattr(robot, "drive_words", "")} if speed != ZERO else {}
+        self._tell(speed=within(*speed) if callable(within) else speed, **words)
 
     def _on_failed(self, error: BaseException, speed: Speed2) -> None:
         what = "could not be told to stop" if speed == ZERO else _NOT_DRIVEN
         text = f"The robot {what}: {type(error).__name__}: {error}"
         self._log_once(text)
+        cause = str(error) or type(error).__name__
         before = self._state["error"]
         if speed == ZERO and _NOT_DRIVEN in before:
             text = before if before.endswith(_NOR_STOPPED) else f"{before}{_NOR_STOPPED}"
+            cause = self._state["cause"]
+        self._failed = self._grip.press or self._failed
         self._let_go()
-        self._tell(error=text)
+        self._tell(error=text, cause=cause)
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
         try:
@@ -184,7 +220,8 @@ class DriveWidget(NamedWidget):
             self.send({"press": said.press, "token": token})
             return
         if said.act == "hold" and not over:
-            over = "taken" if self._grip.press not in ("", said.press) else "late"
+            late = "failed" if said.press == self._failed else "late"
+            over = "taken" if self._grip.press not in ("", said.press) else late
         if self._grip.press == said.press:
             self.stop()
         self.send({"press": said.press, "over": over or "released"})
@@ -201,7 +238,7 @@ class DriveWidget(NamedWidget):
         """Do what a press says; the token of the answer, None for one that does not count."""
         if said.act == "press":
             token = self._grip.take(said.press)
-            self._tell(press=said.press, error="")
+            self._tell(press=said.press, error="", cause="")
             return token
         renewed = self._grip.renew(said.press, said.token)
         if renewed is not None and self._dead_man is not None:

@@ -10,7 +10,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from typing import Any
 
-from ..samples.numbers import finite
+from .._limits import is_past
+from ..samples.numbers import OF_DEGREES, finite, is_angle
 from .middleware import Advert, FeedError, Middleware
 
 log = logging.getLogger("robowidgets")
@@ -61,6 +62,18 @@ class Driving:
             _cut(finite("linear", linear, "m/s"), self.max_linear),
             _cut(finite("angular", angular, "rad/s"), self.max_angular),
         )
+
+    def cut(self, linear: float, angular: float) -> str:
+        """Words for what `within` cuts of a speed; empty when it is nothing."""
+        given = ((linear, self.max_linear, "m/s"), (angular, self.max_angular, "rad/s"))
+        words = [
+            f"{value:g} {unit} is cut to {_cut(value, limit):g}"
+            for value, limit, unit in given
+            if is_past(value, (-limit, limit))
+        ]
+        if words and abs(angular) > self.max_angular and not is_angle(angular):
+            words.append(f"in degrees? {OF_DEGREES}")
+        return "; ".join(words)
 
 
 class Twists:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .._kinds import Widget, is_command, widget_by_type
 from .._table import many
@@ -78,3 +78,11 @@ def no_such(name: str, there: Iterable[str]) -> str:
     hint = f"; did you mean {near[0]}?" if near else ""
     rest = ", …" if len(names) > _MANY else ""
     return f"no such topic {name}; there are {', '.join(names[:_MANY])}{rest}{hint}"
+
+
+def check_name(topic: Any) -> None:
+    """TypeError or ValueError for what is no name of a topic."""
+    if not isinstance(topic, str):
+        raise TypeError(f"expected the name of a topic as text, got {topic!r}")
+    if not topic:
+        raise ValueError("expected the name of a topic, got an empty text")

@@ -69,7 +69,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def close(self) -> None:
         """Take it off the page; doing it again does nothing."""
-        self.feed.forget(self)
+        self.feed.forget(self.refresh)
         self._closed = True
         self.refresh()
         super().close()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections.abc import Callable, Collection, Sequence
@@ -11,17 +10,16 @@ from typing import TYPE_CHECKING, Any
 from .._cells import take_the_place
 from .._table import as_html, as_text
 from ._drive import Driver, Driving, Twists
+from ._drive_words import DriveWords
 from ._ending import close_first, still_open
 from ._link import target_of
 from ._links import Links
 from ._subscriptions import Subscriptions
-from ._topics import Topic, table_of, topics_of
+from ._topics import Topic, check_name, table_of, topics_of
 from .middleware import Advert, FeedError, Middleware
 
 if TYPE_CHECKING:
     from ._view import FeedView
-
-log = logging.getLogger("robowidgets")
 
 PATIENCE = 2.0
 """Seconds that `show` and `drive` wait for the first list of topics."""
@@ -51,12 +49,12 @@ class Feed:
         self._middleware = middleware
         self._changed = threading.Condition(threading.RLock())
         self._links = Links(f"connecting to {middleware.where}")
-        self._views: list[FeedView] = []
+        self._watchers: list[Callable[[], None]] = []
         self._adverts: tuple[Advert, ...] = ()
         self._reached = self._closed = self._forked = False
         self._twists = Twists(middleware)
         self._opened = time.monotonic()
-        self._warned: set[str] = set()
+        self._drive_words = DriveWords()
         self._subscriptions = Subscriptions(middleware, self._wanted)
         self._driver = Driver(self._send_speed, lambda: not self._links.down)
         take_the_place(self)  # before it opens: the one before may have the node, or drive
@@ -95,20 +93,15 @@ class Feed:
         if not isinstance(driving, Driving):
             raise TypeError(f"driving: expected feeds.Driving(topic=..., max_linear=...), got {driving!r}")
         self._driver.halt()
-        self._driving = driving
+        self._driving, self._drive_words.cut = driving, ""
 
     @property
     def drive_words(self) -> str:
-        """Why the robot would not move when it is driven; empty when nothing is known against it."""
-        if self._links.down or self._links.there is None:
-            return self._links.down
-        topic = self._links.there.get(self.driving.topic)
-        # A middleware that tells of no listener at all may not be able to.
-        tells = any(known.wanted is not None for known in self.topics)
-        if topic.wanted is not False if topic else self.topics and not tells:
-            return ""
-        heard = [t.name for t in self.topics if t.widget == "speed" and t.commanded and t.wanted]
-        return f"nobody listens to {self.driving.topic}" + (f"; speeds go to {', '.join(heard)}" if heard else "")
+        """Why the robot would not move as it is told: who does not hear it, and how the last speed was cut.
+
+        Empty when nothing is known against it.
+        """
+        return self._links.down or self._drive_words.of(self.driving.topic, self._links.there)
 
     def connect(self, topic: str, *targets: Any) -> None:
         """Hand the messages of a topic on, whether it is there yet or not.
@@ -123,7 +116,7 @@ class Feed:
             TypeError: no text, no target, or something else than a widget or a function. ValueError: an empty name.
             FeedError: the feed is closed.
         """
-        _check_name(topic)
+        check_name(topic)
         if not targets:
             raise TypeError(f"connect({topic!r}) needs a widget, or a function of a message")
         with self._changed:
@@ -133,7 +126,7 @@ class Feed:
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """Hand no more messages of a topic on to these targets of `connect`; to none at all when none are named."""
-        _check_name(topic)
+        check_name(topic)
         with self._changed:
             self._links.disconnect(topic, [target_of(target) for target in targets])
         self._subscriptions.settle()
@@ -157,16 +150,18 @@ class Feed:
         from ._view import FeedView
 
         for topic in topics:
-            _check_name(topic)
+            check_name(topic)
         self._check_open()
         self._wait(lambda: bool(set(topics) <= self._showable() if topics else self._showable()), time.monotonic())
         view = FeedView(self, topics)
-        self._views.append(view)
+        self.watch(view.refresh)
         view.refresh()
         return view
 
     def drive(self, linear: float = 0.0, angular: float = 0.0) -> None:
         """Publish a speed, cut to the limits of `driving`; unless it is renewed in time, zero follows.
+
+        What was cut is told by `drive_words` until the next speed that is not, and by the log once.
 
         Args:
             linear: forward, m/s.
@@ -178,13 +173,12 @@ class Feed:
         """
         driving = self.driving
         speed = driving.within(linear, angular)
+        self._drive_words.cut = driving.cut(linear, angular)
         self._await_robot()
         self._check_open()
         if self._links.down:
             raise FeedError(f"cannot drive: {self._links.down}")
-        if (words := self.drive_words) and words not in self._warned:
-            self._warned.add(words)
-            log.warning("%s: %s", self.where, words)
+        self._drive_words.log(self.where, driving.topic, self._links.there)
         self._driver.drive(driving.topic, *speed, driving.hold)
 
     def stop(self) -> None:
@@ -193,6 +187,7 @@ class Feed:
         Raises:
             FeedError: the robot cannot be driven at all; or it cannot be reached, and was not left driving.
         """
+        self._drive_words.cut = ""
         self._await_robot()
         if self._closed and not self._forked:
             return
@@ -217,7 +212,7 @@ class Feed:
             with self._changed:
                 self._links.lose("the feed is closed")
                 self._changed.notify_all()
-            self._refresh_views()
+            self._tell_watchers()
 
     def __enter__(self) -> Feed:
         return self
@@ -242,7 +237,7 @@ class Feed:
             self._links.tell_all()
             self._changed.notify_all()
         self._driver.nudge()
-        self._refresh_views()
+        self._tell_watchers()
 
     def on_lost(self, why: str, again_in: float) -> None:
         """See `Listener`."""
@@ -252,7 +247,7 @@ class Feed:
             lost = "connection lost" if self._reached else f"cannot reach {self.where}"
             self._links.lose(f"{lost}, trying again in {again_in:.2g} s: {why}")
         self._driver.lost()
-        self._refresh_views()
+        self._tell_watchers()
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
         """See `Listener`."""
@@ -262,7 +257,7 @@ class Feed:
             self._adverts = tuple(topics)
             self._links.learn(topics_of(topics))
             self._changed.notify_all()
-        self._refresh_views()
+        self._tell_watchers()
 
     def on_message(self, topic: str, message: Any) -> None:
         """See `Listener`."""
@@ -301,11 +296,16 @@ class Feed:
         """Whether it was told which topics there are."""
         return self._links.there is not None
 
-    def forget(self, view: FeedView) -> None:
-        """Tell a view nothing more."""
+    def watch(self, tell: Callable[[], None]) -> None:
+        """Call a function whenever topics or connection have changed, and when it is closed, from any thread."""
         with self._changed:
-            if view in self._views:
-                self._views.remove(view)
+            self._watchers.append(tell)
+
+    def forget(self, tell: Callable[[], None]) -> None:
+        """Call a function of `watch` no more."""
+        with self._changed:
+            if tell in self._watchers:
+                self._watchers.remove(tell)
 
     def _showable(self) -> set[str]:
         return {topic.name for topic in self.topics if topic.widget}
@@ -331,19 +331,12 @@ class Feed:
         with self._changed:
             return None if self._closed else tuple(self._links.by_topic)
 
-    def _refresh_views(self) -> None:
+    def _tell_watchers(self) -> None:
         """Without the lock: a view may put up widgets, and connect them."""
-        for view in list(self._views):
-            view.refresh()
+        for tell in list(self._watchers):
+            tell()
 
     def _check_open(self) -> None:
         if self._closed:
             why = "stayed with the process that was forked" if self._forked else "is closed"
             raise FeedError(f"the feed of {self.where} {why}: open it again")
-
-
-def _check_name(topic: Any) -> None:
-    if not isinstance(topic, str):
-        raise TypeError(f"expected the name of a topic as text, got {topic!r}")
-    if not topic:
-        raise ValueError("expected the name of a topic, got an empty text")

@@ -8,6 +8,7 @@ from typing import Any
 
 from playwright.sync_api import Locator, expect
 
+from .chromium import shoot
 from .notebook import Notebook
 
 PAD = """
@@ -62,10 +63,15 @@ def heard(nb: Notebook) -> list[list[float]]:
 
 def grab(nb: Notebook, right: float, below: float) -> None:
     """Press the pointer on the middle of the pad and drag it to shares of half its size."""
+    drag(nb, 0, 0)
+    nb.page.mouse.down()
+    drag(nb, right, below)
+
+
+def drag(nb: Notebook, right: float, below: float) -> None:
+    """Move the pointer to a place on the pad: shares of half its size from the middle."""
     box: Any = pad_of(nb).bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    nb.page.mouse.move(x, y)
-    nb.page.mouse.down()
     nb.page.mouse.move(x + right * box["width"] / 2, y + below * box["height"] / 2)
 
 
@@ -257,6 +263,44 @@ def test_what_is_wrong_is_said(notebook: Callable[..., Notebook]) -> None:
     expect(nb.widget(0).locator(".rw-notice")).to_have_text(
         "The robot could not be driven: OSError: no route to the <b>robot</b>. Nor could it be told to stop"
     )
+    says(nb, "no route to the <b>robot</b>")
     nb.page.keyboard.up("ArrowUp")
+    says(nb, "stopped")
     nb.python("pad.enabled = False")
     says(nb, "switched off")
+
+
+FEED = """
+from robowidgets import DriveWidget, feeds
+feed = feeds.simulator()
+feed.driving = feeds.Driving(max_linear=0.2)
+pad = DriveWidget()
+pad.connect(feed)
+pad
+"""
+
+
+def test_of_a_feed_it_says_how_speeds_are_cut_without_moving_and_that_it_is_closed(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([FEED])
+    unhurried(nb)
+    notice = nb.widget(0).locator(".rw-notice")
+    grab(nb, 0, -1)
+    expect(notice).to_have_text("0.5 m/s is cut to 0.2")
+    numbers(nb, "0.20", "0.00")
+    place = pad_of(nb).bounding_box()
+    drag(nb, 0, -0.2)
+    expect(notice).not_to_be_visible()
+    assert pad_of(nb).bounding_box() == place
+    nb.page.mouse.up()
+    says(nb, "stopped")
+    assert pad_of(nb).bounding_box() != place
+    nb.python("feed.close()")
+    says(nb, "the feed is closed")
+    expect(nb.widget(0).locator(".rw-hint")).to_have_text("open it and connect again")
+    for _ in range(2):
+        grab(nb, 0, -1)
+        says(nb, "the feed is closed")
+        nb.page.mouse.up()
+    shoot(nb.widget(0), "drive-closed")

@@ -161,7 +161,7 @@ test("a kernel that is gone is silence", () => {
 });
 
 test("words say what is going on and what to do", () => {
-  const usual = { state: "free" as State, ready: true, enabled: true, elsewhere: false };
+  const usual = { state: "free" as State, ready: true, enabled: true, elsewhere: false, cause: "" };
   const say = (more: object) => toWords({ ...usual, ...more });
   assert.equal(say({}).text, "stopped");
   assert.equal(say({ state: "driving" }).text, "driving");
@@ -172,6 +172,18 @@ test("words say what is going on and what to do", () => {
   assert.deepEqual(say({ state: "silent" }), {
     text: "kernel busy: stopped",
     hint: "it does not answer",
+    kind: "warn",
+  });
+  for (const state of ["free", "nothing"]) {
+    assert.deepEqual(say({ state, ready: false, cause: "the feed is closed" }), {
+      text: "the feed is closed",
+      hint: "open it and connect again",
+      kind: "rest",
+    });
+  }
+  assert.deepEqual(say({ state: "failed", cause: "no route to the robot" }), {
+    text: "no route to the robot",
+    hint: "let go and press again",
     kind: "warn",
   });
   assert.deepEqual(say({ state: "late" }).hint, "let go and press again");

@@ -211,14 +211,51 @@ class TestSink:
             pad.hear("hold", token=pad.press(), forward=1, turn=1)
             wait_for(lambda: pad.commanded == Speed((0.2, 0.0, 0.0), (0.0, 0.0, 1.0)), "it is told")
             assert script.speeds[0] == (0.2, 1.0)
-            assert pad.get_state()["_state"]["error"] == "nobody listens to /cmd_vel; speeds go to /base/cmd_vel"
+            unheard = "nobody listens to /cmd_vel; speeds go to /base/cmd_vel"
+            assert pad.get_state()["_state"]["error"] == f"{unheard}; 0.5 m/s is cut to 0.2"
             pad.hear("release")
             wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "it stops")
             pad.rests()
             script.listener.on_topics([CMD_VEL])
-            pad.hear("hold", token=pad.press(), forward=1)
+            answer = pad.hear("hold", token=pad.press(), forward=1)
             wait_for(lambda: pad.commanded.linear[0] == 0.2, "it drives")
-            assert pad.get_state()["_state"]["error"] == ""
+            assert pad.get_state()["_state"]["error"] == "0.5 m/s is cut to 0.2"
+            pad.hear("hold", token=answer["token"], forward=0.4)
+            wait_for(lambda: script.speeds[-1][0] == 0.2, "it drives on")
+            wait_for(lambda: pad.get_state()["_state"]["error"] == "", "nothing is cut any more")
+
+    @pytest.mark.parametrize("held", [False, True])
+    def test_of_a_feed_that_is_closed_it_says_so_at_once_and_again_on_a_press(self, pad: Pad, held: bool) -> None:
+        feed = Feed(Scripted(CMD_VEL))
+        pad.connect(feed)
+        token = pad.press()
+        if held:
+            answer = pad.hear("hold", token=token, forward=1)
+            wait_for(lambda: pad.commanded.linear[0], "it drives")
+        else:
+            pad.hear("release")
+        feed.close()
+        told = {"speed": ZERO, "press": "", "error": "", "cause": "the feed is closed"}
+        assert (pad.get_state()["_ready"], pad.get_state()["_state"]) == (False, told)
+        if held:
+            assert pad.hear("hold", token=answer["token"], forward=1)["over"] == "nothing"
+        assert pad.hear("press", "q")["over"] == "nothing"
+        with Feed(Scripted(CMD_VEL)) as other:
+            pad.connect(other)
+            assert (pad.get_state()["_ready"], pad.get_state()["_state"]["cause"]) == (True, "")
+            assert "token" in pad.hear("press", "r")
+        pad.connect(feed)
+        assert (pad.get_state()["_ready"], pad.get_state()["_state"]["cause"]) == (False, "the feed is closed")
+        pad.disconnect()
+        assert pad.get_state()["_state"]["cause"] == ""
+
+    def test_a_feed_that_it_left_may_close_without_a_word(self, pad: Pad) -> None:
+        with Feed(Scripted(CMD_VEL)) as left:
+            pad.connect(left)
+            pad.connect(SimpleNamespace(drive=lambda *_: None))
+        assert pad.get_state()["_ready"] is True
+        assert pad.get_state()["_state"]["cause"] == ""
+        assert left._watchers == []
 
     @pytest.mark.parametrize("robot", [None, 3, print])
     def test_what_cannot_drive_is_refused(self, pad: Pad, robot: Any) -> None:
@@ -242,9 +279,12 @@ class TestSink:
         text = "The robot could not be driven: OSError: no route to the robot"
         assert pad.get_state()["_state"]["error"] == text
         assert text in caplog.text
-        assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "late"
-        pad.press()
-        assert pad.get_state()["_state"]["error"] == ""
+        assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "failed"
+        assert pad.get_state()["_state"]["cause"] == "no route to the robot"
+        token = pad.press("q")
+        assert (pad.get_state()["_state"]["error"], pad.get_state()["_state"]["cause"]) == ("", "")
+        pad.hear("release", "q")
+        assert pad.hear("hold", "q", token=token, forward=1)["over"] == "late"
         pad.close()
 
     def test_what_it_raises_at_every_speed_is_said_with_the_first_error(self) -> None:
@@ -254,6 +294,7 @@ class TestSink:
         pad.hear("hold", token=pad.press(), forward=1)
         wait_for(lambda: pad.get_state()["_state"]["error"].endswith(". Nor could it be told to stop"), "both are said")
         assert pad.get_state()["_state"]["error"].startswith("The robot could not be driven: TypeError: ")
+        assert pad.get_state()["_state"]["cause"].endswith("takes 1 positional argument but 2 were given")
         pad.close()
 
     def test_one_that_hangs_ends_the_press(self) -> None:
@@ -330,7 +371,7 @@ class TestProgram:
 
     def test_a_new_view_finds_how_it_stands(self, pad: Pad) -> None:
         state = pad.get_state()
-        assert (state["_ready"], state["_state"]) == (True, {"speed": (0.0, 0.0), "press": "", "error": ""})
+        assert (state["_ready"], state["_state"]) == (True, {"speed": ZERO, "press": "", "error": "", "cause": ""})
 
 
 def test_nothing_of_a_usual_drive_is_logged(pad: Pad, caplog: pytest.LogCaptureFixture) -> None:

@@ -36,6 +36,7 @@ export type State =
   | "nothing"
   | "disabled"
   | "hangs"
+  | "failed"
   | "taken"
   | "released";
 

@@ -11,11 +11,12 @@ import { CENTER, type Knob, toPlace } from "./knob.ts";
 import { Readout } from "./readout.ts";
 import { toWords } from "./words.ts";
 
-/** What Python says: the speed handed on last, the press that holds the pad, what went wrong. */
+/** What Python says: the speed handed on last, the press that holds the pad, what went wrong, and why a press ended. */
 interface Told {
   speed: [number, number];
   press: string;
   error: string;
+  cause: string;
 }
 
 const ARROW = "M6 3.2l4 5.6h-8z";
@@ -97,14 +98,16 @@ export class DriveView {
     const title = getString(model, "title") || "drive";
     this.#header.hidden = !getFlag(model, "header");
     setText(this.#title, title);
-    setText(this.#notice, told.error);
-    this.#notice.hidden = !told.error;
+    if (told.error || !held) setText(this.#notice, told.error);
+    // While it is held, the pad stays where it is under the pointer.
+    this.#notice.style.visibility = told.error ? "" : "hidden";
     const elsewhere = told.press !== "" && told.press !== press;
     const { text, hint, kind } = toWords({
       state,
       ready: getFlag(model, "_ready"),
       enabled: getFlag(model, "enabled"),
       elsewhere,
+      cause: told.cause,
     });
     setText(this.#words, text);
     setText(this.#hint, hint);

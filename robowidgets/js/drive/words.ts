@@ -8,6 +8,8 @@ export interface Situation {
   enabled: boolean;
   /** Whether another pad or page drives. */
   elsewhere: boolean;
+  /** Why a press ended, or nothing can be driven any more. */
+  cause: string;
 }
 
 /** What is going on, in words, and whether it is a warning. */
@@ -20,15 +22,16 @@ export interface Words {
 
 const AGAIN = "let go and press again";
 
-export function toWords({ state, ready, enabled, elsewhere }: Situation): Words {
+export function toWords({ state, ready, enabled, elsewhere, cause }: Situation): Words {
   const rest = (text: string, hint = ""): Words => ({ text, hint, kind: "rest" });
   const warn = (text: string, hint = ""): Words => ({ text, hint, kind: "warn" });
   if (state === "driving") return { text: "driving", hint: "", kind: "drive" };
   if (state === "silent") return warn("kernel busy: stopped", "it does not answer");
   if (state === "late") return warn("no answer in time: stopped", AGAIN);
+  if (state === "failed") return warn(cause, AGAIN);
   if (state === "hangs") return warn("the robot's program hangs", "what drives it has not come back");
   if (state === "taken") return rest("driven from another pad", AGAIN);
-  if (!ready) return rest("no feed", "nothing to drive yet");
+  if (!ready) return cause ? rest(cause, "open it and connect again") : rest("no feed", "nothing to drive yet");
   if (!enabled) return rest("switched off");
   if (state === "asking") return rest("asking the kernel");
   if (elsewhere) return rest("driven from another pad");

@@ -398,6 +398,45 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
 
 
 @pytest.mark.parametrize(
+    ("speed", "words"),
+    [
+        ((0, 90), "90 rad/s is cut to 1; in degrees? math.radians() makes them of degrees"),
+        ((0, -6.3), "-6.3 rad/s is cut to -1; in degrees? math.radians() makes them of degrees"),
+        ((0, 6.2), "6.2 rad/s is cut to 1"),
+        ((100, 0), "100 m/s is cut to 0.5"),
+        ((-1, 2.5), "-1 m/s is cut to -0.5; 2.5 rad/s is cut to 1"),
+        ((100, 0.3), "100 m/s is cut to 0.5"),
+        ((0.5, -1), ""),
+        ((0.1 + 0.4 + 1e-12, 0), ""),
+    ],
+)
+def test_a_speed_that_is_cut_is_told_until_one_is_not(driven: Driven, speed: tuple[float, float], words: str) -> None:
+    feed, _ = driven(CMD_VEL, hold=60.0)
+    feed.drive(*speed)
+    assert feed.drive_words == words
+    feed.drive(0.1)
+    assert feed.drive_words == ""
+    feed.drive(*speed)
+    feed.stop()
+    assert feed.drive_words == ""
+    feed.drive(*speed)
+    feed.driving = Driving(max_linear=1000.0, max_angular=1000.0)
+    assert feed.drive_words == ""
+    feed.drive(*speed)
+    assert feed.drive_words == ""
+
+
+def test_that_speeds_are_cut_is_logged_once_whatever_the_numbers(
+    driven: Driven, caplog: pytest.LogCaptureFixture
+) -> None:
+    feed, _ = driven(CMD_VEL, hold=60.0)
+    for i in range(40):
+        feed.drive(1 + i / 100, 90)
+    words = "1 m/s is cut to 0.5; 90 rad/s is cut to 1; in degrees? math.radians() makes them of degrees"
+    assert [record.message for record in caplog.records] == [f"the script: {words}"]
+
+
+@pytest.mark.parametrize(
     ("given", "error", "words"),
     [
         ({"max_linear": 0}, ValueError, "max_linear: expected a limit above 0, got 0"),
