@@ -20,6 +20,7 @@ from ._pacer import pacer
 from ._png import SavesPng
 from ._rate import RateMeter
 from ._traits import Flag, bytes_trait
+from .samples.scan import finite
 
 HEAD = struct.Struct("<ddq")
 """Each frame starts with its sequence number, samples per second (NaN: unknown), and the stamp in ns (0: none)."""
@@ -83,6 +84,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._arrived = 0.0
         self._meter = RateMeter()
         self._changed = False
+        self._waiting = 0
         self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
         """From which sample on what was said."""
         self._held_about: dict[str, Any] = {}
@@ -98,12 +100,46 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         """Have locks that nobody holds; called again in a forked process, where who held them may not be."""
         self._storing = threading.RLock()
         self._sending = threading.RLock()
+        self._came = threading.Condition(self._storing)
+
+    # -- what a person uses --------------------------------------------------------------------------------------------
+
+    def wait(self, timeout: float = 10.0) -> Any:
+        """The newest sample, frozen or not: at once where there is one, else as soon as the first has come.
+
+        Of speeds it is the one that was measured. Any thread may wait. What would be handed on by the thread that waits
+        does not come meanwhile.
+
+        Args:
+            timeout: seconds that it waits for the first one, 0 or more.
+
+        Raises:
+            TimeoutError: none came; the text says what is known of why.
+            TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
+        """
+        seconds = finite("timeout", timeout, "seconds")
+        if seconds < 0:
+            raise ValueError(f"timeout: expected seconds, 0 or more, got {timeout!r}")
+        with self._came:
+            self._waiting += 1
+            try:
+                self._came.wait_for(lambda: self._newest_sample() is not None, min(seconds, threading.TIMEOUT_MAX))
+            finally:
+                self._waiting -= 1
+            sample = self._newest_sample()
+        if sample is None:
+            raise TimeoutError(self._why_none(seconds))
+        return sample
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
     def _pack(self, sample: S) -> bytes:
         """The bytes of a frame after its head."""
         raise NotImplementedError
+
+    def _newest_sample(self) -> Any:
+        """What `wait` gives; None before the first."""
+        return self._newest
 
     def _show(self, sample: S, about: dict[str, Any], *, counts: bool = True) -> None:
         """Store the newest sample, with what is to be said of it in words, for the page to show.
@@ -117,6 +153,8 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             if counts:
                 mine["_sequence"] += 1
                 mine["_arrived"] = time.monotonic()
+            if mine["_waiting"]:
+                mine["_came"].notify_all()
         pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
@@ -129,6 +167,18 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         if is_a_person():
             raise error from None
         self._log_once(f"a message could not be shown: {text}")
+
+    def _why_none(self, seconds: float) -> str:
+        error = self._newest_about.get("error", "")
+        words = [self._source.get("words", ""), f"what came could not be shown: {error}" if error else ""]
+        if not self._source and not error:
+            words.append("no feed is connected to it; feed.connect(topic, widget) does that")
+        why = "; ".join(filter(None, words))
+        return (
+            f"{type(self).__name__} {self.title}".rstrip()
+            + f" had nothing to show in {seconds:g} s"
+            + f": {why}" * bool(why)
+        )
 
     def _say(self, words: str) -> None:
         if words != self._unsaved:

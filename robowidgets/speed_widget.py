@@ -204,6 +204,9 @@ class SpeedWidget(RobotWidget[Reading]):
             if self._reading.measured or self._reading.commanded:
                 self._put_up(counts=False)
 
+    def _newest_sample(self) -> Speed | None:
+        return self._reading.measured
+
     def _on_show(self) -> Reading:
         if self.paused:
             return self._unpack(self._held) if self._held else Reading()
