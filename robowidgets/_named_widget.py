@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import logging
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,7 @@ class NamedWidget(anywidget.AnyWidget):
     _css = bundle("robowidgets.css")
     _keywords: tuple[str, ...] = ()
     """Keywords that are no traits."""
+    _closed = False
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
         """Refuse what has no name before there is anything to clean up."""
@@ -83,6 +85,15 @@ class NamedWidget(anywidget.AnyWidget):
             raise AttributeError(_unknown(type(self).__name__, "trait", name, settable))
         super().__setattr__(name, value)
 
+    def close(self) -> None:
+        """Take the widget off the page."""
+        super().close()
+        self._closed = True
+
+    def __repr__(self) -> str:
+        text: str = super().__repr__()
+        return "this widget is closed: make a new one" if self._closed else text
+
     @classmethod
     def _is_ours(cls, name: str) -> bool:
         if name in _HOST_TRAITS:
@@ -102,7 +113,14 @@ class NamedWidget(anywidget.AnyWidget):
             log.error("%s %s: %s", type(self).__name__, self.title, text)
 
 
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
+    """The name that was meant, most likely: one that begins so, else one spelt nearly so; None when there is none."""
+    names = list(known)
+    longer = [other for other in names if other.startswith(name)]
+    return next(iter(difflib.get_close_matches(name, longer or names, n=1)), None)
+
+
 def _unknown(of: str, what: str, name: str, known: list[str]) -> str:
-    near = difflib.get_close_matches(name, known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else "."
+    near = nearest_name(name, known)
+    hint = f"; did you mean {near!r}?" if near else "."
     return f"{of} has no {what} {name!r}{hint} It takes: {', '.join(sorted(known))}"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from ._named_widget import bundle
+from ._named_widget import bundle, nearest_name
 from ._traits import Flag
 from ._widget import HEAD, RobotWidget
 from .messages import ScanReader
@@ -224,8 +224,10 @@ def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
         raise TypeError(f"update() needs a message, or: {', '.join(_FIELDS)}")
     if message is None:
         if not fields.keys() <= _KNOWN:
-            unknown = _listed(name for name in fields if name not in _KNOWN)
-            raise TypeError(f"update() has no field {unknown}; it takes a message, or: {', '.join(_FIELDS)}")
+            unknown = [name for name in fields if name not in _KNOWN]
+            near = [meant for name in unknown if (meant := nearest_name(name, _FIELDS))]
+            hint = f"; did you mean {_listed(near)}? It" if near else "; it"
+            raise TypeError(f"update() has no field {_listed(unknown)}{hint} takes a message, or: {', '.join(_FIELDS)}")
         return fields
     if fields:
         raise TypeError(f"update() takes a message or fields, not both; got a message and {_listed(fields)}")

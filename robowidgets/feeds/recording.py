@@ -8,6 +8,8 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from ..recordings import Recording
 from ..recordings import open as open_recording
 from ..samples.numbers import finite
@@ -110,7 +112,8 @@ def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = 
 
     Raises:
         RecordingError: nothing of it can be read; the text says why.
-        TypeError: the speed is no number. ValueError: it is not finite and above 0.
+        TypeError: no path, the speed no number, or loop neither True nor False. ValueError: a speed that is not finite
+            and above 0.
 
     Example:
         >>> from robowidgets import SAMPLE, feeds
@@ -119,6 +122,12 @@ def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = 
         >>> sorted(view.widgets)
         ['/bumper', '/odom', '/scan']
     """
+    if not isinstance(path, (str, bytes, os.PathLike)):
+        got = "None" if path is None else f"a {type(path).__name__}"
+        hint = "; one that is open has it: feeds.recording(recording.path)" if isinstance(path, Recording) else ""
+        raise TypeError(f"recording(): expected the path of a file or folder, such as 'drive.bag', got {got}{hint}")
+    if not isinstance(loop, (bool, np.bool_)):
+        raise TypeError(f"loop: expected True or False, got {loop!r}")
     if finite("speed", speed, "seconds of the recording in a second") <= 0:
         raise ValueError(f"speed: expected seconds of the recording in a second, above 0, got {speed!r}")
     return Feed(Played(open_recording(path), speed, loop))

@@ -264,6 +264,7 @@ def test_what_is_wrong_is_said(notebook: Callable[..., Notebook]) -> None:
         "The robot could not be driven: OSError: no route to the <b>robot</b>. Nor could it be told to stop"
     )
     says(nb, "no route to the <b>robot</b>")
+    shoot(nb.widget(0), "drive-failed")
     nb.page.keyboard.up("ArrowUp")
     says(nb, "stopped")
     nb.python("pad.enabled = False")

@@ -221,7 +221,23 @@ class TestUpdate:
                 {"ranges": [1.0], "range_max": 3.0},
                 r"^update\(\) takes a message or fields, not both; got a message and 'ranges', 'range_max'$",
             ),
-            ((), {**MESSAGE, "rangs": []}, r"^update\(\) has no field 'rangs'; it takes a message, or: ranges, angle_"),
+            ((), {**MESSAGE, "rangs": []}, r"^update\(\) has no field 'rangs'; did you mean 'ranges'\? It takes a m"),
+            (
+                (),
+                {"range": []},
+                r"^update\(\) has no field 'range'; did you mean 'ranges'\? It takes a message, or: ranges, ",
+            ),
+            (
+                (),
+                {"angle_inc": 0.1},
+                r"^update\(\) has no field 'angle_inc'; did you mean 'angle_increment'\? It takes",
+            ),
+            (
+                (),
+                {"range": [], "angle_mn": 0.1},
+                r"'range', 'angle_mn'; did you mean 'ranges', 'angle_min'\? It takes",
+            ),
+            ((), {"xyz": []}, r"^update\(\) has no field 'xyz'; it takes a message, or: ranges, angle_min, "),
             (
                 ([1.0, 2.0],),
                 {},

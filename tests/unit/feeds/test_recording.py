@@ -107,8 +107,19 @@ def test_words_for_what_cannot_be_played(tmp_path: Path) -> None:
         feeds.recording(tmp_path / "nowhere.bag")
     with pytest.raises(ValueError, match="speed: expected seconds of the recording in a second, above 0, got 0"):
         feeds.recording(SAMPLE, speed=0)
+    for loop in ("yes", 1, None):
+        with pytest.raises(TypeError, match=rf"^loop: expected True or False, got {loop!r}$"):
+            feeds.recording(SAMPLE, loop=loop)
+    expected = r"^recording\(\): expected the path of a file or folder, such as 'drive.bag', got"
+    with pytest.raises(TypeError, match=f"{expected} None$"):
+        feeds.recording(None)
     with (
-        feeds.recording(SAMPLE) as feed,
-        pytest.raises(FeedError, match=r"sample.mcap is a recording: it cannot be driven"),
+        robowidgets.open(SAMPLE) as opened,
+        pytest.raises(TypeError, match=f"{expected} a Recording; one that is open"),
     ):
-        feed.drive(0.1)
+        feeds.recording(opened)
+    with feeds.recording(SAMPLE) as feed:
+        with pytest.raises(TypeError, match=f"{expected} a Feed$"):
+            feeds.recording(feed)
+        with pytest.raises(FeedError, match=r"sample.mcap is a recording: it cannot be driven"):
+            feed.drive(0.1)

@@ -15,6 +15,7 @@ import anywidget
 import numpy as np
 import pytest
 import traitlets
+from IPython.core.formatters import DisplayFormatter
 
 from robowidgets import _named_widget, _widget
 from robowidgets._named_widget import MOST_LOGGED, bundle
@@ -69,6 +70,13 @@ class TestNames:
         made.layout = {"width": "200px"}
         assert made.layout.width == "200px"
         made.close()
+
+    def test_one_that_is_closed_prints_as_a_sentence_that_says_so(self) -> None:
+        made = NumberWidget()
+        assert repr(made).startswith("<")
+        made.close()
+        assert repr(made) == "this widget is closed: make a new one"
+        assert DisplayFormatter().format(made) == ({"text/plain": repr(made)}, {})
 
     def test_a_widget_that_could_not_be_made_leaves_no_complaint_behind(self) -> None:
         with pytest.raises(TypeError, match="no keyword"):
