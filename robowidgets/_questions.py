@@ -29,15 +29,15 @@ _USED_BY = {
 }
 """Which condition an option belongs to."""
 
-_OPTIONS = {
-    "label": "--touched",
-    "distance": "--nearest-below",
-    "sector": "--sector",
-    "limit": "--speed-above",
-    "axis": "--axis",
-    "seconds": "--gap",
+_GIVES = {
+    "--touched": "label",
+    "--nearest-below": "distance",
+    "--sector": "sector",
+    "--speed-above": "limit",
+    "--axis": "axis",
+    "--gap": "seconds",
 }
-"""Which option gives an argument of a condition."""
+"""The argument of a condition that an option gives."""
 
 _NAMED_BY = {"laser": "--scan", "speed": "--speed", "touch": "--touch", None: "--silent"}
 """Which option names a topic of a kind; of no kind: the topic with a gap."""
@@ -137,7 +137,8 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
 def _in_options(error: str) -> str:
     """What is wrong with an argument of a condition, said of the option that gave it."""
     argument, colon, what = error.partition(":")
-    return f"find: {_OPTIONS.get(argument, argument)}{colon}{what.replace(OF_DEGREES, 'a degree is 0.01745 radians')}"
+    option = next((option for option, gives in _GIVES.items() if gives == argument), argument)
+    return f"find: {option}{colon}{what.replace(OF_DEGREES, 'a degree is 0.01745 radians')}"
 
 
 def info(arguments: argparse.Namespace) -> str:

@@ -20,7 +20,7 @@ from ._pacer import pacer
 from ._png import SavesPng
 from ._rate import RateMeter
 from ._traits import Flag, bytes_trait
-from .samples.scan import finite
+from .samples.numbers import finite
 
 HEAD = struct.Struct("<ddq")
 """Each frame starts with its sequence number, samples per second (NaN: unknown), and the stamp in ns (0: none)."""
