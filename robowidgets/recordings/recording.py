@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from math import isfinite
-from numbers import Real
+from datetime import datetime
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -13,11 +12,13 @@ from typing import TYPE_CHECKING, Any
 from .._kinds import Widget
 from .all_series import AllSeries, AnySeries
 from .scan_series import Scans
-from .source import RecordingError, UnknownTopicError
+from .source import RecordingError
 from .speed_series import Speeds
 from .stretch import Stretch
 from .table import as_html, as_text, heading
 from .timeline import Moment, Timeline, Topic
+from .times import seconds_at, to_ns
+from .topics import check, shown
 from .touch_series import Touches
 
 if TYPE_CHECKING:
@@ -123,7 +124,7 @@ class Recording:
         for name in names:
             self.check(name)
         times = (
-            None if seconds is None else self._time_ns(name, seconds)
+            None if seconds is None else to_ns(self.start_ns, name, seconds)
             for name, seconds in (("start", start), ("end", end))
         )
         self._check_open()
@@ -142,7 +143,20 @@ class Recording:
         """
         self.check(topic)
         self._check_open()
-        return self._timeline.last(topic, self._time_ns("seconds", seconds))
+        return self._timeline.last(topic, to_ns(self.start_ns, "seconds", seconds))
+
+    def seconds_at(self, when: datetime | str) -> float:
+        """Seconds from the start of the recording at a date and time of day, as `at` and a player's `seek` take them.
+
+        Args:
+            when: such as ``"2024-05-03T14:32:05"``, or a datetime; in UTC, unless it tells its time zone.
+
+        Raises:
+            ValueError: the recording was not running then; or the text is no date and time.
+            TypeError: it is neither.
+            RecordingError: the recording has no date, because its clock is that of a simulation, say.
+        """
+        return seconds_at(when, self.path.name, self.start_ns, self.end_ns)
 
     @property
     def memory(self) -> int:
@@ -310,7 +324,7 @@ class Recording:
         return heading(str(self.path), self.topics, self.duration, self.start_ns)
 
     def _shown(self) -> dict[str, Topic]:
-        return {topic.name: topic for topic in self.topics if topic.widget}
+        return shown(self.topics)
 
     def _columns(self, topic: str | None, widget: Widget, kind: type[AnySeries]) -> AnySeries:
         name = self._series.only(widget) if topic is None else topic
@@ -325,26 +339,8 @@ class Recording:
             UnknownTopicError: it has not.
             TypeError: the name is no text.
         """
-        if not isinstance(name, str):
-            raise TypeError(f"expected the name of a topic as text, got {name!r}")
-        shown = self._shown()
-        if name in shown:
-            return
-        there = ", ".join(shown) or "none"
-        known = next((topic for topic in self.topics if topic.name == name), None)
-        if known is None:
-            raise UnknownTopicError(f"{self.path.name} has no topic {name!r}: those that a widget shows are {there}")
-        why = known.problem or f"no widget shows {known.type}"
-        raise UnknownTopicError(f"{self.path.name}: topic {name!r} cannot be shown ({why}): those that can are {there}")
+        check(name, self.topics, self.path.name)
 
     def _check_open(self) -> None:
         if self._closed:
             raise RecordingError(f"{self.path.name} is closed: open it again")
-
-    def _time_ns(self, name: str, seconds: float) -> int:
-        if not isinstance(seconds, Real):
-            raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
-        nanoseconds = float(seconds) * 1e9
-        if not isfinite(nanoseconds):
-            raise ValueError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
-        return (self.start_ns or 0) + round(nanoseconds)

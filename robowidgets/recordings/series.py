@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from math import isfinite
-from numbers import Real
 from operator import index as as_index
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
@@ -16,6 +14,7 @@ from . import tables
 from .clocks import about_clock
 from .source import RecordingError
 from .timeline import Moment, Sample
+from .times import to_ns
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -125,7 +124,7 @@ class Series(ABC, Generic[Taken]):
             ValueError: it is no time.
             RecordingError: there is no sample.
         """
-        time_ns = self._time_ns("seconds", seconds)
+        time_ns = to_ns(self._start_ns, "seconds", seconds)
         times = self.times_ns
         if not times.size:
             raise RecordingError(f"{self.topic}: there is no sample, so none is nearest to {seconds!r} s")
@@ -145,9 +144,9 @@ class Series(ABC, Generic[Taken]):
         times = self.times_ns
         inside = np.ones(len(times), bool)
         if start is not None:
-            inside &= times >= self._time_ns("start", start)
+            inside &= times >= to_ns(self._start_ns, "start", start)
         if end is not None:
-            inside &= times < self._time_ns("end", end)
+            inside &= times < to_ns(self._start_ns, "end", end)
         found = np.flatnonzero(inside)
         if found.size and found[-1] - found[0] == found.size - 1:
             return self._with(self.rows[int(found[0]) : int(found[-1]) + 1])
@@ -200,13 +199,6 @@ class Series(ABC, Generic[Taken]):
 
     def _moment(self, time_ns: int, sample: Sample) -> Moment:
         return Moment(self.topic, time_ns, sample, (time_ns - self._start_ns) / 1e9)
-
-    def _time_ns(self, name: str, seconds: float) -> int:
-        if isinstance(seconds, bool) or not isinstance(seconds, Real):
-            raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
-        if not isfinite(seconds) or abs(seconds) > 2**62 / 1e9:
-            raise ValueError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
-        return self._start_ns + round(float(seconds) * 1e9)
 
 
 def _frozen(column: NDArray[Any]) -> NDArray[Any]:

@@ -12,6 +12,7 @@ from .scan_series import Scans
 from .spans import Span
 from .speed_series import Speeds
 from .timeline import Moment
+from .times import to_ns
 from .touch_series import Touches
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ class Stretch:
             self.start, self.end = which.start, which.stop
             for name, seconds in (("start", self.start), ("end", self.end)):
                 if seconds is not None:
-                    recording._time_ns(name, seconds)
+                    to_ns(recording.start_ns, name, seconds)
             if self.start is not None and self.end is not None and self.start > self.end:
                 raise ValueError(f"recording[{self.start}:{self.end}]: expected a start before the end, in seconds")
             return

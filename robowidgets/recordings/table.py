@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from datetime import datetime, timezone
 
 from .. import _table
 from .._table import many
 from .timeline import Topic
+from .times import as_date, has_date
 
 _HEADS = ("topic", "type", "messages", "Hz", "widget")
 _RIGHT = (2, 3)
-_MADE_UP_BEFORE = 86_400 * 365
 _SLOWEST = 0.1
 
 
@@ -19,9 +18,8 @@ def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int |
     """One line: which recording, how long, from when, how much is in it."""
     count = sum(topic.count for topic in topics)
     parts = [f"{duration:.1f} s", many(len(topics), "topic"), many(count, "message")]
-    if start_ns is not None and start_ns // 10**9 > _MADE_UP_BEFORE:
-        started = datetime.fromtimestamp(start_ns // 10**9, timezone.utc)
-        parts.insert(1, f"from {started:%Y-%m-%d %H:%M:%S} UTC")
+    if start_ns is not None and has_date(start_ns):
+        parts.insert(1, f"from {as_date(start_ns)}")
     return f"{path}: {', '.join(parts)}"
 
 

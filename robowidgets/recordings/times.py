@@ -1,0 +1,64 @@
+"""Times of a recording: seconds from its start, nanoseconds of its clock, and dates."""
+
+from __future__ import annotations
+
+import re
+from datetime import datetime, timedelta, timezone
+from math import isfinite
+from numbers import Real
+from typing import Any
+
+from .source import RecordingError
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+_FIRST_DATE_NS = (datetime(1990, 1, 1, tzinfo=timezone.utc) - _EPOCH) // timedelta(seconds=1) * 10**9
+"""No robot recorded before: a clock that says so counts from somewhere else, as that of a simulation does."""
+
+_LONGEST = 2**62 / 1e9
+_UTC = re.compile(r"\s*(UTC|Z)$", re.IGNORECASE)
+
+
+def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
+    """Nanoseconds of the clock at a time in seconds from the start; TypeError or ValueError when it is no such time."""
+    if isinstance(seconds, bool) or not isinstance(seconds, Real):
+        raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
+    if not isfinite(seconds) or abs(float(seconds)) > _LONGEST:
+        raise ValueError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
+    return (start_ns or 0) + round(float(seconds) * 1e9)
+
+
+def has_date(time_ns: int) -> bool:
+    """Whether a clock that shows this tells the date."""
+    return time_ns >= _FIRST_DATE_NS
+
+
+def as_date(time_ns: int) -> str:
+    """Date and time of day: ``2024-05-03 14:32:05 UTC``."""
+    return f"{_EPOCH + timedelta(seconds=time_ns // 10**9):%Y-%m-%d %H:%M:%S} UTC"
+
+
+def seconds_at(when: datetime | str, file: str, start_ns: int | None, end_ns: int | None) -> float:
+    """Seconds from the start of a file's recording at a date and time of day: see `Recording.seconds_at`."""
+    told_ns = _since_epoch(when)
+    if start_ns is None or end_ns is None or not has_date(start_ns):
+        why = "holds no message" if start_ns is None else f"has no date: its clock begins at {start_ns / 1e9:g} s"
+        raise RecordingError(f"{file} {why}; its times are seconds from the start, 0 to its duration")
+    # The second in which it starts is the first that is written anywhere.
+    if not start_ns // 10**9 * 10**9 <= told_ns <= end_ns:
+        lies = "before" if told_ns < start_ns else "after"
+        held = f"from {as_date(start_ns)} to {as_date(end_ns)}"
+        raise ValueError(f"when: {as_date(told_ns)} lies {lies} the recording {file}, which is {held}")
+    return max(0, told_ns - start_ns) / 1e9
+
+
+def _since_epoch(when: datetime | str) -> int:
+    expected = 'when: expected a datetime, or text such as "2024-05-03T14:32:05"'
+    if isinstance(when, str):
+        try:
+            when = datetime.fromisoformat(_UTC.sub("+00:00", when.strip()))
+        except ValueError:
+            raise ValueError(f"{expected}; got {when!r}") from None
+    if not isinstance(when, datetime):
+        raise TypeError(f"{expected}; got {when!r}")
+    aware = when if when.utcoffset() is not None else when.replace(tzinfo=timezone.utc)
+    return (aware - _EPOCH) // timedelta(microseconds=1) * 1000
