@@ -31,11 +31,15 @@ class Shown(Protocol):
 
 
 class Pick(NamedTuple):
-    """A widget for a topic; a measured speed goes with the topic of the commanded one, if there is any."""
+    """A widget for a topic; a measured speed goes with the topic of the commanded one, if there is any.
+
+    ``commanded`` marks a commanded speed that has a widget of its own.
+    """
 
     widget: Widget
     topic: str
     command: str = ""
+    commanded: bool = False
 
     def make(self) -> Any:
         """The widget, with its titles."""
@@ -43,7 +47,8 @@ class Pick(NamedTuple):
             return LaserWidget(title=self.topic)
         if self.widget == "touch":
             return TouchWidget(title=self.topic)
-        return SpeedWidget(title=self.topic, command_title=self.command)
+        bars = "commanded" if self.commanded else "measured"
+        return SpeedWidget(title=self.topic, command_title=self.command, bars=bars)
 
 
 def picks(topics: Iterable[Shown]) -> tuple[Pick, ...]:
@@ -52,7 +57,7 @@ def picks(topics: Iterable[Shown]) -> tuple[Pick, ...]:
     speeds = [topic for widget, topic in shown if widget == "speed"]
     command_of = _paired([t.name for t in speeds if not t.commanded], [t.name for t in speeds if t.commanded])
     return tuple(
-        Pick(widget, topic.name, command_of.get(topic.name, ""))
+        Pick(widget, topic.name, command_of.get(topic.name, ""), topic.commanded)
         for widget, topic in shown
         if topic.name not in command_of.values()
     )

@@ -74,6 +74,8 @@ class SpeedWidget(RobotWidget[Reading]):
         limits: by axis, instead of those two: ``{"linear.x": (-0.2, 0.5), "angular.z": 1.8}``. To change it, set
             another dictionary.
         planar: whether only linear x, linear y and angular z are shown. The view writes it too.
+        bars: "commanded" where `update` is given what was asked for, and nothing is measured: bars, legend and header
+            tell it from a measured speed; else "measured".
         hold_peaks: whether the least and the greatest speed since the last reset are marked.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
@@ -103,6 +105,9 @@ class SpeedWidget(RobotWidget[Reading]):
         sync=True, to_json=lambda value, _: dict(value)
     )
     planar = Flag(False, help="Only linear x, y and angular z. Python and the view write it.").tag(sync=True)
+    bars = traitlets.Enum(("measured", "commanded"), "measured", help="What `update` is given, and the bars show.").tag(
+        sync=True
+    )
     hold_peaks = Flag(False, help="Whether least and greatest speeds are marked.").tag(sync=True)
     _resets = traitlets.Int(0, help="How often the peaks were reset. Python and the view write it.").tag(sync=True)
 

@@ -31,3 +31,16 @@ def test_a_measured_speed_gets_the_command_of_its_own_robot(topics: list[str], c
     picked = picks(shown)
     assert {pick.topic: pick.command for pick in picked if pick.command} == command_of
     assert {pick.topic for pick in picked} == set(topics) - set(command_of.values())
+
+
+def test_a_command_alone_is_shown_as_one() -> None:
+    topics = [("/scan", "laser"), ("/odom", "speed"), ("/cmd_vel", "speed"), ("/cmd_vel_mux/input", "speed")]
+    shown = [
+        Topic(name, "", widget, widget == "speed" and is_command(name), offered=True, wanted=None)  # type: ignore[arg-type]
+        for name, widget in topics
+    ]
+    assert [(pick.topic, pick.commanded) for pick in picks(shown)] == [
+        ("/scan", False), ("/odom", False), ("/cmd_vel_mux/input", True)
+    ]  # fmt: skip
+    assert [pick.make().bars for pick in picks(shown)[1:]] == ["measured", "commanded"]
+    assert [pick.make().bars for pick in picks(shown[2:])] == ["commanded", "commanded"]

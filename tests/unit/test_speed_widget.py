@@ -66,6 +66,14 @@ class TestUpdate:
         assert speed.speed.linear == (0.5, 0, 0)
         assert all(isnan(v) for v in speed.speed.angular)
 
+    def test_bars_are_of_what_was_measured_or_of_what_was_asked_for(self) -> None:
+        assert SpeedWidget().bars == "measured"
+        assert SpeedWidget(bars="commanded").get_state()["bars"] == "commanded"
+        with pytest.raises(
+            TraitError, match=r"'bars' trait.* expected any of \['measured', 'commanded'\], not .*'wanted'"
+        ):
+            SpeedWidget(bars="wanted")
+
     def test_a_command_may_come_alone(self) -> None:
         speed = SpeedWidget()
         speed.command(linear=(2, 0, 0), angular=(0, 0, 0))

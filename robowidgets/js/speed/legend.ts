@@ -7,20 +7,23 @@ const WORDS: Record<Key, string> = { measured: "measured", command: "commanded",
 /** What the marks mean, of those that are there, and one line on all axes. */
 export class Legend {
   readonly #items = new Map<Key, HTMLElement>();
+  readonly #bars = make("span", "", WORDS.measured);
   readonly #summary = make("span", "rw-summary");
 
   constructor(footer: HTMLElement) {
     const keys = make("span", "rw-keys");
     for (const key of KEYS) {
       const item = make("span", "rw-key-item");
-      item.append(make("span", `rw-key rw-key-${key}`), WORDS[key]);
+      item.append(make("span", `rw-key rw-key-${key}`), key === "measured" ? this.#bars : WORDS[key]);
       this.#items.set(key, item);
       keys.append(item);
     }
     footer.append(keys, this.#summary);
   }
 
-  update(hasCommand: boolean, hasPeaks: boolean, summary: string): void {
+  /** @param bars what the bars show, in a word */
+  update(bars: string, hasCommand: boolean, hasPeaks: boolean, summary: string): void {
+    setText(this.#bars, bars);
     this.#show("command", hasCommand);
     this.#show("peak", hasPeaks);
     setText(this.#summary, summary);

@@ -16,7 +16,16 @@ import type { Limits } from "./limits.ts";
 import { Popup } from "./popup.ts";
 import { describeAxis, summarize } from "./words.ts";
 
-const SETTINGS = ["linear_limits", "angular_limits", "limits", "planar", "hold_peaks", "_resets", "command_title"];
+const SETTINGS = [
+  "linear_limits",
+  "angular_limits",
+  "limits",
+  "planar",
+  "hold_peaks",
+  "_resets",
+  "command_title",
+  "bars",
+];
 const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";
 
 /** One view of a speed widget: it wires the card, the groups of bars, the legend, the pop-up and the gestures. */
@@ -138,15 +147,18 @@ export class SpeedView {
 
   #drawCard(speeds: Speeds | null, summary: string): void {
     const model = this.#model;
+    const bars = getString(model, "bars") || "measured";
+    const isCommanded = bars === "commanded";
     const command = speeds?.commanded ? `with ${getString(model, "command_title") || "commands"}` : "";
-    this.#card.update([this.#stream.about.frame_id ?? "", command], "speed");
+    this.#card.update([this.#stream.about.frame_id ?? "", isCommanded ? bars : "", command], "speed");
+    this.#card.root.classList.toggle("rw-bars-commanded", isCommanded);
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
     this.#planar.ariaPressed = String(getFlag(model, "planar"));
     this.#reset.hidden = !getFlag(model, "hold_peaks");
     this.#empty.hidden = speeds !== null;
     setText(this.#empty, this.#card.waiting("speed"));
     this.#board.classList.toggle("rw-commanded", Boolean(speeds?.commanded));
-    this.#legend.update(Boolean(speeds?.commanded), getFlag(model, "hold_peaks"), summary);
+    this.#legend.update(bars, Boolean(speeds?.commanded), getFlag(model, "hold_peaks"), summary);
   }
 
   #drawPopup(shown: AxisFacts[]): void {
