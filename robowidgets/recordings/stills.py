@@ -18,7 +18,7 @@ from .recording import Recording
 from .timeline import Moment
 from .touch_history import TouchHistory
 
-NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 1.0, notes=("no scan up to this time of the recording",))
+NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 10.0, notes=("no scan up to this time of the recording",))
 NO_SPEED = Speed((nan, nan, nan), (nan, nan, nan))
 
 TICK = 0.1

@@ -106,6 +106,7 @@ test("a picture without readings says why", () => {
       ),
     );
   assert.equal(whyEmpty(scanOf([])), "this scan is empty: it has no rays");
+  assert.equal(whyEmpty(scanOf([]), ["no scan up to this time of the recording"]), "", "its note does");
   assert.equal(whyEmpty(scan), "");
   assert.equal(all(Infinity), "no readings: all 360 rays say +inf: nothing within 3.5 m");
   assert.equal(all(-Infinity), `no readings: all 360 rays say ${MINUS}inf: closer than 0.12 m`);

@@ -136,7 +136,7 @@ export class LaserView {
     const { theme } = this.#card;
     this.#tell();
     this.#card.update([this.#stream.about.frame_id ?? "", scan ? toMany(scan.count, "ray") : ""], "scan");
-    setText(this.#empty, scan ? whyEmpty(scan) : this.#card.waiting("scan"));
+    setText(this.#empty, scan ? whyEmpty(scan, this.#stream.about.notes) : this.#card.waiting("scan"));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];
     this.#scene.draw(scan, this.#size, this.#card.noticeHeight, covered, theme);

@@ -59,10 +59,10 @@ export function meaningOf({ kinds, minRange, maxRange }: Classed, index: number)
   }
 }
 
-/** Why a scan shows no reading, in one sentence; nothing when it shows some. */
-export function whyEmpty(scan: Scan): string {
+/** Why a scan shows no reading, in one sentence; nothing when it shows some, or notes on an empty one say why. */
+export function whyEmpty(scan: Scan, notes: string[] = []): string {
   const { counts } = scan;
-  if (scan.count === 0) return "this scan is empty: it has no rays";
+  if (scan.count === 0) return notes.length ? "" : "this scan is empty: it has no rays";
   if (counts[READING] > 0) return "";
   const present = CLASSES.filter(({ kind }) => counts[kind] > 0);
   const [only] = present;
