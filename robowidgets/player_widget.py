@@ -20,7 +20,8 @@ class PlayerWidget(anywidget.AnyWidget):
 
     It moves the widgets whose models it is given, frame by frame, from stretches of the recording that Python sends
     ahead. Space plays and stops, `,` and `.` step from scan to scan, arrow keys jump, `n` and `p` go from mark to mark,
-    `l` plays it again and again, `+` and `-` change the speed.
+    `l` plays it again and again, `+` and `-` change the speed: all over the player that it is part of, where what has
+    the focus has no use for the key. Beside the seconds stands the date and time of day, in UTC, if there is one.
 
     Args:
         duration: seconds of the recording.
@@ -42,7 +43,9 @@ class PlayerWidget(anywidget.AnyWidget):
     _pauses = traitlets.List(traitlets.Float()).tag(sync=True)
     _followers = traitlets.List(traitlets.Unicode()).tag(sync=True)
     _first = traitlets.Dict().tag(sync=True, echo_update=False)
+    _start = traitlets.Float(None, allow_none=True, help="Seconds since the epoch; None: no date.").tag(sync=True)
     _words = traitlets.Unicode().tag(sync=True)
+    _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)
 
     def when_asked(self, call: Callable[[], Any]) -> None:
         """Call back whenever a page says that it has nothing of the recording."""

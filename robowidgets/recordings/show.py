@@ -26,12 +26,10 @@ from ..touch_widget import TouchWidget
 from .pauses import longest_pause, usual_step
 from .recording import Recording, open
 from .sender import STRETCH, Sender, stretch
-from .source import RecordingError
 from .stills import NO_SCAN, NO_SPEED, LaserTrack, SpeedTrack, TouchTrack, Track
+from .times import has_date
 from .touch_history import TouchHistory
-
-MOST_SCANS = 20_000
-"""With more scans a scanogram is made only when it is asked for: it reads them all."""
+from .whole_drive import whole_drive
 
 _EARLY = 0.1
 _TINY = 1e-7
@@ -56,14 +54,15 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """What `Recording.show` gives: the widgets for topics of a recording, and one time that all of them show.
 
     Each widget shows the last sample at that time or before it; a commanded speed is a tick on the bars of the measured
-    one. Playing, stepping and dragging happen in the page, from what was sent ahead, also while a cell runs. `close`
-    takes all of it off the page and closes the recording. So does running the cell again that made it.
+    one, and has bars of its own where none was measured. Playing, stepping and dragging happen in the page, from what
+    was sent ahead, also while a cell runs. `close` takes all of it off the page and closes the recording. So does
+    running the cell again that made it.
 
     Args:
         recording: what is shown. Nothing else may read it meanwhile.
         topics: names of topics in it; none: all that have a widget.
         scanogram: whether the whole drive stands above them as one picture, of the first topic with scans; None: if
-            that is ready in about a second.
+            that is ready in a few seconds. Where it is not, a line says so.
         rerun: whether the Rerun viewer stands beside them, on the same time.
 
     Raises:
@@ -96,15 +95,18 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         for view in self.views:
             view.widget.live, view.widget.led, view.widget.history = False, True, 0
         moves = recording.duration and self.views
-        self.scanogram = _scanogram(recording, self.views, scanogram) if moves else None
-        self.bar = self._make_bar()
+        scanned = next((view.pick.topic for view in self.views if view.pick.widget == "laser"), "") if moves else ""
+        beside = [name for view in self.views for name in view.seeks]
+        self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
+        self.bar = self._make_bar(note)
         above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
         super().__init__([self._problems, *above, self._widgets()])
+        self.add_class("rw-recording")  # by which the bar knows whose keys it takes
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
             self.observe(self._to_bar, name)
             self.bar.observe(self._from_bar, name)
-        self._sender = sender = Sender(self._open_tracks, self._send, recording.duration, self._complain)
+        self._sender = sender = Sender(self._open_tracks, self._send_ahead, recording.duration, self._complain)
         self.bar.when_asked(sender.start)
         self.bar.when_pointed(sender.point)
         self.bar.when_stepped(self._step)
@@ -146,11 +148,12 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         super().close()
         self.recording.close()
 
-    def _make_bar(self) -> PlayerWidget:
+    def _make_bar(self, note: str) -> PlayerWidget:
         """The bar, with the first look in its state: there at once, however busy the kernel is."""
         seconds = _first_look(self.recording, self.views)
         index = int(seconds // STRETCH)
         packed = stretch(_tracks(self.recording, self.views), index)
+        start_ns = self.recording.start_ns or 0
         return PlayerWidget(
             duration=self.recording.duration,
             time=seconds,
@@ -158,6 +161,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             _targets=[view.widget.model_id for view in self.views],
             _pauses=[_pause(self.recording, view.pick) for view in self.views],
             _followers=[self.scanogram.model_id] if self.scanogram else [],
+            _start=start_ns / 1e9 if has_date(start_ns) else None,
+            _note=note,
             _first={
                 "stretch": index,
                 "drop": [],
@@ -172,7 +177,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         with open(self.recording.path) as recording:
             yield _tracks(recording, self.views)
 
-    def _send(self, content: dict[str, Any], buffers: list[bytes]) -> None:
+    def _send_ahead(self, content: dict[str, Any], buffers: list[bytes]) -> None:
         self.bar.send(content, buffers)
 
     def _complain(self, words: str) -> None:
@@ -228,22 +233,6 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         lines = [f"⚠ {escape(line)}" for line in self.recording.problems]
         self._problems.value = "<br>".join(lines)
         self._problems.layout.display = None if lines else "none"
-
-
-def _scanogram(recording: Recording, views: Iterable[View], wanted: bool | None) -> ScanogramWidget | None:
-    topic = next((view.pick.topic for view in views if view.pick.widget == "laser"), None)
-    count = sum(t.count for t in recording.topics if t.name == topic)
-    if topic is None or wanted is False or (wanted is None and count > MOST_SCANS):
-        return None
-    try:
-        beside = [name for view in views for name in view.seeks]
-        layout = ipywidgets.Layout(margin="0 4px", width="calc(100% - 8px)")
-        return ScanogramWidget.of(recording, topic, beside, layout=layout)
-    except RecordingError:
-        # It holds no scan with rays.
-        if wanted:
-            raise
-        return None
 
 
 def _select(scanogram: ScanogramWidget, change: Any) -> None:

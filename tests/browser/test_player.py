@@ -97,6 +97,129 @@ def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(notebook: Open, da
     expect(nb.page.locator(".jp-Cell")).to_have_count(2)
 
 
+def test_its_keys_work_on_every_widget_that_has_no_use_for_them(notebook: Open, tmp_path: Path) -> None:
+    nb = opened(notebook, robot.write(tmp_path / "drive"))
+    shown, press = nb.output(1), nb.page.keyboard.press
+    time, play, loop = (bar(nb).locator(one) for one in (".rw-play-now", ".rw-play", ".rw-loop"))
+    pictures = [shown.locator(f".rw-{kind} .rw-picture") for kind in ("scanogram", "laser", "speed", "touch")]
+    for number, picture in enumerate(pictures):
+        picture.click(position={"x": 150, "y": 20})
+        to_time(nb, 4.95)
+        expect(time).to_have_text("4.95")
+        for key, at in ((".", "5.00"), (".", "5.10"), (",", "5.00")):
+            press(key)
+            expect(time).to_have_text(at)
+        press("l")
+        expect(loop).to_have_attribute("aria-pressed", "false" if number % 2 else "true")
+    for key, at in (("ArrowRight", "6.00"), ("Shift+ArrowRight", "10.00"), ("Home", "0.00"), ("ArrowDown", "0.00")):
+        press(key)
+        expect(time).to_have_text(at)
+    pictures[0].focus()
+    for title in ("Stop here (space)", "Play (space)"):
+        press(" ")
+        expect(play).to_have_attribute("title", title)
+    expect(nb.page.locator(".jp-Cell")).to_have_count(2)
+
+
+def test_a_widget_keeps_the_keys_that_it_uses_itself(notebook: Open, tmp_path: Path) -> None:
+    nb = opened(notebook, robot.write(tmp_path / "drive"))
+    press, time, play = nb.page.keyboard.press, bar(nb).locator(".rw-play-now"), bar(nb).locator(".rw-play")
+    nb.python("player.time = 3\nlaser = player.views[0].widget\nlaser.history = 60")
+    expect(time).to_have_text("3.00")
+    laser = nb.output(1).locator(".rw-laser")
+    laser.locator(".rw-picture").focus()
+    for key in ("ArrowRight", "Home", "+"):
+        press(key)
+    expect(laser.locator(".rw-popup-expression >> nth=0")).to_have_text("ranges[0]")
+    for key, at in ((".", "3.10"), (".", "3.20")):
+        press(key)
+        expect(time).to_have_text(at)
+    press(" ")
+    freeze, kept = laser.locator(".rw-freeze"), laser.locator(".rw-steps b")
+    expect(freeze).to_have_attribute("aria-pressed", "true")
+    expect(kept).to_have_text("newest")
+    press(",")
+    expect(kept).not_to_have_text("newest")
+    freeze.focus()
+    press(" ")
+    expect(freeze).to_have_attribute("aria-pressed", "false")
+    expect(time).to_have_text("3.20")
+    nb.output(1).locator(".rw-scanogram .rw-picture").focus()
+    for key, at in (("ArrowRight", "3.30"), ("Home", "0.00"), ("+", "0.00")):
+        press(key)
+        expect(time).to_have_text(at)
+    assert bar(nb).locator("select").input_value() == "1"
+    bar(nb).locator("select").focus()
+    press(".")
+    expect(time).to_have_text("0.00")
+    expect(play).to_have_attribute("title", "Play (space)")
+
+
+def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
+    notebook: Open, data: Path, tmp_path: Path
+) -> None:
+    path = robot.write(tmp_path / "night", silence=7200)
+    for theme in ("light", "dark"):
+        nb = opened(notebook, path, theme=theme)
+        clock, moment = (bar(nb).locator(one) for one in (".rw-play-clock", ".rw-play-time"))
+        nb.python("player.seek(recording.seconds_at('2023-11-15T00:13:24.900'))")
+        expect(bar(nb).locator(".rw-play-now")).to_have_text("7204.90")
+        for width, told in ((1000, "2023-11-15 00:13:24 UTC"), (700, "00:13:24 UTC"), (500, "00:13:24 UTC"), (300, "")):
+            nb.resize(width)
+            shoot(bar(nb), f"player-clock-{theme}-{width}")
+            assert (clock.inner_text() if clock.is_visible() else "") == told
+            expect(moment).to_have_attribute("title", "2023-11-15 00:13:24 UTC")
+            assert bar(nb).evaluate("bar => bar.scrollWidth <= bar.clientWidth")
+        nb.resize(1000)
+        places = []
+        for seconds in (0, 9.99, 3599.5, 6399.8):
+            nb.python(f"player.time = {seconds}")
+            expect(bar(nb).locator(".rw-play-now")).to_have_text(f"{seconds:.2f}")
+            places.append(bar(nb).locator(".rw-play-line").bounding_box())
+        assert all(place == places[0] for place in places), places
+    nb = opened(notebook, data / "good" / "turtlebot3_gazebo.bag")
+    expect(bar(nb).locator(".rw-play-duration")).to_have_text(" / 91.34 s")
+    expect(bar(nb).locator(".rw-play-clock")).to_be_hidden()
+
+
+def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(notebook: Open, tmp_path: Path) -> None:
+    fewer = "from robowidgets.recordings import whole_drive\nwhole_drive.MOST_READINGS = 10\n"
+    nb = opened(notebook, robot.write(tmp_path / "drive"), fewer + SHOW)
+    note = bar(nb).locator(".rw-play-note")
+    words = "no scanogram: 100 scans of 1 ray take a while; recording.show(scanogram=True) has it made"
+    expect(note).to_have_text(words)
+    expect(nb.output(1).locator(".rw-scanogram")).to_have_count(0)
+    for width in (1000, 300):
+        nb.resize(width)
+        shoot(bar(nb), f"player-note-{width}")
+        assert note.evaluate("note => note.scrollWidth <= note.clientWidth")
+
+
+def test_a_command_alone_is_not_shown_as_measured(notebook: Open, tmp_path: Path) -> None:
+    show = "player = recording.show('/scan', '/cmd_vel')\nplayer.time = 7\nplayer"
+    nb = opened(notebook, robot.write(tmp_path / "drive"), show)
+    speed = nb.output(1).locator(".rw-speed")
+    expect(speed.locator(".rw-facts")).to_have_text("commanded")
+    expect(speed.locator("[data-axis='0'] .rw-value")).to_have_text("0.70")
+    expect(speed.locator(".rw-key-item:visible")).to_have_text(["commanded", "limits"])
+    expect(speed).not_to_contain_text("measured")
+    shoot(speed, "player-command-alone")
+    nb.theme("dark")
+    nb.python("player.views[1].widget.linear_limits = 0.5")
+    expect(speed.locator(".rw-summary")).to_have_text("linear.x over max")
+    shoot(speed, "player-command-alone-over")
+
+
+def test_before_the_first_scan_one_sentence_says_so(notebook: Open, data: Path) -> None:
+    show = "player = recording.show('/test/sensor_msgs/laser_scan', '/test/std_msgs/bool')\nplayer.time = 0\nplayer"
+    nb = opened(notebook, data / "odd" / "every_ros2_type_mcap", show)
+    laser = nb.output(1).locator(".rw-laser")
+    expect(laser.locator(".rw-notice")).to_have_text("no scan up to this time of the recording")
+    expect(laser.locator(".rw-range")).to_have_text("10 m")
+    expect(laser.locator(".rw-empty")).to_be_hidden()
+    shoot(laser, "player-before-the-first-scan")
+
+
 def test_a_step_crosses_hours_of_silence_in_which_what_is_shown_is_told_to_be_old(
     notebook: Open, tmp_path: Path
 ) -> None:
@@ -131,10 +254,15 @@ def test_a_click_on_the_whole_drive_moves_all(notebook: Open, data: Path) -> Non
     passes(nb, before + 5)
     shown = nb.output(1).locator(".rw-scanogram .rw-footer")
     expect(shown).to_contain_text(f"{now(nb):.2f} s")
+    clicked = now(nb)
+    nb.page.keyboard.press(".")
+    passes(nb, clicked)
+    stepped = now(nb)
     nb.interrupt()
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
     wait_for(lambda: abs(float(nb.python("print(player.time)")) - now(nb)) < 0.01, "Python knew")
+    assert now(nb) == stepped, "it did not go back to the click that Python heard of last"
 
 
 def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_runs(
@@ -160,7 +288,7 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
     finger = {"type": "touchStart", "touchPoints": [{"x": box["x"] + 700, "y": box["y"] + 50}]}
     fetches(lambda: touch.send("Input.dispatchTouchEvent", finger))
     touch.send("Input.dispatchTouchEvent", {"type": "touchCancel", "touchPoints": []})
-    fetches(lambda: bar(nb).locator("input").hover(position={"x": 550, "y": 10}))
+    fetches(lambda: bar(nb).locator("input").hover(position={"x": 400, "y": 10}))
     fetches(lambda: picture.hover(position={"x": 550, "y": 10}))
     busy = nb.append(SLEEP)
     nb.start(busy)

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { actionOf } from "../../robowidgets/js/player/keys.ts";
+import { toClock } from "../../robowidgets/js/player/clock.ts";
+import { actionOf, isBarsAlone, usesItself } from "../../robowidgets/js/player/keys.ts";
 import { type Host, Playback } from "../../robowidgets/js/player/playback.ts";
 import { decodeStills, Stretches } from "../../robowidgets/js/player/stretches.ts";
 import { FakeModel } from "./models.ts";
@@ -308,4 +309,55 @@ test("another widget shows the time, is followed where a person points, and let 
   end();
   assert.equal(follower.listening, 0);
   assert.equal(fake.listening, 0);
+});
+
+test("what a busy kernel repeats of an earlier click on another widget moves nothing", async () => {
+  const { follower, playback, end } = await play();
+  const send = (time: number) => {
+    Object.assign(follower, { _state_lock: { time } });
+    follower.receive({ time });
+    Object.assign(follower, { _state_lock: null });
+  };
+  follower.set("time", 0.5);
+  playback.step(1);
+  send(0.5);
+  assert.deepEqual([playback.time, follower.get("time")], [1, 1]);
+  send(2.5);
+  assert.equal(playback.time, 2.5, "what a program sets does");
+  playback.seek(1);
+  send(0.5);
+  assert.equal(playback.time, 0.5, "also where a click was before");
+  playback.seek(1);
+  follower.set("time", 0.5);
+  assert.equal(playback.time, 0.5, "and a click on the same place");
+  end();
+});
+
+test("a moment has a date and a time of day in UTC, of its last full second", () => {
+  assert.deepEqual(toClock(1_714_746_725), ["2024-05-03", "14:32:05"]);
+  assert.deepEqual(toClock(1_714_746_725.994), ["2024-05-03", "14:32:05"]);
+  assert.deepEqual(toClock(1_714_694_400 - 0.5), ["2024-05-02", "23:59:59"]);
+  // What a float makes of a whole second is no second less.
+  assert.deepEqual(toClock(1_700_000_000.1 + 5.9), ["2023-11-14", "22:13:26"]);
+});
+
+test("arrows up and down move the page, unless the bar has the focus", () => {
+  assert.deepEqual(["ArrowUp", "ArrowDown", "ArrowLeft", " ", ",", "Home"].filter(isBarsAlone), [
+    "ArrowUp",
+    "ArrowDown",
+  ]);
+});
+
+test("who types or walks a list needs every key, and who is on a button space", () => {
+  const focused = (kind: string, isContentEditable = false) =>
+    ({
+      isContentEditable,
+      matches: (kinds: string) => kinds.split(", ").includes(kind),
+    }) as HTMLElement;
+  const used = (element: HTMLElement) => [" ", "l", "."].filter((key) => usesItself(element, key));
+  assert.deepEqual(used(focused("select")), [" ", "l", "."]);
+  assert.deepEqual(used(focused("textarea")), [" ", "l", "."]);
+  assert.deepEqual(used(focused("div", true)), [" ", "l", "."]);
+  assert.deepEqual(used(focused("button")), [" "]);
+  assert.deepEqual(used(focused("div")), []);
 });

@@ -1,11 +1,13 @@
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
+import { isPlain, on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { getMarks } from "../shared/marks.ts";
 import { getFlag, getNumber, getString, type Model, put } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
-import { actionOf, SPEEDS } from "./keys.ts";
+import { toClock } from "./clock.ts";
+import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import type { Playback } from "./playback.ts";
 
 const PLAY = "M3 1.2l7 4.8-7 4.8z";
@@ -23,12 +25,17 @@ export class PlayerBar {
   readonly #root = make("div", "rw-card rw-player");
   readonly #play: HTMLButtonElement;
   readonly #loop: HTMLButtonElement;
+  readonly #moment = make("span", "rw-play-time");
   readonly #time = make("b", "rw-play-now");
   readonly #duration = make("span", "rw-play-duration");
+  readonly #clock = make("span", "rw-play-clock");
+  readonly #date = make("span", "rw-play-date");
+  readonly #timeOfDay = make("span", "");
   readonly #slider = make("input", "rw-slider");
   readonly #marks = make("div", "rw-play-marks");
   readonly #speed = make("select", "rw-button rw-play-speed");
   readonly #words = make("span", "rw-play-words");
+  readonly #note = make("div", "rw-play-note");
   #drawn: unknown[] = [];
   #icon = "";
 
@@ -37,8 +44,8 @@ export class PlayerBar {
     this.#playback = playback;
     const back = makeButton("rw-step", "One scan back (,)", () => playback.step(-1), signal);
     back.textContent = "\u2039";
-    const on = makeButton("rw-step", "One scan on (.)", () => playback.step(1), signal);
-    on.textContent = "\u203a";
+    const forth = makeButton("rw-step", "One scan on (.)", () => playback.step(1), signal);
+    forth.textContent = "\u203a";
     this.#play = makeButton("rw-play", "Play (space)", () => playback.toggle(), signal);
     const onLoop = () => put(model, { loop: !getFlag(model, "loop") });
     this.#loop = makeButton("rw-loop", "Play it again and again, the selection if there is one (l)", onLoop, signal);
@@ -46,13 +53,15 @@ export class PlayerBar {
     this.#makeSlider(signal);
     this.#makeSpeed(signal);
     this.#words.role = "status";
-    const time = make("span", "rw-play-time");
-    time.append(this.#time, this.#duration);
+    this.#clock.append(this.#date, this.#timeOfDay);
+    this.#moment.append(this.#time, this.#duration, this.#clock);
     const track = make("div", "rw-play-line");
     track.append(this.#marks, this.#slider);
-    this.#root.append(back, this.#play, on, time, track, this.#words, this.#speed, this.#loop);
+    this.#root.append(back, this.#play, forth, this.#moment, track, this.#words, this.#speed, this.#loop, this.#note);
     this.#root.tabIndex = -1;
-    this.#root.addEventListener("keydown", (event) => this.#onKey(event), { signal });
+    on(this.#root, "keydown", (event) => this.#onKey(event), signal);
+    // On the document, because the bar may be made before it stands among the widgets that it moves.
+    on(document, "keydown", (event) => this.#isLeftOver(event) && this.#onKey(event), signal);
     keepKeys(this.#root, signal);
     element.append(this.#root);
 
@@ -89,12 +98,17 @@ export class PlayerBar {
     this.#playback.point(part * this.#playback.duration);
   }
 
+  /** Whether a key was pressed on a widget that the bar moves, and is of no use there. */
+  #isLeftOver({ target, key, defaultPrevented }: KeyboardEvent): boolean {
+    if (defaultPrevented || isBarsAlone(key) || !(target instanceof Element)) return false;
+    // Rerun's viewer is no card of ours: what is pressed there is its own.
+    const card = target.closest(".rw-card");
+    return card !== null && this.#root.closest(".rw-recording")?.contains(card) === true;
+  }
+
   #onKey(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    const action = actionOf(event.key, event.shiftKey);
-    // A button that has the focus is pressed by space; a list of speeds is walked by arrows.
-    const isOwn = event.target instanceof HTMLSelectElement || (event.key === " " && event.target !== this.#slider);
-    if (!action || (isOwn && event.target !== this.#root)) return;
+    const action = isPlain(event) && actionOf(event.key, event.shiftKey);
+    if (!action || usesItself(event.target as HTMLElement, event.key)) return;
     event.preventDefault();
     event.stopPropagation();
     action(this.#playback, this.#model);
@@ -104,10 +118,14 @@ export class PlayerBar {
     const { time, duration, playing, waits } = this.#playback;
     if (!this.#root.dataset.rwTheme) applyTheme(this.#root);
     setText(this.#time, toFixed(time, DECIMALS));
-    setText(this.#duration, ` / ${toFixed(duration, DECIMALS)} s`);
+    const whole = toFixed(duration, DECIMALS);
+    setText(this.#duration, ` / ${whole} s`);
+    // As wide as it will be, so that nothing beside it moves.
+    this.#time.style.minWidth = `${whole.length}ch`;
+    this.#drawClock(time);
     this.#slider.max = String(duration);
     if (Number(this.#slider.value) !== time) this.#slider.value = String(time);
-    this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${toFixed(duration, DECIMALS)} seconds`;
+    this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${whole} seconds`;
     const icon = playing ? PAUSE : PLAY;
     if (this.#icon !== icon) {
       this.#icon = icon;
@@ -117,8 +135,20 @@ export class PlayerBar {
     }
     this.#loop.ariaPressed = String(getFlag(this.#model, "loop"));
     setText(this.#words, getString(this.#model, "_words") || (waits ? "waiting for the kernel" : ""));
+    setText(this.#note, getString(this.#model, "_note"));
     this.#drawSpeed();
     this.#drawMarks(duration);
+  }
+
+  #drawClock(time: number): void {
+    const start = this.#model.get("_start");
+    this.#clock.hidden = typeof start !== "number";
+    if (typeof start !== "number") return;
+    const [date, timeOfDay] = toClock(start + time);
+    setText(this.#date, `${date} `);
+    setText(this.#timeOfDay, `${timeOfDay} UTC`);
+    const whole = this.#clock.textContent;
+    if (this.#moment.title !== whole) this.#moment.title = whole;
   }
 
   #drawSpeed(): void {

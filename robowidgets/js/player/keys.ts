@@ -39,3 +39,14 @@ export function actionOf(key: string, shift: boolean): Action | undefined {
   if (key === "ArrowLeft" || key === "ArrowDown") return jump(-far);
   return ACTIONS[key];
 }
+
+/** Whether a key is the bar's only while it has the focus: elsewhere it moves the page. */
+export function isBarsAlone(key: string): boolean {
+  return key === "ArrowUp" || key === "ArrowDown";
+}
+
+/** Whether what has the focus uses a key itself: a list all that walk it, a field all that can be typed, a button space. */
+export function usesItself(focused: HTMLElement, key: string): boolean {
+  if (focused.isContentEditable || focused.matches("select, textarea, input:not([type=range])")) return true;
+  return key === " " && focused.matches("button, a");
+}

@@ -11,6 +11,8 @@ export interface Host {
   set_state(state: Record<string, unknown>): void;
   on(event: string, callback: () => void): void;
   off(event: string, callback: () => void): void;
+  /** What a kernel sent, while the host takes it in. */
+  _state_lock?: Record<string, unknown> | null;
 }
 
 /** The models that a player moves. */
@@ -217,9 +219,18 @@ export class Playback {
 
   /** Goes where a person points on another widget, and plays what is selected there. */
   #follow(follower: Host, signal: AbortSignal): void {
+    let clicked: number | undefined;
     const onTime = () => {
       const time = follower.get("time") as number;
-      if (time !== this.#time) this.seek(time);
+      if (time === this.#time) return;
+      const isSent = Boolean(follower._state_lock);
+      // A kernel tells each page again what it was told, a busy one late: this page has gone on since.
+      if (isSent && time === clicked) {
+        follower.set_state({ time: this.#time });
+        return;
+      }
+      clicked = isSent ? undefined : time;
+      this.seek(time);
     };
     const onPoint = () => this.point(follower.get("_pointed") as number | null);
     const onSelection = () => {

@@ -159,7 +159,7 @@ export class Card {
 
   #onKey(event: KeyboardEvent): void {
     if (!isPlain(event)) return;
-    this.#stream.step(STEPS[event.key] ?? 0);
+    if (this.#stream.step(STEPS[event.key] ?? 0)) event.preventDefault();
     if (event.key !== " " || event.target instanceof HTMLButtonElement) return;
     event.preventDefault();
     // The bar goes when the picture is released; who pressed the key there is not to end up outside.

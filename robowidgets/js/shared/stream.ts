@@ -122,10 +122,12 @@ export class Stream<F extends Frame> {
     put(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });
   }
 
-  /** Shows the next of the samples kept, or the one before. */
-  step(by: number): void {
+  /** Shows the next of the samples kept, or the one before; whether it is frozen with some to step through. */
+  step(by: number): boolean {
     const { place } = this;
-    if (place && by) this.seek(place.index + by);
+    if (!place || !by) return false;
+    this.seek(place.index + by);
+    return true;
   }
 
   /** Shows another of the samples kept; beyond an end, the one at that end. */

@@ -24,7 +24,7 @@ from robowidgets.recordings.touch_history import TouchHistory
 from robowidgets.touch_tracker import TouchSensor, TouchTracker
 
 from ..waiting import wait_for
-from . import robot
+from . import robot, sweeps
 
 S = 1_000_000_000
 
@@ -35,7 +35,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @contextmanager
-def shown(path: Path, *topics: str, **more: bool) -> Iterator[Player]:
+def shown(path: Path, *topics: str, **more: bool | None) -> Iterator[Player]:
     with open(path) as recording:
         player = recording.show(*topics, **more)
     yield player
@@ -72,6 +72,9 @@ def test_topics_may_be_chosen_and_a_command_alone_has_bars_of_its_own(path: Path
         assert widgets(player) == {("/cmd_vel",): "SpeedWidget", ("/bumper",): "TouchWidget"}
         player.seek(7.0)
         assert widget(player, SpeedWidget).speed.linear[0] == 0.7  # type: ignore[attr-defined]
+        assert widget(player, SpeedWidget).bars == "commanded"  # type: ignore[attr-defined]
+    with shown(path, "/odom", "/cmd_vel") as player:
+        assert widget(player, SpeedWidget).bars == "measured"  # type: ignore[attr-defined]
 
 
 def test_every_widget_shows_the_time_forth_and_back(player: Player) -> None:
@@ -98,6 +101,14 @@ def test_before_the_first_message_of_a_topic_nothing_of_later_is_shown(player: P
     player.seek(9.0)
     player.seek(4.0)
     assert all(isnan(value) for value in speed.commanded.values)  # type: ignore[attr-defined]
+
+
+def test_before_the_first_scan_one_note_says_so_and_the_range_is_one_of_a_room(data: Path) -> None:
+    with shown(data / "odd" / "every_ros2_type_mcap", "/test/sensor_msgs/laser_scan", "/test/std_msgs/bool") as player:
+        player.seek(0.0)
+        scan = widget(player, LaserWidget).scan  # type: ignore[attr-defined]
+        assert (len(scan), scan.range_max) == (0, 10.0)
+        assert scan.notes == ("no scan up to this time of the recording",)
 
 
 def test_the_widgets_keep_no_history_of_their_own(player: Player) -> None:
@@ -347,9 +358,46 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
     assert has_one()
     assert not has_one(scanogram=False)
     assert not has_one("/odom")
-    monkeypatch.setattr("robowidgets.recordings.show.MOST_SCANS", 10)
+    monkeypatch.setattr("robowidgets.recordings.whole_drive.MOST_READINGS", 99)
     assert not has_one()
     assert has_one(scanogram=True)
+
+
+def test_a_scanogram_that_takes_long_is_left_out_by_its_readings_and_a_line_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    empty = [(0.0, sweeps.scan(sweeps.START_NS, []))]
+    path = sweeps.write(tmp_path / "long", empty + sweeps.numbered(1200, rays=40)[1:])
+    monkeypatch.setattr("robowidgets.recordings.whole_drive.MOST_READINGS", 47_999)
+    words = "no scanogram: 1,200 scans of 40 rays take a while; recording.show(scanogram=True) has it made"
+    for wanted, there, told in ((None, False, words), (False, False, ""), (True, True, "")):
+        with shown(path, scanogram=wanted) as player:
+            assert (player.scanogram is not None, player.bar._note) == (there, told)
+    monkeypatch.setattr("robowidgets.recordings.whole_drive.MOST_READINGS", 48_000)
+    with shown(path) as player:
+        assert (player.scanogram is not None, player.bar._note) == (True, "")
+
+
+def test_a_drive_of_which_every_scan_is_damaged_has_no_scanogram_and_no_words_on_it(tmp_path: Path) -> None:
+    good = sweeps.numbered(30)
+    path = sweeps.write(tmp_path / "torn", [(seconds, raw[:40]) for seconds, raw in good])
+    with shown(path) as player:
+        assert (player.scanogram, player.bar._note) == (None, "")
+        assert player.children[0].value.startswith("⚠ /scan: messages that cannot be shown are left out")
+
+
+def test_the_bar_knows_the_date_of_the_start_if_there_is_one(path: Path, data: Path) -> None:
+    with shown(path) as player:
+        assert player.bar._start == robot.START_NS / S
+    with shown(data / "good" / "turtlebot3_gazebo.bag", "/odom") as player:
+        assert player.bar._start is None
+
+
+def test_what_is_set_of_the_player_itself_is_sent_as_its_own(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
+    sent: list[dict] = []
+    monkeypatch.setattr(player.comm, "send", lambda data, **_: sent.append(data["state"]))
+    player.tooltip = "a drive"
+    assert sent == [{"tooltip": "a drive"}]
 
 
 def test_what_is_selected_to_be_played_is_selected_on_the_picture(player: Player) -> None:
