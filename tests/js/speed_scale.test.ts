@@ -8,6 +8,7 @@ import {
   isOff,
   scaleLabels,
   sharedLimits,
+  toClearance,
   toHeight,
   toHeightOnTrack,
   toScales,
@@ -93,7 +94,7 @@ test("limits are shared when they are the same for all", () => {
 });
 
 test("the numbers beside the tracks are the limits, zero, and round ones between", () => {
-  const labels = scaleLabels({ low: -1.25, high: 1.25 }, ONE);
+  const labels = scaleLabels({ low: -1.25, high: 1.25 }, ONE, CLEARANCE);
   assert.deepEqual(
     labels.map(({ value, round }) => [value, round]),
     [
@@ -114,7 +115,7 @@ test("the numbers beside the tracks never touch", () => {
     [0, 0.02],
   ] as Limits[]) {
     const [scale] = toScales([[limits], [ONE]]);
-    const labels = scaleLabels(scale ?? { low: 0, high: 1 }, limits);
+    const labels = scaleLabels(scale ?? { low: 0, high: 1 }, limits, CLEARANCE);
     const heights = labels.map(({ height }) => height).sort((a, b) => a - b);
     for (const [i, height] of heights.slice(1).entries()) {
       const gap = height - (heights[i] ?? 0);
@@ -128,8 +129,16 @@ test("the numbers beside the tracks never touch", () => {
   }
 });
 
+test("on a low track only numbers that have room stay", () => {
+  const values = (pixels: number) =>
+    scaleLabels({ low: -1.25, high: 1.25 }, null, toClearance(pixels)).map(({ value }) => value);
+  assert.deepEqual(values(200), [0, -1, -0.5, 0.5, 1]);
+  assert.deepEqual(values(48), [0, -1, 1]);
+  assert.deepEqual(values(0), values(200), "before it has a height");
+});
+
 test("axes with limits of their own get round numbers beside them, which stay", () => {
-  assert.ok(scaleLabels({ low: -1.25, high: 1.25 }, null).every(({ round }) => !round));
+  assert.ok(scaleLabels({ low: -1.25, high: 1.25 }, null, CLEARANCE).every(({ round }) => !round));
 });
 
 test("a pop-up stands right of its bar, else left of it, and always in the box", () => {

@@ -2,7 +2,7 @@ import { make, setText } from "../shared/dom.ts";
 import type { Axis } from "./axes.ts";
 import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
-import { CLEARANCE, isOff, toHeight, toHeightOnTrack } from "./scale.ts";
+import { isOff, toHeight, toHeightOnTrack } from "./scale.ts";
 import { stateWords, toShort, toValueText } from "./words.ts";
 
 /** The bar of one axis on its track, with limits, command and peaks, and its words below. */
@@ -40,10 +40,13 @@ export class Column {
     this.root.append(name, lane, this.#value, said);
   }
 
-  /** @param labelled whether each limit is written at its line, because the scale beside the tracks cannot say it */
-  update(facts: AxisFacts, labelled: boolean): void {
+  /**
+   * @param labelled whether each limit is written at its line, because the scale beside the tracks cannot say it
+   * @param clearance how close labels may come, as a part of the track
+   */
+  update(facts: AxisFacts, labelled: boolean, clearance: number): void {
     const { measured, commanded, limits, decimals } = facts;
-    this.#drawLimits(facts, labelled);
+    this.#drawLimits(facts, labelled, clearance);
     this.#drawBar(facts);
     this.#drawPeaks(facts);
     this.#tick.hidden = commanded === null || Number.isNaN(commanded);
@@ -56,8 +59,8 @@ export class Column {
     this.#say(measured === null ? "within" : judge(measured, limits));
   }
 
-  #drawLimits({ limits, scale }: AxisFacts, labelled: boolean): void {
-    const isClose = toHeight(scale, limits[1]) - toHeight(scale, limits[0]) < CLEARANCE;
+  #drawLimits({ limits, scale }: AxisFacts, labelled: boolean, clearance: number): void {
+    const isClose = toHeight(scale, limits[1]) - toHeight(scale, limits[0]) < clearance;
     for (const [i, limit] of limits.entries()) {
       const [line, label] = i ? [this.#limits[1], this.#labels[1]] : [this.#limits[0], this.#labels[0]];
       const bottom = `bottom: ${toPercent(toHeight(scale, limit))}`;

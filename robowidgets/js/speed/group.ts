@@ -14,7 +14,7 @@ export class GroupView {
 
   constructor(group: Group, planar: boolean) {
     this.columns = group.axes.filter((axis) => isShown(axis, planar)).map((axis) => new Column(axis));
-    this.root.style.flexGrow = String(this.columns.length);
+    this.root.style.setProperty("--rw-columns", String(this.columns.length));
     const heading = make("div", "rw-heading", group.name);
     heading.append(make("span", "rw-unit", group.unit));
     const axes = make("div", "rw-axes");
@@ -22,21 +22,22 @@ export class GroupView {
     this.root.append(heading, axes);
   }
 
-  update(facts: GroupFacts): void {
-    this.#updateScale(facts);
+  /** @param clearance how close labels may come, as a part of a track */
+  update(facts: GroupFacts, clearance: number): void {
+    this.#updateScale(facts, clearance);
     for (const [i, column] of this.columns.entries()) {
       const axisFacts = facts.axes[i];
-      if (axisFacts) column.update(axisFacts, facts.shared === null);
+      if (axisFacts) column.update(axisFacts, facts.shared === null, clearance);
     }
   }
 
-  #updateScale({ scale, shared }: GroupFacts): void {
-    const key = JSON.stringify([scale, shared]);
+  #updateScale({ scale, shared }: GroupFacts, clearance: number): void {
+    const key = JSON.stringify([scale, shared, clearance]);
     if (key === this.#key) return;
     this.#key = key;
     this.root.style.setProperty("--rw-zero", toPercent(toHeight(scale, 0)));
     const lane = make("div", "rw-lane");
-    const labels = scaleLabels(scale, shared);
+    const labels = scaleLabels(scale, shared, clearance);
     for (const { value, height, round } of labels) {
       const label = make("span", `rw-scale-label${round ? " rw-round" : ""}`, toShort(value));
       label.style.bottom = toPercent(height);

@@ -18,8 +18,10 @@ export interface Label {
 /** Room beyond the limits on either side, as a part of what lies between them. */
 const HEADROOM = 0.125;
 const TICK_COUNT = 5;
-/** Labels closer than this part of a track would touch. */
+/** Labels closer than this part of a track are more than one reads. */
 export const CLEARANCE = 0.09;
+/** Pixels that a label takes. */
+const LABEL = 11;
 
 /**
  * One scale per group of axes, from the limits of each: it holds them all and some room beyond, and zero lies at the
@@ -52,6 +54,11 @@ export function isOff(value: number, { low, high }: Scale): boolean {
   return value < low || value > high;
 }
 
+/** How close labels may come, as a part of a track of some pixels; 0 where they are not known yet. */
+export function toClearance(pixels: number): number {
+  return Math.max(CLEARANCE, LABEL / (pixels || Infinity));
+}
+
 /** The limits that all axes have; null when they differ. */
 export function sharedLimits(limits: Limits[]): Limits | null {
   const [first] = limits;
@@ -59,12 +66,12 @@ export function sharedLimits(limits: Limits[]): Limits | null {
 }
 
 /** The numbers beside the tracks: the limits that all axes have, and where they leave room zero and round ones. */
-export function scaleLabels(scale: Scale, shared: Limits | null): Label[] {
+export function scaleLabels(scale: Scale, shared: Limits | null, clearance: number): Label[] {
   const toLabel = (value: number, round: boolean): Label => ({ value, height: toHeight(scale, value), round });
   const labels = (shared ?? []).map((value) => toLabel(value, false));
   const rounds = ticks(scale.low, scale.high, TICK_COUNT).map((value) => toLabel(value, shared !== null));
   for (const label of [toLabel(0, false), ...rounds]) {
-    const isFree = labels.every(({ height }) => Math.abs(height - label.height) >= CLEARANCE);
+    const isFree = labels.every(({ height }) => Math.abs(height - label.height) >= clearance);
     if (isFree && label.height >= CLEARANCE / 2 && label.height <= 1 - CLEARANCE / 2) labels.push(label);
   }
   return labels;

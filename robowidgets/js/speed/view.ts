@@ -14,6 +14,7 @@ import { GroupView } from "./group.ts";
 import { Legend } from "./legend.ts";
 import type { Limits } from "./limits.ts";
 import { Popup } from "./popup.ts";
+import { toClearance } from "./scale.ts";
 import { describeAxis, summarize } from "./words.ts";
 
 const SETTINGS = [
@@ -130,9 +131,10 @@ export class SpeedView {
     const hidden = groups.flatMap((group) => group.hidden);
     this.#layOut(planar);
     this.#drawCard(speeds, summarize(shown, hidden));
+    const clearance = toClearance(this.#columns[0]?.track.clientHeight ?? 0);
     for (const [g, view] of this.#groups.entries()) {
       const facts = groups[g];
-      if (facts) view.update(facts);
+      if (facts) view.update(facts, clearance);
     }
     this.#drawPopup(shown);
   }

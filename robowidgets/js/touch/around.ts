@@ -21,6 +21,8 @@ export interface Around {
   height: number;
 }
 
+/** With less, words would not fit into the rectangles at the sides. */
+export const LEAST_WIDTH = 220;
 const WIDEST = 190;
 const SIDES = Math.sin((20 * Math.PI) / 180);
 

@@ -6,7 +6,7 @@ import { type About, type Model, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
-import { layAround } from "./around.ts";
+import { LEAST_WIDTH, layAround } from "./around.ts";
 import { Body } from "./body.ts";
 import type { Clock } from "./clock.ts";
 import { Footer } from "./footer.ts";
@@ -81,11 +81,11 @@ export class TouchView {
     const given = (this.#model.get("angles") as Record<string, number>) ?? {};
     const names = sensors.map(({ name }) => name);
     const placed = new Map(names.flatMap((name) => (typeof given[name] === "number" ? [[name, given[name]]] : [])));
-    const around = placed.size ? layAround(placed, width) : null;
+    const around = placed.size && width >= LEAST_WIDTH ? layAround(placed, width) : null;
     if (around) this.#body.draw(around, width, sensors);
     const below = around ? around.height + 2 * GAP : 0;
     const rows = layRows(
-      names.filter((name) => !placed.has(name)),
+      names.filter((name) => !around?.boxes.has(name)),
       width,
       below,
     );
