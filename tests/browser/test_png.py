@@ -57,8 +57,11 @@ def download(page: Page, card: Locator) -> tuple[str, Pixels]:
 
 def seen(card: Locator) -> Pixels:
     """What a person sees of a card, on whole pixels."""
-    width = card.evaluate("(card) => (card.dataset.seen = card.getBoundingClientRect().width)")
-    shot = card.screenshot(animations="disabled", style=f"{STILL} [data-seen] {{ width: {width}px }}")
+    size = """(card) => {
+        const { width, height } = card.getBoundingClientRect();
+        return (card.dataset.seen = `width: ${width}px; height: ${height}px`);
+    }"""
+    shot = card.screenshot(animations="disabled", style=f"{STILL} [data-seen] {{ {card.evaluate(size)} }}")
     card.evaluate("(card) => delete card.dataset.seen")
     return pixels(shot)
 

@@ -1,0 +1,184 @@
+"""Widgets in the room that a program gives them: rows, grids, heights and narrow places."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from .chromium import shoot
+from .notebook import Notebook
+from .test_png import differences, download, seen
+from .test_speed_widget import NAMES, OVERLAPS, STATES
+
+SETUP = """
+import numpy as np
+from ipywidgets import GridBox, HBox, Layout, VBox
+from robowidgets import DriveWidget, LaserWidget, ScanogramWidget, SpeedWidget, TouchWidget
+
+def laser(**layout):
+    laser = LaserWidget(title="/scan", layout=layout)
+    laser.update(ranges=np.linspace(1, 3, 181), angle_min=-np.pi / 2, angle_increment=np.pi / 180, range_min=0.1,
+                 range_max=3.5)
+    return laser
+def speed(**layout):
+    speed = SpeedWidget(title="/odom", hold_peaks=True, layout=layout)
+    speed.update(linear=(0.3, 0, -0.99), angular=(0, -0.02, -0.22))
+    speed.command(linear=(0.6, 0, 0), angular=(0, 0, -1.1))
+    return speed
+def touch(**layout):
+    touch = TouchWidget(title="/bumper", layout=layout, angles={"left": 1.2, "center": 0, "right": -1.2})
+    touch.update(left=True, center=False, right=None, wheel=False)
+    return touch
+def scanogram(**layout):
+    scanogram = ScanogramWidget(title="/scan", layout=layout)
+    scanogram.update(times_ns=np.arange(200) * 100_000_000, ranges=np.tile(np.linspace(1, 9, 61), (200, 1)),
+                     angle_min=-1.5, angle_increment=0.05, range_min=0.1, range_max=10.0)
+    return scanogram
+"""
+KINDS = ["laser", "speed", "touch", "scanogram"]
+
+CUT = """(card) => {
+    const box = (element) => element.getBoundingClientRect();
+    const outer = box(card);
+    const names = ".rw-controls button, .rw-title, .rw-slider, .rw-time, .rw-picture, .rw-tile, .rw-tile-words, "
+        + ".rw-readout-row, .rw-scanogram-scale";
+    return [...card.querySelectorAll(names)]
+        .filter((element) => element.offsetWidth)
+        .filter((element) => box(element).right > outer.right || box(element).left < outer.left
+            || element.scrollWidth > element.clientWidth + 1 && !element.matches(".rw-title, .rw-slider"))
+        .map((element) => element.className);
+}"""
+"""What of a card a person cannot see whole."""
+
+ROOM = """(card) => {
+    const box = (element) => element.getBoundingClientRect();
+    const [header, picture, footer] = ["header", "picture", "footer"].map((n) => card.querySelector(`.rw-${n}`));
+    return {
+        card: box(card).height,
+        host: box(card.parentElement).height,
+        below: box(card).bottom - box(footer).bottom,
+        hidden: card.scrollHeight - card.clientHeight,
+        picture: box(picture).height,
+        rest: box(header).height + box(footer).height,
+        canvas: [...card.querySelectorAll("canvas.rw-layer")].map((canvas) => box(canvas).height),
+    };
+}"""
+
+
+def room(card: Locator) -> Any:
+    return card.evaluate(ROOM)
+
+
+def scrolls(box: Locator) -> int:
+    """How many pixels of a box lie beside it."""
+    beside: int = box.evaluate("(box) => box.scrollWidth - box.clientWidth")
+    return beside
+
+
+def test_rows_and_grids_shrink_to_the_room_that_there_is(notebook: Callable[..., Notebook]) -> None:
+    row = "HBox([laser(), speed(), touch()])"
+    grid = "GridBox([laser() for _ in range(4)], layout=Layout(grid_template_columns='repeat(2, 1fr)'))"
+    many = "HBox([laser(), speed(), touch(), scanogram(), DriveWidget()])"
+    nb = notebook([SETUP, row, grid, "HBox([laser()])", many])
+    for width in (320, 700, 900):
+        nb.resize(width)
+        for index, least in ((1, 600), (2, 400), (3, 200), (4, 1000)):
+            box = nb.output(index).locator(".widget-box, .widget-gridbox")
+            if width >= least:
+                assert scrolls(box) == 0, f"cell {index} at {width} px"
+            for card in box.locator(".rw-card").all():
+                assert card.evaluate(CUT) == [], f"cell {index} at {width} px"
+        shoot(nb.output(1), f"row-{width}")
+        shoot(nb.output(2), f"grid-{width}")
+    widths = [card.bounding_box() for card in nb.output(4).locator(".rw-card").all()]
+    assert [box["width"] for box in widths if box] == pytest.approx([200] * 5), "no narrower than can be read"
+
+
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+def test_a_card_fills_the_height_that_it_is_given(notebook: Callable[..., Notebook], theme: str, scale: int) -> None:
+    heights = (300, 600)
+    cells = [f"{kind}(height='{height}px')" for kind in KINDS for height in heights]
+    nb = notebook([SETUP, *cells], theme=theme, scale=scale)
+    nb.resize(700)
+    for index, cell in enumerate(cells, 1):
+        card = nb.widget(index).locator(".rw-card")
+        got = room(card)
+        assert got["host"] == heights[(index - 1) % 2]
+        assert got["card"] == got["host"] - 4, cell
+        assert got["hidden"] == 0, cell
+        assert got["below"] == pytest.approx(1, abs=0.1), cell
+        assert got["picture"] == pytest.approx(got["card"] - got["rest"] - 2, abs=0.1), cell
+        assert got["canvas"] == pytest.approx([got["picture"]] * len(got["canvas"]), abs=1), cell
+        shoot(nb.widget(index), f"{cell.split('(')[0]}-{heights[(index - 1) % 2]}px-high-{theme}")
+
+
+def test_a_height_can_be_given_and_taken_back(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SETUP, "shown = laser()\nshown"])
+    nb.resize(700)
+    card = nb.widget(1).locator(".rw-card")
+    usual = room(card)
+    for given in ("height = '250px'", "max_height = '250px'"):
+        nb.python(f"shown.layout.{given}")
+        nb.page.wait_for_function("(card) => card.offsetHeight === 246", arg=card.element_handle())
+        nb.python(f"shown.layout.{given.split()[0]} = None")
+        nb.page.wait_for_function(
+            "([card, height]) => card.getBoundingClientRect().height === height",
+            arg=[card.element_handle(), usual["card"]],
+        )
+    for given in ("'100%'", "'auto'"):
+        nb.python(f"shown.layout.height = {given}")
+        style = nb.widget(1).evaluate_handle("(host) => host")
+        nb.page.wait_for_function("([host, given]) => host.style.height === given", arg=[style, given.strip("'")])
+        assert room(card)["picture"] == usual["picture"], f"{given} of a height that nobody gave"
+
+
+def test_too_little_height_leaves_a_picture_to_look_at(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SETUP, *[f"{kind}(height='90px')" for kind in KINDS]])
+    nb.resize(700)
+    for index, least in enumerate((120, 150, 120, 200), 1):
+        got = room(nb.widget(index).locator(".rw-card"))
+        assert got["card"] == 86
+        assert got["picture"] == least
+        assert got["hidden"] > 0, "scrolls in its card"
+
+
+def test_a_png_is_as_high_as_the_card(notebook: Callable[..., Notebook]) -> None:
+    cells = [f"{kind}(height='{height}px')" for kind in KINDS for height in (300, 600)]
+    nb = notebook([SETUP, *cells], scale=2)
+    nb.resize(600)
+    for index, cell in enumerate(cells, 1):
+        card = nb.widget(index).locator(".rw-card")
+        if "laser" in cell:
+            card.locator(".rw-freeze").click()
+        _, saved = download(nb.page, card)
+        assert differences(saved, seen(card)) < 0.01, cell
+
+
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+def test_nothing_is_cut_down_to_200_pixels(notebook: Callable[..., Notebook], theme: str, scale: int) -> None:
+    names = [*NAMES, *[f"{kind}()" for kind in KINDS], "DriveWidget()"]
+    cells = [f"on_show.append({name})\non_show[-1]" for name in names]
+    nb = notebook([f"{STATES}\n{SETUP}\non_show = []", *cells], theme=theme, scale=scale)
+    for width in (200, 240, 281, 300):
+        nb.python(f"for shown in on_show:\n    shown.layout.width = '{width}px'")
+        for index, name in enumerate(names, 1):
+            card = nb.widget(index).locator(".rw-card")
+            expect(card).to_have_css("width", f"{width}px")
+            assert card.evaluate(CUT) == [], f"{name} at {width} px"
+            if "rw-speed" in (card.get_attribute("class") or ""):
+                assert card.evaluate(OVERLAPS) == [], f"{name} at {width} px"
+            shoot(card, f"narrow-{index}-{theme}-{width}")
+
+
+def test_freezing_moves_nothing_in_a_narrow_header(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SETUP, "l = laser(width='200px')\nl", "s = speed(width='200px')\ns"])
+    for index, update in ((1, "l.update(l.scan)"), (2, "s.update(linear=(0, 0, 0))")):
+        header = nb.widget(index).locator(".rw-header")
+        before = header.evaluate("(header) => header.offsetHeight")
+        header.locator(".rw-freeze").click()
+        nb.python(f"for _ in range(140):\n    {update}")
+        expect(header.locator(".rw-number")).to_have_text("140")
+        assert header.evaluate("(header) => header.offsetHeight") == before
