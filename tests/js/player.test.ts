@@ -150,11 +150,11 @@ test("what is old is told with its age, whether it is new on show or not", async
     return state._about;
   };
   assert.deepEqual(told(0.9), { frame_id: "0" });
-  assert.deepEqual(told(5.04), { frame_id: "laser", age: 4.5 });
+  assert.deepEqual(told(5.04), { frame_id: "laser", age: 4500 });
   const shown = state._frame;
-  assert.deepEqual(told(5.17), { frame_id: "laser", age: 4.6 });
+  assert.deepEqual(told(5.17), { frame_id: "laser", age: 4600 });
   assert.equal(state._frame, shown, "the same is not shown anew");
-  assert.deepEqual(told(6), { frame_id: "laser", age: 5.5 });
+  assert.deepEqual(told(6), { frame_id: "laser", age: 5500 });
   assert.deepEqual(told(7.9), { frame_id: "laser" });
   assert.deepEqual(told(8.5), { frame_id: "laser" }, "nothing was measured yet: it has no age");
   fake.receive({ _pauses: [0] });

@@ -51,7 +51,7 @@ export class LaserView {
 
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal, "+");
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(1), signal, "\u2212");
-    this.#fit = makeButton("rw-fit", "Fit the view to the readings", () => this.#onFit(), signal, "Fit");
+    this.#fit = makeButton("rw-fit", "Fit the view to readings", () => this.#onFit(), signal, "Fit");
     this.#card.addControls(farther, this.#range, closer, this.#fit);
 
     stream.listen(this.#redraw, signal);

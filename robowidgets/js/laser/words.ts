@@ -14,13 +14,13 @@ import {
 
 /** What each class is called: in the legend, and by Python's trait `marks`. */
 export const CLASSES: { kind: Validity; name: string; symbol: string; word: string; explained: string }[] = [
-  { kind: READING, name: "reading", symbol: "\u25A0", word: "readings", explained: "a distance within the limits" },
+  { kind: READING, name: "reading", symbol: "\u25A0", word: "readings", explained: "a distance within limits" },
   {
     kind: OUTSIDE_LIMITS,
     name: "outside_limits",
     symbol: "\u25CB",
     word: "outside",
-    explained: "a distance outside the limits",
+    explained: "a distance outside limits",
   },
   {
     kind: NOTHING_IN_RANGE,

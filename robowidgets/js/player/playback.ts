@@ -257,7 +257,7 @@ export class Playback {
   }
 }
 
-/** For how many seconds there is nothing newer, to the tenth, where that is longer than a pause; else 0. */
+/** Milliseconds for which there is nothing newer, to the tenth of a second, where that is longer than a pause; else 0. */
 function toAge(seconds: number, pause = 0): number {
-  return pause && seconds > pause ? Math.floor(seconds * 10) / 10 : 0;
+  return pause && seconds > pause ? Math.floor(seconds * 10) * 100 : 0;
 }

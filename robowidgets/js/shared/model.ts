@@ -8,7 +8,7 @@ export interface About {
   frame_id?: string;
   notes?: string[];
   error?: string;
-  /** Seconds for which a recording has nothing newer, where that is long. */
+  /** Milliseconds for which a recording has nothing newer, where that is long. */
   age?: number;
 }
 

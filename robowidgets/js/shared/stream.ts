@@ -102,7 +102,7 @@ export class Stream<F extends Frame> {
   /** Milliseconds for which nothing has come, of a source that was live, or of a recording; else 0. */
   get silence(): number {
     const wasLive = this.arrived && !this.live && Number.isFinite(this.rate);
-    return wasLive ? performance.now() - this.arrived : 1000 * (getAbout(this.#model).age ?? 0);
+    return wasLive ? performance.now() - this.arrived : (getAbout(this.#model).age ?? 0);
   }
 
   /** Null when the picture is not frozen, or there is nothing to step to. */
