@@ -17,7 +17,7 @@ import {
 
 const DOT = 3;
 /** Where rays are few, no neighbour helps to see a reading. */
-const FEW = 40;
+const FEW = 16;
 const LARGE_DOT = 6;
 const LANE = 5;
 const INNER_LANE = 17;
