@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path, PurePath
 
+from .._table import listed
 from . import ros_files
 from .carmen import CarmenLog
 from .carmen_lines import word_of
@@ -33,6 +34,7 @@ _METADATA = "metadata.yaml"
 _OWN = re.compile(r"\d+|\.zstd?$")
 _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
 _PACKED = re.compile(r"^\s*compression_mode:\s*['\"]?(file|message)", re.MULTILINE | re.IGNORECASE)
+_NAMED_AT_MOST = 5
 _BLOCK = 1 << 16
 _LOOKED_AT = 1 << 20
 _SMALL = 1 << 26
@@ -106,10 +108,10 @@ def _open_folder(path: Path) -> Source:
         if quick := _running(lambda: ros_files.open_folder(path), patient):
             return quick
     if not files:
-        held = _some(sorted(entry.name for entry in path.iterdir())) or "nothing"
+        held = listed(sorted(entry.name for entry in path.iterdir()), _NAMED_AT_MOST) or "nothing"
         raise RecordingError(f"{path}: no recording in this folder: expected .db3, .mcap or .bag files, got {held}")
     if not (path / _METADATA).exists() and len({_OWN.sub("", file.name) for file in files}) > 1:
-        held = _some([file.name for file in files])
+        held = listed([file.name for file in files], _NAMED_AT_MOST)
         raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {held}")
     source = open_chain(files, _open_file)
     if len(files) > 1 and was_set(source):
@@ -129,10 +131,6 @@ def _is_packed(path: Path) -> bool:
         return bool(_PACKED.search((path / _METADATA).read_text(errors="replace")))
     except OSError:
         return False
-
-
-def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:5]) + (f" and {len(names) - 5:,} more" if len(names) > 5 else "")
 
 
 def _missing(path: Path) -> str:

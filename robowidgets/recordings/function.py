@@ -18,6 +18,7 @@ from .ros_types import one_line
 from .source import RecordingError, UnknownTopicError, UnnamedTopicError
 from .steps import NO, UNKNOWN, YES, Steps, steps
 from .timeline import Sample, Topic
+from .topics import shown
 
 if TYPE_CHECKING:
     from .find import Search
@@ -178,13 +179,13 @@ class Function(Condition):
 
 
 def _topics(recording: Recording, asked: Any) -> list[Topic]:
-    shown = {topic.name: topic for topic in recording.topics if topic.widget}
+    there = shown(recording.topics)
     if asked is None:
-        return list(shown.values())
+        return list(there.values())
     names = [asked] if isinstance(asked, str) else list(asked)
     for name in names:
         recording.check(name)
-    return [shown[name] for name in dict.fromkeys(names)]
+    return [there[name] for name in dict.fromkeys(names)]
 
 
 def _together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[int, dict[str, Make]]]:

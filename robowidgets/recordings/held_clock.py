@@ -13,7 +13,8 @@ RESET = 10.0
 LEAP = 30 * 86_400.0
 """Seconds between two messages, of whatever topics, that are no silence: the clock was set ahead."""
 REAL_FROM = 631_152_000.0
-"""1990 in seconds since the epoch: a clock before that was never set."""
+"""1990 in seconds since the epoch: a clock before that was never set, or counts from somewhere else, as in a
+simulation."""
 
 Time = TypeVar("Time", int, float)
 

@@ -112,15 +112,17 @@ def fill(widget: ScanogramWidget, recording: Recording, topic: str | None, besid
 
 
 def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series.Scans) -> None:
-    held = _held(scans, min(HELD_BYTES, recording.memory))
+    most = min(HELD_BYTES, recording.memory)
+    held = _held(scans, most)
     counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
     if not counts:
         raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} holds no scan with rays")
     usual = max(counts, key=lambda rays: counts[rays])
     # As fine as the finest of one scanner, so that no ray is left out; some count differently in each turn.
     rays = max(count for count in counts if count <= _FINER * usual)
-    if held is None or 4 * rays * len(scans) > HELD_BYTES:
+    if 4 * rays * len(scans) > most:
         held = None
+    if held is None:
         # A file of its own, so that the recording given may be closed.
         widget._file = open(recording.path)
         widget._file.memory = min(LOOKED_AT_BYTES, recording.memory)

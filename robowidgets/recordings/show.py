@@ -208,9 +208,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             if direction > 0:
                 found = next((m for m in self.recording.samples(topic, seconds) if m.seconds > seconds), None)
             else:
-                found = self.recording.at(topic, seconds)
-                if found and found.seconds >= seconds:
-                    found = self.recording.at(topic, seconds - _TINY)
+                found = self.recording.at(topic, seconds - _TINY)
         if found:
             self.bar.send({"seek": found.seconds})
 

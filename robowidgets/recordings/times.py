@@ -8,12 +8,10 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
+from .held_clock import REAL_FROM
 from .source import RecordingError
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
-_FIRST_DATE_NS = (datetime(1990, 1, 1, tzinfo=timezone.utc) - _EPOCH) // timedelta(seconds=1) * 10**9
-"""No robot recorded before: a clock that says so counts from somewhere else, as that of a simulation does."""
-
 _LONGEST = 2**62 / 1e9
 _UTC = re.compile(r"\s*(UTC|Z)$", re.IGNORECASE)
 
@@ -29,7 +27,7 @@ def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
 
 def has_date(time_ns: int) -> bool:
     """Whether a clock that shows this tells the date."""
-    return time_ns >= _FIRST_DATE_NS
+    return time_ns >= REAL_FROM * 1e9
 
 
 def as_date(time_ns: int) -> str:

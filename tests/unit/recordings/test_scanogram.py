@@ -104,6 +104,16 @@ def test_scans_that_count_their_rays_differently_are_drawn_by_angle(
     widget.close()
 
 
+def test_scans_that_take_too_much_when_they_are_as_fine_as_the_finest_are_read_again(tmp_path: Path) -> None:
+    scans = [[1.0] * (100 if i % 10 else 199) for i in range(60)]
+    with written(tmp_path, scans) as recording:
+        recording.memory = 40_000
+        widget = recording.scanogram()
+    assert sum(4 * len(scan) for scan in scans) < 40_000 < 4 * 199 * 60
+    assert isinstance(picture_of(widget).levels.scans, source.Read)
+    widget.close()
+
+
 def test_scans_that_break_off_keep_the_indices_of_their_rays(tmp_path: Path) -> None:
     with written(tmp_path, [[1.0] * 8, [2.0] * 5, [1.0] * 8, []]) as recording:
         widget = recording.scanogram()
