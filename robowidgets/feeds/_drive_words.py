@@ -15,15 +15,17 @@ class DriveWords:
 
     Attributes:
         cut: how the last speed was cut; empty when it was not.
+        unheard: by topic, why a subscriber does not receive speeds, as the middleware says.
     """
 
     def __init__(self) -> None:
         self.cut = ""
+        self.unheard: dict[str, str] = {}
         self._logged: set[str] = set()
 
     def of(self, topic: str, there: Mapping[str, Topic] | None) -> str:
         """What is known against driving by a topic, of those there are; empty when it is nothing."""
-        return "; ".join(filter(None, (_unheard(topic, there), self.cut)))
+        return "; ".join(filter(None, (_unheard(topic, there), self.unheard.get(topic), self.cut)))
 
     def log(self, where: str, topic: str, there: Mapping[str, Topic] | None) -> None:
         """Log it: each topic that nobody hears once, and that speeds are cut once, whatever the numbers."""

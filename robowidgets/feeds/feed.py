@@ -274,6 +274,10 @@ class Feed:
                 link.trouble = words
                 self._links.tell(link)
 
+    def on_unheard(self, topic: str, words: str) -> None:
+        """See `Listener`."""
+        self._drive_words.unheard[topic] = words
+
     # -- within --------------------------------------------------------------------------------------------------------
 
     def on_fork(self) -> None:

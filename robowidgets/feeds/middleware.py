@@ -10,6 +10,12 @@ from .._kinds import widget_by_type
 EVENTS = 100
 """Messages of a touch sensor that may wait to be handed on."""
 
+SEND_TIMEOUT = 0.5
+"""Seconds within which the network must take a message that is published."""
+
+CLOSE_TIMEOUT = 2.0
+"""Seconds that `Middleware.close` may take."""
+
 
 class FeedError(Exception):
     """A feed that cannot be opened or used. The text is one line for a person: what, why, and what to do."""
@@ -24,19 +30,22 @@ class Advert(NamedTuple):
     """A topic that a middleware knows of.
 
     ``type`` is written as ``sensor_msgs/msg/LaserScan``, for ROS 1 too; empty when it cannot be told. ``offered`` says
-    whether somebody publishes it, ``wanted`` whether somebody else subscribes to it (None: it cannot be told).
+    whether somebody else publishes it, ``wanted`` whether somebody else subscribes to it (None: it cannot be told).
+    ``publishers`` are the names of the other nodes that publish it, as far as the middleware tells names.
     """
 
     name: str
     type: str
     offered: bool = True
     wanted: bool | None = None
+    publishers: tuple[str, ...] = ()
 
 
 class Listener(Protocol):
     """What a middleware tells; a feed. It may be called from any thread, returns at once and never raises.
 
-    It may call the middleware back from within, so it is called without a lock that the middleware's methods take.
+    No method runs code of the user: the thread that calls may carry speeds. A method may call the middleware back from
+    within, so it is called without a lock that the middleware's methods take.
     """
 
     def on_connected(self) -> None:
@@ -54,9 +63,15 @@ class Listener(Protocol):
     def on_trouble(self, topic: str, words: str) -> None:
         """Why no message of a subscribed topic comes or can be read, in a sentence; empty when that is over."""
 
+    def on_unheard(self, topic: str, words: str) -> None:
+        """Why a subscriber does not receive what is published here on a topic, in a sentence; empty when that is over.
+
+        An incompatible quality of service, say.
+        """
+
 
 class Middleware(Protocol):
-    """A connection to a robot. Each call returns at once; what takes time happens in a thread of its own."""
+    """A connection to a robot. `publish` and `close` may take a moment; every other call returns at once."""
 
     @property
     def where(self) -> str:
@@ -72,10 +87,18 @@ class Middleware(Protocol):
         """Hand on no more messages of a topic."""
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """Publish a message, given as its fields; FeedError when the middleware cannot.
+        """Hand a message, given as its fields, to the network, and return when the network has it.
 
-        What is published before there is a connection is dropped, never kept: it may be a speed.
+        It is called by one thread at a time, which is none of the middleware's. Nothing is kept for a later connection:
+        it may be a speed.
+
+        Raises:
+            FeedError: there is no connection, the network does not take the message within `SEND_TIMEOUT`, or messages
+                cannot be published at all.
         """
 
     def close(self) -> None:
-        """Disconnect, end and join every thread; doing it again does nothing. A callback may do it, too."""
+        """Deliver what was published, disconnect, and end every thread, within `CLOSE_TIMEOUT`.
+
+        Doing it again does nothing. Any thread may do it, one of the middleware's, too.
+        """

@@ -19,6 +19,7 @@ class Ears:
         self.messages: list[tuple[str, Any]] = []
         self.troubles: dict[str, str] = {}
         self.said: list[str] = []
+        self.unheard: dict[str, str] = {}
         self.then: Callable[[str, Any], object] = lambda *_: None
 
     def on_connected(self) -> None:
@@ -38,6 +39,9 @@ class Ears:
     def on_trouble(self, topic: str, words: str) -> None:
         self.troubles[topic] = words
         self.said.append(words)
+
+    def on_unheard(self, topic: str, words: str) -> None:
+        self.unheard[topic] = words
 
     def of(self, topic: str) -> list[Any]:
         return [message for name, message in self.messages if name == topic]

@@ -35,6 +35,9 @@ class Recorder:
     def on_trouble(self, topic: str, words: str) -> None:
         self.troubles.append((topic, words))
 
+    def on_unheard(self, topic: str, words: str) -> None:
+        self.troubles.append((topic, words))
+
     def words(self, topic: str) -> str:
         """What is wrong with a topic now."""
         return next((words for name, words in reversed(self.troubles) if name == topic), "")
