@@ -6,6 +6,7 @@ ipywidgets keeps every widget until it is closed, and IPython what a cell gave: 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from typing import Any, Protocol
 from weakref import WeakSet
 
@@ -26,7 +27,7 @@ def take_the_place(made: Closable) -> None:
 
     Nothing where no cell runs, or where the notebook does not say which one it is.
     """
-    cell, run = _running()
+    cell, run = running_cell()
     if not cell:
         return
     last, there = _made.get(cell, (run, WeakSet()))
@@ -36,6 +37,26 @@ def take_the_place(made: Closable) -> None:
         there = WeakSet()
     there.add(made)
     _made[cell] = run, there
+
+
+_on_failed: list[Callable[[], None]] = []
+
+
+def on_failed_cell(call: Callable[[], None]) -> None:
+    """Call a function at the end of every cell that raises or is interrupted, from now on; nothing without IPython."""
+    if call in _on_failed:
+        return
+    shell = _shell()
+    if shell is not None:
+        if not _on_failed:
+            shell.events.register("post_run_cell", _after_cell)
+        _on_failed.append(call)
+
+
+def _after_cell(result: Any) -> None:
+    if not result.success:
+        for call in _on_failed:
+            call()
 
 
 def close_all(widget: Any) -> None:
@@ -48,9 +69,12 @@ def close_all(widget: Any) -> None:
     widget.close()
 
 
-def _running() -> tuple[str, str]:
+def running_cell() -> tuple[str, str]:
     """Names of the cell that runs and of this run of it; empty where nobody tells."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython and ipython.get_ipython()
-    request: dict[str, Any] = getattr(shell, "get_parent", dict)()
+    request: dict[str, Any] = getattr(_shell(), "get_parent", dict)()
     return request.get("metadata", {}).get("cellId", ""), request.get("header", {}).get("msg_id", "")
+
+
+def _shell() -> Any:
+    ipython = sys.modules.get("IPython")
+    return ipython and ipython.get_ipython()
