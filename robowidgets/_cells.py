@@ -22,21 +22,23 @@ _made: dict[str, tuple[str, WeakSet[Any]]] = {}
 """By cell: its last run that made something, and what that made."""
 
 
-def take_the_place(made: Closable) -> None:
-    """Close what earlier runs of the running cell made, in the place of which something stands now.
+def take_the_place(made: Closable) -> list[Any]:
+    """Close what earlier runs of the running cell made, and return it; something else stands in its place now.
 
     Nothing where no cell runs, or where the notebook does not say which one it is.
     """
     cell, run = running_cell()
     if not cell:
-        return
+        return []
     last, there = _made.get(cell, (run, WeakSet()))
-    if last != run:
-        for earlier in list(there):
-            earlier.close()
+    closed = list(there) if last != run else []
+    for earlier in closed:
+        earlier.close()
+    if closed:
         there = WeakSet()
     there.add(made)
     _made[cell] = run, there
+    return closed
 
 
 _on_failed: list[Callable[[], None]] = []

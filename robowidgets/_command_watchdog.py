@@ -71,7 +71,7 @@ class CommandWatchdog:
         """When the newest speed is no longer valid."""
         self._zero_at: float | None = None
         """When zero is due; None while nothing moves."""
-        self._next_at = 0.0
+        self._next_speed_at = self._next_zero_at = 0.0
         self._moved_at = float("-inf")
         self._lost = self._stopped = self._closed = self._from_cell = False
         self._hand, self._hand_until = "", 0.0
@@ -151,7 +151,7 @@ class CommandWatchdog:
             else:
                 self._hand_until = self._expires
             request = Request()
-            if self._next_at > now:
+            if self._next_speed_at > now:
                 request.set_result(None)
             else:
                 self._speeds.append(request)
@@ -173,8 +173,8 @@ class CommandWatchdog:
 
     @property
     def owes_zero(self) -> bool:
-        """Whether zero is still to follow."""
-        return self._zero_at is not None or bool(self._zeros)
+        """Whether zero is still to follow, or the sink is at work."""
+        return self._zero_at is not None or bool(self._zeros) or self._entered is not None
 
     def on_lost(self) -> None:
         """Note that the connection was lost: a zero that was sent lately may not have arrived, and is sent again."""
@@ -289,11 +289,13 @@ class CommandWatchdog:
             elif self._wanted is None:  # zero came in its place
                 self._resolve(None)
             moves = self._zero_at is not None
-            if self._zeros and (moves or self._next_at <= now):
+            if self._zeros and (moves or self._next_zero_at <= now):
                 requests, self._zeros = self._zeros, []
                 return ZERO, requests
-            if self._zeros or self._wanted is not None:
-                due = self._next_at
+            if self._zeros:
+                due = self._next_zero_at
+            elif self._wanted is not None:
+                due = self._next_speed_at
             elif self._zero_at is not None:
                 due = self._zero_at
             else:
@@ -321,12 +323,13 @@ class CommandWatchdog:
     def _note(self, velocity: Velocity, error: BaseException | None) -> None:
         """Note what became of a speed, and when zero is due now; the lock is held."""
         now = time.monotonic()
-        self.error, self._next_at = error, now + INTERVAL
+        self.error = error
         if error is not None:
             self.failed = velocity
         else:
             self.sent = velocity
         if velocity == ZERO:
+            self._next_zero_at = now + INTERVAL
             self._zero_at = now + RETRY if error is not None and not self._closed else None
             if error is None:
                 self._logged = ""
@@ -334,7 +337,7 @@ class CommandWatchdog:
                 self._logged = str(error)
                 log.error("the robot could not be told to stop: %s", error)
         elif error is None:
-            self._moved_at, self._zero_at = now, self._expires
+            self._moved_at, self._zero_at, self._next_speed_at = now, self._expires, now + INTERVAL
         elif not isinstance(error, self._not_sent):
             self._zero_at = 0.0
 

@@ -1,29 +1,20 @@
-"""Driving: limits, the message that the robot listens to, and a zero when nobody renews a speed."""
+"""Driving: limits, and the message that the robot listens to."""
 
 from __future__ import annotations
 
-import logging
-import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from typing import Any
 
+from .._command_watchdog import HOLD, RECENT
 from .._limits import is_past
 from ..samples.numbers import OF_DEGREES, finite, is_angle
 from .middleware import Advert, FeedError, Middleware
 
-log = logging.getLogger("robowidgets")
-
 TWIST = "geometry_msgs/msg/Twist"
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
-
-LATELY = 30.0
-"""Seconds for which a connection may be dead before that is noticed, generously."""
-
-AGAIN = 1.0
-"""Seconds after which a zero that could not be sent is tried again."""
 
 
 @dataclass(frozen=True)
@@ -35,23 +26,29 @@ class Driving:
         max_linear: m/s, forward and backward; more is cut.
         max_angular: rad/s, both ways; more is cut.
         hold: seconds after which a speed that was not renewed is followed by zero.
+        needs_page: whether speeds are refused while no page shows the feed or a pad of it, so that a robot does not
+            drive on when the browser was closed. A page that is busy or hidden for minutes counts as closed, and so
+            does one that a busy kernel does not hear.
 
     Raises:
-        TypeError: something is not a number, or the topic no text.
+        TypeError: something is not a number, the topic no text, or needs_page neither True nor False.
         ValueError: a limit that is not finite and above 0, or an empty topic.
     """
 
     topic: str = "/cmd_vel"
     max_linear: float = 0.5
     max_angular: float = 1.0
-    hold: float = 0.5
+    hold: float = HOLD
+    needs_page: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.topic, str):
             raise TypeError(f"topic: expected the name of a topic as text, got {self.topic!r}")
         if not self.topic.strip():
             raise ValueError(f"topic: expected the name of a topic, such as /cmd_vel, got {self.topic!r}")
-        for field in fields(self)[1:]:
+        if not isinstance(self.needs_page, bool):
+            raise TypeError(f"needs_page: expected True or False, got {self.needs_page!r}")
+        for field in fields(self)[1:4]:
             value = finite(field.name, getattr(self, field.name), "SI units")
             if value <= 0:
                 raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
@@ -76,7 +73,7 @@ class Driving:
         return "; ".join(words)
 
 
-class Twists:
+class TwistPublisher:
     """Publishes speeds as Twist or TwistStamped, whichever is listened to; Twist where nobody is known to listen.
 
     Args:
@@ -85,31 +82,48 @@ class Twists:
 
     def __init__(self, middleware: Middleware) -> None:
         self._middleware = middleware
-        self._heard: dict[str, list[str]] = {}
-        """By topic, the types in which a speed was sent."""
+        self._moved: dict[str, list[str]] = {}
+        """By topic, the types in which a speed was published."""
+        self._moved_at: dict[str, float] = {}
+        self._owed: set[str] = set()
+        """The topics that were not sent zero since."""
+
+    def on_connected(self) -> None:
+        """Owe zero once more after the connection was lost: what was published lately may not have arrived."""
+        since = time.monotonic() - RECENT
+        self._owed |= {topic for topic, at in list(self._moved_at.items()) if at > since}
 
     def send(self, topic: str, linear: float, angular: float, adverts: Sequence[Advert]) -> None:
-        """Publish a speed in m/s and rad/s; zero in every type in which a speed was sent: who heard that must hear it.
+        """Publish a speed in m/s and rad/s.
+
+        Zero goes out in every type in which a speed was published, and on every topic that is owed one.
 
         Raises:
-            FeedError: the topic is of another type, and no speed was sent on it.
+            FeedError: the topic is of another type, and no speed was sent on it; or the middleware cannot publish.
         """
-        heard = self._heard.setdefault(topic, [])
-        moves = bool(linear or angular)
-        kinds = [] if moves else list(heard)
-        try:
-            newest = _type_to_send(topic, adverts)
-        except FeedError:
-            if not kinds:
-                raise
-        else:
-            if newest not in kinds:
-                kinds.append(newest)
-            if moves and newest not in heard:
-                heard.append(newest)
+        if linear or angular:
+            kind = _type_to_send(topic, adverts)
+            self._middleware.publish(topic, kind, twist(kind, linear, angular))
+            self._owed.add(topic)
+            self._moved_at[topic] = time.monotonic()
+            if kind not in self._moved.setdefault(topic, []):
+                self._moved[topic].append(kind)
+            return
         with ExitStack() as each:  # each is sent, whatever another raises
-            for kind in kinds:
-                each.callback(self._middleware.publish, topic, kind, twist(kind, linear, angular))
+            for name in {topic, *self._owed}:
+                each.callback(self._send_zero, name, adverts)
+
+    def _send_zero(self, topic: str, adverts: Sequence[Advert]) -> None:
+        kinds = list(self._moved.get(topic, ()))
+        try:
+            kinds.append(_type_to_send(topic, adverts))
+        except FeedError:
+            if topic not in self._moved:
+                raise
+        with ExitStack() as each:
+            for kind in dict.fromkeys(kinds):
+                each.callback(self._middleware.publish, topic, kind, twist(kind, 0.0, 0.0))
+        self._owed.discard(topic)
 
 
 def _type_to_send(topic: str, adverts: Sequence[Advert]) -> str:
@@ -117,7 +131,7 @@ def _type_to_send(topic: str, adverts: Sequence[Advert]) -> str:
     known = [kind for kind in types if kind in (TWIST, TWIST_STAMPED)]
     others = [kind for kind in types if kind]
     if others and not known:
-        raise FeedError(f"cannot drive by {topic}: it is {others[0]}, expected {TWIST} or {TWIST_STAMPED}")
+        raise FeedError(f"{topic} is {others[0]}, expected {TWIST} or {TWIST_STAMPED}")
     return known[0] if known else TWIST
 
 
@@ -135,128 +149,6 @@ def twist(message_type: str, linear: float, angular: float) -> dict[str, Any]:
         return fields_of_twist
     header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"}
     return {"header": header, "twist": fields_of_twist}
-
-
-class Driver:
-    """Sends speeds, and zero when a speed has not been renewed in time; from a thread of its own, while a zero is owed.
-
-    Args:
-        send: publishes on a topic a linear and an angular speed.
-        reachable: says whether what is published arrives. A zero is sent all the same, for a robot may hear it though
-            its master is gone; it is owed until it was sent to one that can be reached.
-    """
-
-    def __init__(self, send: Callable[[str, float, float], None], reachable: Callable[[], bool]) -> None:
-        self._send = send
-        self._reachable = reachable
-        self._sending = threading.Lock()
-        self._wake = threading.Event()
-        self._thread: threading.Thread | None = None
-        self._due: dict[str, float] = {}
-        """The topics to which a zero is owed, and when it is due."""
-        self._moved: dict[str, float] = {}
-        """The topics to which a speed was sent, and when it was sent last."""
-        self._said = ""
-        self._closed = False
-
-    def drive(self, topic: str, linear: float, angular: float, hold: float) -> None:
-        """Send a speed that holds for so many seconds."""
-        with self._sending:
-            before = self._due.get(topic)
-            if linear or angular:
-                self._due[topic] = time.monotonic() + hold
-            try:
-                self._send(topic, linear, angular)
-                if linear or angular:
-                    self._moved[topic] = time.monotonic()
-                else:
-                    self._due.pop(topic, None)
-            except Exception:  # nothing was sent; of what a person interrupts, that is not known
-                self._due.pop(topic, None)
-                if before is not None:
-                    self._due[topic] = before
-                raise
-            finally:
-                if self._due:
-                    self._look_after()
-                self._wake.set()
-
-    def stop(self, topic: str) -> bool:
-        """Send zero now; says whether it is still owed, as the robot was left driving and cannot be reached."""
-        with self._sending:
-            if topic in self._due:
-                self._due[topic] = 0.0
-            self._wake.set()
-            reached = self._reachable()
-            self._send(topic, 0.0, 0.0)
-            if reached:
-                self._due.pop(topic, None)
-            return topic in self._due
-
-    def nudge(self) -> None:
-        """Look again whether a zero that is due can be sent. Waits for nothing."""
-        self._wake.set()
-
-    def lost(self) -> None:
-        """Owe a zero to every topic that was driven lately: what was sent since may not have arrived."""
-        with self._sending:
-            since = time.monotonic() - LATELY
-            for topic in [topic for topic, at in self._moved.items() if at > since and not self._closed]:
-                self._due.setdefault(topic, 0.0)
-                self._look_after()
-
-    def halt(self) -> None:
-        """Send zero wherever a speed still holds."""
-        with self._sending:
-            for topic in list(self._due):
-                self._due[topic] = 0.0
-                self._send_zero(topic)
-        self._wake.set()
-
-    def close(self) -> None:
-        """Send zero wherever a speed still holds, owe none any more, and end the thread."""
-        self._closed = True
-        self.halt()
-        with self._sending:
-            self._due.clear()
-            thread = self._thread
-        self._wake.set()
-        if thread is not None and thread is not threading.current_thread():
-            thread.join()
-
-    def _look_after(self) -> None:
-        if self._thread is None:
-            thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
-            thread.start()
-            self._thread = thread
-
-    def _run(self) -> None:
-        while True:
-            with self._sending:
-                now = time.monotonic()
-                for topic in [topic for topic, due in self._due.items() if due <= now]:
-                    self._send_zero(topic)
-                if not self._due:
-                    self._thread = None
-                    return
-                # Overdue is what did not arrive: whoever reaches the robot again gives a nudge.
-                left = min((due - now for due in self._due.values() if due > now), default=None)
-            self._wake.wait(left)
-            self._wake.clear()
-
-    def _send_zero(self, topic: str) -> None:
-        reached = self._reachable()
-        try:
-            self._send(topic, 0.0, 0.0)
-        except Exception as error:  # whatever it is, the next zero must not be kept from being sent
-            if str(error) != self._said:
-                self._said = str(error)
-                log.error("the robot could not be told to stop: %s", error, exc_info=not isinstance(error, FeedError))
-            self._due[topic] = time.monotonic() + AGAIN
-        else:
-            self._said = ""
-            if reached:
-                del self._due[topic]
 
 
 def _cut(value: float, limit: float) -> float:

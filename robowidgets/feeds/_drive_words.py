@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Sequence
 
-from ._topics import Topic
+from .._kinds import is_command, widget_by_type
+from .middleware import Advert
 
 log = logging.getLogger("robowidgets")
 
@@ -23,27 +24,35 @@ class DriveWords:
         self.unheard: dict[str, str] = {}
         self._logged: set[str] = set()
 
-    def of(self, topic: str, there: Mapping[str, Topic] | None) -> str:
+    def of(self, topic: str, adverts: Sequence[Advert]) -> str:
         """What is known against driving by a topic, of those there are; empty when it is nothing."""
-        return "; ".join(filter(None, (_unheard(topic, there), self.unheard.get(topic), self.cut)))
+        words = (_unheard(topic, adverts), self.unheard.get(topic), _contested(topic, adverts), self.cut)
+        return "; ".join(filter(None, words))
 
-    def log(self, where: str, topic: str, there: Mapping[str, Topic] | None) -> None:
+    def log(self, where: str, topic: str, adverts: Sequence[Advert]) -> None:
         """Log it: each topic that nobody hears once, and that speeds are cut once, whatever the numbers."""
-        unheard = _unheard(topic, there)
-        for kind, words in ((unheard, unheard), ("cut", self.cut)):
+        unheard, contested = _unheard(topic, adverts), _contested(topic, adverts)
+        for kind, words in ((unheard, unheard), (contested, contested), ("cut", self.cut)):
             if words and kind not in self._logged:
                 self._logged.add(kind)
                 log.warning("%s: %s", where, words)
 
 
-def _unheard(name: str, there: Mapping[str, Topic] | None) -> str:
+def _unheard(name: str, adverts: Sequence[Advert]) -> str:
     """Words for a topic to which nobody listens, with those to which speeds go; empty where somebody may."""
-    if there is None:
-        return ""
-    topic = there.get(name)
+    here = [advert.wanted for advert in adverts if advert.name == name]
     # A middleware that tells of no listener at all may not be able to.
-    tells = any(known.wanted is not None for known in there.values())
-    if topic.wanted is not False if topic else there and not tells:
+    tells = not adverts or any(advert.wanted is not None for advert in adverts)
+    if any(wanted is not False for wanted in here) if here else not tells:
         return ""
-    heard = [t.name for t in there.values() if t.widget == "speed" and t.commanded and t.wanted]
+    heard = dict.fromkeys(
+        a.name for a in adverts if a.wanted and is_command(a.name) and widget_by_type(a.type) == "speed"
+    )
     return f"nobody listens to {name}" + (f"; speeds go to {', '.join(heard)}" if heard else "")
+
+
+def _contested(name: str, adverts: Sequence[Advert]) -> str:
+    """Words for a topic on which somebody else publishes speeds; empty where nobody does."""
+    others = [advert for advert in adverts if advert.name == name and advert.offered]
+    names = dict.fromkeys(publisher for advert in others for publisher in advert.publishers)
+    return f"{', '.join(names) or 'somebody else'} publishes {name}, too" if others else ""

@@ -5,9 +5,15 @@ from __future__ import annotations
 import atexit
 import logging
 import os
+import time
 from typing import Protocol
 
+from .._command_watchdog import stop_all
+
 log = logging.getLogger("robowidgets")
+
+END_TIMEOUT = 4.0
+"""Seconds after which the end of the process closes no further feed."""
 
 
 class Closable(Protocol):
@@ -31,7 +37,12 @@ def close_first() -> None:
 
 
 def _close_all() -> None:
+    stop_all()  # first: another feed may take its time to close
+    until = time.monotonic() + END_TIMEOUT
     for one in list(still_open):
+        if time.monotonic() > until:
+            log.error("the process ends without waiting for a feed to close: %r", one)
+            return
         _close(one)
 
 

@@ -17,7 +17,10 @@ log = logging.getLogger("robowidgets")
 
 
 class Target(NamedTuple):
-    """What the messages of a topic are handed to, and the widget that it belongs to, if any."""
+    """What takes the messages of a topic at once, in the transport's thread, and the widget that it belongs to, if any.
+
+    It is code of this package: functions of a program are called by `FunctionCaller`.
+    """
 
     hand: Callable[[Any], object]
     widget: RobotWidget[Any] | None
@@ -28,15 +31,15 @@ class Target(NamedTuple):
         return self.widget is not None and getattr(self.hand, "__name__", "") == "update"
 
 
-def target_of(given: Any) -> Target:
-    """The target that a widget, a method of one (`SpeedWidget.command`) or any function stands for."""
+def target_of(given: Any) -> Target | Callable[[Any], object]:
+    """The target that a widget, or a method of one (`SpeedWidget.command`), stands for; a function as it is."""
     if isinstance(given, RobotWidget):
         hand = getattr(given, "update", None)
         if callable(hand):
             return Target(hand, given)
     elif callable(given) and not isinstance(given, type):
         owner = getattr(given, "__self__", None)
-        return Target(given, owner if isinstance(owner, RobotWidget) else None)
+        return Target(given, owner) if isinstance(owner, RobotWidget) else given
     hint = f"; make one of it: {given.__name__}()" if isinstance(given, type) else ""
     if isinstance(given, DriveWidget):
         hint = "; a pad that drives is connected to a feed: pad.connect(feed)"
@@ -89,12 +92,13 @@ class Link:
             several = f"{self.topic} is published as {self.type.replace(', ', ' and as ')}" if ", " in self.type else ""
             all_of_it = (self.trouble, self._failed, several or self._retyped, self._geometry.words)
             return "; ".join(filter(None, all_of_it))
-        gone = no_such(self.topic, there) if there is not None and self.topic not in there else ""
+        topic = there.get(self.topic) if there is not None else None
+        gone = no_such(self.topic, there) if there is not None and topic is None and not self.ever else ""
         if gone or self.trouble:
             return "; ".join(filter(None, (gone, self.trouble)))
         if not leads:
             return ""
-        if there is not None and not there[self.topic].offered:
+        if there is not None and (topic is None or not topic.offered):
             return f"nobody publishes {self.topic} {'any more' if self.ever else 'yet'}"
         return f"waiting for {self.topic}"
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from .._widget import RobotWidget
 from ..speed_widget import SpeedWidget
+from ._functions import FunctionCaller
 from ._link import Link, Target
 from ._topics import Topic
 
@@ -14,12 +15,17 @@ from ._topics import Topic
 class Links:
     """The links of a feed, by topic. One thread at a time may use them.
 
+    Args:
+        down: why nothing comes at all, to begin with.
+        functions: the functions that are connected, too.
+
     Attributes:
         there: the topics there are, by name; None until that is known.
         down: why nothing comes at all; empty when all is well.
     """
 
-    def __init__(self, down: str) -> None:
+    def __init__(self, down: str, functions: FunctionCaller) -> None:
+        self._functions = functions
         self.by_topic: dict[str, Link] = {}
         self.there: dict[str, Topic] | None = None
         self.down = down
@@ -40,17 +46,20 @@ class Links:
         self.tell(link)
 
     def disconnect(self, topic: str, targets: Sequence[Target]) -> None:
-        """Take targets off a topic, or all of them where none are named."""
+        """Take targets off a topic."""
         link = self.by_topic.get(topic)
         if link is None:
             return
-        gone = targets or link.targets
-        link.targets = tuple(target for target in link.targets if target not in gone)
-        if not link.targets:
-            del self.by_topic[topic]
-        for target in gone:
+        link.targets = tuple(target for target in link.targets if target not in targets)
+        for target in targets:
             if target.widget is not None:
                 self._leave(target.widget, link, target)
+        self.prune()
+
+    def prune(self) -> None:
+        """Forget the topics to which nothing is connected any more."""
+        used = {function.topic for function in self._functions.functions}
+        self.by_topic = {topic: link for topic, link in self.by_topic.items() if link.targets or topic in used}
 
     def learn(self, there: dict[str, Topic]) -> None:
         """Learn which topics there are now."""
@@ -68,7 +77,8 @@ class Links:
 
     def words_of(self, topic: str) -> str:
         """What a person should know of a topic, connected or not; empty when all is well."""
-        return self.down or (self.by_topic.get(topic) or Link(topic)).words(self.there)
+        words = self.down or (self.by_topic.get(topic) or Link(topic)).words(self.there)
+        return "; ".join(filter(None, (words, self._functions.status_of(topic))))
 
     def tell(self, link: Link) -> None:
         """Tell the widgets of a link what is to be known."""
@@ -96,7 +106,8 @@ class Links:
         first = links[0][0]
         words = [link.words(self.there, leads=link is first) for link, _ in self._unmended(widget, links)]
         told = self.down or "; ".join(dict.fromkeys(filter(None, words)))
-        widget._source = {"topic": first.topic, "type": first.type, "words": told}
+        failed = "; ".join(filter(None, (self._functions.status_of(link.topic) for link, _ in links)))
+        widget._source = {"topic": first.topic, "type": first.type, "words": told, "error": failed}
 
     def _unmended(self, widget: RobotWidget[Any], links: Sequence[tuple[Link, Target]]) -> list[tuple[Link, Target]]:
         """The links without topics that are not there, where one that was connected later delivers in their place."""

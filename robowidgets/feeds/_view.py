@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from html import escape
 from typing import Any
@@ -12,6 +12,7 @@ import ipywidgets
 
 from .._layout import WIDE, columns
 from .._picks import Pick, picks
+from ._link import Target
 from ._probe import decided, is_open
 from ._topics import Topic
 from .feed import Feed
@@ -33,7 +34,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._names = topics
         self._known: dict[str, Topic] = {}
         self._shown: dict[Pick, Any] = {}
-        self._probes: dict[str, Callable[[Any], None]] = {}
+        self._probes: dict[str, Target] = {}
         self._turn = threading.Lock()
         self._stale = self._busy = self._closed = False
         self._status = ipywidgets.HTML()
@@ -91,14 +92,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         """Look at one message of each topic of which only that tells the widget."""
         for topic in topics:
             if topic.name not in self._probes and is_open(topic):
-                self._probes[topic.name] = partial(self._decide, topic)
-                self.feed.connect(topic.name, self._probes[topic.name])
+                self._probes[topic.name] = self.feed.attach(topic.name, partial(self._decide, topic))
         if self._closed:
             for name, probe in self._probes.items():
-                self.feed.disconnect(name, probe)
+                self.feed.detach(name, probe)
 
     def _decide(self, topic: Topic, message: Any) -> None:
-        self.feed.disconnect(topic.name, self._probes[topic.name])
+        self.feed.detach(topic.name, self._probes[topic.name])
         found = decided(topic, message)
         if found.widget:
             self._known[topic.name] = found

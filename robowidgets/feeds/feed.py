@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
 import threading
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .._cells import take_the_place
+from .._cells import running_cell, take_the_place
+from .._command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request
 from .._table import as_html, as_text
-from ._drive import Driver, Driving, Twists
+from ..samples import Scan, Speed
+from ..samples.numbers import finite
+from ._drive import TWIST, Driving, TwistPublisher
 from ._drive_words import DriveWords
 from ._ending import close_first, still_open
-from ._link import target_of
+from ._functions import Function, FunctionCaller
+from ._link import Target, target_of
 from ._links import Links
+from ._scans import scans_of
 from ._subscriptions import Subscriptions
-from ._topics import Topic, check_name, table_of, topics_of
+from ._topics import Table, Topic, check_name, table_of, topics_of
 from .middleware import Advert, FeedError, Middleware
 
 if TYPE_CHECKING:
     from ._view import FeedView
 
+log = logging.getLogger("robowidgets")
+
 PATIENCE = 2.0
-"""Seconds that `show` and `drive` wait for the first list of topics."""
+"""Seconds after opening for which `show`, `drive` and `stop` wait for the topics and for a robot that listens."""
+
+PAGE_TIMEOUT = 3.0
+"""Seconds without a word from a page after which there is none."""
 
 
 class Feed:
@@ -48,16 +60,21 @@ class Feed:
         self._driving = Driving()
         self._middleware = middleware
         self._changed = threading.Condition(threading.RLock())
-        self._links = Links(f"connecting to {middleware.where}")
+        self._functions = FunctionCaller(self._tell_topic)
+        self._links = Links(f"connecting to {middleware.where}", self._functions)
         self._watchers: list[Callable[[], None]] = []
         self._adverts: tuple[Advert, ...] = ()
         self._reached = self._closed = self._forked = False
-        self._twists = Twists(middleware)
+        self._driven: str | None = None
+        """The topic on which a speed was sent that nobody else knows."""
+        self._page_at = float("-inf")
+        self._twists = TwistPublisher(middleware)
         self._opened = time.monotonic()
         self._drive_words = DriveWords()
         self._subscriptions = Subscriptions(middleware, self._wanted)
-        self._driver = Driver(self._send_speed, lambda: not self._links.down)
-        take_the_place(self)  # before it opens: the one before may have the node, or drive
+        self.watchdog = CommandWatchdog(self._send_speed, not_sent=FeedError)
+        self.watchdog.watch(self._show_sent)
+        _tell_dropped(take_the_place(self))  # before it opens: the one before may have the node, or drive
         still_open.add(self)
         try:
             middleware.open(self)
@@ -92,25 +109,50 @@ class Feed:
     def driving(self, driving: Driving) -> None:
         if not isinstance(driving, Driving):
             raise TypeError(f"driving: expected feeds.Driving(topic=..., max_linear=...), got {driving!r}")
-        self._driver.halt()
+        if self.watchdog.owes_zero:
+            with contextlib.suppress(FeedError, TimeoutError):  # it is logged, and stays owed
+                self.watchdog.sent_in_time(self.watchdog.stop())
         self._driving, self._drive_words.cut = driving, ""
 
     @property
     def drive_words(self) -> str:
-        """Why the robot would not move as it is told: who does not hear it, and how the last speed was cut.
+        """Why the robot would not move as it is told: who does not hear it, who drives, how the last speed was cut.
 
         Empty when nothing is known against it.
         """
-        return self._links.down or self._drive_words.of(self.driving.topic, self._links.there)
+        return self._links.down or self._drive_words.of(self.driving.topic, self._adverts)
 
-    def connect(self, topic: str, *targets: Any) -> None:
+    @property
+    def stopped(self) -> bool:
+        """Whether stop is latched: all driving is refused until it is released.
+
+        True sends zero and latches, False releases; so do the buttons on the page.
+        """
+        return self.watchdog.stopped
+
+    @stopped.setter
+    def stopped(self, stopped: bool) -> None:
+        self.watchdog.stopped = bool(stopped)
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        """The functions that are connected."""
+        return self._functions.functions
+
+    def connect(self, topic: str, *targets: Any, raw: bool = False) -> None:
         """Hand the messages of a topic on, whether it is there yet or not.
+
+        Functions are called in a thread of their own, one at a time, with the newest message: a `Scan`, `Speed` or
+        `Touch` where a widget shows the topic, else the message as it came. Of a touch sensor every message counts. One
+        that raises is named on the widgets of its topic, and so is one that has not come back for a second. A function
+        takes the place of the one of the same name in the notebook, and of those that an earlier run of the same cell
+        connected.
 
         Args:
             topic: its name.
-            *targets: widgets, whose `update` takes the messages and which get the topic as title if they have none; or
-                functions of a message, such as `speed.command`. They are called in a thread of the feed's; an error is
-                logged.
+            *targets: widgets, whose `update` takes the messages and which get the topic as title if they have none;
+                their methods, such as `speed.command`; or functions of a sample.
+            raw: whether functions get the messages as they came.
 
         Raises:
             TypeError: no text, no target, or something else than a widget or a function. ValueError: an empty name.
@@ -118,18 +160,49 @@ class Feed:
         """
         check_name(topic)
         if not targets:
-            raise TypeError(f"connect({topic!r}) needs a widget, or a function of a message")
+            raise TypeError(f"connect({topic!r}) needs a widget, or a function of a sample")
+        every = [target_of(target) for target in targets]
+        self._connect(topic, [one for one in every if isinstance(one, Target)])
         with self._changed:
-            self._check_open()
-            self._links.connect(topic, [target_of(target) for target in targets])
+            self._functions.connect(topic, [one for one in every if not isinstance(one, Target)], raw)
+            self._links.prune()
         self._subscriptions.settle()
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """Hand no more messages of a topic on to these targets of `connect`; to none at all when none are named."""
         check_name(topic)
+        every = [target_of(target) for target in targets]
         with self._changed:
-            self._links.disconnect(topic, [target_of(target) for target in targets])
+            link = self._links.by_topic.get(topic)
+            ours = [one for one in every if isinstance(one, Target)] if targets else link.targets if link else ()
+            self._functions.disconnect(
+                topic, [one for one in every if not isinstance(one, Target)] if targets else None
+            )
+            self._links.disconnect(topic, ours)
+            self._tell_topic(topic)
         self._subscriptions.settle()
+
+    def scans(self, topic: str, timeout: float = 0.5) -> Iterator[Scan]:
+        """The scans of a topic from now on, each once; the newest, where a loop is slower than the scanner.
+
+        Args:
+            topic: its name.
+            timeout: seconds that it waits for the next scan. For the first one it waits 10 s at least.
+
+        Raises:
+            TimeoutError: no scan came in time; the text says why, as far as it is known.
+            TypeError, ValueError: no name, or no number of seconds above 0; or a message that is no scan.
+            FeedError: the feed is closed.
+
+        Example:
+            >>> for scan in feed.scans("/scan", timeout=0.5):  # doctest: +SKIP
+            ...     feed.drive(0.2 if scan.distance() > 0.6 else 0.0)
+        """
+        check_name(topic)
+        if finite("timeout", timeout, "seconds") <= 0:
+            raise ValueError(f"timeout: expected seconds above 0, got {timeout!r}")
+        self._check_open()
+        return scans_of(self, topic, timeout)
 
     def show(self, *topics: str) -> FeedView:
         """The widgets that fit its topics, live, for the page.
@@ -161,7 +234,8 @@ class Feed:
     def drive(self, linear: float = 0.0, angular: float = 0.0) -> None:
         """Publish a speed, cut to the limits of `driving`; unless it is renewed in time, zero follows.
 
-        What was cut is told by `drive_words` until the next speed that is not, and by the log once.
+        At most 50 speeds a second are published, the newest wins; zero goes out at once. What was cut is told by
+        `drive_words` until the next speed that is not, and by the log once.
 
         Args:
             linear: forward, m/s.
@@ -169,50 +243,55 @@ class Feed:
 
         Raises:
             TypeError: no number. ValueError: NaN or infinite.
-            FeedError: the robot cannot be reached or driven, or the feed is closed. Nothing is sent then.
+            FeedError: the robot cannot be reached or driven; a hand holds a pad, or stop is latched; the feed is
+                closed. Nothing is sent then.
         """
-        driving = self.driving
-        speed = driving.within(linear, angular)
-        self._drive_words.cut = driving.cut(linear, angular)
+        velocity = self._within(linear, angular)
+        if self._functions.is_abandoned and velocity != ZERO:
+            raise FeedError("cannot drive: this function was disconnected or replaced while it was at work")
         self._await_robot()
-        self._check_open()
-        if self._links.down:
-            raise FeedError(f"cannot drive: {self._links.down}")
-        self._drive_words.log(self.where, driving.topic, self._links.there)
-        self._driver.drive(driving.topic, *speed, driving.hold)
+        self._drive_words.log(self.where, self.driving.topic, self._adverts)
+        self._sent_in_time("drive", self._request(velocity, PROGRAM))
+
+    def drive_by_hand(self, linear: float, angular: float, press: str) -> None:
+        """Publish the speed of a press on a pad; waits for nothing. Raises as `drive`."""
+        self._request(self._within(linear, angular), press)
 
     def stop(self) -> None:
-        """Publish zero now. Where the connection was lost while driving, zero goes out as soon as it is back.
+        """Publish zero now, and return when it is sent.
 
         Raises:
-            FeedError: the robot cannot be driven at all; or it cannot be reached, and was not left driving.
+            FeedError: zero was not sent; the text says why, and whether it follows when the robot can be reached.
         """
         self._drive_words.cut = ""
-        self._await_robot()
         if self._closed and not self._forked:
             return
+        self._await_robot()
         self._check_open()
-        down = self._links.down
-        if not self._driver.stop(self.driving.topic) and down:
-            raise FeedError(f"cannot stop: {down}")
+        self._sent_in_time("stop", self.watchdog.stop())
 
     def close(self) -> None:
-        """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing."""
+        """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing.
+
+        It takes a few seconds at most, whatever the robot and connected functions do.
+        """
         with self._changed:
             if self._closed:
                 return
             self._closed = True
         try:
-            try:
-                self._driver.close()
-            finally:
-                self._middleware.close()
+            with contextlib.suppress(FeedError, TimeoutError):  # it is logged
+                self.watchdog.close()
         finally:
-            still_open.discard(self)
-            with self._changed:
-                self._links.lose("the feed is closed")
-                self._changed.notify_all()
-            self._tell_watchers()
+            try:
+                self._functions.close()
+                self._middleware.close()
+            finally:
+                still_open.discard(self)
+                with self._changed:
+                    self._links.lose("the feed is closed")
+                    self._changed.notify_all()
+                self._tell_watchers()
 
     def __enter__(self) -> Feed:
         return self
@@ -221,10 +300,11 @@ class Feed:
         self.close()
 
     def __repr__(self) -> str:
-        return as_text(*table_of(self.where, self.topics, self._links.down))
+        tables = [as_text(*table) for table in self._tables()]
+        return "\n".join(tables)
 
     def _repr_html_(self) -> str:
-        return as_html(*table_of(self.where, self.topics, self._links.down))
+        return "".join(as_html(*table) for table in self._tables())
 
     # -- what the middleware tells: see `Listener` ---------------------------------------------------------------------
 
@@ -236,7 +316,8 @@ class Feed:
             self._links.down, self._reached = "", True
             self._links.tell_all()
             self._changed.notify_all()
-        self._driver.nudge()
+        self._twists.on_connected()
+        self.watchdog.on_connected()
         self._tell_watchers()
 
     def on_lost(self, why: str, again_in: float) -> None:
@@ -246,7 +327,7 @@ class Feed:
                 return
             lost = "connection lost" if self._reached else f"cannot reach {self.where}"
             self._links.lose(f"{lost}, trying again in {again_in:.2g} s: {why}")
-        self._driver.lost()
+        self.watchdog.on_lost()
         self._tell_watchers()
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
@@ -255,16 +336,20 @@ class Feed:
             if self._closed:
                 return
             self._adverts = tuple(topics)
-            self._links.learn(topics_of(topics))
+            self._learn()
             self._changed.notify_all()
         self._tell_watchers()
 
     def on_message(self, topic: str, message: Any) -> None:
         """See `Listener`."""
         link = self._links.by_topic.get(topic)
-        if link is not None and not self._closed and link.take(message):
+        if link is None or self._closed:
+            return
+        if link.take(message):
             with self._changed:
                 self._links.tell(link)
+        known = (self._links.there or {}).get(topic)
+        self._functions.put(known or Topic(topic, "", None, False, True, None), message)
 
     def on_trouble(self, topic: str, words: str) -> None:
         """See `Listener`."""
@@ -277,6 +362,7 @@ class Feed:
     def on_unheard(self, topic: str, words: str) -> None:
         """See `Listener`."""
         self._drive_words.unheard[topic] = words
+        self._tell_watchers()
 
     # -- within --------------------------------------------------------------------------------------------------------
 
@@ -284,6 +370,10 @@ class Feed:
         """Be closed in a process that was forked off: the threads stayed behind, maybe with the lock."""
         self._changed = threading.Condition(threading.RLock())
         self._closed = self._forked = True
+
+    def page_seen(self) -> None:
+        """Note that a page which shows the feed, or a pad of it, is there."""
+        self._page_at = time.monotonic()
 
     def words_of(self, topic: str) -> str:
         """What a person should know of a topic, connected or not; empty when all is well."""
@@ -305,6 +395,18 @@ class Feed:
         with self._changed:
             self._watchers.append(tell)
 
+    def attach(self, topic: str, take: Callable[[Any], object]) -> Target:
+        """Hand the messages of a topic to code of this package, in the transport's thread; it must return at once."""
+        target = Target(take, None)
+        self._connect(topic, [target])
+        return target
+
+    def detach(self, topic: str, target: Target) -> None:
+        """End an `attach`."""
+        with self._changed:
+            self._links.disconnect(topic, [target])
+        self._subscriptions.settle()
+
     def forget(self, tell: Callable[[], None]) -> None:
         """Call a function of `watch` no more."""
         with self._changed:
@@ -320,16 +422,93 @@ class Feed:
             while not until() and not self._closed and (left := since + PATIENCE - time.monotonic()) > 0:
                 self._changed.wait(left)
 
-    def _await_robot(self) -> None:
-        """Wait for what is published to arrive, and for the type that it must have."""
-        self._wait(lambda: self._reached and bool(self._links.down or self._links.there is not None), self._opened)
+    def _connect(self, topic: str, targets: Sequence[Target]) -> None:
+        with self._changed:
+            self._check_open()
+            self._links.connect(topic, targets)
+        self._subscriptions.settle()
 
-    def _send_speed(self, topic: str, linear: float, angular: float) -> None:
+    def _await_robot(self) -> None:
+        """Wait for what is published to arrive, for the type that it must have, and for somebody who listens."""
+        self._wait(lambda: self._reached and (bool(self._links.down) or self._is_heard()), self._opened)
+
+    def _is_heard(self) -> bool:
+        """Whether somebody is known to listen; or nobody can tell."""
+        told = [advert.wanted for advert in self._adverts if advert.wanted is not None]
+        here = any(advert.name == self.driving.topic and advert.wanted for advert in self._adverts)
+        return self.is_listed and (here or bool(self._adverts and not told))
+
+    def _within(self, linear: float, angular: float) -> tuple[float, float]:
+        velocity = self.driving.within(linear, angular)
+        self._drive_words.cut = self.driving.cut(linear, angular)
+        return velocity
+
+    def _request(self, velocity: tuple[float, float], driver: str) -> Request:
+        """Have a speed sent, if nothing speaks against it."""
+        self._check_open()
+        if self._links.down:
+            raise FeedError(f"cannot drive: {self._links.down}")
+        if self.driving.needs_page and time.monotonic() - self._page_at > PAGE_TIMEOUT:
+            raise FeedError(
+                "cannot drive: no page that shows this feed or its pad answers, and driving.needs_page asks for one; "
+                "beside a busy cell only ipykernel 7 or later hears the page"
+            )
+        if velocity != ZERO:
+            self._learn_driven(self.driving.topic)
+        try:
+            return self.watchdog.drive(velocity, self.driving.hold, driver)
+        except RefusedError as error:
+            raise FeedError(f"cannot drive: {error}") from None
+
+    def _sent_in_time(self, what: str, request: Request) -> None:
+        try:
+            self.watchdog.sent_in_time(request)
+        except (FeedError, TimeoutError) as error:
+            follows = "; zero follows when it can be sent" if what == "stop" and self.watchdog.owes_zero else ""
+            raise FeedError(f"cannot {what}: {self._links.down or error}{follows}") from None
+
+    def _send_speed(self, linear: float, angular: float) -> None:
+        """The sink of the watchdog."""
         if linear or angular:
             self._check_open()
-        if self._links.down and self._links.there is None:
-            return  # it would not arrive, and of which type it must be is not known
-        self._twists.send(topic, linear, angular, self._adverts)
+        self._twists.send(self.driving.topic, linear, angular, self._adverts)
+
+    def _learn_driven(self, topic: str) -> None:
+        """List a topic on which only this feed publishes, so that a widget shows what is sent."""
+        if topic != self._driven:
+            self._driven = topic
+            with self._changed:
+                self._learn()
+            self._tell_watchers()
+
+    def _learn(self) -> None:
+        adverts = list(self._adverts)
+        if self._driven is not None and all(advert.name != self._driven for advert in adverts):
+            tells = any(advert.wanted is not None for advert in adverts)
+            adverts.append(Advert(self._driven, TWIST, offered=False, wanted=False if tells else None))
+        self._links.learn(topics_of(adverts))
+
+    def _show_sent(self) -> None:
+        """Show what was sent as commanded, unless the middleware hands it on itself as it does what others publish."""
+        topic, velocity = self.driving.topic, self.watchdog.sent
+        link = self._links.by_topic.get(topic)
+        known = (self._links.there or {}).get(topic)
+        if link is not None and known is not None and not known.offered and self.watchdog.error is None:
+            link.take(Speed((velocity[0], 0.0, 0.0), (0.0, 0.0, velocity[1])))
+            with self._changed:
+                self._links.tell(link)
+
+    def _tables(self) -> list[Table]:
+        tables = [table_of(self.where, self.topics, self._links.down)]
+        if self.functions:
+            tables.append(self._functions.table())
+        return tables
+
+    def _tell_topic(self, topic: str) -> None:
+        link = self._links.by_topic.get(topic)
+        if link is not None:
+            with self._changed:
+                self._links.tell(link)
 
     def _wanted(self) -> Collection[str] | None:
         with self._changed:
@@ -344,3 +523,12 @@ class Feed:
         if self._closed:
             why = "stayed with the process that was forked" if self._forked else "is closed"
             raise FeedError(f"the feed of {self.where} {why}: open it again")
+
+
+def _tell_dropped(closed: Sequence[Any]) -> None:
+    """Say which functions of other cells were connected to a feed that a new run of its cell closed."""
+    cell, _ = running_cell()
+    functions = [function for feed in closed if isinstance(feed, Feed) for function in feed.functions]
+    names = [f"`{function.name}` ({function.topic})" for function in functions if function.cell != cell]
+    if names:
+        log.warning("the feed was opened anew; no longer connected: %s. Run their cells again", ", ".join(names))

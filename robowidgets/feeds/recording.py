@@ -14,9 +14,12 @@ from ..recordings import Recording
 from ..recordings import open as open_recording
 from ..samples.numbers import finite
 from .feed import Feed
-from .middleware import Advert, FeedError, Listener
+from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 
 _SHORTEST_ROUND = 0.1
+
+YOURS = " (your program)"
+"""What follows the name of a topic on which a program drives a recording."""
 
 
 class Played:
@@ -36,6 +39,8 @@ class Played:
         self._changed = threading.Event()
         self._closed = False
         self._thread: threading.Thread | None = None
+        self._listener: Listener
+        self._adverts: list[Advert] = []
 
     @property
     def where(self) -> str:
@@ -45,7 +50,11 @@ class Played:
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
         listener.on_connected()
-        listener.on_topics([Advert(topic.name, topic.type, wanted=False) for topic in self._recording.topics])
+        self._listener = listener
+        self._adverts = [
+            Advert(topic.name, topic.type, publishers=("the recording",)) for topic in self._recording.topics
+        ]
+        listener.on_topics(self._adverts)
         self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-player", daemon=True)
         self._thread.start()
 
@@ -59,9 +68,17 @@ class Played:
         self._subscribed -= {topic}
         self._changed.set()
 
-    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
-        """See `Middleware`. It cannot."""
-        raise FeedError(f"{self.where} is a recording: it cannot be driven")
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        """See `Middleware`. Nothing moves: it is shown beside what was driven then, which has the topic to itself."""
+        if self._closed:
+            raise FeedError(f"{self.where} is closed")
+        if all(known.name != topic for known in self._recording.topics):
+            return  # the feed shows what it publishes
+        own = Advert(f"{topic}{YOURS}", message_type, publishers=("your program",))
+        if own not in self._adverts:
+            self._adverts = [*self._adverts, own]
+            self._listener.on_topics(self._adverts)
+        self._listener.on_message(own.name, message)
 
     def close(self) -> None:
         """See `Middleware`."""
@@ -70,7 +87,7 @@ class Played:
         if self._thread is None:
             self._recording.close()
         elif self._thread is not threading.current_thread():
-            self._thread.join()
+            self._thread.join(CLOSE_TIMEOUT)
 
     def _run(self, listener: Listener) -> None:
         shown = {topic.name for topic in self._recording.topics if topic.widget}

@@ -9,15 +9,16 @@ from typing import Any
 
 from ..messages import to_speed
 from ..samples.numbers import finite
-from ..simulator import Robot, World, wander
+from ..simulator import Robot, World
+from ..simulator import wander as wander_about
 from ._drive import TWIST
 from .feed import Feed
-from .middleware import Advert, FeedError, Listener
+from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 
 TOPICS = (
     Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
     Advert("/odom", "nav_msgs/msg/Odometry", wanted=False),
-    Advert("/cmd_vel", TWIST, wanted=True),
+    Advert("/cmd_vel", TWIST, offered=False, wanted=True),
     Advert("/bumper", "robowidgets/msg/Touch", wanted=False),
 )
 
@@ -31,18 +32,21 @@ _START = (0.2, -0.85, 0.5)
 class Simulated:
     """A simulated robot as a `Middleware`: time passes for it as it does for us, in a thread of its own.
 
-    It wanders about, backs off from what it bumps into, and obeys speeds on ``/cmd_vel`` while somebody sends them.
+    It obeys speeds on ``/cmd_vel`` while somebody sends them. Else it wanders about and backs off from what it bumps
+    into, or stands still.
 
     Args:
         robot: the robot; nothing else may use it meanwhile.
         hz: how often a second it tells its speed and its bumpers. Scans come at the rate of its scanner, or at this one
             if that is lower.
+        wander: whether it wanders while nobody drives it.
     """
 
-    def __init__(self, robot: Robot, hz: float) -> None:
+    def __init__(self, robot: Robot, hz: float, wander: bool = True) -> None:
         self._robot = robot
         self._step = 1 / hz
-        self._driven: tuple[float, float] | None = None
+        self._wanders = wander
+        self._driven: tuple[float, float] | None = None if wander else (0.0, 0.0)
         self._driven_at = 0.0
         self._subscribed: frozenset[str] = frozenset()
         self._ended = threading.Event()
@@ -73,6 +77,8 @@ class Simulated:
         if topic != "/cmd_vel":
             raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
         speed = to_speed(message)
+        if self._ended.is_set():
+            raise FeedError("the simulated robot is closed")
         self._driven_at = time.monotonic()
         self._driven = (speed.linear[0], speed.angular[2])
 
@@ -80,10 +86,10 @@ class Simulated:
         """See `Middleware`."""
         self._ended.set()
         if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join()
+            self._thread.join(CLOSE_TIMEOUT)
 
     def _run(self, listener: Listener) -> None:
-        ways = wander(self._robot)
+        ways = wander_about(self._robot)
         scan = None
         due = time.monotonic()
         while not self._ended.wait(max(0.0, due - time.monotonic())):
@@ -102,14 +108,14 @@ class Simulated:
         if driven is None:
             next(ways)
             return ways
-        if time.monotonic() - self._driven_at < LET_GO:
+        if not self._wanders or time.monotonic() - self._driven_at < LET_GO:
             self._robot.drive(*driven)
             return ways
         self._driven = None
-        return wander(self._robot)
+        return wander_about(self._robot)
 
 
-def simulator(robot: Robot | None = None, *, hz: float = 10.0, seed: int = 1) -> Feed:
+def simulator(robot: Robot | None = None, *, hz: float = 10.0, seed: int = 1, wander: bool = True) -> Feed:
     """A feed of the built-in robot, which needs no middleware: it wanders about a house until somebody drives it.
 
     Its topics are /scan, /odom, /cmd_vel and /bumper.
@@ -118,9 +124,10 @@ def simulator(robot: Robot | None = None, *, hz: float = 10.0, seed: int = 1) ->
         robot: a robot of `robowidgets.simulator`; None: one in the hall of a house.
         hz: steps of the robot a second, above 0, at most 1000.
         seed: of everything random in the robot in the hall.
+        wander: whether it wanders while nobody drives it; False: it stands still.
 
     Raises:
-        TypeError: no such robot, or no number. ValueError: hz is out of its range.
+        TypeError: no such robot, no number, or wander neither True nor False. ValueError: hz is out of its range.
 
     Example:
         >>> from robowidgets import feeds
@@ -133,4 +140,6 @@ def simulator(robot: Robot | None = None, *, hz: float = 10.0, seed: int = 1) ->
         raise TypeError(f"robot: expected a robot of robowidgets.simulator, got {robot!r}")
     if not 0 < finite("hz", hz, "steps a second") <= 1000:
         raise ValueError(f"hz: expected steps a second, above 0 and at most 1000, got {hz!r}")
-    return Feed(Simulated(robot or Robot(World.rooms(), _START, seed=seed), hz))
+    if not isinstance(wander, bool):
+        raise TypeError(f"wander: expected True or False, got {wander!r}")
+    return Feed(Simulated(robot or Robot(World.rooms(), _START, seed=seed), hz, wander))

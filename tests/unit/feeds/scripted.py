@@ -14,7 +14,10 @@ IMU = Advert("/imu", "sensor_msgs/msg/Imu", wanted=False)
 
 
 class Scripted:
-    """Its `listener` is what a test talks to, as an adapter would. While it is ``deaf``, what is published is lost."""
+    """Its `listener` is what a test talks to, as an adapter would.
+
+    While it is ``deaf``, what is published is lost; while it is not ``reachable``, publishing fails.
+    """
 
     where = "the script"
 
@@ -27,11 +30,11 @@ class Scripted:
         self.unheard = 0
         self.listener: Listener
         self._topics = topics
-        self._connected = connected
+        self.reachable = connected
 
     def open(self, listener: Listener) -> None:
         self.listener = listener
-        if self._connected:
+        if self.reachable:
             listener.on_connected()
             listener.on_topics(self._topics)
 
@@ -42,8 +45,8 @@ class Scripted:
         self.asked.append(("unsubscribe", topic))
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        if self.broken:
-            raise FeedError(self.broken)
+        if self.broken or not self.reachable:
+            raise FeedError(self.broken or "there is no connection to the script")
         if self.deaf:
             self.unheard += 1
             return
@@ -51,6 +54,16 @@ class Scripted:
 
     def close(self) -> None:
         self.closed += 1
+
+    def connect(self) -> None:
+        """Be reached, for the first time or again."""
+        self.reachable = True
+        self.listener.on_connected()
+
+    def lose(self, why: str = "no route to host") -> None:
+        """Be lost."""
+        self.reachable = False
+        self.listener.on_lost(why, 1.0)
 
     @property
     def speeds(self) -> list[tuple[float, float]]:

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from robowidgets._command_watchdog import RefusedError
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 
 from ..waiting import wait_for
@@ -21,8 +22,9 @@ Driven = Callable[..., tuple[Feed, Scripted]]
 
 
 @pytest.fixture
-def driven() -> Iterator[Driven]:
-    """Opens feeds on a script, and closes them."""
+def driven(monkeypatch: pytest.MonkeyPatch) -> Iterator[Driven]:
+    """Opens feeds on a script, which wait for somebody who listens for a moment only, and closes them."""
+    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert, connected: bool = True, **driving: float) -> tuple[Feed, Scripted]:
@@ -38,10 +40,9 @@ def driven() -> Iterator[Driven]:
 
 def test_a_speed_is_cut_to_the_limits(driven: Driven) -> None:
     feed, script = driven(CMD_VEL, max_linear=0.3, max_angular=0.8, hold=60.0)
-    feed.drive(0.2, -0.5)
-    feed.drive(5.0, -5.0)
-    feed.drive(-5.0)
-    assert script.speeds == [(0.2, -0.5), (0.3, -0.8), (-0.3, 0.0)]
+    for given, sent in (((0.2, -0.5), (0.2, -0.5)), ((5.0, -5.0), (0.3, -0.8)), ((-5.0,), (-0.3, 0.0))):
+        feed.drive(*given)
+        wait_for(lambda sent=sent: script.speeds[-1:] == [sent], "it is sent")  # type: ignore[misc]
     topic, kind, message = script.sent[0]
     assert (topic, kind) == ("/cmd_vel", "geometry_msgs/msg/Twist")
     assert message == {"linear": {"x": 0.2, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -0.5}}
@@ -89,6 +90,7 @@ def test_what_one_type_raises_keeps_zero_from_no_other(driven: Driven, monkeypat
     feed.drive(0.3)
     script.listener.on_topics([CMD_VEL, STAMPED])
     feed.drive(0.3)
+    wait_for(lambda: script.sent[-1][1] == CMD_VEL.type, "both types were sent")
     publish = script.publish
 
     def picky(topic: str, kind: str, message: Mapping[str, Any]) -> None:
@@ -122,32 +124,38 @@ def test_zero_follows_a_speed_that_nobody_renews(driven: Driven) -> None:
     assert script.speeds[2:] == [(0.2, 0.0), (0.0, 0.0)]
 
 
-def test_zero_follows_a_speed_though_the_kernel_is_interrupted_while_it_is_sent(
+def test_zero_follows_a_speed_though_the_program_is_interrupted_while_it_waits_for_it(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     feed, script = driven(CMD_VEL, hold=0.05)
-    publish = script.publish
 
-    def interrupted(topic: str, kind: str, message: Mapping[str, Any]) -> None:
-        publish(topic, kind, message)
+    def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(script, "publish", interrupted)
+        patch.setattr(feed.watchdog, "sent_in_time", interrupted)
         with pytest.raises(KeyboardInterrupt):
             feed.drive(0.3)
     wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero is sent")
 
 
 def test_a_speed_that_could_not_be_sent_leaves_the_zero_that_was_owed(driven: Driven) -> None:
-    feed, script = driven(CMD_VEL, hold=60.0)
+    feed, script = driven(CMD_VEL, hold=0.5)
     feed.drive(0.3)
-    owed = dict(feed._driver._due)
     script.broken = "the script is read only"
-    with pytest.raises(FeedError, match="read only"):
-        feed.drive(0.2)
+    wait_for(lambda: refused(feed), "a speed is not sent")
+    assert feed.watchdog.owes_zero
     script.broken = ""
-    assert feed._driver._due == owed
+    wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero follows")
+
+
+def refused(feed: Feed) -> bool:
+    """Whether a speed is refused: not where another one was sent just before, for it waits."""
+    try:
+        feed.drive(0.2)
+    except FeedError:
+        return True
+    return False
 
 
 def test_a_speed_that_is_renewed_holds(driven: Driven) -> None:
@@ -186,6 +194,7 @@ def test_driving_otherwise_stops_the_robot_first_where_it_was_driven(driven: Dri
     feed.drive(0.3)
     feed.driving = Driving(topic="/other")
     feed.drive(0.2)
+    wait_for(lambda: len(script.sent) == 3, "all is sent")
     assert [topic for topic, _, _ in script.sent] == ["/cmd_vel", "/cmd_vel", "/other"]
     assert script.speeds == [(0.3, 0.0), (0.0, 0.0), (0.2, 0.0)]
     with pytest.raises(TypeError, match=r"driving: expected feeds.Driving\(topic=..., max_linear=...\), got 0.5"):
@@ -197,8 +206,8 @@ def test_a_speed_that_comes_while_it_closes_is_not_sent(driven: Driven) -> None:
     said = []
 
     def drive_while_closing() -> None:
-        with pytest.raises(FeedError, match="the feed of the script is closed") as error:
-            feed._driver.drive("/cmd_vel", 0.3, 0.0, 1.0)
+        with pytest.raises(RefusedError, match="it is closed") as error:
+            feed.watchdog.drive((0.3, 0.0))
         said.append(error)
 
     script.close = drive_while_closing  # type: ignore[method-assign]
@@ -217,14 +226,14 @@ def test_closing_a_feed_that_does_not_drive_sends_nothing(driven: Driven) -> Non
 def test_a_robot_that_was_lost_while_it_drove_is_stopped_when_it_is_back(driven: Driven) -> None:
     feed, script = driven(CMD_VEL, hold=0.05)
     feed.drive(0.3, 0.0)
-    script.deaf = True
-    script.listener.on_lost("no route to host", 1.0)
-    with pytest.raises(FeedError, match="cannot drive: connection lost, trying again in 1 s: no route to host"):
+    script.lose()
+    lost = "connection lost, trying again in 1 s: no route to host"
+    with pytest.raises(FeedError, match=f"cannot drive: {lost}"):
         feed.drive(0.1)
-    feed.stop()
+    with pytest.raises(FeedError, match=f"cannot stop: {lost}; zero follows when it can be sent"):
+        feed.stop()
     assert script.speeds == [(0.3, 0.0)]
-    script.deaf = False
-    script.listener.on_connected()
+    script.connect()
     wait_for(lambda: len(script.sent) == 2, "zero is sent")
     assert script.speeds[-1] == (0.0, 0.0)
     wait_for(lambda: _driving_threads() == [], "nothing is owed any more")
@@ -236,10 +245,7 @@ def test_zero_is_sent_to_a_robot_that_may_hear_it_though_the_connection_counts_a
     script.listener.on_lost("no ROS master", 1.0)
     wait_for(lambda: len(script.sent) == 2, "zero follows the speed all the same")
     feed.stop()
-    assert script.speeds[1:] in [[(0.0, 0.0)] * 2, [(0.0, 0.0)] * 3]
-    count = len(script.sent)
-    feed.driving = Driving()
-    assert len(script.sent) > count
+    assert script.speeds[1:] == [(0.0, 0.0)] * 2
     count = len(script.sent)
     script.listener.on_connected()
     wait_for(lambda: len(script.sent) > count, "it is sent once more when the connection is back")
@@ -271,13 +277,14 @@ def test_a_zero_into_a_dead_connection_is_sent_again_when_it_is_back(driven: Dri
 def test_a_robot_that_was_not_driven_lately_is_left_alone_when_it_is_back(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._drive.LATELY", 0.0)
+    for module in ("_command_watchdog", "feeds._drive"):
+        monkeypatch.setattr(f"robowidgets.{module}.RECENT", 0.0)
     feed, script = driven(CMD_VEL, hold=60.0)
     feed.drive(0.3, 0.0)
     feed.stop()
     script.listener.on_lost("no route to host", 1.0)
     script.listener.on_connected()
-    assert feed._driver._due == {}
+    assert not feed.watchdog.owes_zero
     assert script.speeds == [(0.3, 0.0), (0.0, 0.0)]
 
 
@@ -289,35 +296,34 @@ def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(d
     feed.driving = Driving(topic="/other")
     script.deaf = False
     script.listener.on_connected()
-    wait_for(lambda: len(script.sent) == 2, "zero is sent")
-    assert [topic for topic, _, _ in script.sent] == ["/cmd_vel", "/cmd_vel"]
-    assert script.speeds[-1] == (0.0, 0.0)
+    wait_for(lambda: len(script.sent) == 3, "zero is sent")
+    assert script.sent[0][0] == "/cmd_vel"
+    assert {topic for topic, _, _ in script.sent[1:]} == {"/cmd_vel", "/other"}
+    assert set(script.speeds[1:]) == {(0.0, 0.0)}
 
 
-def test_stopping_waits_a_moment_for_the_robot_and_for_the_type_of_its_topic(driven: Driven) -> None:
+def test_stopping_waits_a_moment_for_the_robot_and_for_somebody_who_listens(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 20.0)
     feed, script = driven(connected=False)
-    listed = threading.Timer(0.1, lambda: script.listener.on_topics([STAMPED]))
-    reached = threading.Timer(0.05, lambda: (script.listener.on_connected(), listed.start()))
+    heard = threading.Timer(0.1, lambda: script.listener.on_topics([SCAN, STAMPED]))
+    listed = threading.Timer(0.05, lambda: (script.listener.on_topics([SCAN]), heard.start()))
+    reached = threading.Timer(0.05, lambda: (script.connect(), listed.start()))
     reached.start()
     feed.stop()
     assert [kind for _, kind, _ in script.sent] == [STAMPED.type]
     assert script.speeds == [(0.0, 0.0)]
 
 
-def test_stopping_a_robot_that_cannot_be_reached_says_so_unless_zero_follows(
-    driven: Driven, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.05)
+def test_stopping_a_robot_that_cannot_be_reached_says_so(driven: Driven) -> None:
     feed, script = driven(connected=False)
-    with pytest.raises(FeedError, match="cannot stop: connecting to the script"):
+    with pytest.raises(FeedError, match="cannot stop: connecting to the script; zero follows when it can be sent"):
         feed.stop()
     assert script.sent == []
-    script.listener.on_connected()
+    script.connect()
     script.listener.on_topics([CMD_VEL])
-    feed.drive(0.1)
-    script.deaf = True
-    script.listener.on_lost("no route to host", 1.0)
-    feed.stop()
+    wait_for(lambda: script.speeds == [(0.0, 0.0)], "zero is sent")
 
 
 def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
@@ -346,15 +352,16 @@ def test_the_middleware_is_closed_whatever_keeps_zero_from_being_sent(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(feed._driver, "close", interrupted)
+        patch.setattr(feed.watchdog, "close", interrupted)
         with pytest.raises(KeyboardInterrupt):
             feed.close()
     assert script.closed == 1
 
 
 def test_driving_waits_a_moment_for_the_robot_and_no_longer(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 20.0)
     feed, script = driven(connected=False)
-    reached = threading.Timer(0.05, lambda: (script.listener.on_connected(), script.listener.on_topics([STAMPED])))
+    reached = threading.Timer(0.05, lambda: (script.connect(), script.listener.on_topics([STAMPED])))
     reached.start()
     feed.drive(0.1)
     assert script.sent[0][1] == STAMPED.type
@@ -366,7 +373,7 @@ def test_driving_waits_a_moment_for_the_robot_and_no_longer(driven: Driven, monk
 
 def test_words_for_what_cannot_be_driven(driven: Driven) -> None:
     feed, script = driven(CMD_VEL._replace(type="std_msgs/msg/String"))
-    with pytest.raises(FeedError, match="cannot drive by /cmd_vel: it is std_msgs/msg/String, expected geometry_msgs"):
+    with pytest.raises(FeedError, match="cannot drive: /cmd_vel is std_msgs/msg/String, expected geometry_msgs"):
         feed.drive(0.1)
     assert _driving_threads() == []
     for bad in (nan, inf):

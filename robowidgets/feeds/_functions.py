@@ -1,0 +1,264 @@
+"""The functions of a program that are connected to topics, and the thread that calls them."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable, Iterable
+from types import FrameType, FunctionType
+from typing import Any
+from weakref import WeakSet
+
+from .._cells import running_cell
+from .._named_widget import MOST_LOGGED
+from .._pacer import pacer
+from .._table import many
+from ..messages import ScanReader, to_speed, to_touch
+from ._probe import decided, is_open
+from ._topics import Table, Topic
+from .middleware import EVENTS, is_event
+
+log = logging.getLogger("robowidgets")
+
+SLOW = 1.0
+"""Seconds after which a function that has not come back is named."""
+
+CLOSING = 0.2
+"""Seconds that the end waits for a function that is at work."""
+
+
+class Function:
+    """A function that is connected to a topic.
+
+    Attributes:
+        runs: how often it was called.
+        error: what it raised last, with its line; empty when it came back.
+        entered: when it was called; None while it is not at work.
+    """
+
+    def __init__(self, topic: str, call: Callable[[Any], object], raw: bool) -> None:
+        self.topic, self.call, self.raw = topic, call, raw
+        self.cell, self.run = running_cell()
+        self.runs = 0
+        self.error = ""
+        self.entered: float | None = None
+
+    @property
+    def name(self) -> str:
+        """Its name, for a person."""
+        return str(getattr(self.call, "__qualname__", "") or getattr(self.call, "__name__", "") or repr(self.call)[:60])
+
+    def replaces(self, other: Function) -> bool:
+        """Whether it stands in place of another: of an earlier run of its cell, or of its name in the notebook."""
+        if self.cell and self.cell == other.cell and self.run != other.run:
+            return True
+        return self.topic == other.topic and _name_in_main(self.call) == _name_in_main(other.call) != ""
+
+    def line_of(self, frames: Iterable[tuple[FrameType, int]]) -> str:
+        """Where it stands in its own file, of frames from the outermost on, as ``, line 12``; empty when nowhere."""
+        call = getattr(self.call, "func", self.call)  # of a functools.partial
+        code = getattr(call, "__code__", None) or getattr(type(call).__call__, "__code__", None)
+        lines = [line for frame, line in frames if code is not None and frame.f_code.co_filename == code.co_filename]
+        return f", line {lines[-1]}" if lines else ""
+
+
+class FunctionCaller:
+    """Calls functions with the newest message of their topics, one at a time, in a thread of its own.
+
+    Of a touch sensor every message counts. A function that is at work when it is disconnected is abandoned: the others
+    are called by another thread, and `is_abandoned` tells its own.
+
+    Args:
+        changed: called with a topic whose `status_of` has changed.
+    """
+
+    def __init__(self, changed: Callable[[str], None]) -> None:
+        self._tell = changed
+        self._changed = threading.Condition()
+        self._functions: list[Function] = []
+        self._waiting: dict[str, deque[tuple[Any, Topic]]] = {}
+        self._readers: dict[str, ScanReader] = {}
+        self._thread: threading.Thread | None = None
+        self._abandoned: WeakSet[threading.Thread] = WeakSet()
+        self._current: Function | None = None
+        self._slow_topic = ""
+        """The topic of which the widgets say that a function has not come back."""
+        self._closed = False
+        self._logged: set[str] = set()
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        """Those that are connected now."""
+        return tuple(self._functions)
+
+    def table(self) -> Table:
+        """What `_table.as_text` and its like take: who is connected to what, how often it ran, and its last error."""
+        rows: list[tuple[str, ...]] = [(f.name, f.topic, str(f.runs), f.error) for f in self._functions]
+        slow = [words for f in self._functions if (words := self._status(f)) and words != f.error]
+        heads = ("function", "topic", "runs", "last error")
+        return many(len(rows), "connected function"), heads, rows, (2,), slow
+
+    def connect(self, topic: str, calls: Iterable[Callable[[Any], object]], raw: bool) -> None:
+        """Call functions with the messages of a topic, in place of those that they replace."""
+        for call in calls:
+            new = Function(topic, call, raw)
+            with self._changed:
+                if any((old.topic, old.call, old.raw) == (topic, call, raw) for old in self._functions):
+                    continue
+                self._drop([old for old in self._functions if new.replaces(old)])
+                self._functions.append(new)
+
+    def disconnect(self, topic: str, calls: Iterable[Any] | None) -> None:
+        """Call these functions no more with messages of a topic; None: none at all."""
+        gone = None if calls is None else list(calls)
+        with self._changed:
+            self._drop([f for f in self._functions if f.topic == topic and (gone is None or f.call in gone)])
+
+    def put(self, topic: Topic, message: Any) -> None:
+        """Hand on a message, in place of one that waits unless every one counts."""
+        with self._changed:
+            if self._closed or not any(function.topic == topic.name for function in self._functions):
+                return
+            waiting = self._waiting.setdefault(topic.name, deque(maxlen=EVENTS))
+            if not is_event(topic.type):
+                waiting.clear()
+            waiting.append((message, topic))
+            if self._thread is None:
+                self._start()
+            self._changed.notify()
+
+    def status_of(self, topic: str) -> str:
+        """Which functions of a topic have not come back, and which raised; empty when all is well."""
+        return "; ".join(filter(None, (self._status(f) for f in self.functions if f.topic == topic)))
+
+    @property
+    def is_abandoned(self) -> bool:
+        """Whether the calling thread is that of a function that was disconnected while it was at work."""
+        return threading.current_thread() in self._abandoned
+
+    def close(self) -> None:
+        """Call nothing any more; waits a moment for a function that is at work."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+            thread = self._thread
+        pacer.forget(self)
+        if thread is not None and thread is not threading.current_thread():
+            thread.join(CLOSING)
+
+    def send_newest(self) -> int:
+        """Tell how long a function has not come back; the pacer's call."""
+        current, before = self._current, self._slow_topic
+        entered = current.entered if current is not None else None
+        is_slow = entered is not None and time.monotonic() - entered >= SLOW
+        self._slow_topic = current.topic if current is not None and is_slow else ""
+        for topic in {before, self._slow_topic} - {""}:
+            self._tell(topic)
+        with self._changed:
+            if self._thread is not None and not self._closed:
+                pacer.mark_at(self, time.monotonic() + SLOW)
+        return 0
+
+    def _status(self, function: Function) -> str:
+        entered = function.entered
+        passed = time.monotonic() - entered if entered is not None else 0.0
+        if passed < SLOW:
+            return function.error
+        where = function.line_of(self._frames())
+        return f"your function `{function.name}`{where}, has not come back for {passed:.0f} s"
+
+    def _drop(self, gone: list[Function]) -> None:
+        self._functions = [function for function in self._functions if function not in gone]
+        topics = {function.topic for function in self._functions}
+        for table in (self._waiting, self._readers):
+            for topic in table.keys() - topics:
+                del table[topic]
+        if self._current in gone and self._thread is not None and self._thread is not threading.current_thread():
+            self._abandoned.add(self._thread)
+            self._thread = self._current = None
+            if self._waiting:
+                self._start()
+
+    def _start(self) -> None:
+        self._thread = threading.Thread(target=self._run, name="robowidgets-functions", daemon=True)
+        self._thread.start()
+        pacer.mark_at(self, time.monotonic() + SLOW)
+
+    def _run(self) -> None:
+        me = threading.current_thread()
+        while True:
+            with self._changed:
+                while self._thread is me and not self._closed and not self._waiting:
+                    self._changed.wait()
+                if self._thread is not me or self._closed:
+                    return
+                name = next(iter(self._waiting))
+                waiting = self._waiting.pop(name)
+                message, topic = waiting.popleft()
+                if waiting:  # the other topics come first
+                    self._waiting[name] = waiting
+                functions = [function for function in self._functions if function.topic == name]
+            before = self.status_of(name)
+            for function in functions:
+                with self._changed:
+                    if self._thread is not me or self._closed:
+                        return
+                    if function not in self._functions:
+                        continue
+                    self._current = function
+                self._call(function, message, topic)
+                with self._changed:
+                    if self._thread is not me:
+                        return
+                    self._current = None
+            if self.status_of(name) != before:
+                self._tell(name)
+
+    def _call(self, function: Function, message: Any, topic: Topic) -> None:
+        try:
+            sample = message if function.raw else self._sample(message, topic)
+        except (TypeError, ValueError) as error:
+            function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
+            self._log(function.error)
+            return
+        function.entered = time.monotonic()
+        try:
+            function.call(sample)
+        except BaseException as error:  # not even a SystemExit may end the thread that the others share
+            line = function.line_of(traceback.walk_tb(error.__traceback__))
+            function.error = f"your function `{function.name}`{line}: {type(error).__name__}: {error}"
+            self._log(function.error)
+        else:
+            function.error = ""
+        finally:
+            function.entered = None
+            function.runs += 1
+
+    def _sample(self, message: Any, topic: Topic) -> Any:
+        widget = topic.widget or (decided(topic, message).widget if is_open(topic) or not topic.type else None)
+        if widget == "laser":
+            return self._readers.setdefault(topic.name, ScanReader())(message)
+        if widget == "speed":
+            return to_speed(message)
+        return to_touch(message) if widget == "touch" else message
+
+    def _frames(self) -> list[tuple[FrameType, int]]:
+        thread = self._thread
+        frame = sys._current_frames().get(thread.ident or 0) if thread is not None else None
+        return [*traceback.walk_stack(frame)][::-1] if frame is not None else []
+
+    def _log(self, words: str) -> None:
+        if words not in self._logged and len(self._logged) < MOST_LOGGED:
+            self._logged.add(words)
+            log.exception(words)
+
+
+def _name_in_main(call: Any) -> str:
+    """The name of a function of the notebook or script; empty for any other, and for one that a function made."""
+    if not isinstance(call, FunctionType) or call.__module__ != "__main__" or "<" in call.__qualname__:
+        return ""
+    return call.__qualname__

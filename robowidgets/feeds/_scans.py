@@ -1,0 +1,46 @@
+"""The scans of a topic, one after the other, for a loop."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from ..messages import ScanReader
+from ..samples import Scan
+
+if TYPE_CHECKING:
+    from .feed import Feed
+
+FIRST_TIMEOUT = 10.0
+"""Seconds that the first scan may take: a robot may have to be reached, and its topic to be found."""
+
+
+def scans_of(feed: Feed, topic: str, timeout: float) -> Iterator[Scan]:
+    """See `Feed.scans`."""
+    arrived = threading.Condition()
+    newest: list[Any] = []
+
+    def take(message: Any) -> None:
+        with arrived:
+            newest[:] = [message]
+            arrived.notify()
+
+    target = feed.attach(topic, take)
+    read, limit = ScanReader(), max(timeout, FIRST_TIMEOUT)
+    try:
+        while True:
+            until = time.monotonic() + limit
+            with arrived:
+                # In short steps: a feed that is closed meanwhile must not be waited for.
+                while not newest and not feed.is_closed and (left := until - time.monotonic()) > 0:
+                    arrived.wait(min(left, 0.1))
+                message = newest.pop() if newest else None
+            if message is None:
+                why = feed.words_of(topic)
+                raise TimeoutError(f"no scan of {topic} for {limit:g} s" + (f": {why}" if why else ""))
+            limit = timeout
+            yield read(message)
+    finally:
+        feed.detach(topic, target)

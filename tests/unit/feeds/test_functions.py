@@ -1,0 +1,307 @@
+"""Functions that are connected to topics: what they get, and what becomes of those that sleep, hang and raise."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from robowidgets import LaserWidget, Scan, Speed, Touch
+from robowidgets.feeds import Advert, Feed, FeedError
+
+from ..waiting import wait_for
+from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
+
+BUMPER = Advert("/bumper", "kobuki_msgs/msg/BumperEvent")
+Opened = Callable[..., tuple[Feed, Scripted]]
+
+
+@pytest.fixture
+def gate() -> Iterator[threading.Event]:
+    """What hangs waits for it; it opens at the end."""
+    event = threading.Event()
+    yield event
+    event.set()
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
+    """Opens feeds on a script, and closes them."""
+    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.02)
+    there: list[Feed] = []
+
+    def open_one(*topics: Advert) -> tuple[Feed, Scripted]:
+        script = Scripted(*topics)
+        there.append(Feed(script))
+        return there[-1], script
+
+    yield open_one
+    for feed in there:
+        feed.close()
+
+
+def source(widget: LaserWidget) -> dict[str, str]:
+    return widget.get_state()["_source"]
+
+
+def in_notebook(function: Any, name: str) -> Any:
+    """A function as if a cell defined it."""
+    function.__module__, function.__qualname__, function.__name__ = "__main__", name, name
+    return function
+
+
+def test_functions_get_samples_whatever_the_middleware_hands_over_and_messages_on_request(opened: Opened) -> None:
+    feed, script = opened(SCAN, ODOM, BUMPER, IMU)
+    got: list[Any] = []
+    for topic in ("/scan", "/odom", "/bumper", "/imu"):
+        feed.connect(topic, got.append)
+    messages = {
+        "/scan": scan(1.5),
+        "/odom": twist(0.2),
+        "/bumper": {"bumper": 0, "state": 1},
+        "/imu": {"orientation": {"w": 1.0}},
+    }
+    for topic, message in messages.items():
+        script.listener.on_message(topic, message)
+    wait_for(lambda: len(got) == 4, "all are called")
+    assert [type(sample) for sample in got] == [Scan, Speed, Touch, dict]
+    raw: list[Any] = []
+    feed.connect("/scan", raw.append, raw=True)
+    script.listener.on_message("/scan", messages["/scan"])
+    wait_for(lambda: raw == [messages["/scan"]], "it gets the message as it came")
+
+
+def test_a_function_that_hangs_holds_back_no_speed_no_zero_and_no_widget(opened: Opened, gate: threading.Event) -> None:
+    feed, script = opened(SCAN, CMD_VEL)
+    laser, entered = LaserWidget(), threading.Event()
+
+    def behave(_scan: Scan) -> None:
+        feed.drive(0.3)
+        entered.set()
+        gate.wait(20.0)
+
+    feed.connect("/scan", behave, laser)
+    script.listener.on_message("/scan", scan(1.0))
+    assert entered.wait(20.0)
+    assert script.speeds == [(0.3, 0.0)]
+    began = time.monotonic()
+    wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "the hold ends by itself")
+    assert time.monotonic() - began < 1.0
+    feed.drive(0.1)
+    feed.stop()
+    assert script.speeds[-1] == (0.0, 0.0)
+    script.listener.on_message("/scan", scan(2.0))
+    assert laser.scan is not None
+    assert laser.scan.ranges[0] == 2.0
+    began = time.monotonic()
+    feed.close()
+    assert time.monotonic() - began < 2.0
+
+
+def test_a_bump_and_turn_function_sends_each_of_its_speeds_while_it_sleeps(opened: Opened) -> None:
+    feed, script = opened(BUMPER, CMD_VEL)
+
+    def bump_and_turn(_touch: Touch) -> None:
+        feed.drive(-0.2)
+        time.sleep(0.1)
+        feed.drive(0.0, 0.8)
+        time.sleep(0.1)
+        feed.drive(0.2)
+
+    feed.connect("/bumper", bump_and_turn)
+    script.listener.on_message("/bumper", {"bumper": 0, "state": 1})
+    wait_for(lambda: script.speeds[:3] == [(-0.2, 0.0), (0.0, 0.8), (0.2, 0.0)], "each is sent")
+
+
+def test_what_has_not_come_back_for_a_second_is_named_with_its_line_on_widget_and_feed(
+    opened: Opened, gate: threading.Event
+) -> None:
+    feed, script = opened(SCAN)
+    laser = LaserWidget()
+
+    def behave(_scan: Scan) -> None:
+        gate.wait(20.0)
+
+    in_notebook(behave, "behave")
+    line = behave.__code__.co_firstlineno + 1
+    feed.connect("/scan", behave, laser)
+    script.listener.on_message("/scan", scan())
+    words = f"your function `behave`, line {line}, has not come back for"
+    wait_for(lambda: source(laser)["error"].startswith(f"{words} 2 s"), "the widget counts the seconds")
+    assert words in repr(feed)
+    assert words in feed.words_of("/scan")
+    gate.set()
+    wait_for(lambda: source(laser)["error"] == "", "it came back")
+
+
+def test_of_a_scanner_the_newest_waits_for_a_slow_function_of_a_bumper_every_message(
+    opened: Opened, gate: threading.Event
+) -> None:
+    feed, script = opened(SCAN, BUMPER)
+    got: list[Any] = []
+
+    def slow(sample: Any) -> None:
+        gate.wait(20.0)
+        got.append(sample)
+
+    feed.connect("/scan", slow)
+    feed.connect("/bumper", slow)
+    for i in range(1, 6):
+        script.listener.on_message("/scan", scan(float(i)))
+        script.listener.on_message("/bumper", {"bumper": i % 3, "state": 1})
+    gate.set()
+    wait_for(lambda: len([s for s in got if isinstance(s, Touch)]) == 5, "every bump is handed on")
+    scans = [sample.ranges[0] for sample in got if isinstance(sample, Scan)]
+    assert len(scans) <= 2
+    assert scans[-1] == 5.0
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, SystemExit])
+def test_an_error_names_the_function_and_its_line_and_is_told_until_it_comes_back_well(
+    opened: Opened, caplog: pytest.LogCaptureFixture, error: type[BaseException]
+) -> None:
+    feed, script = opened(SCAN)
+    laser, runs = LaserWidget(), []
+
+    def behave(_scan: Scan) -> None:
+        runs.append(1)
+        if len(runs) < 4:
+            raise error("no room")
+
+    in_notebook(behave, "behave")
+    feed.connect("/scan", behave, laser)
+    words = f"your function `behave`, line {behave.__code__.co_firstlineno + 3}: {error.__name__}: no room"
+    for i in range(3):
+        script.listener.on_message("/scan", scan())
+        wait_for(lambda i=i: len(runs) == i + 1, "it is called")  # type: ignore[misc]
+    wait_for(lambda: source(laser)["error"] == words, "the widget says so")
+    assert laser.scan is not None
+    assert [record.message for record in caplog.records] == [words]
+    head, row = repr(feed).splitlines()[-2:]
+    assert head.split() == ["function", "topic", "runs", "last", "error"]
+    assert row.split(maxsplit=3) == ["behave", "/scan", "3", words]
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: source(laser)["error"] == "", "all is well again")
+
+
+def test_a_function_of_the_same_name_in_the_notebook_takes_the_place_of_the_one_before(opened: Opened) -> None:
+    feed, script = opened(SCAN, CMD_VEL)
+    got: list[str] = []
+    feed.connect("/scan", in_notebook(lambda _: got.append("first"), "behave"))
+    feed.connect("/scan", in_notebook(lambda _: got.append("second"), "behave"))
+    feed.connect("/scan", in_notebook(lambda _: got.append("other"), "other"))
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: got == ["second", "other"], "the newest is called")
+    assert [function.name for function in feed.functions] == ["behave", "other"]
+
+
+def test_a_cell_that_is_run_again_replaces_all_that_it_connected(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = opened(SCAN, ODOM)
+    cell = ["cell", "run 1"]
+    monkeypatch.setattr("robowidgets.feeds._functions.running_cell", lambda: tuple(cell))
+    got: list[str] = []
+    feed.connect("/scan", lambda _: got.append("one"), lambda _: got.append("two"))
+    feed.connect("/odom", lambda _: got.append("odom"))
+    cell[1] = "run 2"
+    feed.connect("/scan", lambda _: got.append("three"), lambda _: got.append("four"))
+    script.listener.on_message("/odom", twist(0.1))
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: got == ["three", "four"], "those of the newest run are called")
+    assert script.asked[-1] == ("unsubscribe", "/odom")
+
+
+def test_a_function_that_was_replaced_while_it_hung_drives_no_more_and_the_next_version_runs(
+    opened: Opened, gate: threading.Event
+) -> None:
+    feed, script = opened(SCAN, CMD_VEL)
+    entered, ended = threading.Event(), threading.Event()
+    refused: list[str] = []
+
+    def old(_scan: Scan) -> None:
+        entered.set()
+        gate.wait(20.0)
+        try:
+            feed.drive(0.5)
+        except FeedError as error:
+            refused.append(str(error))
+        ended.set()
+
+    feed.connect("/scan", in_notebook(old, "behave"))
+    script.listener.on_message("/scan", scan())
+    assert entered.wait(20.0)
+    feed.connect("/scan", in_notebook(lambda _: feed.drive(0.1), "behave"))
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: script.speeds == [(0.1, 0.0)], "the next version drives")
+    gate.set()
+    assert ended.wait(20.0)
+    assert refused == ["cannot drive: this function was disconnected or replaced while it was at work"]
+    assert (0.5, 0.0) not in script.speeds
+
+
+def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_dropped(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    cell = ["feed", "run 1"]
+    for module in ("_cells", "feeds._functions", "feeds.feed"):
+        monkeypatch.setattr(f"robowidgets.{module}.running_cell", lambda: tuple(cell))
+    monkeypatch.setattr("robowidgets._cells._made", {})
+    first = Feed(Scripted(SCAN))
+    first.connect("/scan", in_notebook(lambda _: None, "of_the_same_cell"))
+    cell[:] = "behavior", "run 2"
+    first.connect("/scan", in_notebook(lambda _: None, "behave"))
+    cell[:] = "feed", "run 3"
+    with Feed(Scripted(SCAN)):
+        words = "the feed was opened anew; no longer connected: `behave` (/scan). Run their cells again"
+        assert [record.message for record in caplog.records] == [words]
+        assert first.is_closed
+
+
+class TestScans:
+    def test_a_loop_gets_each_scan_once_and_the_newest(self, opened: Opened) -> None:
+        feed, script = opened(SCAN)
+        scans = feed.scans("/scan", timeout=0.2)
+        got = []
+        sender = threading.Timer(0.05, lambda: script.listener.on_message("/scan", scan(1.0)))
+        sender.start()
+        got.append(next(scans).ranges[0])
+        script.listener.on_message("/scan", scan(2.0))
+        script.listener.on_message("/scan", scan(3.0))
+        got.append(next(scans).ranges[0])
+        assert got == [1.0, 3.0]
+        with pytest.raises(TimeoutError, match=r"^no scan of /scan for 0\.2 s$"):
+            next(scans)
+        assert script.asked == [("subscribe", "/scan"), ("unsubscribe", "/scan")]
+
+    def test_where_none_ever_came_it_says_why(self, opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("robowidgets.feeds._scans.FIRST_TIMEOUT", 0.1)
+        feed, _ = opened(SCAN)
+        with pytest.raises(TimeoutError, match=r"no scan of /scna for 0.1 s: no such topic /scna; there are /scan"):
+            next(feed.scans("/scna", timeout=0.1))
+
+    def test_a_feed_that_is_closed_ends_the_wait(self, opened: Opened) -> None:
+        feed, _ = opened(SCAN)
+        closer = threading.Timer(0.05, feed.close)
+        closer.start()
+        with pytest.raises(TimeoutError, match="the feed is closed"):
+            next(feed.scans("/scan"))
+        with pytest.raises(FeedError, match="is closed: open it again"):
+            feed.scans("/scan")
+
+    def test_a_function_that_hangs_does_not_hold_it_up(self, opened: Opened, gate: threading.Event) -> None:
+        feed, script = opened(SCAN)
+        feed.connect("/scan", lambda _: gate.wait(20.0))
+        scans = feed.scans("/scan")
+        sender = threading.Timer(0.05, lambda: script.listener.on_message("/scan", scan(1.0)))
+        sender.start()
+        assert next(scans).ranges[0] == 1.0
+
+    @pytest.mark.parametrize("bad", [0, -1.0, float("nan")])
+    def test_a_timeout_must_make_sense(self, opened: Opened, bad: float) -> None:
+        feed, _ = opened(SCAN)
+        with pytest.raises(ValueError, match="timeout"):
+            feed.scans("/scan", timeout=bad)

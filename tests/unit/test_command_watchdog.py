@@ -1,0 +1,246 @@
+"""`CommandWatchdog`: at most 50 speeds a second, zero when none holds, a latch, and a hand before programs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from itertools import pairwise
+
+import pytest
+
+from robowidgets._command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError, stop_all
+
+from .waiting import wait_for
+
+FORWARD = (0.3, 0.0)
+LEFT = (0.0, 0.5)
+
+
+class Sink:
+    """What takes the speeds of a test; it hangs while its gate is shut, and raises what it is told to."""
+
+    def __init__(self) -> None:
+        self.got: list[tuple[float, float, float]] = []
+        self.error: BaseException | None = None
+        self.gate = threading.Event()
+        self.gate.set()
+
+    def __call__(self, linear: float, angular: float) -> None:
+        self.got.append((time.monotonic(), linear, angular))
+        self.gate.wait(20.0)
+        if self.error is not None:
+            raise self.error
+
+    @property
+    def speeds(self) -> list[tuple[float, float]]:
+        return [(linear, angular) for _, linear, angular in self.got]
+
+
+@pytest.fixture
+def sink() -> Sink:
+    return Sink()
+
+
+@pytest.fixture
+def watchdog(sink: Sink) -> Iterator[CommandWatchdog]:
+    made = CommandWatchdog(sink, not_sent=OSError)
+    yield made
+    sink.error = None
+    sink.gate.set()
+    made.close()
+    wait_for(lambda: threads() == [], "its thread ends")
+
+
+def threads() -> list[threading.Thread]:
+    return [thread for thread in threading.enumerate() if thread.name == "robowidgets-drive"]
+
+
+def drive(watchdog: CommandWatchdog, velocity: tuple[float, float], driver: str = PROGRAM) -> None:
+    watchdog.sent_in_time(watchdog.drive(velocity, driver=driver))
+
+
+def test_a_loop_without_a_pause_sends_at_most_50_speeds_a_second_the_newest_last(
+    watchdog: CommandWatchdog, sink: Sink
+) -> None:
+    until = time.monotonic() + 0.5
+    count = 0
+    while time.monotonic() < until:
+        count += 1
+        watchdog.drive((0.1, count))
+    watchdog.sent_in_time(watchdog.stop())
+    assert count > 100
+    moves = [at for at, linear, _ in sink.got if linear]
+    assert len(moves) <= 0.5 / INTERVAL + 2
+    assert all(later - before >= 0.9 * INTERVAL for before, later in pairwise(moves))
+    assert sink.speeds[-1] == ZERO
+    watchdog.drive(FORWARD)
+    watchdog.drive(LEFT)
+    wait_for(lambda: sink.speeds[-1] == LEFT, "the newest is sent")
+
+
+def test_zero_goes_out_at_once_but_not_again_and_again(watchdog: CommandWatchdog, sink: Sink) -> None:
+    drive(watchdog, FORWARD)
+    began = time.monotonic()
+    requests = [watchdog.stop() for _ in range(1000)]
+    watchdog.sent_in_time(requests[-1])
+    passed = time.monotonic() - began
+    assert sink.speeds[1] == ZERO
+    assert len(sink.got) <= 3 + passed / INTERVAL
+    assert all(request.done() for request in requests)
+
+
+def test_what_a_slow_sink_kept_waiting_too_long_is_not_sent(watchdog: CommandWatchdog, sink: Sink) -> None:
+    sink.gate.clear()
+    first = watchdog.drive(FORWARD, hold=0.05)
+    wait_for(lambda: sink.got, "the sink is at work")
+    late = watchdog.drive(LEFT, hold=0.05)
+    time.sleep(0.06)
+    sink.gate.set()
+    watchdog.sent_in_time(first)
+    with pytest.raises(TimeoutError, match="what sends speeds was busy for longer than the speed holds"):
+        watchdog.sent_in_time(late)
+    wait_for(lambda: sink.speeds == [FORWARD, ZERO], "zero follows")
+
+
+def test_a_sink_that_hangs_is_told_to_who_waits_and_holds_nobody_for_ever(
+    watchdog: CommandWatchdog, sink: Sink
+) -> None:
+    sink.gate.clear()
+    watchdog.drive(FORWARD)
+    wait_for(lambda: sink.got, "the sink is at work")
+    with pytest.raises(TimeoutError, match=r"what sends speeds has not come back for 0\.\d s"):
+        watchdog.sent_in_time(watchdog.stop(), 0.2)
+    assert watchdog.busy_for > 0.1
+    with pytest.raises(TimeoutError):
+        watchdog.close(0.1)
+    sink.gate.set()
+    wait_for(lambda: sink.speeds == [FORWARD, ZERO], "zero is sent all the same")
+
+
+def test_zero_is_sent_again_until_the_sink_takes_it(
+    watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("robowidgets._command_watchdog.RETRY", 0.02)
+    drive(watchdog, FORWARD)
+    sink.error = OSError("the wire is cut")
+    with pytest.raises(OSError, match="the wire is cut"):
+        watchdog.sent_in_time(watchdog.stop())
+    wait_for(lambda: len(sink.got) > 4, "it is tried again")
+    assert watchdog.owes_zero
+    sink.error = None
+    wait_for(lambda: not watchdog.owes_zero, "it is sent")
+    assert [record.message for record in caplog.records] == ["the robot could not be told to stop: the wire is cut"]
+
+
+@pytest.mark.parametrize("error", [ValueError("no"), SystemExit("no")])
+def test_after_an_error_at_a_speed_zero_is_due_at_once(
+    watchdog: CommandWatchdog, sink: Sink, error: BaseException
+) -> None:
+    sink.error = error
+    with pytest.raises(type(error)):
+        drive(watchdog, FORWARD)
+    sink.error = None
+    wait_for(lambda: sink.speeds[:2] == [FORWARD, ZERO], "zero is sent")
+
+
+def test_what_is_known_not_to_be_sent_owes_no_zero(watchdog: CommandWatchdog, sink: Sink) -> None:
+    sink.error = OSError("no route")
+    with pytest.raises(OSError, match="no route"):
+        drive(watchdog, FORWARD)
+    assert not watchdog.owes_zero
+    assert sink.speeds == [FORWARD]
+
+
+def test_a_latched_stop_sends_zero_and_refuses_all_until_it_is_released(watchdog: CommandWatchdog, sink: Sink) -> None:
+    drive(watchdog, FORWARD)
+    watchdog.stopped = True
+    for refused in (lambda: watchdog.drive(FORWARD), lambda: watchdog.take("hand")):
+        with pytest.raises(RefusedError, match="stop is latched until somebody releases it"):
+            refused()
+    watchdog.sent_in_time(watchdog.drive(ZERO))
+    assert set(sink.speeds[1:]) == {ZERO}
+    watchdog.stopped = False
+    drive(watchdog, LEFT)
+    wait_for(lambda: sink.speeds[-1] == LEFT, "it is sent")
+
+
+def test_while_a_hand_drives_a_program_is_refused_but_for_zero(watchdog: CommandWatchdog, sink: Sink) -> None:
+    drive(watchdog, FORWARD)
+    assert watchdog.driver == PROGRAM
+    watchdog.take("hand")
+    wait_for(lambda: sink.speeds == [FORWARD, ZERO], "the program's speed ends")
+    drive(watchdog, LEFT, "hand")
+    with pytest.raises(RefusedError, match="a hand drives from a pad"):
+        watchdog.drive(FORWARD)
+    assert watchdog.driver == "hand"
+    wait_for(lambda: sink.speeds[-1] == LEFT, "the hand's is sent")
+    watchdog.sent_in_time(watchdog.stop())
+    drive(watchdog, LEFT, "hand")
+    watchdog.let_go("hand")
+    wait_for(lambda: sink.speeds[-1] == ZERO, "letting go stops")
+    with pytest.raises(RefusedError, match="the press on the pad is over"):
+        watchdog.drive(LEFT, driver="hand")
+    drive(watchdog, FORWARD)
+
+
+def test_the_newest_hand_drives(watchdog: CommandWatchdog) -> None:
+    watchdog.take("one")
+    watchdog.take("other")
+    with pytest.raises(RefusedError):
+        watchdog.drive(LEFT, driver="one")
+    watchdog.let_go("one")
+    assert watchdog.driver == "other"
+
+
+def test_a_hand_that_is_not_renewed_lets_programs_drive_again(watchdog: CommandWatchdog, sink: Sink) -> None:
+    watchdog.take("hand")
+    drive(watchdog, LEFT, "hand")
+    wait_for(lambda: sink.speeds[-1] == ZERO, "zero follows")
+    assert sink.got[-1][0] - sink.got[-2][0] < HOLD + 0.1
+    drive(watchdog, FORWARD)
+
+
+def test_watchers_are_told_of_every_change_and_none_of_them_keeps_zero_from_being_sent(
+    watchdog: CommandWatchdog, sink: Sink
+) -> None:
+    told: list[tuple[float, float]] = []
+
+    def fail() -> None:
+        told.append(watchdog.sent)
+        raise RuntimeError("no room")
+
+    watchdog.watch(fail)
+    drive(watchdog, FORWARD)
+    wait_for(lambda: told == [FORWARD, ZERO], "both are told")
+    watchdog.forget(fail)
+    drive(watchdog, FORWARD)
+    watchdog.sent_in_time(watchdog.stop())
+    assert len(told) == 2
+
+
+def test_at_the_end_zero_goes_to_all_at_once_though_one_of_them_hangs(watchdog: CommandWatchdog, sink: Sink) -> None:
+    hanging = Sink()
+    other = CommandWatchdog(hanging)
+    drive(watchdog, FORWARD)
+    drive(other, FORWARD)
+    hanging.gate.clear()
+    other.drive(LEFT)
+    wait_for(lambda: hanging.speeds[-1] == LEFT, "one hangs")
+    stop_all(0.1)
+    assert sink.speeds == [FORWARD, ZERO]
+    hanging.gate.set()
+    wait_for(lambda: hanging.speeds[-1] == ZERO, "the other is told when it comes back")
+
+
+def test_the_end_of_the_process_sends_zero(tmp_path: object) -> None:
+    program = (
+        "import sys\n"
+        "from robowidgets._command_watchdog import CommandWatchdog\n"
+        "watchdog = CommandWatchdog(lambda linear, angular: (sys.stdout.write(f'{linear}\\n'), sys.stdout.flush()))\n"
+        "watchdog.sent_in_time(watchdog.drive((0.3, 0.0), hold=60.0))\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.3", "0.0"], "")
