@@ -1,0 +1,146 @@
+"""Driving from the cells of a real kernel: cells that are run again, that raise, that are interrupted."""
+
+from __future__ import annotations
+
+import ast
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jupyter_client.blocking.client import BlockingKernelClient
+from jupyter_client.manager import KernelManager
+
+from ..waiting import wait_for
+
+OPEN = """
+import time
+from robowidgets import feeds
+from robowidgets.feeds.simulator import Simulated
+publish, log = Simulated.publish, open({path!r}, "a", buffering=1)
+def note(self, topic, kind, message):
+    print((time.monotonic(), message["linear"]["x"], message["angular"]["z"]), file=log)
+    publish(self, topic, kind, message)
+Simulated.publish = note
+feed = feeds.simulator(hz=20, wander=False)
+"""
+
+
+class Kernel:
+    """A kernel that runs cells as a notebook does, and the commands that its robot heard."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._path.touch()
+        self.manager = KernelManager()
+        self.manager.start_kernel()
+        self._client: BlockingKernelClient = self.manager.client()
+        self._client.start_channels()
+        self._client.wait_for_ready(timeout=60)
+        assert self.run("open", OPEN.format(path=str(path)))["status"] == "ok"
+
+    def start(self, cell: str, code: str) -> str:
+        """Run a cell without waiting for it."""
+        message = self._client.session.msg(
+            "execute_request", {"code": code, "silent": False}, metadata={"cellId": cell}
+        )
+        message["content"].update(store_history=True, user_expressions={}, allow_stdin=False, stop_on_error=True)
+        self._client.shell_channel.send(message)
+        return str(message["header"]["msg_id"])
+
+    def end_of(self, request: str) -> dict[str, Any]:
+        """The reply to a cell, when it has ended."""
+        while True:
+            reply = self._client.get_shell_msg(timeout=60)
+            if reply["parent_header"].get("msg_id") == request:
+                content: dict[str, Any] = reply["content"]
+                return content
+
+    def run(self, cell: str, code: str) -> dict[str, Any]:
+        """Run a cell to its end."""
+        return self.end_of(self.start(cell, code))
+
+    @property
+    def heard(self) -> list[tuple[float, float, float]]:
+        """When which speeds reached the robot, by the monotonic clock of the machine."""
+        lines = self._path.read_text().split("\n")[:-1]
+        return [ast.literal_eval(line) for line in lines]
+
+    def heard_since(self, since: float) -> list[float]:
+        """The linear speeds that reached the robot since a time."""
+        return [linear for at, linear, _ in self.heard if at >= since]
+
+    def close(self) -> None:
+        self._client.stop_channels()
+        self.manager.shutdown_kernel(now=True)
+
+
+@pytest.fixture
+def kernel(tmp_path: Path) -> Iterator[Kernel]:
+    made = Kernel(tmp_path / "heard.txt")
+    yield made
+    made.close()
+
+
+LOOP = """
+while True:
+    feed.drive(0.3)
+    time.sleep(0.05)
+"""
+
+
+def test_an_interrupt_sends_zero_at_once(kernel: Kernel) -> None:
+    loop = kernel.start("loop", LOOP)
+    wait_for(lambda: len(kernel.heard) > 5, "it drives")
+    kernel.manager.interrupt_kernel()
+    assert kernel.end_of(loop)["ename"] == "KeyboardInterrupt"
+    wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero is sent")
+    pause = kernel.heard[-1][0] - kernel.heard[-2][0]
+    assert pause < 0.25, "the hold of half a second was not waited for"
+
+
+def test_a_cell_that_raises_after_it_drove_sends_zero_at_once_one_that_ends_well_does_not(kernel: Kernel) -> None:
+    assert kernel.run("well", "feed.drive(0.2)")["status"] == "ok"
+    wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero follows")
+    assert kernel.heard[-1][0] - kernel.heard[-2][0] > 0.4
+    assert kernel.run("badly", "feed.drive(0.2); 1 / 0")["ename"] == "ZeroDivisionError"
+    wait_for(lambda: len(kernel.heard) == 4, "zero is sent")
+    assert kernel.heard[-1][0] - kernel.heard[-2][0] < 0.25
+
+
+BEHAVE = """
+def behave(scan):
+    {body}
+feed.connect("/scan", behave)
+"""
+
+
+def test_a_cell_that_is_run_again_leaves_nothing_of_its_old_version_driving(kernel: Kernel) -> None:
+    kernel.run("behave", BEHAVE.format(body="feed.drive(0.3)"))
+    wait_for(lambda: 0.3 in kernel.heard_since(0.0), "the first version drives")
+    kernel.run("behave", BEHAVE.format(body="raise RuntimeError('no')"))
+    since = time.monotonic()
+    wait_for(lambda: kernel.heard_since(since) == [0.0], "zero follows, and nothing else")
+    reply = kernel.run("look", "shown = repr(feed); assert shown.count('behave') == 2, shown")
+    assert reply["status"] == "ok", reply
+    kernel.run("elsewhere", BEHAVE.format(body="feed.drive(0.1)"))
+    since = time.monotonic()
+    wait_for(lambda: len(kernel.heard_since(since)) > 10, "the version of another cell drives")
+    assert set(kernel.heard_since(since)) == {0.1}
+
+
+def test_an_unending_function_is_replaced_by_running_its_cell_again(kernel: Kernel) -> None:
+    kernel.run("behave", BEHAVE.format(body="feed.drive(0.3)\n    while True: time.sleep(0.01)"))
+    wait_for(lambda: [linear for _, linear, _ in kernel.heard] == [0.3, 0.0], "it drives once, and zero follows")
+    assert kernel.heard[1][0] - kernel.heard[0][0] < 0.6
+    kernel.run("behave", BEHAVE.format(body="feed.drive(0.1)"))
+    wait_for(lambda: kernel.heard[-1][1] == 0.1, "the next version drives")
+
+
+def test_the_end_of_the_kernel_sends_zero_though_a_function_hangs(kernel: Kernel) -> None:
+    kernel.run("behave", BEHAVE.format(body="feed.drive(0.3)\n    time.sleep(3600)"))
+    kernel.run("hold", "feed.driving = feeds.Driving(hold=60.0); feed.drive(0.2)")
+    wait_for(lambda: kernel.heard[-1][1] == 0.2, "it drives")
+    kernel.manager.shutdown_kernel()
+    assert kernel.heard[-1][1] == 0.0
