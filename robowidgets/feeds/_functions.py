@@ -113,10 +113,12 @@ class FunctionCaller:
                 self._functions.append(new)
 
     def disconnect(self, topic: str, calls: Iterable[Any] | None) -> None:
-        """Call these functions no more with messages of a topic; None: none at all."""
+        """Call these functions no more with messages of a topic, nor others of their names; None: none at all."""
         gone = None if calls is None else list(calls)
+        names = {_name_in_main(call) for call in gone or ()} - {""}
         with self._changed:
-            self._drop([f for f in self._functions if f.topic == topic and (gone is None or f.call in gone)])
+            here = [function for function in self._functions if function.topic == topic]
+            self._drop([f for f in here if gone is None or f.call in gone or _name_in_main(f.call) in names])
 
     def put(self, topic: Topic, message: Any) -> None:
         """Hand on a message, in place of one that waits unless every one counts."""

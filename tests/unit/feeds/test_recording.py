@@ -12,7 +12,6 @@ import pytest
 
 import robowidgets
 from robowidgets import SAMPLE, LaserWidget, RecordingError, Scan, feeds
-from robowidgets.feeds import FeedError
 
 from ..recordings import robot
 from ..waiting import wait_for
@@ -26,7 +25,8 @@ def test_a_recording_is_played_to_its_end_at_any_speed() -> None:
     laser = LaserWidget()
     with feeds.recording(SAMPLE, speed=100) as feed:
         began = time.monotonic()
-        feed.connect("/scan", got.append, laser)
+        feed.attach("/scan", got.append)
+        feed.connect("/scan", laser)
         wait_for(lambda: "end" in laser._source.get("words", ""), "it is at its end")
         assert laser._source["words"] == "sample.mcap is at its end"
         assert time.monotonic() - began > 0.8 * duration / 100
@@ -118,8 +118,29 @@ def test_words_for_what_cannot_be_played(tmp_path: Path) -> None:
         pytest.raises(TypeError, match=f"{expected} a Recording; one that is open"),
     ):
         feeds.recording(opened)
-    with feeds.recording(SAMPLE) as feed:
-        with pytest.raises(TypeError, match=f"{expected} a Feed$"):
-            feeds.recording(feed)
-        with pytest.raises(FeedError, match=r"sample.mcap is a recording: it cannot be driven"):
-            feed.drive(0.1)
+    with feeds.recording(SAMPLE) as feed, pytest.raises(TypeError, match=f"{expected} a Feed$"):
+        feeds.recording(feed)
+
+
+def test_a_program_drives_it_and_its_speeds_are_shown_beside_those_that_were_driven_then() -> None:
+    with feeds.recording(SAMPLE, loop=True) as feed:
+        view = feed.show()
+        feed.drive(0.25, 0.5)
+        wait_for(lambda: "/cmd_vel (your program)" in view.widgets, "it has a widget of its own")
+        feed.drive(0.25, 0.5)
+        own = view.widgets["/cmd_vel (your program)"]
+        wait_for(lambda: own.speed and own.speed.values[::5] == (0.25, 0.5), "it shows what the program drives")
+        then = view.widgets["/odom"]
+        assert then.command_title == "/cmd_vel"
+        assert not then.commanded or then.commanded.values[::5] != (0.25, 0.5)
+        assert feed.drive_words == "the recording publishes /cmd_vel, too"
+        wait_for(lambda: own.speed.values[::5] == (0.0, 0.0), "and the zero that follows")
+
+
+def test_a_topic_that_the_recording_does_not_have_is_driven_there_all_the_same() -> None:
+    with feeds.recording(SAMPLE, loop=True) as feed:
+        feed.driving = feeds.Driving(topic="/base/cmd_vel")
+        view = feed.show()
+        feed.drive(0.25)
+        wait_for(lambda: "/base/cmd_vel" in view.widgets, "it has a widget")
+        wait_for(lambda: view.widgets["/base/cmd_vel"].speed is not None, "it shows what is sent")

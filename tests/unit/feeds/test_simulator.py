@@ -47,6 +47,22 @@ def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(monkeypatch
         wait_for(lambda: robot.command().linear[0] == 0.5, "it wanders again")
 
 
+def test_it_stands_still_until_somebody_drives_if_it_is_not_to_wander(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(import_module("robowidgets.feeds.simulator"), "LET_GO", 0.05)
+    robot = Robot(World([]))
+    with feeds.simulator(robot, hz=100.0, wander=False) as feed:
+        wait_for(lambda: robot.time > 0.5, "time passes")
+        assert robot.pose == Robot(World([])).pose
+        feed.drive(0.2)
+        wait_for(lambda: robot.command().linear[0] == 0.2, "it obeys")
+        wait_for(lambda: robot.command().linear[0] == 0.0, "it stops")
+        since = robot.time
+        wait_for(lambda: robot.time > since + 0.2, "time passes")
+        assert robot.command().linear[0] == 0.0
+    with pytest.raises(TypeError, match="wander: expected True or False, got 1"):
+        feeds.simulator(wander=1)  # type: ignore[arg-type]
+
+
 def test_it_bumps_into_things() -> None:
     wall = World([(0.5, -2.0, 0.5, 2.0)])
     touches: list[Touch] = []
@@ -79,7 +95,7 @@ def test_it_may_be_closed_in_a_callback() -> None:
     feed = feeds.simulator(hz=100.0)
     feed.connect("/scan", lambda _: feed.close())
     wait_for(lambda: "robowidgets-simulator" not in {t.name for t in threading.enumerate()}, "its thread has ended")
-    assert feed.words == "the feed is closed"
+    wait_for(lambda: feed.words == "the feed is closed", "it says so")
 
 
 def test_a_robot_whose_listener_was_held_up_does_not_race_after_lost_time() -> None:
