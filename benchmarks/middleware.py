@@ -3,7 +3,8 @@
 `python -m benchmarks.middleware publish NAME WHERE` prints where it can be reached, and does what lines on its input
 say: `put NUMBER`, or `pace FIRST HZ SECONDS FILE`, after which FILE holds when each scan was published. A publisher's
 WHERE is empty. `python -m benchmarks.middleware hear NAME WHERE` notes when each scan came to its callback;
-`take FILE` writes that down.
+`take FILE` writes that down. `python -m benchmarks.middleware obey NAME FILE` publishes a scan ten times a second and
+writes each command on /cmd_vel into FILE, with the time of its arrival: a robot that has no watchdog of its own.
 """
 
 from __future__ import annotations
@@ -57,6 +58,19 @@ class Dds:
 
         return publish
 
+    def obey(self, call: Any) -> None:
+        from cyclonedds.core import Policy, Qos
+        from cyclonedds.sub import DataReader
+        from cyclonedds.topic import Topic
+        from cyclonedds.util import duration
+
+        from tests.unit.feeds.dds_robot import Twist
+
+        qos = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepAll)
+        reader = DataReader(self._participant, Topic(self._participant, "rt/cmd_vel", Twist), qos)
+        for message in reader.take_iter(timeout=duration(seconds=3600)):
+            call(message.linear.x, message.angular.z)
+
     def hear(self, call: Any) -> None:
         from cyclonedds.core import Policy, Qos
         from cyclonedds.sub import DataReader
@@ -74,15 +88,33 @@ class Foxglove:
 
     def __init__(self, where: str) -> None:
         self.where = where
+        self.call: Any = lambda *_: None
+
+    def obey(self, call: Any) -> None:
+        self.call = call
 
     def publisher(self) -> Any:
         import foxglove
+        import foxglove.websocket
         from rosbags.typesys import Stores, get_typestore
 
         store = get_typestore(Stores.ROS2_HUMBLE)
         kind = "sensor_msgs/msg/LaserScan"
         text, _ = store.generate_msgdef(kind, ros_version=2)
-        server = foxglove.start_server(host="127.0.0.1", port=0)
+        robot = self
+
+        class Listener(foxglove.websocket.ServerListener):  # type: ignore[misc]
+            def on_message_data(self, _client: Any, _channel: Any, data: bytes) -> None:
+                twist = store.deserialize_cdr(data, "geometry_msgs/msg/Twist")
+                robot.call(twist.linear.x, twist.angular.z)
+
+        server = foxglove.start_server(
+            host="127.0.0.1",
+            port=0,
+            capabilities=[foxglove.Capability.ClientPublish],
+            supported_encodings=["cdr"],
+            server_listener=Listener(),
+        )
         self.where = f"ws://127.0.0.1:{server.port}"
         schema = foxglove.Schema(name=kind, encoding="ros2msg", data=text.encode())
         channel = foxglove.Channel("/scan", schema=schema, message_encoding="cdr")
@@ -140,6 +172,12 @@ class Ros1:
 
         return publish
 
+    def obey(self, call: Any) -> None:
+        import rospy
+        from geometry_msgs.msg import Twist
+
+        rospy.Subscriber("/cmd_vel", Twist, lambda message: call(message.linear.x, message.angular.z), tcp_nodelay=True)
+
     def hear(self, call: Any) -> None:
         import rospy
         from sensor_msgs.msg import LaserScan
@@ -157,8 +195,9 @@ class Rosbridge:
     def publisher(self) -> Any:
         from tests.unit.feeds.bridge import Rosbridge as Server
 
-        server = Server({"/scan": "sensor_msgs/msg/LaserScan"}).__enter__()
-        self.where = server.address
+        server = Server({"/scan": "sensor_msgs/msg/LaserScan", "/cmd_vel": "geometry_msgs/msg/Twist"}).__enter__()
+        server.listeners["/cmd_vel"] = ["/base"]
+        self.where, self._server = server.address, server
         fields = dict(zip(FIELDS, GEOMETRY, strict=True))
 
         def publish(number: int) -> None:
@@ -167,6 +206,15 @@ class Rosbridge:
                 server.publish("/scan", {"header": header, **fields, "ranges": encode(number), "intensities": []})
 
         return publish
+
+    def obey(self, call: Any) -> None:
+        count = 0
+        while True:
+            published = self._server.published[count:]
+            for _, message in published:
+                call(message["linear"]["x"], message["angular"]["z"])
+            count += len(published)
+            time.sleep(0.0005)
 
     def hear(self, call: Any) -> None:
         import asyncio
@@ -262,6 +310,21 @@ def hear(name: str, where: str) -> None:
         print("done", flush=True)
 
 
+def obey(name: str, path: str) -> None:
+    robot = NAMES[name]("")
+    send = robot.publisher()
+    log = open(path, "a", buffering=1)  # noqa: SIM115  # until the process is killed
+
+    def note(linear: float, angular: float) -> None:
+        print(time.monotonic(), linear, angular, file=log)
+
+    threading.Thread(target=robot.obey, args=(note,), daemon=True).start()
+    print(robot.where, flush=True)
+    for number in range(10**9):
+        send(number % 1000)
+        time.sleep(0.1)
+
+
 if __name__ == "__main__":
-    {"publish": publish, "hear": hear}[sys.argv[1]](sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else "")
+    {"publish": publish, "hear": hear, "obey": obey}[sys.argv[1]](sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else "")
     os._exit(0)

@@ -5,8 +5,10 @@ ipywidgets keeps every widget until it is closed, and IPython what a cell gave: 
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable
+from signal import SIGINT, default_int_handler
 from typing import Any, Protocol
 from weakref import WeakSet
 
@@ -45,20 +47,37 @@ _on_failed: list[Callable[[], None]] = []
 
 
 def on_failed_cell(call: Callable[[], None]) -> None:
-    """Call a function at the end of every cell that raises or is interrupted, from now on; nothing without IPython."""
-    if call in _on_failed:
-        return
+    """Call a function when this cell or a later one is interrupted or raises; nothing outside cells.
+
+    It is called in the main thread, perhaps in the handler of a signal, so it must wait for nothing. To be called from
+    every cell of the main thread that wants it.
+    """
     shell = _shell()
-    if shell is not None:
+    if shell is None:
+        return
+    if call not in _on_failed:
         if not _on_failed:
             shell.events.register("post_run_cell", _after_cell)
         _on_failed.append(call)
+    # The event comes after the traceback was made, and not at all where the cell catches the interrupt. ipykernel sets
+    # the handler for each cell anew. rclpy has one of its own in C, which Python does not tell and would replace.
+    if hasattr(shell, "kernel") and "rclpy" not in sys.modules and signal.getsignal(SIGINT) is default_int_handler:
+        signal.signal(SIGINT, _on_interrupt)
+
+
+def _on_interrupt(number: int, frame: Any) -> None:
+    _call_all()
+    default_int_handler(number, frame)
 
 
 def _after_cell(result: Any) -> None:
     if not result.success:
-        for call in _on_failed:
-            call()
+        _call_all()
+
+
+def _call_all() -> None:
+    for call in _on_failed:
+        call()
 
 
 def close_all(widget: Any) -> None:

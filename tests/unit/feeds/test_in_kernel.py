@@ -100,6 +100,18 @@ def test_an_interrupt_sends_zero_at_once(kernel: Kernel) -> None:
     assert pause < 0.25, "the hold of half a second was not waited for"
 
 
+def test_an_interrupt_that_the_cell_catches_sends_zero_at_once(kernel: Kernel) -> None:
+    loop = kernel.start(
+        "loop", f"try:{LOOP.replace(chr(10), chr(10) + '    ')}\nexcept KeyboardInterrupt: time.sleep(1.0)"
+    )
+    wait_for(lambda: len(kernel.heard) > 5, "it drives")
+    at = time.monotonic()
+    kernel.manager.interrupt_kernel()
+    assert kernel.end_of(loop)["status"] == "ok"
+    zero = next(when for when, linear, _ in kernel.heard if when > at and linear == 0.0)
+    assert zero - at < 0.25, "the hold of half a second was not waited for"
+
+
 def test_a_cell_that_raises_after_it_drove_sends_zero_at_once_one_that_ends_well_does_not(kernel: Kernel) -> None:
     assert kernel.run("well", "feed.drive(0.2)")["status"] == "ok"
     wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero follows")

@@ -1,0 +1,189 @@
+"""How long after its cause zero reaches a robot in another process that has no watchdog of its own.
+
+The program runs in a real kernel, beside a function that is connected to the robot's scans and never comes back.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jupyter_client.blocking.client import BlockingKernelClient
+from jupyter_client.manager import KernelManager
+
+from .middleware import DOMAIN, SYSTEM
+
+TIMES = 10
+"""How often each cause is tried."""
+WINDOW = 0.3
+"""Seconds after a cause, beyond those that a speed holds, in which zero must come and nothing else be driven."""
+HOLD = 0.5
+CAUSES = ("hold", "stop", "release", "close", "interrupt", "end of the kernel")
+
+OPEN = {
+    "dds": f"feeds.dds({DOMAIN}, interface='lo')",
+    "foxglove": "feeds.foxglove({where!r})",
+    "rosbridge": "feeds.rosbridge({where!r})",
+    "ros1": "feeds.ros1()",
+}
+SETUP = """
+import sys, time
+sys.path.append({system!r}) if {ros1} else None
+from robowidgets import DriveWidget, feeds
+def opened():
+    feed = {opened}
+    feed.connect("/scan", hang)
+    return feed
+def hang(scan):
+    time.sleep(3600)
+def driving(feed):
+    for _ in range(10):
+        feed.drive(0.3)
+        time.sleep(0.03)
+feed = opened()
+driving(feed)
+"""
+TRIES = {
+    "hold": "feed.drive(0.3); cause = time.monotonic(); time.sleep(0.9)",
+    "stop": "driving(feed); cause = time.monotonic(); feed.stop(); time.sleep(0.4)",
+    "release": """
+pad = DriveWidget(linear_limit=0.3)
+pad.connect(feed)
+answers = []
+pad.send = answers.append
+pad._handle_custom_msg({"act": "press", "press": "p"}, [])
+for _ in range(10):
+    pad._handle_custom_msg({"act": "hold", "press": "p", "token": answers[-1]["token"], "forward": 1.0}, [])
+    time.sleep(0.03)
+cause = time.monotonic()
+pad._handle_custom_msg({"act": "release", "press": "p"}, [])
+time.sleep(0.4)
+pad.close()
+""",
+    "close": "driving(feed); cause = time.monotonic(); feed.close(); time.sleep(0.4); feed = opened(); driving(feed)",
+    "interrupt": "while True: driving(feed)",
+}
+
+
+@dataclass
+class Stopped:
+    """Seconds from a cause to zero, each time; infinite where none came."""
+
+    feed: str
+    cause: str
+    seconds: list[float]
+
+
+class Program:
+    """A kernel in which the program runs."""
+
+    def __init__(self) -> None:
+        self.manager = KernelManager()
+        self.manager.start_kernel()
+        self._client: BlockingKernelClient = self.manager.client()
+        self._client.start_channels()
+        self._client.wait_for_ready(timeout=60)
+
+    def start(self, code: str) -> str:
+        request: str = self._client.execute(code, user_expressions={"cause": "cause"})
+        return request
+
+    def end_of(self, request: str) -> dict[str, Any]:
+        while True:
+            reply = self._client.get_shell_msg(timeout=120)
+            if reply["parent_header"].get("msg_id") == request:
+                content: dict[str, Any] = reply["content"]
+                return content
+
+    def run(self, code: str) -> float:
+        """Run a cell; its cause, by the monotonic clock of the machine."""
+        reply = self.end_of(self.start(code))
+        if reply["status"] != "ok":
+            raise RuntimeError("\n".join(reply["traceback"]))
+        told = reply["user_expressions"]["cause"]
+        return float(told["data"]["text/plain"]) if told["status"] == "ok" else float("nan")
+
+    def close(self) -> None:
+        self._client.stop_channels()
+        if self.manager.is_alive():
+            self.manager.shutdown_kernel(now=True)
+
+
+@contextmanager
+def robot(name: str, path: Path) -> Iterator[str]:
+    """A robot in a process of its own; where it can be reached."""
+    command = [sys.executable, "-m", "benchmarks.middleware", "obey", name, str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            yield process.stdout.readline().strip()
+        finally:
+            process.kill()
+
+
+def measured(name: str, times: int = TIMES) -> list[Stopped]:
+    """Every cause, on one feed."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "heard.txt")
+        path.touch()
+        with robot(name, path) as where:
+            opened = OPEN[name].format(where=where)
+            setup = SETUP.format(system=SYSTEM, ros1=name == "ros1", opened=opened)
+            program = Program()
+            try:
+                program.run(setup)
+                tries = {cause: [_try(program, cause, path) for _ in range(times)] for cause in CAUSES[:-1]}
+            finally:
+                program.close()
+            tries[CAUSES[-1]] = [_end(setup, path) for _ in range(max(1, times // 3))]
+    return [Stopped(name, cause, seconds) for cause, seconds in tries.items()]
+
+
+def _try(program: Program, cause: str, path: Path) -> float:
+    if cause != "interrupt":
+        return _until_zero(path, program.run(TRIES[cause]), HOLD if cause == "hold" else 0.0)
+    request = program.start(TRIES[cause])
+    time.sleep(0.5)
+    at = time.monotonic()
+    program.manager.interrupt_kernel()
+    program.end_of(request)
+    return _until_zero(path, at)
+
+
+def _end(setup: str, path: Path) -> float:
+    program = Program()
+    try:
+        program.run(setup + "feed.driving = feeds.Driving(hold=60.0)\ndriving(feed)")
+        at = time.monotonic()
+        program.manager.shutdown_kernel()
+        return _until_zero(path, at)
+    finally:
+        program.close()
+
+
+def _until_zero(path: Path, cause: float, hold: float = 0.0) -> float:
+    """Seconds from a cause to zero; infinite where none came in time, or something moved after it."""
+    end = cause + hold + WINDOW
+    time.sleep(max(0.0, end - time.monotonic()) + 0.1)
+    lines = [line.split() for line in path.read_text().split("\n")[:-1]]
+    heard = [(float(at), (float(linear), float(angular)) == (0.0, 0.0)) for at, linear, angular in lines]
+    since = [(at, is_zero) for at, is_zero in heard if cause <= at < end]
+    zero = next((at for at, is_zero in since if is_zero), math.inf)
+    return zero - cause if all(is_zero for at, is_zero in since if at > zero) else math.inf
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("PYTHONPATH", os.getcwd())
+    for feed in sys.argv[1:] or list(OPEN):
+        for stopped in measured(feed):
+            ordered = sorted(stopped.seconds)
+            print(f"{feed:10} {stopped.cause:18} worst {ordered[-1]:.3f} s, median {ordered[len(ordered) // 2]:.3f} s")
