@@ -105,22 +105,37 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             self.refresh()
 
     def _put_up(self, wanted: Sequence[Pick]) -> None:
-        for pick in self._shown.keys() - set(wanted):
-            widget = self._shown.pop(pick)
+        there = {(pick.widget, pick.topic, pick.commanded): pick for pick in self._shown}
+        shown = {}
+        for pick in wanted:
+            before = there.pop((pick.widget, pick.topic, pick.commanded), None)
+            shown[pick] = self._made(pick) if before is None else self._recommanded(before, pick)
+        for pick in there.values():
+            widget = self._shown[pick]
             self.feed.disconnect(pick.topic, widget)
             if pick.command:
                 self.feed.disconnect(pick.command, widget.command)
             widget.close()
-        self._shown = {pick: self._shown.get(pick) or self._connected(pick) for pick in wanted}
+        self._shown = shown
         old, self._columns.children = self._columns.children, columns(list(self._shown.values()))
         for column in old:
             column.close()
 
-    def _connected(self, pick: Pick) -> Any:
+    def _made(self, pick: Pick) -> Any:
         widget = pick.make()
         self.feed.connect(pick.topic, widget)
         if pick.command:
             self.feed.connect(pick.command, widget.command)
+        return widget
+
+    def _recommanded(self, before: Pick, pick: Pick) -> Any:
+        """The widget of a pick, with the commanded speed of another one."""
+        widget = self._shown[before]
+        if before.command != pick.command:
+            if before.command:
+                self.feed.disconnect(before.command, widget.command)
+            if pick.command:
+                self.feed.connect(pick.command, widget.command)
         return widget
 
     def _say(self) -> None:

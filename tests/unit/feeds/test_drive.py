@@ -14,7 +14,7 @@ from robowidgets._command_watchdog import RefusedError
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 
 from ..waiting import wait_for
-from .scripted import CMD_VEL, SCAN, Scripted
+from .scripted import CMD_VEL, ODOM, SCAN, Scripted, twist
 
 STAMPED = CMD_VEL._replace(type="geometry_msgs/msg/TwistStamped")
 
@@ -468,3 +468,90 @@ def test_where_nobody_can_tell_who_listens_nothing_is_said(driven: Driven, caplo
     feed.drive(0.1)
     assert (feed.drive_words, caplog.records) == ("", [])
     assert script.speeds == [(0.1, 0.0)]
+
+
+def test_a_hand_on_a_pad_outranks_a_program_which_is_told(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL)
+    feed.drive(0.3)
+    feed.watchdog.take("press")
+    with pytest.raises(FeedError, match="cannot drive: a hand drives from a pad"):
+        feed.drive(0.2)
+    feed.drive_by_hand(5.0, 0.0, "press")
+    wait_for(
+        lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0), (0.5, 0.0)], "the hand's speed is sent, cut to the limits"
+    )
+    assert feed.drive_words == "5 m/s is cut to 0.5"
+    feed.watchdog.let_go("press")
+    with pytest.raises(FeedError, match="cannot drive: the press on the pad is over"):
+        feed.drive_by_hand(0.1, 0.0, "press")
+    feed.drive(0.2)
+
+
+def test_stop_latches_until_it_is_released(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL)
+    feed.drive(0.3)
+    feed.stopped = True
+    wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero is sent")
+    assert feed.stopped
+    with pytest.raises(FeedError, match="cannot drive: stop is latched until somebody releases it"):
+        feed.drive(0.2)
+    feed.stop()
+    feed.stopped = False
+    feed.drive(0.2)
+    wait_for(lambda: script.speeds[-2:] == [(0.2, 0.0), (0.0, 0.0)], "it drives again")
+
+
+def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.feeds.feed.PAGE_TIMEOUT", 0.2)
+    feed, script = driven(CMD_VEL)
+    feed.driving = Driving(needs_page=True)
+    with pytest.raises(FeedError, match="cannot drive: no page that shows this feed or its pad answers"):
+        feed.drive(0.2)
+    feed.page_seen()
+    feed.drive(0.2)
+    wait_for(lambda: refused(feed), "the page is gone")
+    wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "the robot stops")
+    with pytest.raises(TypeError, match="needs_page: expected True or False, got 1"):
+        Driving(needs_page=1)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("others", "words"),
+    [
+        (("/teleop",), "/teleop publishes /cmd_vel, too"),
+        (("/nav", "/teleop"), "/nav, /teleop publishes /cmd_vel, too"),
+        ((), "somebody else publishes /cmd_vel, too"),
+    ],
+)
+def test_who_else_publishes_speeds_is_named(driven: Driven, others: tuple[str, ...], words: str) -> None:
+    feed, _ = driven(CMD_VEL._replace(offered=True, publishers=others))
+    assert feed.drive_words == words
+
+
+def test_who_does_not_hear_what_is_published_is_told_and_again_when_it_does(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL)
+    script.listener.on_unheard("/cmd_vel", "a subscriber of /cmd_vel is not compatible")
+    assert feed.drive_words == "a subscriber of /cmd_vel is not compatible"
+    script.listener.on_unheard("/cmd_vel", "")
+    assert feed.drive_words == ""
+
+
+def test_what_is_driven_is_shown_as_commanded_whoever_knows_the_topic(driven: Driven) -> None:
+    for there in ((ODOM, CMD_VEL), (ODOM,)):
+        feed, _ = driven(*there, hold=60.0)
+        speed = feed.show().widgets["/odom"]
+        feed.drive(0.3, 0.5)
+        wait_for(lambda speed=speed: speed.commanded, "it is shown")  # type: ignore[misc]
+        assert speed.commanded.values[::5] == (0.3, 0.5)
+        assert speed.command_title == "/cmd_vel"
+        feed.stop()
+        wait_for(lambda speed=speed: speed.commanded.values[::5] == (0.0, 0.0), "and zero")  # type: ignore[misc]
+
+
+def test_speeds_that_others_publish_are_not_covered_by_our_own(driven: Driven) -> None:
+    feed, script = driven(ODOM, CMD_VEL._replace(offered=True))
+    speed = feed.show().widgets["/odom"]
+    script.listener.on_message("/cmd_vel", twist(0.1))
+    feed.drive(0.3)
+    wait_for(lambda: script.speeds == [(0.3, 0.0)], "it is sent")
+    assert speed.commanded.linear[0] == 0.1
