@@ -137,9 +137,9 @@ class CommandWatchdog:
             before.
 
         Raises:
-            RefusedError: somebody else drives, or stop is latched. A program's zero is never refused.
+            RefusedError: a hand drives, or stop is latched, which takes zero.
         """
-        if velocity == ZERO and driver == PROGRAM:
+        if velocity == ZERO and driver == PROGRAM and not self._hand_now():
             return self.stop()
         is_main = threading.current_thread() is threading.main_thread()
         with self._changed:

@@ -167,14 +167,15 @@ def test_a_latched_stop_sends_zero_and_refuses_all_until_it_is_released(watchdog
     wait_for(lambda: sink.speeds[-1] == LEFT, "it is sent")
 
 
-def test_while_a_hand_drives_a_program_is_refused_but_for_zero(watchdog: CommandWatchdog, sink: Sink) -> None:
+def test_while_a_hand_drives_a_program_is_refused_but_for_stop(watchdog: CommandWatchdog, sink: Sink) -> None:
     drive(watchdog, FORWARD)
     assert watchdog.driver == PROGRAM
     watchdog.take("hand")
     wait_for(lambda: sink.speeds == [FORWARD, ZERO], "the program's speed ends")
     drive(watchdog, LEFT, "hand")
-    with pytest.raises(RefusedError, match="a hand drives from a pad"):
-        watchdog.drive(FORWARD)
+    for refused in (FORWARD, ZERO):
+        with pytest.raises(RefusedError, match="a hand drives from a pad"):
+            watchdog.drive(refused)
     assert watchdog.driver == "hand"
     wait_for(lambda: sink.speeds[-1] == LEFT, "the hand's is sent")
     watchdog.sent_in_time(watchdog.stop())
