@@ -86,8 +86,8 @@ class Scan:
 
     Example:
         >>> scan = Scan([1.0, 2.5, float("inf")], angle_min=-0.5, angle_increment=0.5, range_min=0.1, range_max=30.0)
-        >>> scan.nearest().index
-        0
+        >>> scan.distance(), scan.distance("left")
+        (1.0, nan)
     """
 
     ranges: NDArray[np.float32]
