@@ -60,7 +60,7 @@ test-notebooks: build
 	$(PYTEST) tests/test_notebooks.py
 
 test-docs: build
-	$(PYTEST) tests/test_docs.py
+	$(PYTEST) tests/test_docs.py tests/test_odd_scans.py
 
 test-wheel: setup
 	$(PYTEST) tests/test_wheel.py

@@ -97,7 +97,7 @@ class LaserWidget(RobotWidget[Scan]):
     Example:
         >>> laser = LaserWidget(title="/scan", ray_count=5)
         >>> laser.update(ranges=[1.0, 1.5, 2.0], angle_min=-0.5, angle_increment=0.5, range_min=0.1, range_max=4.0)
-        >>> laser.scan.nearest().range
+        >>> laser.scan.distance()
         1.0
     """
 

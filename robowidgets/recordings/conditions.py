@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from ..samples import AXES, TouchState
 from ..samples.numbers import number
-from ..samples.sector import in_sector, to_sector
+from ..samples.scan import distances
+from ..samples.sector import Sector, to_sector
 from .chunks import ScanChunk, SpeedChunk
 from .source import UnknownTopicError, UnnamedTopicError
 from .steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
@@ -70,17 +71,18 @@ def touched(label: str | None = None, topic: str | None = None) -> Condition:
     return _Touched(label, topic)
 
 
-def nearest_below(distance: float, sector: tuple[float, float] | None = None, topic: str | None = None) -> Condition:
-    """A ray meets something nearer than a distance. One that is too close to be measured (-inf) is nearer than any.
+def nearest_below(distance: float, sector: Sector | str | None = None, topic: str | None = None) -> Condition:
+    """`Scan.distance` is below a distance. Where that is NaN, neither this nor its opposite holds.
 
     Args:
         distance: metres.
-        sector: two angles in radians; only rays from the first counter-clockwise to the second count.
+        sector: as in `Scan.distance`.
         topic: as in `Recording.scans`.
 
     Raises:
         TypeError: something is no number.
-        ValueError: the distance is not above 0, or an angle is beyond a full turn either way, infinite or NaN.
+        ValueError: the distance is not above 0, no such sector, or an angle is beyond a full turn either way,
+            infinite or NaN.
     """
     return _NearestBelow(distance, sector, topic)
 
@@ -177,26 +179,26 @@ class _Touched(Condition):
 
 
 class _NearestBelow(Condition):
-    def __init__(self, distance: float, sector: tuple[float, float] | None, topic: str | None) -> None:
+    def __init__(self, distance: float, sector: Sector | str | None, topic: str | None) -> None:
         self._distance = number("distance", distance)
         if not 0 < self._distance < inf:
             raise ValueError(f"distance: expected metres above 0, got {self._distance!r}")
         self._sector = None if sector is None else to_sector(sector)
+        self._where = ""
+        if self._sector is not None:
+            named = isinstance(sector, str)
+            self._where = f" in {sector}" if named else " between {:g} and {:g} rad".format(*self._sector)
         self._topic = topic
 
     def steps(self, search: Search) -> Steps:
         return search.over(search.recording.scans(self._topic), self._test)
 
     def _test(self, chunk: ScanChunk) -> NDArray[np.int8]:
-        ranges = chunk.ranges
-        if self._sector is not None:
-            ranges = ranges[:, in_sector(chunk.like.angles, self._sector)]
-        near = (chunk.range_min <= ranges) & (ranges <= chunk.range_max) & (ranges < np.float32(self._distance))
-        return np.where((near | (ranges == -np.inf)).any(axis=1), YES, NO).astype(np.int8)
+        away = distances(chunk.ranges, chunk.like, self._sector)
+        return np.where(np.isnan(away), UNKNOWN, np.where(away < np.float32(self._distance), YES, NO)).astype(np.int8)
 
     def __str__(self) -> str:
-        where = "" if self._sector is None else f" between {self._sector[0]:g} and {self._sector[1]:g} rad"
-        return f"nearest below {self._distance:g} m{where}"
+        return f"nearest below {self._distance:g} m{self._where}"
 
 
 class _SpeedAbove(Condition):

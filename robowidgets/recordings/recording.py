@@ -42,7 +42,7 @@ def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the one wo
 
     Example:
         >>> recording = robowidgets.open("drive.bag")  # doctest: +SKIP
-        >>> recording.at("/scan", 12.5).sample.nearest()  # doctest: +SKIP
+        >>> recording.at("/scan", 12.5).sample.distance()  # doctest: +SKIP
     """
     # Here, because it takes longer than all the rest of robowidgets, and who opens no recording need not wait for it.
     from .files import open_timeline

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Scan
+from ..samples.scan import distances, ray_distances
+from ..samples.sector import Sector
 from .chunks import ScanChunk
 from .rows import chunks_of, filled, whole
 from .series import Rows, Series
@@ -27,7 +29,7 @@ class Scans(Series[Scan]):
 
     Example:
         >>> scans = recording.scans("/scan")  # doctest: +SKIP
-        >>> scans.between(20, 25).ranges[:, 212].min()  # doctest: +SKIP
+        >>> scans.between(20, 25).distances("front").min()  # doctest: +SKIP
     """
 
     def __init__(self, store: Store[ScanChunk], start_ns: int, rows: Rows | None = None) -> None:
@@ -77,7 +79,9 @@ class Scans(Series[Scan]):
 
     @property
     def ranges(self) -> NDArray[np.float32]:
-        """Distances in metres, shape (N, R), a row for each scan; NaN and infinities as in REP-117.
+        """Metres as the scanner sent them, shape (N, R), a row for each scan; NaN, infinities and codes such as 0.0.
+
+        The least of them is not how far the nearest thing is: see `distances` and `ray_distances`.
 
         Raises:
             RecordingError: the number of rays changes, or the array would be larger than `Recording.memory`.
@@ -86,7 +90,33 @@ class Scans(Series[Scan]):
             array = whole(self._store, np.dtype(np.float32), lambda chunk: chunk.ranges)
             if array is not None:
                 return array
-        return self._array("ranges", self.ray_count)
+        return self._array("ranges", self.ray_count, lambda chunk: chunk.ranges)
+
+    def distances(self, sector: Sector | str | None = None, *, percentile: float | None = None) -> NDArray[np.float32]:
+        """`Scan.distance` of each, shape (N,): metres, inf where nothing is met, 0 too close, NaN unknown.
+
+        Args:
+            sector: as in `Scan.distance`.
+            percentile: as in `Scan.distance`.
+
+        Raises:
+            TypeError: as by `Scan.distance`.
+            ValueError: as by `Scan.distance`.
+        """
+        parts = [distances(chunk.ranges, chunk.like, sector, percentile) for chunk in self.chunks()]
+        return np.concatenate([np.empty(0, np.float32), *parts])
+
+    @property
+    def ray_distances(self) -> np.ma.MaskedArray[Any, np.dtype[np.float32]]:
+        """What each ray counts as in `Scan.distance`, shape (N, R): masked where it says nothing, as NaN and codes.
+
+        ``ray_distances[:, rays].min(axis=1)`` is the distance among some of the rays.
+
+        Raises:
+            RecordingError: as `ranges`.
+        """
+        away = self._array("ray_distances", self.ray_count, lambda chunk: ray_distances(chunk.ranges, chunk.like))
+        return np.ma.masked_array(away, np.isnan(away), fill_value=np.nan)
 
     @property
     def intensities(self) -> NDArray[np.float32]:
@@ -97,7 +127,7 @@ class Scans(Series[Scan]):
         """
         rays = self.ray_count
         sent = any(chunk.intensities.shape[1] for chunk in self.chunks())
-        return self._array("intensities", rays if sent else 0)
+        return self._array("intensities", rays if sent else 0, lambda chunk: chunk.intensities)
 
     @property
     def angle_min(self) -> NDArray[np.float64]:
@@ -173,13 +203,13 @@ class Scans(Series[Scan]):
         parts = [np.full(len(chunk), getattr(chunk, name)) for chunk in self.chunks()]
         return np.concatenate([np.empty(0), *parts])
 
-    def _array(self, name: str, rays: int) -> NDArray[np.float32]:
+    def _array(self, name: str, rays: int, column: Callable[[ScanChunk], NDArray[np.float32]]) -> NDArray[np.float32]:
         return filled(
             self._store,
             self.chunks(),
             (len(self), rays),
             np.dtype(np.float32),
-            lambda chunk: getattr(chunk, name) if getattr(chunk, name).shape[1] == rays else np.float32(np.nan),
+            lambda chunk: values if (values := column(chunk)).shape[1] == rays else np.float32(np.nan),
             f"{self.topic}: the array of all {name}",
         )
 

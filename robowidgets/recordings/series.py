@@ -97,6 +97,7 @@ class Series(ABC, Generic[Taken]):
         if isinstance(which, np.ndarray) and which.dtype == bool:
             if which.shape != (len(self),):
                 raise IndexError(f"{self.topic}: expected a mask of {len(self):,} values, got shape {which.shape}")
+            which = np.ma.filled(which, False)
             return self._with(np.asarray(self.rows, np.int64)[which])
         try:
             number = as_index(which)

@@ -21,6 +21,12 @@ _FARTHEST = float(np.finfo(np.float32).max)
 
 _MOST_TURNS = 3
 
+CODES_END = 0.0195
+"""Metres: a range below it, and below range_min, is a code of the scanner's, not a distance.
+
+LDS-01, Neato and YDLIDAR send 0.0, Hokuyo 0.001 to 0.019. Half a millimetre less than 0.02, which rounds to float32.
+"""
+
 MILLIMETRES = 25
 """Times range_max that lies beyond what drivers send for rays that saw nothing."""
 
@@ -80,8 +86,8 @@ class Scan:
 
     Example:
         >>> scan = Scan([1.0, 2.5, float("inf")], angle_min=-0.5, angle_increment=0.5, range_min=0.1, range_max=30.0)
-        >>> scan.nearest().index
-        0
+        >>> scan.distance(), scan.distance("left")
+        (1.0, nan)
     """
 
     ranges: NDArray[np.float32]
@@ -166,8 +172,11 @@ class Scan:
         rays = f"{len(self):,} ray{'' if len(self) == 1 else 's'}"
         sweep = f" from {degrees(self.angles[0]):.1f}° to {degrees(self.angles[-1]):.1f}°" if len(self) else ""
         near = self.nearest()
-        where = f", nearest {near.range:.2f} m at ranges[{near.index}]" if near else ", no readings"
-        return f"<Scan of {rays}{sweep}{where}>"
+        how = "no readings"
+        if near:
+            how = f"nearest {near.range:.2f} m" if near.validity is Validity.READING else "too close"
+            how += f" at ranges[{near.index}]"
+        return f"<Scan of {rays}{sweep}, {how}>"
 
     def __iter__(self) -> Iterator[Ray]:
         return (self[i] for i in range(len(self)))
@@ -244,19 +253,53 @@ class Scan:
         """Points of the readings only, shape (N, 2), metres forward and to the left."""
         return np.column_stack((self.x, self.y))[self.valid]
 
-    def nearest(self, sector: Sector | None = None) -> Ray | None:
-        """The reading at the smallest distance, the first of equals; None when there is no reading.
+    def distance(self, sector: Sector | str | None = None, *, percentile: float | None = None) -> float:
+        """Metres to the nearest thing: inf where nothing is met, 0 where it is too close, NaN where that is unknown.
+
+        Each ray counts as its range says, and the least of them is the distance:
+
+        =============================================  ==========================================
+        range                                          counts as
+        =============================================  ==========================================
+        within range_min and range_max                 that distance
+        -inf, or 0.02 m and more but below range_min   0: too close to measure
+        +inf, or a number above range_max              inf: nothing is met
+        below 0.02 m and below range_min, as 0.0       inf: a code for nothing seen; see below
+        NaN                                            nothing, unless all are NaN: then NaN
+        =============================================  ==========================================
+
+        Scanners that send codes send them for what is too far, too dark or too close alike. So a sector in which
+        there are only codes, or codes and NaN, is NaN, as is one without rays. A loop "go while distance > x" stops
+        at NaN.
 
         Args:
-            sector: two angles in radians; only rays from the first counter-clockwise to the second count.
+            sector: two angles in radians, from the first counter-clockwise to the second, or "front", "left",
+                "back" or "right", the quarter of the circle round that direction. None: all rays.
+            percentile: 0 to 100, of what the rays count as, in place of the least: 5 is robust against single wrong
+                rays. It is always that of a ray, the nearer of two, so that nothing lies between a number and inf.
 
         Raises:
-            TypeError: the sector is no pair of numbers. ValueError: an angle is beyond a full turn either way.
+            TypeError: the sector is no pair of numbers, or the percentile no number.
+            ValueError: no such sector, an angle is beyond a full turn either way, or the percentile is not 0 to 100.
         """
-        distances = self._distances
-        if sector is not None:
-            distances = np.where(in_sector(self.angles, to_sector(sector)), distances, np.nan)
-        return None if np.isnan(distances).all() else self[int(np.nanargmin(distances))]
+        return float(distances(self.ranges, self, sector, percentile))
+
+    def nearest(self, sector: Sector | str | None = None) -> Ray | None:
+        """The ray that meets the nearest thing, the first of equals; None where `distance` is inf or NaN.
+
+        A thing that is too close to measure is nearer than any other: its ray has a range of -inf, or below range_min.
+
+        Args:
+            sector: as in `distance`.
+
+        Raises:
+            TypeError: the sector is no pair of numbers.
+            ValueError: no such sector, or an angle is beyond a full turn either way.
+        """
+        away = ray_distances(self.ranges, self)
+        away[~((away < np.inf) & inside(self, sector))] = np.inf
+        found = int(away.argmin()) if away.size else 0
+        return self[found] if away.size and away[found] < np.inf else None
 
     def at(self, angle: float) -> Ray | None:
         """The ray that points closest to an angle in radians; None more than half a step outside the sweep.
@@ -283,6 +326,55 @@ class Scan:
     @cached_property
     def _distances(self) -> NDArray[np.float64]:
         return np.where(self.valid, self.ranges, np.nan).astype(np.float64)
+
+
+def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32]:
+    """What each ray counts as in `Scan.distance`, in an array of its own, of the same shape; NaN for a code.
+
+    Args:
+        ranges: of one scan, shape (R,), or of many, (N, R).
+        like: a scan with the same limits.
+    """
+    away = np.where(ranges > like.range_max, np.float32(np.inf), ranges)
+    below = ranges < like.range_min
+    if below.any():
+        away[below] = 0
+        away[below & (ranges < CODES_END) & (ranges > -np.inf)] = np.nan
+    return away
+
+
+def inside(like: Scan, sector: Sector | str | None) -> NDArray[np.bool_]:
+    """Which rays of scans like one lie in a sector, shape (R,)."""
+    return np.ones(len(like), bool) if sector is None else in_sector(like.angles, to_sector(sector))
+
+
+def distances(
+    ranges: NDArray[np.float32],
+    like: Scan,
+    sector: Sector | str | None = None,
+    percentile: float | None = None,
+) -> NDArray[np.float32]:
+    """`Scan.distance` of one scan, shape (R,), or of many, (N, R): shape () or (N,).
+
+    Args:
+        ranges: metres.
+        like: a scan with the same limits and angles.
+        sector: as in `Scan.distance`.
+        percentile: as in `Scan.distance`.
+    """
+    if percentile is not None and not 0 <= number("percentile", percentile) <= 100:
+        raise ValueError(f"percentile: expected a number from 0 to 100, got {percentile!r}")
+    if sector is not None:
+        ranges = ranges[..., inside(like, sector)]
+    away = ray_distances(ranges, like)
+    least = np.asarray(np.fmin.reduce(away, axis=-1, initial=np.nan))
+    if percentile is None or not away.size:
+        return least
+    # Beside what was measured a code says that nothing was seen. NaN is sorted to the end.
+    away = np.sort(np.where(np.isnan(away) & ~np.isnan(ranges), np.float32(np.inf), away))
+    last = np.maximum((~np.isnan(away)).sum(axis=-1, keepdims=True) - 1, 0)
+    picked = np.take_along_axis(away, (percentile / 100 * last).astype(int), axis=-1)[..., 0]
+    return np.where(np.isnan(least), least, picked)
 
 
 def _within_half_turn(angle: float) -> float:

@@ -13,13 +13,26 @@ from .numbers import ANGLE_ROUNDING, in_radians
 Sector = tuple[float, float]
 """Two angles in radians: from the first counter-clockwise to the second."""
 
+SECTORS: dict[str, Sector] = {
+    "front": (-pi / 4, pi / 4),
+    "left": (pi / 4, 3 * pi / 4),
+    "back": (3 * pi / 4, 5 * pi / 4),
+    "right": (-3 * pi / 4, -pi / 4),
+}
+"""Quarters of the circle by name, centred on 0, 90, 180 and -90 degrees: together they leave no direction out."""
 
-def to_sector(sector: Iterable[float]) -> Sector:
-    """Two angles in radians.
+
+def to_sector(sector: Iterable[float] | str) -> Sector:
+    """Two angles in radians, also of a name in `SECTORS`.
 
     Raises:
-        TypeError: it is no pair of numbers. ValueError: an angle is beyond a full turn either way, infinite or NaN.
+        TypeError: it is no pair of numbers.
+        ValueError: no such name, or an angle is beyond a full turn either way, infinite or NaN.
     """
+    if isinstance(sector, str):
+        if sector not in SECTORS:
+            raise ValueError(f"sector: expected {', '.join(SECTORS)} or two angles in radians, got {sector!r}")
+        return SECTORS[sector]
     try:
         start, end = sector
     except (TypeError, ValueError):

@@ -102,6 +102,7 @@ def test_an_empty_picture_says_why_and_words_stay_words(notebook: Callable[..., 
     for ranges, reason in rows:
         nb.python(f"laser.update(**fan() | dict(ranges={ranges}))")
         expect(empty).to_have_text(reason)
+        expect(card.locator(".rw-nearest")).to_have_text("too close at −90.0° [0]" if "-inf" in ranges else "")
         assert Picture(card).dots() == []
     nb.python("laser.update(**fan(header={'frame_id': '<img src=x onerror=alert(1)>'}, angle_max=np.pi))")
     expect(empty).to_be_hidden()
@@ -124,6 +125,7 @@ def test_marks_header_and_footer_are_switched(notebook: Callable[..., Notebook])
     card = card_of(nb)
     counts = {"nothing_in_range": "2", "too_close": "1", "no_measurement": "3", "outside_limits": "1"}
     expect(card.locator(".rw-class-reading")).to_have_text(re.compile("12.*readings"))
+    expect(card.locator(".rw-nearest")).to_have_text("too close at −20.0° [7]")
     for name, count in counts.items():
         button = card.locator(f".rw-class-{name}")
         expect(button.locator("b")).to_have_text(count)

@@ -59,7 +59,7 @@ export function scanOf(values: number[], more: Partial<Scan> = {}): Scan {
     maxRange,
     ranges,
     kinds,
-    ...takeCensus(ranges, kinds),
+    ...takeCensus(ranges, kinds, minRange),
     intensities: new Float32Array(0),
     ...more,
   };

@@ -362,7 +362,7 @@ class TestFrame:
         ]:
             laser.update(MESSAGE | {"ranges": [value] * 3})
             assert laser.scan.counts[kind] == 3
-            assert laser.scan.nearest() is None
+            assert laser.scan.nearest() == (laser.scan[0] if kind is Validity.TOO_CLOSE else None)
 
 
 class TestScanOnShow:

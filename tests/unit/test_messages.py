@@ -305,7 +305,7 @@ class TestOddScan:
     def test_all_rays_alike_are_counted_in_their_class(self, value: float, kind: Validity) -> None:
         scan = to_scan(laser([value] * 3))
         assert scan.counts == {k: 3 if k is kind else 0 for k in Validity}
-        assert scan.nearest() is None
+        assert scan.nearest() == (scan[0] if kind is Validity.TOO_CLOSE else None)
 
     def test_an_empty_scan_is_a_scan(self) -> None:
         scan = to_scan(laser([]))

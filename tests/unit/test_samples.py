@@ -131,6 +131,8 @@ class TestShown:
     def test_a_scan_fits_on_a_line(self) -> None:
         assert repr(scan([2.0, 0.5, inf])) == "<Scan of 3 rays from -28.6° to 28.6°, nearest 0.50 m at ranges[1]>"
         assert repr(scan([inf], angle_min=0.0, angle_increment=0.0)) == "<Scan of 1 ray from 0.0° to 0.0°, no readings>"
+        assert repr(scan([2.0, -inf, inf])).endswith("° to 28.6°, too close at ranges[1]>")
+        assert repr(scan([2.0, 1.0, 0.05])).endswith("° to 28.6°, too close at ranges[2]>")
         assert repr(scan([])) == "<Scan of 0 rays, no readings>"
 
 
@@ -162,9 +164,14 @@ class TestRays:
             scan()[index]
 
     def test_the_nearest_is_the_first_of_the_smallest_readings(self) -> None:
-        one = scan([-inf, 0.0, nan, 5.0, 2.0, 2.0, inf], angle_increment=0.1)
-        assert one.nearest().index == 4
+        one = scan([0.0, nan, 5.0, 2.0, 2.0, inf], angle_increment=0.1)
+        assert one.nearest().index == 3
         assert one.nearest().range == 2.0
+
+    def test_what_is_too_close_is_nearer_than_any_reading(self) -> None:
+        one = scan([2.0, 0.0, 0.05, -inf], angle_increment=0.1)
+        assert one.nearest() == one[2]
+        assert one.turned(1.0).nearest((1.0 - 0.21, 1.0 - 0.19)).range == -inf
 
     @pytest.mark.parametrize("ranges", [[], [inf], [nan, nan], [0.0, 0.0]])
     def test_nothing_is_nearest_where_there_is_no_reading(self, ranges: list[float]) -> None:

@@ -40,6 +40,8 @@ class TestScan:
         assert scan.validity.tolist() == case.get("validity", scan.validity.tolist())
         nearest = scan.nearest()
         assert (nearest and nearest.index) == case["nearest"]
+        if "distance" in case:
+            assert scan.distance() == pytest.approx(float(case["distance"]), nan_ok=True)
 
     def test_is_indexed_by_angle(self, case: dict[str, Any]) -> None:
         scan = to_scan(case)

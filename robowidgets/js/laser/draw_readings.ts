@@ -56,9 +56,11 @@ export function drawReadings(
     const range = scan.ranges[i] as number;
     const kind = scan.kinds[i] as Validity;
     const { x: ux, y: uy } = toDirection(angleOf(scan, i), projection.forward);
-    if (kind === READING && range <= projection.viewRange) {
-      const x = projection.centerX + ux * range * scale;
-      const y = projection.centerY + uy * range * scale;
+    const isInView = kind === READING && range <= projection.viewRange;
+    const distance = isInView ? range * scale : laneOf(kind, range * scale, rim, projection.radius);
+    const x = projection.centerX + ux * distance;
+    const y = projection.centerY + uy * distance;
+    if (isInView) {
       const next = colorOf ? colorOf(scan.intensities[i] as number) : theme.reading;
       if (next !== color) {
         color = next;
@@ -71,9 +73,6 @@ export function drawReadings(
     if (kind === READING) beyond++;
     else if (!marks.has(kind)) continue;
     const shape = kind === READING ? BEYOND : kind;
-    const distance = laneOf(kind, range * scale, rim, projection.radius);
-    const x = projection.centerX + ux * distance;
-    const y = projection.centerY + uy * distance;
     const before = last[shape];
     if (before && Math.hypot(before.x - x, before.y - y) < MARK_SPACING) continue;
     last[shape] = { x, y };

@@ -5,7 +5,7 @@ import { type Model, put } from "../shared/model.ts";
 import { angleOf, READING, type Scan, type Validity } from "./scan.ts";
 import { CLASSES } from "./words.ts";
 
-/** The counts of the five classes, each of which switches its marks on and off, and the nearest reading. */
+/** The counts of the five classes, each of which switches its marks on and off, and the nearest thing. */
 export class Legend {
   readonly #items: { name: string; item: HTMLElement; count: HTMLElement; kind: Validity }[];
   readonly #nearest = make("span", "rw-nearest");
@@ -35,8 +35,10 @@ export class Legend {
     const parts: (string | HTMLElement)[] = [];
     const nearest = scan?.nearest ?? -1;
     if (scan && nearest >= 0) {
-      parts.push("nearest ", make("b", "", toMetres(scan.ranges[nearest] as number)), " at ");
-      parts.push(make("b", "", toDegrees(angleOf(scan, nearest))), " ", make("b", "rw-index", `[${nearest}]`));
+      if (scan.kinds[nearest] === READING) {
+        parts.push("nearest ", make("b", "", toMetres(scan.ranges[nearest] as number)));
+      } else parts.push("too close");
+      parts.push(" at ", make("b", "", toDegrees(angleOf(scan, nearest))), " ", make("b", "rw-index", `[${nearest}]`));
     }
     this.#nearest.replaceChildren(...parts);
   }

@@ -1,4 +1,4 @@
-import { fromPixel, type Point, type Projection, toDirection } from "./projection.ts";
+import { fromPixel, type Point, type Projection, toPixel } from "./projection.ts";
 import { angleOf, indexAt, READING, type Scan } from "./scan.ts";
 
 const NEAR = 9;
@@ -15,10 +15,8 @@ export function pick(projection: Projection, scan: Scan, point: Point): number {
   for (let i = 0; i < scan.count; i++) {
     const distance = scan.ranges[i] as number;
     if (scan.kinds[i] !== READING || Math.abs(distance - range) * scale > least) continue;
-    const { x, y } = toDirection(angleOf(scan, i), projection.forward);
-    const dx = projection.centerX + x * distance * scale - point.x;
-    const dy = projection.centerY + y * distance * scale - point.y;
-    const away = Math.hypot(dx, dy);
+    const { x, y } = toPixel(projection, distance, angleOf(scan, i));
+    const away = Math.hypot(x - point.x, y - point.y);
     if (away < least) {
       least = away;
       found = i;

@@ -54,7 +54,7 @@ export function decodeScan(bytes: DataView): Scan {
     ranges,
     kinds,
     intensities,
-    ...takeCensus(ranges, kinds),
+    ...takeCensus(ranges, kinds, minRange),
   };
 }
 
@@ -78,16 +78,24 @@ type Counts = [number, number, number, number, number];
 export interface Census {
   /** How many rays there are of each class. */
   counts: Counts;
-  /** Index of the nearest reading, or -1. */
+  /** Index of the ray that meets the nearest thing, or -1; one that is too close to measure is nearer than any. */
   nearest: number;
 }
 
-export function takeCensus(ranges: Float32Array, kinds: Validity[]): Census {
+export function takeCensus(ranges: Float32Array, kinds: Validity[], minRange: number): Census {
+  // Metres: a range below it, and below the scanner's limit, is a code, not a distance. Python has the same number.
+  const codesEnd = 0.0195;
   const counts: Counts = [0, 0, 0, 0, 0];
   let nearest = -1;
+  let least = Infinity;
   for (const [i, kind] of kinds.entries()) {
     counts[kind]++;
-    if (kind === READING && !((ranges[i] as number) >= (ranges[nearest] as number))) nearest = i;
+    let range = ranges[i] as number;
+    if (kind !== READING) range = kind === TOO_CLOSE || (range >= codesEnd && range < minRange) ? 0 : Infinity;
+    if (range < least) {
+      least = range;
+      nearest = i;
+    }
   }
   return { counts, nearest };
 }

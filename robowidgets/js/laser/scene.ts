@@ -97,30 +97,23 @@ export class Scene {
     drawArcLabels(context, this.#arcLabels, theme);
   }
 
-  /** Draws the ray that a pop-up names. */
-  drawPointer(scan: Scan, index: number, theme: Theme): void {
+  /** Draws the ray that a pop-up names; where it ends in the picture: at its reading, or at the edge of the view. */
+  drawPointer(scan: Scan, index: number, theme: Theme): Point {
     const { context } = this.#top;
-    const end = this.endOf(scan, index);
+    const kind = scan.kinds[index];
+    const isMeasured = kind === READING || kind === OUTSIDE_LIMITS;
+    const seen = Math.min(isMeasured ? Math.max(0, scan.ranges[index] as number) : scan.maxRange, this.viewRange);
     const angle = angleOf(scan, index);
-    context.setLineDash(scan.kinds[index] === READING ? [] : [4, 4]);
-    drawLine(context, this.projection, angle, 0, this.#visible(scan, index), theme.pointer, 1.5);
+    const end = toPixel(this.projection, seen, angle);
+    context.setLineDash(kind === READING ? [] : [4, 4]);
+    drawLine(context, this.projection, angle, 0, seen, theme.pointer, 1.5);
     context.setLineDash([]);
     context.beginPath();
     context.arc(end.x, end.y, 6, 0, 2 * Math.PI);
     context.lineWidth = 2;
     context.stroke();
     drawRobot(context, this.projection, theme);
-  }
-
-  /** Where a ray ends in the picture: at its reading, or at the edge of what can be seen. */
-  endOf(scan: Scan, index: number): Point {
-    return toPixel(this.projection, this.#visible(scan, index), angleOf(scan, index));
-  }
-
-  #visible(scan: Scan, index: number): number {
-    const kind = scan.kinds[index];
-    const isMeasured = kind === READING || kind === OUTSIDE_LIMITS;
-    return Math.min(isMeasured ? Math.max(0, scan.ranges[index] as number) : scan.maxRange, this.viewRange);
+    return end;
   }
 
   #drawBase(scan: Scan | null, size: Surface, theme: Theme): void {

@@ -152,8 +152,7 @@ export class LaserView {
       if (!scan || index === null) return popup.hide();
       const { box, projection, occupied, labelBoxes } = this.#scene;
       const center = { x: projection.centerX, y: projection.centerY };
-      const end = index < scan.count ? this.#scene.endOf(scan, index) : center;
-      if (index < scan.count) this.#scene.drawPointer(scan, index, this.#card.theme);
+      const end = index < scan.count ? this.#scene.drawPointer(scan, index, this.#card.theme) : center;
       others.push(
         popup.show(describeRay(scan, index), (size) =>
           placePopup(size, box, center, end, occupied, others, labelBoxes),

@@ -90,7 +90,8 @@ class TestReadyMade:
         rows = [0.0, 0.05, NAN, INF, -INF, 0.1]
         scans = ((i, sweeps.scan(START_NS, [row])) for i, row in enumerate(rows))
         recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
-        assert found(recording, conditions.nearest_below(0.3)) == [(4, 5)]
+        assert found(recording, conditions.nearest_below(0.3)) == [(1, 2), (4, 5)]
+        assert found(recording, ~conditions.nearest_below(0.3)) == [(3, 4)], "of NaN and of 0.0 alone nothing is known"
 
     def test_a_limit_is_not_below_itself(self, tmp_path: Path) -> None:
         scans = ((i, sweeps.scan(START_NS, [row])) for i, row in enumerate((0.3, np.nextafter(np.float32(0.3), 0), 9)))

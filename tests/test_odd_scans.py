@@ -1,0 +1,109 @@
+"""Examples of distances, in the documentation and in the notebooks, run on whatever a scanner sends."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from .conftest import ROOT
+from .test_docs import FILES, SECONDS, blocks
+from .test_notebooks import NOTEBOOKS, read
+
+DRIVES = {"feeds.md", "drive.md", "feeds.ipynb", "drive_widget.ipynb"}
+"""What drives a live robot: a wall that is never seen would end none of its loops."""
+
+INF, NAN, MEASURED = float("inf"), float("nan"), -7.0
+ODD = {
+    "nothing is met": (INF,),
+    "a Neato's zeros for nothing": (0.0, 0.0, 0.0, MEASURED),
+    "zeros alone": (0.0,),
+    "too close": (-INF,),
+    "nothing measured": (NAN,),
+    "all of it": (MEASURED, 0.0, NAN, INF, -INF, 0.05, 1e3),
+}
+"""What the rays of a scan say in place of what was measured, from the first on, over and over."""
+
+
+def odd_ranges(values: tuple[float, ...], ranges: Any) -> Any:
+    """Ranges with these values in them."""
+    said = np.resize(np.float32(values), len(ranges))
+    return np.where(said == MEASURED, ranges, said)
+
+
+RUN = """
+import sys, time
+import robowidgets.samples.scan as scan
+from IPython.display import display
+from tests.test_odd_scans import ODD, odd_ranges
+
+sleep, floats = time.sleep, scan.floats
+time.sleep = lambda seconds: sleep(min(seconds, 0.001))
+
+def odd_floats(name, values):
+    array = floats(name, values)
+    return floats(name, odd_ranges(ODD[odd], array)) if name == "ranges" else array
+
+scan.floats = odd_floats
+
+for i, odd in enumerate(ODD):
+    robowidgets.SAMPLE = f"{sys.argv[1]}/{i}.mcap"
+    names = {"__name__": "__main__", "display": display}
+    print("with", odd, file=sys.stderr)
+    for part in parts:
+        exec(part, names)
+"""
+
+
+def sources() -> dict[str, list[str]]:
+    """The Python of each page and notebook that uses distances, each line where it stands in its page."""
+    pages = {file.name: [(b.line, b.text) for b in blocks(file) if b.language == "python"] for file in FILES}
+    for file in NOTEBOOKS:
+        pages[file.name] = [(1, cell.source) for cell in read(file).cells if cell.cell_type == "code"]
+    parts = {name: ["\n" * (line - 1) + text for line, text in page] for name, page in pages.items()}
+    uses = re.compile(r"distance|nearest|\branges\b")
+    return {name: page for name, page in parts.items() if uses.search("".join(page)) and name not in DRIVES}
+
+
+SOURCES = sources()
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the sample as each scanner would have recorded it, by number."""
+    folder = tmp_path_factory.mktemp("odd")
+    spec = spec_from_file_location("make_sample", ROOT / "scripts" / "make_sample.py")
+    assert spec
+    assert spec.loader
+    script = module_from_spec(spec)
+    spec.loader.exec_module(script)
+    drive = list(script.drive())
+    scans = {time_ns: message.ranges for topic, time_ns, message in drive if topic == "/scan"}
+    script.drive = lambda: iter(drive)
+    for i, values in enumerate(ODD.values()):
+        for topic, time_ns, message in drive:
+            if topic == "/scan":
+                message.ranges = odd_ranges(values, scans[time_ns])
+        script.main(folder / f"{i}.mcap")
+    return folder
+
+
+def test_the_pages_that_use_distances_are_found() -> None:
+    assert {"README.md", "laser.md", "columns.md", "find.ipynb", "laser_widget.ipynb", "tour.ipynb"} <= set(SOURCES)
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_every_example_runs_on_any_scan(name: str, recordings: Path, tmp_path: Path) -> None:
+    script = tmp_path / "page.py"
+    compiled = ", ".join(f"compile({part!r}, {name!r}, 'exec')" for part in SOURCES[name])
+    script.write_text(f"import robowidgets\nparts = [{compiled}]\n{RUN}", encoding="utf-8")
+    ended = subprocess.run(
+        [sys.executable, script, recordings], cwd=ROOT, capture_output=True, text=True, timeout=SECONDS, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
