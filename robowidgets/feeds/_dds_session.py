@@ -1,12 +1,15 @@
-"""A participant in a DDS domain with its readers and writers, all in the hands of one thread."""
+"""A participant in a DDS domain with its readers and writers. One thread reads, another may publish meanwhile."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import threading
+import time
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
+from uuid import UUID
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
-from cyclonedds.core import DDSStatus, GuardCondition, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
+from cyclonedds.core import DDSException, GuardCondition, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
@@ -16,45 +19,64 @@ from cyclonedds.util import duration
 
 from ..recordings.ros_types import Decode
 from ..recordings.source import RecordingError
-from ._dds_types import decoder, opaque, ros_topic, ros_type, struct, type_hash
-from .middleware import EVENTS, Advert, Listener, is_event
+from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
+from .middleware import EVENTS, Advert, FeedError, Listener, is_event
 
 _MANY = 1000
 _DEPTH = 5
 """Messages that wait for us, as for sensor data."""
 _LOOK = duration(milliseconds=500)
-_MATCHING = duration(milliseconds=200)
 _NEW = ViewState.Any | SampleState.NotRead | InstanceState.Any
 _LATCHED = (Policy.Durability.TransientLocal, Policy.Durability.Transient, Policy.Durability.Persistent)
 
-_POLICIES = {
+_MATCHING = 0.3
+"""Seconds that the first message on a topic waits until a subscriber matches."""
+
+_SETTLING = 0.05
+"""Seconds that it waits after that. The subscriber must discover our writer, too, and DDS does not tell when it has:
+a best-effort subscriber would lose the message, a reliable one would get it 0.1 s later."""
+
+_OTHER_FIELDS = "defines the fields of its type in another way"
+_DOES = {
     2: "keeps no message for those who come late",
     4: "promises no rate (deadline)",
     6: "wants to be the only one (exclusive ownership)",
     8: "promises no sign of life (liveliness)",
     11: "is best-effort",
     23: "encodes its messages in another way (XCDR2)",
-    24: "defines the fields of its type in another way",
+    24: _OTHER_FIELDS,
 }
-"""What a publisher does that no reader of ours puts up with, by the number of the policy in the DDS specification."""
+"""Why a publisher is incompatible with our readers, by the number of the policy in the DDS specification."""
+
+_EXPECTS = {
+    2: "expects messages kept for those who come late (durability)",
+    4: "expects messages at a promised rate (deadline)",
+    6: "expects one publisher only (exclusive ownership)",
+    8: "expects a sign of life (liveliness)",
+    23: "expects messages encoded in another way (XCDR2)",
+    24: _OTHER_FIELDS,
+}
+"""Why a subscriber is incompatible with our writers."""
 
 
 class Endpoint(NamedTuple):
-    """Somebody who publishes or subscribes. ``described``: it tells the fields of its type, not only the name."""
+    """Somebody who publishes or subscribes. ``type_id`` is there where it tells the fields of its type to DDS."""
 
     topic: str
     type: str
     latched: bool
-    described: bool
+    user_data: bytes
+    type_id: Any
 
 
 class Wish(NamedTuple):
-    """A reader that we should have."""
+    """A reader that we should have. ``definition`` is as `definition_of` gives it."""
 
     topic: str
     type: str
     latched: bool
     described: bool
+    definition: str = ""
 
 
 class _Reader(NamedTuple):
@@ -64,7 +86,7 @@ class _Reader(NamedTuple):
 
 
 class Session:
-    """Everything we have in a domain; the thread that made it uses it, only `wake` may be called from others.
+    """Everything we have in a domain; the thread that made it uses it. Others may call `wake` and `publish`.
 
     Raises:
         DDSException: the network cannot be used.
@@ -79,15 +101,21 @@ class Session:
         self._waitset.attach(self._guard)
         self._publications = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
         self._subscriptions = BuiltinDataReader(self._participant, BuiltinTopicDcpsSubscription)
-        self._offers: dict[Any, Endpoint] = {}
-        self._wants: dict[Any, Endpoint] = {}
+        self._offers: dict[UUID, Endpoint] = {}
+        self._wants: dict[UUID, Endpoint] = {}
+        self._node_names: dict[bytes, Mapping[bytes, str]] = {}
+        """By participant: the GUIDs of its writers, and the names of the nodes that they belong to."""
         self._conditions = [ReadCondition(r, _NEW) for r in (self._publications, self._subscriptions)]
         for condition in self._conditions:
             self._waitset.attach(condition)
         self._readers: dict[Wish, _Reader] = {}
+        self._followed: set[str] | None = None
+        self._writing = threading.Lock()
         self._writers: dict[tuple[str, str], Any] = {}
         self._troubles: dict[str, str] = {}
+        self._unheard: dict[str, str] = {}
         self._told: list[Advert] | None = None
+        self._changed = True
 
     def wake(self) -> None:
         """Let `wait` return."""
@@ -99,17 +127,32 @@ class Session:
         self._guard.take()
 
     def look(self) -> None:
-        """Tell the topics, if they changed."""
+        """Tell the topics, if they changed, and which subscribers do not receive what is published here."""
         self._take(self._publications, self._offers)
         self._take(self._subscriptions, self._wants)
-        adverts = _adverts(self._offers.values(), self._wants.values())
-        if adverts != self._told:
-            self._told = adverts
-            self._listener.on_topics(adverts)
+        for wish in [wish for wish in self._readers if wish.topic == NODES]:
+            self.messages(wish)
+        if self._changed:
+            self._changed, self._followed = False, None
+            adverts = self._adverts()
+            if adverts != self._told:
+                self._told = adverts
+                self._listener.on_topics(adverts)
+        self._report_unheard()
 
     def follow(self, topics: Iterable[str]) -> None:
         """Have readers for what is published on these topics, and for nothing else."""
-        topics = set(topics)
+        topics = {*topics, NODES}
+        if topics != self._followed:
+            self._followed = topics
+            self._set_readers(topics)
+        for wish, reader in self._readers.items():
+            status = reader.reader.get_requested_incompatible_qos_status()
+            if status.total_count_change > 0:
+                does = _reason(_DOES, status.last_policy_id)
+                self._trouble(wish.topic, f"a publisher of {wish.topic} {does}, so its messages do not come")
+
+    def _set_readers(self, topics: set[str]) -> None:
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.values())}
         for wish in self._readers.keys() - wishes:
             self._waitset.detach(self._readers.pop(wish).condition)
@@ -117,11 +160,6 @@ class Session:
             del self._troubles[topic]
         for wish in wishes - self._readers.keys():
             self._begin(wish)
-        for wish, reader in self._readers.items():
-            status = reader.reader.get_requested_incompatible_qos_status()
-            if status.total_count_change > 0:
-                does = _POLICIES.get(status.last_policy_id, f"disagrees on policy {status.last_policy_id}")
-                self._trouble(wish.topic, f"a publisher of {wish.topic} {does}, so its messages do not come")
 
     def messages(self, wish: Wish) -> None:
         """Hand on the next message of a reader, if one came."""
@@ -135,34 +173,45 @@ class Session:
                 self._trouble(wish.topic, f"a message of {wish.topic} cannot be read: {error}")
             else:
                 self._trouble(wish.topic, "")
-                self._listener.on_message(wish.topic, message)
+                if wish.topic != NODES:
+                    self._listener.on_message(wish.topic, message)
+                elif hasattr(message, "node_entities_info_seq"):
+                    self._node_names[_guid(message.gid)] = _node_names(message)
+                    self._changed = True
 
     @property
     def wishes(self) -> list[Wish]:
-        """The readers there are."""
-        return list(self._readers)
+        """The readers there are, without that of the names of nodes."""
+        return [wish for wish in self._readers if wish.topic != NODES]
 
-    def write(self, topic: str, type_name: str, raw: bytes) -> None:
-        """Publish a message."""
-        writer = self._writers.get((topic, type_name))
-        if writer is None:
-            writer = self._writers[topic, type_name] = self._writer(topic, type_name)
-        writer.write(writer.data_type(raw))
+    def publish(self, topic: str, type_name: str, raw: bytes) -> None:
+        """Write a message, from any thread; the first one on a topic waits a moment until a subscriber matches.
 
-    def _take(self, builtin: Any, known: dict[Any, Endpoint]) -> None:
+        Raises:
+            FeedError: Cyclone DDS does not take it.
+        """
+        with self._writing:
+            try:
+                writer = self._writers.get((topic, type_name)) or self._create_writer(topic, type_name)
+                writer.write(writer.data_type(raw))
+            except (DDSException, RecordingError) as error:
+                raise FeedError(f"cannot publish on {topic}: {error}") from None
+
+    def _take(self, builtin: Any, known: dict[UUID, Endpoint]) -> None:
         while samples := builtin.take(N=_MANY):
+            self._changed = True
             for sample in samples:
-                info = sample.sample_info
-                topic, kind = (ros_topic(sample.topic_name or ""), ros_type(sample.type_name or ""))
-                if info.instance_state != InstanceState.Alive:
+                topic, kind = ros_topic(sample.topic_name or ""), ros_type(sample.type_name or "")
+                if sample.sample_info.instance_state != InstanceState.Alive:
                     known.pop(sample.key, None)
                 elif topic and kind and sample.participant_key != self._own:
-                    known[sample.key] = Endpoint(topic, kind, _is_latched(sample.qos), sample.type_id is not None)
+                    known[sample.key] = _endpoint(topic, kind, sample)
 
     def _begin(self, wish: Wish) -> None:
         try:
-            decode = decoder(wish.type)
-            kind = struct(wish.type) if wish.described else opaque(wish.type)
+            decode = decoder(wish.type, wish.definition)
+            kind = struct(wish.type, wish.definition) if wish.described else opaque(wish.type)
+            user_data = Policy.Userdata(type_hash(wish.type, wish.definition))
         except RecordingError:
             self._trouble(
                 wish.topic,
@@ -175,24 +224,60 @@ class Session:
             if wish.latched
             else (Policy.Reliability.BestEffort, Policy.Durability.Volatile)
         )
-        topic = Topic(self._participant, f"rt{wish.topic}", kind)
-        depth = EVENTS if is_event(wish.type) else _DEPTH
-        reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(depth)))
+        topic = Topic(self._participant, dds_topic(wish.topic), kind)
+        depth = EVENTS if is_event(wish.type) or wish.topic == NODES else _DEPTH
+        reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(depth), user_data))
         condition = ReadCondition(reader, _NEW)
         self._waitset.attach(condition)
         self._readers[wish] = _Reader(reader, condition, decode)
 
-    def _writer(self, topic: str, type_name: str) -> Any:
+    def _create_writer(self, topic: str, type_name: str) -> Any:
         qos = Qos(
             Policy.Reliability.Reliable(duration(milliseconds=100)),
             Policy.Durability.Volatile,
-            Policy.History.KeepLast(1),
+            Policy.History.KeepLast(1),  # a write waits for nobody: it replaces what a slow subscriber has not taken
             Policy.Userdata(type_hash(type_name)),
         )
-        writer = DataWriter(self._participant, Topic(self._participant, f"rt{topic}", struct(type_name)), qos)
-        if any((want.topic, want.type) == (topic, type_name) for want in self._wants.values()):
-            _await_match(self._participant, writer)
+        writer = DataWriter(self._participant, Topic(self._participant, dds_topic(topic), struct(type_name)), qos)
+        self._writers[topic, type_name] = writer
+        until = time.monotonic() + _MATCHING
+        while not (matched := self._matched(writer)) and not _incompatible_policy(writer) and time.monotonic() < until:
+            time.sleep(0.005)
+        if matched:
+            time.sleep(_SETTLING)
         return writer
+
+    def _matched(self, writer: Any) -> set[UUID]:
+        """The GUIDs of the subscribers that match a writer, without our own."""
+        there = map(writer.get_matched_subscription_data, writer.get_matched_subscriptions())
+        return {one.key for one in there if one is not None and one.participant_key != self._own}
+
+    def _report_unheard(self) -> None:
+        words: dict[str, str] = {}
+        for (topic, kind), writer in list(self._writers.items()):
+            policy = _incompatible_policy(writer)
+            words.setdefault(topic, "")
+            if policy and self._wants_of(topic, kind) - self._matched(writer):
+                words[topic] = f"a subscriber of {topic} {_reason(_EXPECTS, policy)}, so it hears nothing"
+        for topic, told in words.items():
+            if self._unheard.get(topic) != told:
+                self._unheard[topic] = told
+                self._listener.on_unheard(topic, told)
+
+    def _wants_of(self, topic: str, kind: str) -> set[UUID]:
+        return {key for key, want in self._wants.items() if (want.topic, want.type) == (topic, kind)}
+
+    def _adverts(self) -> list[Advert]:
+        names = {key: name for nodes in self._node_names.values() for key, name in nodes.items()}
+        offered: dict[tuple[str, str], set[str]] = {}
+        for key, offer in self._offers.items():
+            offered.setdefault((offer.topic, offer.type), set()).add(names.get(key.bytes, ""))
+        wanted = {(want.topic, want.type) for want in self._wants.values()}
+        return [
+            Advert(*key, key in offered, key in wanted, tuple(sorted(offered.get(key, set()) - {""})))
+            for key in sorted(offered.keys() | wanted)
+            if key[0] != NODES
+        ]
 
     def _trouble(self, topic: str, words: str) -> None:
         if self._troubles.get(topic, "") != words:
@@ -200,17 +285,35 @@ class Session:
             self._listener.on_trouble(topic, words)
 
 
-def _await_match(participant: Any, writer: Any) -> None:
-    """Wait until somebody hears a new writer: what it writes before is lost, and it may be a zero."""
-    waitset = WaitSet(participant)
-    writer.set_status_mask(DDSStatus.PublicationMatched)
-    waitset.attach(writer)
-    waitset.wait(_MATCHING)
-    waitset.detach(writer)
+def _incompatible_policy(writer: Any) -> int:
+    """The number of the policy by which a subscriber was last incompatible with a writer; 0 when none ever was."""
+    status = writer.get_offered_incompatible_qos_status()
+    return status.last_policy_id if status.total_count else 0
 
 
-def _is_latched(qos: Any) -> bool:
-    return qos[Policy.Durability] in _LATCHED and isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable)
+def _reason(by_policy: Mapping[int, str], policy: int) -> str:
+    return by_policy.get(policy, f"disagrees on policy {policy}")
+
+
+def _endpoint(topic: str, kind: str, sample: Any) -> Endpoint:
+    qos = sample.qos
+    latched = qos[Policy.Durability] in _LATCHED and isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable)
+    user_data = qos[Policy.Userdata].data if Policy.Userdata in qos else b""
+    return Endpoint(topic, kind, latched, user_data, sample.type_id)
+
+
+def _node_names(entities: Any) -> dict[bytes, str]:
+    """The names of the nodes in a ``ParticipantEntitiesInfo``, by the GUIDs of their writers."""
+    return {
+        _guid(gid): f"{node.node_namespace.rstrip('/')}/{node.node_name}"
+        for node in entities.node_entities_info_seq
+        for gid in node.writer_gid_seq
+    }
+
+
+def _guid(gid: Any) -> bytes:
+    """The GUID in a ``rmw_dds_common/Gid``: its first 16 bytes. Up to Humble it has 24."""
+    return bytes(gid.data)[:16]
 
 
 def _wishes(topic: str, offers: Iterable[Endpoint]) -> set[Wish]:
@@ -219,13 +322,10 @@ def _wishes(topic: str, offers: Iterable[Endpoint]) -> set[Wish]:
     for offer in offers:
         if offer.topic == topic:
             by_type.setdefault(offer.type, []).append(offer)
-    return {
-        Wish(topic, kind, all(o.latched for o in same), any(o.described for o in same))
-        for kind, same in by_type.items()
-    }
+    return {_wish(topic, kind, same) for kind, same in by_type.items()}
 
 
-def _adverts(offers: Iterable[Endpoint], wants: Iterable[Endpoint]) -> list[Advert]:
-    offered = {(o.topic, o.type) for o in offers}
-    wanted = {(w.topic, w.type) for w in wants}
-    return [Advert(*key, key in offered, key in wanted) for key in sorted(offered | wanted)]
+def _wish(topic: str, kind: str, offers: Iterable[Endpoint]) -> Wish:
+    type_ids = [offer.type_id for offer in offers if offer.type_id is not None]
+    definition = definition_of(kind, [offer.user_data for offer in offers], type_ids)
+    return Wish(topic, kind, all(offer.latched for offer in offers), bool(type_ids), definition)

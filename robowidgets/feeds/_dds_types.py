@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import re
+import threading
+from collections.abc import Collection
+from contextlib import suppress
+from functools import lru_cache
 from typing import Any
 
 from cyclonedds.idl import make_idl_struct, types
 from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from ..recordings.ros_types import Decode, decoder_of, store_of
 from ..recordings.source import Channel, RecordingError
+
+NODES = "ros_discovery_info"
+"""The DDS topic on which ROS 2 announces nodes and the endpoints that belong to them. It is no topic of ROS."""
 
 _TYPE = re.compile(r"(\w+)::msg::dds_::(\w+)_")
 _BASES = {
@@ -24,9 +32,17 @@ _BASES = {
 }
 
 
+_making = threading.Lock()  # Cyclone DDS makes types by way of a global variable
+
+
 def ros_topic(name: str) -> str:
-    """``/scan`` for ``rt/scan``; empty for what is no topic of ROS 2, such as a service."""
-    return name[2:] if name.startswith("rt/") else ""
+    """``/scan`` for ``rt/scan``, and `NODES` for itself; empty for what is no topic of ROS 2, such as a service."""
+    return name[2:] if name.startswith("rt/") else name if name == NODES else ""
+
+
+def dds_topic(name: str) -> str:
+    """``rt/scan`` for ``/scan``, and `NODES` for itself."""
+    return name if name == NODES else f"rt{name}"
 
 
 def ros_type(name: str) -> str:
@@ -35,35 +51,81 @@ def ros_type(name: str) -> str:
     return f"{found[1]}/msg/{found[2]}" if found else ""
 
 
-def decoder(type_name: str) -> Decode:
-    """What makes messages of bytes.
+def definition_of(type_name: str, user_data: Collection[bytes], type_ids: Collection[Any]) -> str:
+    """The definition of a type that its publishers use, as `decoder`, `struct` and `type_hash` take it.
+
+    It is chosen by the hash in their user data, or by the type identifier of DDS; else it is the newest.
+    """
+    texts = _definitions(type_name)
+    for text in texts if len(texts) > 1 else ():
+        if any(type_hash(type_name, text) in data for data in user_data):
+            return text
+        if type_ids and struct(type_name, text).__idl__.get_type_id() in type_ids:
+            return text
+    return texts[0] if texts else ""
+
+
+def decoder(type_name: str, definition: str = "") -> Decode:
+    """What makes messages of bytes by a definition of the type; bytes that do not fit it are read by another one.
 
     Raises:
         RecordingError: nobody defines the type; what is returned raises it for bytes that are no such message.
     """
-    return decoder_of(_channel(type_name))
+    others = [decoder_of(_channel(type_name, text)) for text in _definitions(type_name) if text != definition]
+    first = decoder_of(_channel(type_name, definition))
+
+    def decode(raw: bytes) -> Any:
+        try:
+            return first(raw)
+        except RecordingError:
+            for other in others:
+                with suppress(RecordingError):
+                    return other(raw)
+            raise
+
+    return decode if others else first
 
 
-def struct(type_name: str) -> Any:
+@lru_cache(None)  # Cyclone DDS keeps every type for the life of the process, so that each is made once
+def struct(type_name: str, definition: str = "") -> Any:
     """The type with its fields: Cyclone DDS compares them with those of a publisher that describes its own.
 
     Raises:
         RecordingError: nobody defines the type.
     """
-    return _as_bytes(_struct(store_of(_channel(type_name)), type_name))
+    store = store_of(_channel(type_name, definition))
+    with _making:
+        return _as_bytes(_struct(store, type_name))
 
 
-def type_hash(type_name: str) -> bytes:
-    """What a publisher of ROS 2 says of its type beside the name; raises as `struct`."""
-    return f"typehash={store_of(_channel(type_name)).hash_rihs01(type_name)};".encode()
+def type_hash(type_name: str, definition: str = "") -> bytes:
+    """What publishers and subscribers of ROS 2 say of their type beside the name; raises as `struct`."""
+    return f"typehash={store_of(_channel(type_name, definition)).hash_rihs01(type_name)};".encode()
 
 
+@lru_cache(None)
 def opaque(type_name: str) -> Any:
     """A type of that name that fits any bytes: for publishers that do not describe theirs, and so match by name.
 
     Cyclone DDS drops what does not fit a type without a word.
     """
-    return _as_bytes(make_idl_struct("Opaque", _dds_type(type_name), {"first": types.uint8}))
+    with _making:
+        return _as_bytes(make_idl_struct("Opaque", _dds_type(type_name), {"first": types.uint8}))
+
+
+@lru_cache
+def _definitions(type_name: str) -> tuple[str, ...]:
+    """The texts of the definitions of a type, newest first; an empty text is the definition that `store_of` has.
+
+    ``sensor_msgs/Range``, for one, got the field ``variance`` after Humble.
+    """
+    newest = get_typestore(Stores.LATEST)
+    texts = [newest.generate_msgdef(type_name, ros_version=2)[0]] if type_name in newest.fielddefs else []
+    by_hash: dict[bytes, str] = {}
+    for text in (*texts, ""):
+        with suppress(RecordingError):
+            by_hash[type_hash(type_name, text)] = text
+    return tuple(by_hash.values())
 
 
 def _as_bytes(struct: Any) -> Any:
@@ -78,6 +140,7 @@ def _as_bytes(struct: Any) -> Any:
     struct.__init__ = start
     struct.serialize = lambda self, **_: self.raw
     struct.deserialize = struct.deserialize_key = classmethod(load)
+    struct.__idl__.fill_type_data()
     return struct
 
 
@@ -103,5 +166,5 @@ def _dds_type(type_name: str) -> str:
     return f"{package}::msg::dds_::{name}_"
 
 
-def _channel(type_name: str) -> Channel:
-    return Channel(0, "", type_name, "cdr", "", 0)
+def _channel(type_name: str, definition: str) -> Channel:
+    return Channel(0, "", type_name, "cdr", definition, 0)

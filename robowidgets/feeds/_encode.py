@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,15 +14,12 @@ from rosbags.typesys.store import Typestore
 
 from .middleware import FeedError
 
+_lock = threading.Lock()  # a store makes its code without one
 _STORES = {"cdr": Stores.ROS2_HUMBLE, "ros1": Stores.ROS1_NOETIC}
 
 
 class Encoder:
     """Makes the bytes of messages of the standard types from their fields; several threads may ask at once."""
-
-    def __init__(self) -> None:
-        self._stores: dict[str, Typestore] = {}
-        self._lock = threading.Lock()
 
     def encode(self, encoding: str, message_type: str, fields: Mapping[str, Any]) -> bytes:
         """The bytes in one of ``cdr`` and ``ros1``; a field that is left out is zero, false or empty.
@@ -29,8 +27,8 @@ class Encoder:
         Raises:
             FeedError: the type is not known, a field is not one of it, or holds what does not fit.
         """
-        with self._lock:
-            store = self._store(encoding)
+        with _lock:
+            store = _store(encoding)
             if message_type not in store.fielddefs:
                 raise FeedError(f"{message_type} cannot be published: only messages of standard ROS types can")
             try:
@@ -42,10 +40,11 @@ class Encoder:
             except Exception as error:  # whatever rosbags and numpy make of a value that does not fit
                 raise FeedError(f"{dict(fields)!r} is no {message_type}: {error}") from None
 
-    def _store(self, encoding: str) -> Typestore:
-        if encoding not in self._stores:
-            self._stores[encoding] = get_typestore(_STORES[encoding])
-        return self._stores[encoding]
+
+@lru_cache
+def _store(encoding: str) -> Typestore:
+    """One for the process: it makes code for each type that it writes, which takes milliseconds."""
+    return get_typestore(_STORES[encoding])
 
 
 def _message(store: Typestore, type_name: str, fields: Any) -> Any:

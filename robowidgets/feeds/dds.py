@@ -14,8 +14,13 @@ if TYPE_CHECKING:
     from ._dds_session import Session
 
 
+_SPEED = "geometry_msgs/msg/TwistStamped"
+
+
 class Dds(TakesPart):
     """A `Middleware` that takes part in a DDS domain.
+
+    A thread of ours reads; `publish` writes from the thread that calls it.
 
     Raises:
         TypeError, ValueError: no such domain, or no name of an interface.
@@ -27,7 +32,6 @@ class Dds(TakesPart):
         super().__init__()
         self._domain, self._interface = checked_domain("domain", domain), interface
         self._encoder = Encoder()
-        self._out: dict[tuple[str, str], bytes] = {}
         self._session: Session | None = None
 
     @property
@@ -47,9 +51,10 @@ class Dds(TakesPart):
         """See `Middleware`."""
         raw = self._encoder.encode("cdr", message_type, message)
         with self._lock:
-            if self._session is not None:
-                self._out[topic, message_type] = raw
-            self._wake()
+            session = self._session
+        if session is None:
+            raise FeedError(f"{self.where} is not connected")
+        session.publish(topic, message_type, raw)
 
     def _wake(self) -> None:
         if self._session is not None:
@@ -67,9 +72,13 @@ class Dds(TakesPart):
     def _in_domain(self, listener: Listener) -> None:
         from ._dds_domain import configured
         from ._dds_session import Session
+        from ._dds_types import struct
 
         with configured(self._domain, self._interface):
             session = Session(self._domain, listener)
+            # The first message of a process takes 0.15 s to make, for which no speed or zero should wait.
+            self._encoder.encode("cdr", _SPEED, {})
+            struct(_SPEED)
             with self._lock:
                 self._session = session
             try:
@@ -77,18 +86,15 @@ class Dds(TakesPart):
                 self._again.worked()
                 while not self._again.closed:
                     self._step(session)
-                self._send(session)
             finally:
                 with self._lock:
                     self._session = None
-                    self._out.clear()
 
     def _step(self, session: Session) -> None:
         session.look()
         with self._lock:
             wanted = set(self._wanted)
         session.follow(wanted)
-        self._send(session)
         for wish in session.wishes:
             with self._lock:
                 if self._again.closed or wish.topic not in self._wanted:
@@ -97,12 +103,6 @@ class Dds(TakesPart):
         if not self._again.closed:
             session.wait()
 
-    def _send(self, session: Session) -> None:
-        with self._lock:
-            out, self._out = self._out, {}
-        for (topic, message_type), raw in out.items():
-            session.write(topic, message_type, raw)
-
 
 def dds(domain: int = 0, *, interface: str | None = None) -> Feed:
     """A feed from the topics of ROS 2 where no ROS is installed.
@@ -110,7 +110,8 @@ def dds(domain: int = 0, *, interface: str | None = None) -> Feed:
     Args:
         domain: the robot's ``ROS_DOMAIN_ID``, 0 to 232.
         interface: the network interface to use, by name (``"eth0"``) or address; the first that works by default, or
-            what ``CYCLONEDDS_URI`` says. ``"lo"`` stays on this machine.
+            what ``CYCLONEDDS_URI`` says. By ``"lo"`` nothing is sent beyond this machine; Cyclone DDS listens on all of
+            its interfaces in any case, for it has no setting to do otherwise.
 
     Raises:
         TypeError, ValueError: no such domain, or no name of an interface.

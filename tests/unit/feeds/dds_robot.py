@@ -7,9 +7,11 @@ import json
 import struct
 import sys
 import threading
+import time
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsSubscription
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import IdlStruct, types
 from cyclonedds.pub import DataWriter
@@ -72,6 +74,51 @@ class TwistStamped(IdlStruct, typename="geometry_msgs::msg::dds_::TwistStamped_"
 
 
 @dataclass
+class String(IdlStruct, typename="std_msgs::msg::dds_::String_"):
+    data: str
+
+
+@dataclass
+class Range(IdlStruct, typename="sensor_msgs::msg::dds_::Range_"):
+    header: Header
+    radiation_type: types.uint8
+    field_of_view: types.float32
+    min_range: types.float32
+    max_range: types.float32
+    range: types.float32
+    variance: types.float32
+
+
+@dataclass
+class OldRange(IdlStruct, typename="sensor_msgs::msg::dds_::Range_"):
+    header: Header
+    radiation_type: types.uint8
+    field_of_view: types.float32
+    min_range: types.float32
+    max_range: types.float32
+    range: types.float32
+
+
+@dataclass
+class Gid(IdlStruct, typename="rmw_dds_common::msg::dds_::Gid_"):
+    data: types.array[types.uint8, 16]
+
+
+@dataclass
+class NodeEntitiesInfo(IdlStruct, typename="rmw_dds_common::msg::dds_::NodeEntitiesInfo_"):
+    node_namespace: str
+    node_name: str
+    reader_gid_seq: types.sequence[Gid]
+    writer_gid_seq: types.sequence[Gid]
+
+
+@dataclass
+class ParticipantEntitiesInfo(IdlStruct, typename="rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"):
+    gid: Gid
+    node_entities_info_seq: types.sequence[NodeEntitiesInfo]
+
+
+@dataclass
 class OtherScan(IdlStruct, typename="sensor_msgs::msg::dds_::LaserScan_"):
     text: str
 
@@ -97,8 +144,16 @@ class Image(IdlStruct, typename="sensor_msgs::msg::dds_::Image_"):
         return b"\0\1\0\0" + head + self.data
 
 
-KINDS = (Image, LaserScan, Mystery, OtherScan, Twist, TwistStamped)
+KINDS = (Image, LaserScan, Mystery, OldRange, OtherScan, Range, String, Twist, TwistStamped)
 TYPES: dict[str, Any] = {kind.__name__: kind for kind in KINDS}
+USER_DATA = {
+    "OldRange": b"typehash=RIHS01_9430b1915b94d4268ff903679e8ecd09b6a67d331bd028738ec1eeb592891ebd;",
+    "Range": b"typehash=RIHS01_b42b62562e93cbfe9d42b82fe5994dfa3d63d7d5c90a317981703f7388adff3a;",
+}
+"""What publishers of ROS 2 say of their type, where a test asks for it."""
+
+NODES = "ros_discovery_info"
+KEPT = Policy.Reliability.Reliable(duration(seconds=1)), Policy.Durability.TransientLocal
 
 
 def scan(ranges: list[float], increment: float) -> LaserScan:
@@ -112,6 +167,8 @@ def make(kind: str, *values: Any) -> Any:
         return Twist(Vector3(values[0], 0.0, 0.0), Vector3(0.0, 0.0, 0.0))
     if kind == "Image":
         return Image(Header(Time(1, 2), "x"), 1, values[0], "mono8", 0, values[0], bytes(values[0]))
+    if kind in ("OldRange", "Range"):
+        return TYPES[kind](Header(Time(1, 2), "sonar"), 0, *values)
     return TYPES[kind](*values)
 
 
@@ -125,28 +182,80 @@ def hear(reader: Any) -> None:
         tell(asdict(message))
 
 
+class Robot:
+    """What it publishes and hears in a domain, by topic and kind."""
+
+    def __init__(self, domain: int) -> None:
+        self.participant = DomainParticipant(domain)
+        self.writers: dict[tuple[str, str], Any] = {}
+        self.readers: dict[tuple[str, str], Any] = {}
+
+    def topic(self, topic: str, kind: Any) -> Any:
+        return Topic(self.participant, f"rt{topic}", kind)
+
+    def writer(self, topic: str, kind: str, *policies: Any) -> Any:
+        if (topic, kind) not in self.writers:
+            policies = policies or (Policy.Reliability.Reliable(duration(seconds=1)),)
+            qos = Qos(*policies, Policy.History.KeepLast(1))
+            self.writers[topic, kind] = DataWriter(self.participant, self.topic(topic, TYPES[kind]), qos)
+        return self.writers[topic, kind]
+
+    def write(self, topic: str, kind: str, *values: Any) -> None:
+        self.writer(topic, kind).write(make(kind, *values))
+
+    def latch(self, topic: str, kind: str, *values: Any) -> None:
+        self.writer(topic, kind, *KEPT).write(make(kind, *values))
+
+    def hashed(self, topic: str, kind: str, *values: Any) -> None:
+        """Publish as ROS 2 does since Iron."""
+        self.writer(topic, kind, Policy.Userdata(USER_DATA[kind])).write(make(kind, *values))
+
+    def flood(self, topic: str, kind: str, pause: float, *values: Any) -> None:
+        writer, message = self.writer(topic, kind), make(kind, *values)
+
+        def run() -> None:
+            while True:
+                writer.write(message)
+                time.sleep(pause)
+
+        threading.Thread(target=run, daemon=True).start()
+
+    def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
+        policy = Policy.Reliability.Reliable(duration(seconds=1)) if reliable else Policy.Reliability.BestEffort
+        qos = Qos(policy, Policy.History.KeepLast(100))
+        reader = DataReader(self.participant, self.topic(topic, TYPES[kind]), qos)
+        threading.Thread(target=hear, args=(reader,), daemon=True).start()
+        tell("ready")
+
+    def want_kept(self, topic: str, kind: str) -> None:
+        """Ask for what is kept for those who come late."""
+        self.readers[topic, kind] = DataReader(self.participant, self.topic(topic, TYPES[kind]), Qos(*KEPT))
+
+    def stop(self, topic: str, kind: str) -> None:
+        for held in (self.writers, self.readers):
+            held.pop((topic, kind), None)
+
+    def name(self, topic: str, kind: str, namespace: str, name: str) -> None:
+        """Say which node publishes a topic, as ROS 2 does."""
+        own, key = (Gid(list(one.guid.bytes)) for one in (self.participant, self.writer(topic, kind)))
+        info = ParticipantEntitiesInfo(own, [NodeEntitiesInfo(namespace, name, [], [key])])
+        self.names = DataWriter(self.participant, Topic(self.participant, NODES, ParticipantEntitiesInfo), Qos(*KEPT))
+        self.names.write(info)
+
+    def subscribers(self, topic: str, _: str) -> None:
+        """Tell the user data of those who subscribe to a topic."""
+        samples = BuiltinDataReader(self.participant, BuiltinTopicDcpsSubscription).take(N=1000)
+        found = [sample.qos for sample in samples if sample.topic_name == f"rt{topic}"]
+        tell([qos[Policy.Userdata].data.decode() if Policy.Userdata in qos else "" for qos in found])
+
+
 def main(domain: int) -> None:
     held = Domain(domain, LOOPBACK)
-    participant = DomainParticipant(domain)
-    writers: dict[tuple[str, int], Any] = {}
+    robot = Robot(domain)
     for line in sys.stdin:
-        do, topic, kind, *values = json.loads(line)
-        if do == "stop":
-            writers.pop((topic, kind))
-            continue
-        if do == "hear":
-            reliable = Qos(Policy.Reliability.Reliable(duration(seconds=1)))
-            reader = DataReader(participant, Topic(participant, f"rt{topic}", TYPES[kind]), reliable)
-            threading.Thread(target=hear, args=(reader,), daemon=True).start()
-            tell("ready")
-            continue
-        key = topic, kind
-        if key not in writers:
-            durability = Policy.Durability.TransientLocal if do == "latch" else Policy.Durability.Volatile
-            qos = Qos(Policy.Reliability.Reliable(duration(seconds=1)), durability, Policy.History.KeepLast(1))
-            writers[key] = DataWriter(participant, Topic(participant, f"rt{topic}", TYPES[kind]), qos)
-        writers[key].write(make(kind, *values))
-    del participant, held
+        do, *what = json.loads(line)
+        getattr(robot, do)(*what)
+    del robot, held
 
 
 if __name__ == "__main__":

@@ -5,24 +5,30 @@ from __future__ import annotations
 import gc
 import json
 import os
+import queue
 import resource
+import signal
+import struct
 import subprocess
 import sys
 import threading
+import time
 import weakref
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from uuid import UUID
 
 import pytest
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install cyclonedds")
 
-from robowidgets.feeds import _dds_session
-from robowidgets.feeds._dds_types import opaque, ros_topic, ros_type
+from robowidgets.feeds import _dds_session, _takes_part
+from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
 from robowidgets.feeds._encode import Encoder
 from robowidgets.feeds.dds import Dds
-from robowidgets.feeds.middleware import Advert, FeedError
+from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
+from robowidgets.recordings.source import RecordingError
 
 from ..waiting import wait_for
 from .recorder import Recorder
@@ -30,6 +36,12 @@ from .recorder import Recorder
 DOMAIN = 60 + os.getpid() % 100  # several test runs on a machine do not hear each other
 SCAN = "sensor_msgs/msg/LaserScan"
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+RANGE = "sensor_msgs/msg/Range"
+NODES_TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+HASHES = {
+    "OldRange": "typehash=RIHS01_9430b1915b94d4268ff903679e8ecd09b6a67d331bd028738ec1eeb592891ebd;",
+    "Range": "typehash=RIHS01_b42b62562e93cbfe9d42b82fe5994dfa3d63d7d5c90a317981703f7388adff3a;",
+}
 
 
 class Robot:
@@ -38,6 +50,8 @@ class Robot:
     def __init__(self) -> None:
         command = [sys.executable, str(Path(__file__).with_name("dds_robot.py")), str(DOMAIN)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self._told: queue.Queue[str] = queue.Queue()
+        threading.Thread(target=self._listen, daemon=True).start()
 
     def do(self, *what: Any) -> None:
         assert self._process.stdin is not None
@@ -45,12 +59,28 @@ class Robot:
         self._process.stdin.flush()
 
     def heard(self) -> Any:
-        assert self._process.stdout is not None
-        return json.loads(self._process.stdout.readline())
+        return json.loads(self._told.get(timeout=20.0))
+
+    def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
+        """Let it tell what it hears on a topic from now on."""
+        self.do("hear", topic, kind, reliable)
+        assert self.heard() == "ready"
+
+    def freeze(self) -> None:
+        """Let it do nothing any more, without a word to anybody."""
+        self._process.send_signal(signal.SIGSTOP)
 
     def kill(self) -> None:
         self._process.kill()
-        self._process.communicate()
+        self._process.wait()
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+
+    def _listen(self) -> None:
+        assert self._process.stdout is not None
+        with self._process.stdout as lines:
+            for line in lines:
+                self._told.put(line)
 
 
 @pytest.fixture
@@ -86,6 +116,15 @@ def publish_until(robot: Robot, condition: Any, what: str, *message: Any) -> Non
 def memory() -> int:
     """Bytes that this process holds."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+def udp_addresses() -> set[tuple[str, int]]:
+    """Addresses and ports of the UDP sockets that this process has."""
+    links = [os.path.realpath(f"/proc/self/fd/{number}") for number in os.listdir("/proc/self/fd")]
+    own = {link.partition("socket:[")[2].rstrip("]") for link in links if "socket:[" in link}
+    rows = [line.split() for line in Path("/proc/net/udp").read_text().splitlines()[1:]]
+    places = [row[1].split(":") for row in rows if row[9] in own]
+    return {(".".join(map(str, bytes.fromhex(address)[::-1])), int(port, 16)) for address, port in places}
 
 
 def counts(heard: Recorder) -> set[int]:
@@ -135,8 +174,7 @@ def test_events_that_come_at_once_all_come(dds: Dds, heard: Recorder, robot: Rob
     heard.messages.clear()
     for x in (1.0, 2.0, 3.0):
         robot.do("write", "/bump", "Twist", x)
-    robot.do("hear", "/done", "Twist")
-    assert robot.heard() == "ready"
+    robot.hear("/done", "Twist")
     go_on.set()
 
     def bumps() -> list[float]:
@@ -228,8 +266,7 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
 def test_the_robot_hears_the_speed_that_it_listens_to(
     dds: Dds, heard: Recorder, robot: Robot, kind: str, name: str
 ) -> None:
-    robot.do("hear", "/cmd_vel", kind)
-    assert robot.heard() == "ready"
+    robot.hear("/cmd_vel", kind)
     wait_for(lambda: heard.topics, "the topic is known")
     assert heard.topics == [Advert("/cmd_vel", name, offered=False, wanted=True)]
     twist = {"linear": {"x": 0.25}, "angular": {"z": -0.5}}
@@ -244,6 +281,278 @@ def test_the_robot_hears_the_speed_that_it_listens_to(
 def test_what_cannot_be_published_is_refused(dds: Dds) -> None:
     with pytest.raises(FeedError, match="nobody_msgs/msg/Mystery cannot be published"):
         dds.publish("/riddle", "nobody_msgs/msg/Mystery", {})
+
+
+def test_publishing_without_a_connection_raises(dds: Dds, heard: Recorder) -> None:
+    never = Dds(DOMAIN, interface="lo")
+    wait_for(lambda: heard.connected, "it takes part")
+    dds.publish("/cmd_vel", TWIST, {})
+    dds.close()
+    for unconnected in (never, dds):
+        with pytest.raises(FeedError, match=f"DDS domain {DOMAIN} on lo is not connected"):
+            unconnected.publish("/cmd_vel", TWIST, {})
+
+
+def test_a_message_that_dds_does_not_take_is_told(heard: Recorder) -> None:
+    session = _dds_session.Session(DOMAIN, heard)
+    raw = Encoder().encode("cdr", TWIST, {})
+    session.publish("/cmd_vel", TWIST, raw)
+    writer = session._writers["/cmd_vel", TWIST]
+    writer._delete(writer._ref)
+    with pytest.raises(FeedError, match=r"cannot publish on /cmd_vel: \[DDS_RETCODE_"):
+        session.publish("/cmd_vel", TWIST, raw)
+
+
+def test_a_subscriber_that_does_not_keep_up_delays_nothing(dds: Dds, heard: Recorder, robot: Robot) -> None:
+    robot.hear("/words", "String")
+    wait_for(lambda: heard.topics, "the topic is known")
+    robot.freeze()
+    for _ in range(5):
+        since = time.monotonic()
+        dds.publish("/words", "std_msgs/msg/String", {"data": "x" * 1_000_000})
+        assert time.monotonic() - since < SEND_TIMEOUT
+
+
+def test_a_speed_is_sent_while_a_message_is_handed_on(dds: Dds, heard: Recorder, robot: Robot) -> None:
+    robot.hear("/cmd_vel", "Twist")
+    held, go_on = threading.Event(), threading.Event()
+
+    def hold() -> None:
+        held.set()
+        assert go_on.wait(20.0)
+
+    heard.then = hold
+    dds.subscribe("/scan")
+    publish_until(robot, held.is_set, "it is busy", "/scan", "LaserScan", [1.0], 0.5)
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
+    assert robot.heard()["linear"]["x"] == 0.25
+    go_on.set()
+
+
+def test_speeds_are_sent_at_once_while_scans_come_at_a_high_rate(dds: Dds, heard: Recorder, robot: Robot) -> None:
+    other = Robot()
+    robot.do("flood", "/scan", "LaserScan", 0.002, [1.0] * 1040, 0.006)
+    other.hear("/cmd_vel", "Twist")
+    dds.subscribe("/scan")
+    wait_for(lambda: heard.messages and "/cmd_vel" in {topic.name for topic in heard.topics}, "both are known")
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    assert other.heard()["linear"]["x"] == 0.0
+    before, worst = len(heard.messages), 0.0
+    for number in range(1, 51):
+        since = time.monotonic()
+        dds.publish("/cmd_vel", TWIST, {"linear": {"x": number}})
+        assert other.heard()["linear"]["x"] == number
+        worst = max(worst, time.monotonic() - since)
+    wait_for(lambda: len(heard.messages) > before, "scans come all the time")
+    assert worst < SEND_TIMEOUT
+    other.kill()
+
+
+@pytest.mark.parametrize("reliable", [True, False])
+def test_the_first_message_is_heard(dds: Dds, heard: Recorder, robot: Robot, reliable: bool) -> None:
+    robot.hear("/cmd_vel", "Twist", reliable)
+    wait_for(lambda: heard.topics, "the topic is known")
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 1.0}})
+    assert [robot.heard()["linear"]["x"] for _ in range(2)] == [0.0, 1.0]
+
+
+def test_the_first_message_waits_for_a_subscriber_that_is_known_a_moment_later(
+    dds: Dds, heard: Recorder, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_dds_session, "_MATCHING", 20.0)
+    wait_for(lambda: dds._session, "it takes part")
+    session = dds._session
+    assert session is not None
+    publishing = threading.Thread(target=dds.publish, args=("/cmd_vel", TWIST, {"linear": {"x": 0.5}}))
+    publishing.start()
+    wait_for(lambda: session._writers, "it waits")
+    robot.hear("/cmd_vel", "Twist", False)
+    assert robot.heard()["linear"]["x"] == 0.5
+    publishing.join()
+
+
+def test_the_first_message_waits_for_nobody_when_nobody_comes(dds: Dds, heard: Recorder) -> None:
+    wait_for(lambda: heard.connected, "it takes part")
+    since = time.monotonic()
+    dds.publish("/cmd_vel", TWIST, {})
+    assert time.monotonic() - since < 4 * SEND_TIMEOUT  # 0.3 s on a machine that does nothing else
+
+
+def test_a_zero_right_before_closing_arrives(heard: Recorder, robot: Robot) -> None:
+    robot.hear("/cmd_vel", "Twist")
+    for number in range(1, 6):
+        heard.topics = []
+        dds = Dds(DOMAIN, interface="lo")
+        dds.open(heard)
+        wait_for(lambda: heard.topics, "the topic is known")
+        dds.publish("/cmd_vel", TWIST, {"linear": {"x": number}})
+        dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+        dds.close()
+        assert [robot.heard()["linear"]["x"] for _ in range(2)] == [number, 0.0]
+
+
+def test_closing_does_not_wait_for_long_for_a_robot_that_does_nothing_any_more(
+    dds: Dds, heard: Recorder, robot: Robot
+) -> None:
+    robot.hear("/cmd_vel", "Twist")
+    wait_for(lambda: heard.topics, "the topic is known")
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
+    robot.heard()
+    robot.freeze()
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    since = time.monotonic()
+    dds.close()
+    assert time.monotonic() - since < CLOSE_TIMEOUT + 1.0
+
+
+def test_closing_does_not_wait_for_long_for_a_message_that_is_handed_on(
+    dds: Dds, heard: Recorder, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_takes_part, "CLOSE_TIMEOUT", 0.1)
+    held, go_on = threading.Event(), threading.Event()
+
+    def hold() -> None:
+        held.set()
+        assert go_on.wait(20.0)
+
+    heard.then = hold
+    dds.subscribe("/scan")
+    publish_until(robot, held.is_set, "it is busy", "/scan", "LaserScan", [1.0], 0.5)
+    dds.close()
+    assert not go_on.is_set(), "closed before the message was handed on"
+    go_on.set()
+
+
+def test_a_subscriber_that_does_not_hear_what_is_published_is_told_until_it_is_gone(
+    dds: Dds, heard: Recorder, robot: Robot
+) -> None:
+    robot.do("want_kept", "/cmd_vel", "Twist")
+    wait_for(lambda: heard.topics, "the topic is known")
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
+    wait_for(lambda: heard.words("/cmd_vel"), "it is said")
+    assert heard.words("/cmd_vel") == (
+        "a subscriber of /cmd_vel expects messages kept for those who come late (durability), so it hears nothing"
+    )
+    robot.do("stop", "/cmd_vel", "Twist")
+    wait_for(lambda: not heard.words("/cmd_vel"), "it is over")
+
+
+def test_another_subscriber_hears_what_one_does_not(dds: Dds, heard: Recorder, robot: Robot) -> None:
+    other = Robot()
+    robot.do("want_kept", "/cmd_vel", "Twist")
+    wait_for(lambda: heard.topics, "the topic is known")
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
+    wait_for(lambda: heard.words("/cmd_vel"), "it is said")
+    other.hear("/cmd_vel", "Twist")
+    publishing = threading.Event()
+
+    def publish() -> None:
+        while not publishing.is_set():
+            dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
+            time.sleep(0.01)
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    assert other.heard()["linear"]["x"] == 0.25
+    publishing.set()
+    thread.join()
+    assert heard.words("/cmd_vel").startswith("a subscriber of /cmd_vel expects")
+    other.kill()
+
+
+@pytest.mark.parametrize("do", ["write", "hashed"])
+@pytest.mark.parametrize(
+    ("kind", "values"), [("Range", [0.5, 0.1, 4.0, 1.5, 0.25]), ("OldRange", [0.5, 0.1, 4.0, 1.5])]
+)
+def test_a_range_of_any_distribution_is_read(
+    dds: Dds, heard: Recorder, robot: Robot, do: str, kind: str, values: list[float]
+) -> None:
+    dds.subscribe("/sonar")
+
+    def came() -> bool:
+        robot.do(do, "/sonar", kind, *values)
+        return bool(heard.messages)
+
+    wait_for(came, "a range came")
+    message = heard.messages[0][1]
+    assert (message.range, getattr(message, "variance", None)) == (1.5, 0.25 if kind == "Range" else None)
+    assert heard.troubles == []
+    robot.do("subscribers", "/sonar", kind)
+    assert robot.heard() == [HASHES[kind]]
+
+
+def test_a_range_of_a_publisher_that_does_not_describe_it_is_read_by_the_definition_that_fits() -> None:
+    encode = Encoder().encode
+    old = encode("cdr", RANGE, {"range": 1.5})
+    new = old + b"\0\0\x80\x3e"  # 0.25 as float32
+    decode = decoder(RANGE, "")
+    assert (decode(old).range, hasattr(decode(old), "variance")) == (1.5, False)
+    assert (decode(new).range, decode(new).variance) == (1.5, 0.25)
+    with pytest.raises(RecordingError, match=f"{len(old) - 4} bytes that are no {RANGE}"):
+        decode(old[:-4])
+
+
+def test_our_readers_say_the_hash_of_their_type_as_ros_expects(dds: Dds, heard: Recorder, robot: Robot) -> None:
+    dds.subscribe("/scan")
+    publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
+    robot.do("subscribers", "/scan", "LaserScan")
+    scan = "typehash=RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828;"
+    assert robot.heard() == [scan]
+
+
+def test_a_publisher_is_told_by_the_name_of_its_node(dds: Dds, heard: Recorder, robot: Robot) -> None:
+    robot.do("write", "/cmd_vel", "Twist", 0.0)
+    robot.do("name", "/cmd_vel", "Twist", "/arena", "planner")
+    named = Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/arena/planner",))
+    wait_for(lambda: heard.topics == [named], "its name is known")
+    robot.do("stop", "/cmd_vel", "Twist")
+    wait_for(lambda: heard.topics == [], "it is gone")
+
+
+@pytest.mark.parametrize("length", [16, 24])
+def test_node_names_are_understood_from_any_distribution_and_other_messages_ignored(
+    heard: Recorder, length: int
+) -> None:
+    session = _dds_session.Session(DOMAIN, heard)
+    key = bytes(range(16))
+    gid = struct.pack(f"{length}s", key)
+    name = struct.pack("<I2s2xI4s", 2, b"/", 4, b"nav")
+    info = b"\0\1\0\0" + gid + struct.pack("<I", 1) + name + struct.pack("<II", 0, 1) + gid
+    session._offers[UUID(bytes=key)] = _dds_session.Endpoint("/cmd_vel", TWIST, False, b"", None)
+    samples = [[opaque(NODES_TYPE)(info)], [opaque(TWIST)(Encoder().encode("cdr", TWIST, {}))]]
+
+    class Reader:
+        def take(self, **_: Any) -> list[Any]:
+            return samples.pop(0)
+
+    for kind in (NODES_TYPE, TWIST):
+        wish = _dds_session.Wish("ros_discovery_info", kind, True, False)
+        session._readers[wish] = _dds_session._Reader(Reader(), None, decoder(kind))
+        session.messages(wish)
+    session._readers.clear()
+    session.look()
+    assert heard.topics == [Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/nav",))]
+    assert heard.messages == []
+
+
+def test_a_topic_is_gone_when_its_last_publisher_is(dds: Dds, heard: Recorder, robot: Robot) -> None:
+    dds.subscribe("/scan")
+    publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
+    robot.do("stop", "/scan", "LaserScan")
+    wait_for(lambda: heard.topics == [], "it is gone")
+
+
+def test_on_loopback_it_sends_from_there_and_listens_everywhere(heard: Recorder) -> None:
+    before = udp_addresses()
+    dds = Dds(DOMAIN, interface="lo")
+    dds.open(heard)
+    wait_for(lambda: heard.connected, "it takes part")
+    ours = udp_addresses() - before
+    dds.close()
+    assert {address for address, _ in ours} == {"0.0.0.0", "127.0.0.1"}
+    first = 7400 + 250 * DOMAIN  # as the documentation of the feed has it
+    assert all(first <= port < first + 250 for address, port in ours if address == "0.0.0.0")
 
 
 def test_no_message_comes_after_unsubscribing(dds: Dds, heard: Recorder, robot: Robot) -> None:
