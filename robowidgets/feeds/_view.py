@@ -147,6 +147,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             lines = [self.feed.words] if missing or not shown else []
         elif missing:
             lines = [_not_shown(there[name]) if name in there else self.feed.words_of(name) for name in missing]
+        elif troubles := [words for name in self._probes.keys() - shown if (words := self.feed.trouble_of(name))]:
+            lines = troubles
         elif shown:
             lines = []
         elif there:

@@ -358,6 +358,8 @@ class Feed:
             if link is not None and not self._closed:
                 link.trouble = words
                 self._links.tell(link)
+        if not self._closed:
+            self._tell_watchers()
 
     def on_unheard(self, topic: str, words: str) -> None:
         """See `Listener`."""
@@ -379,6 +381,11 @@ class Feed:
         """What a person should know of a topic, connected or not; empty when all is well."""
         with self._changed:
             return self._links.words_of(topic)
+
+    def trouble_of(self, topic: str) -> str:
+        """Why no message of a connected topic comes or can be read, as the middleware says; empty when all is well."""
+        link = self._links.by_topic.get(topic)
+        return link.trouble if link is not None else ""
 
     @property
     def is_closed(self) -> bool:

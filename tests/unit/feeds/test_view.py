@@ -183,3 +183,12 @@ def test_a_feed_that_is_closed_says_so_where_there_is_no_widget(opened: Opened) 
         feed.show()
     with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan'\]"):
         feed.show(["/scan"])  # type: ignore[arg-type]
+
+
+def test_a_topic_whose_messages_cannot_be_read_and_whose_widget_they_would_tell_is_told(opened: Opened) -> None:
+    feed, script = opened(SCAN, Advert("/range", "sensor_msgs/msg/Range"))
+    view = feed.show()
+    script.listener.on_trouble("/range", "a message of /range cannot be read: 3 bytes are too few")
+    assert words(view) == "a message of /range cannot be read: 3 bytes are too few"
+    script.listener.on_trouble("/range", "")
+    assert words(view) == ""
