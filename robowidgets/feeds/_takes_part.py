@@ -6,7 +6,7 @@ import threading
 from abc import ABC, abstractmethod
 
 from ._again import Again
-from .middleware import Listener
+from .middleware import CLOSE_TIMEOUT, Listener
 
 LAST_DOMAIN = 232
 
@@ -39,7 +39,7 @@ class TakesPart(ABC):
             self._wake()
         thread = self._thread
         if thread is not None and thread is not threading.current_thread():
-            thread.join()
+            thread.join(CLOSE_TIMEOUT)
 
     def _start(self, name: str, listener: Listener) -> None:
         self._thread = threading.Thread(target=self._run, args=(listener,), name=name, daemon=True)
