@@ -102,30 +102,32 @@ class Ros2(TakesPart):
     def _take_part(self, listener: Listener) -> str:
         try:
             self._set_session(None)
+            shut_down = False
             while not self._again.closed:
-                self._have_session(listener)
+                self._have_session(listener, shut_down)
+                shut_down = True
         except Exception as error:  # rclpy has a class of its own for each reason
             log.debug("%s was lost", self.where, exc_info=True)
             self._set_session(None, down=f"{self.where} cannot be used: {one_line(error)}")
         return self._down
 
-    def _have_session(self, listener: Listener) -> None:
+    def _have_session(self, listener: Listener, one_was_shut_down: bool) -> None:
         """Use a session until it is closed, or until an interrupt shut it down: the next one begins at once then."""
         session = Session(self._domain_id, listener, self._is_wanted, self._matched)
         try:
-            self._attend(session, listener)
+            self._attend(session, listener, one_was_shut_down)
         except Exception:
             if session.ok() or self._session is None:
                 raise
         finally:
             self._set_session(None)
             session.close()
-        if not self._again.closed:
-            listener.on_lost(f"{self.where} cannot be used: rclpy was shut down", 0.0)
 
-    def _attend(self, session: Session, listener: Listener) -> None:
+    def _attend(self, session: Session, listener: Listener, one_was_shut_down: bool) -> None:
         told = session.look()
-        self._set_session(session)
+        self._set_session(session)  # before anything is told: a zero may wait for it
+        if one_was_shut_down:
+            listener.on_lost(f"{self.where} cannot be used: rclpy was shut down", 0.0)
         listener.on_connected()
         self._again.worked()
         listener.on_topics(told)

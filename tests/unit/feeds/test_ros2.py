@@ -618,6 +618,18 @@ def test_a_zero_after_an_interrupt_that_ended_all_of_rclpy_arrives(
         assert robot.log[-1][0] - began < SEND_TIMEOUT
 
 
+def test_a_stop_after_such_an_interrupt_arrives(graph: Graph, robot: Robot) -> None:
+    for _ in range(3):
+        with feeds.ros2(domain_id=7) as feed:
+            feed.drive(0.25)
+            wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
+            graph.contexts[-1].interrupt()
+            began = time.monotonic()
+            feed.stop()
+            wait_for(lambda: robot.speeds[-1] == 0.0, "the robot stops")
+            assert robot.log[-1][0] - began < SEND_TIMEOUT
+
+
 def test_a_feed_that_is_closed_after_such_an_interrupt_stops_the_robot(graph: Graph, robot: Robot) -> None:
     feed = feeds.ros2(domain_id=7)
     feed.drive(0.25)
