@@ -4,35 +4,34 @@ from __future__ import annotations
 
 import logging
 import os
+import threading
 import time
 from collections.abc import Mapping
 from typing import Any
 
 from ._ros2_messages import fill, message_class
-from ._ros2_node import NodeTools
-from ._ros2_spin import Held, own_node
+from ._ros2_session import Session, one_line
 from ._takes_part import TakesPart, checked_domain
 from .feed import Feed
-from .middleware import Advert, FeedError, Listener
+from .middleware import SEND_TIMEOUT, FeedError, Listener
 
 log = logging.getLogger("robowidgets")
 
-POLL = 1.0
+LOOK = 1.0
 """Seconds between two looks at the topics."""
 
-_MATCHING = 0.2
-_PAUSE = 0.01  # after an error of a callback that may come at any rate
+EARLY_LOOK = 0.2
+"""The same while a session is young, as the robot's topics become known one after another then."""
 
 
 class Ros2(TakesPart):
-    """A `Middleware` on a node of rclpy: the program's own, or one of ours with its own context.
+    """A `Middleware` on a node of its own, in a context of its own: no program spins it or shuts it down.
 
-    A thread of ours looks at the topics and publishes. It also spins the node whenever nobody else does; where the
-    program spins its own node, messages come from there.
+    A thread looks at the topics and hands on messages; what is published is published by the thread that asks for it.
 
     Raises:
         TypeError, ValueError: no node, no domain, or both at once.
-        FeedError: the node was destroyed.
+        FeedError: the context of the node was shut down.
     """
 
     def __init__(self, node: Any = None, *, domain_id: int | None = None) -> None:
@@ -43,17 +42,16 @@ class Ros2(TakesPart):
         if node is not None and domain_id is not None:
             raise TypeError("domain_id: a node has its domain already; give a node or a domain_id, not both")
         super().__init__()
-        self._node, self._domain_id = node, domain_id
-        self._name = _name(node)
-        self._out: dict[tuple[str, str], Any] = {}
-        self._executor: Any = None
-        self._troubles: dict[str, str] = {}
+        self._domain_id = domain_id if node is None else _domain_of(node)
+        self._changed = threading.Condition(self._lock)
+        self._session: Session | None = None
+        self._down = ""
+        """Why no session is about to come, until the next attempt."""
+        self._matched: set[tuple[str, str]] = set()
 
     @property
     def where(self) -> str:
         """See `Middleware`."""
-        if self._name:
-            return f"ROS 2, node {self._name}"
         domain = self._domain_id if self._domain_id is not None else os.environ.get("ROS_DOMAIN_ID") or 0
         return f"ROS 2, domain {domain}"
 
@@ -67,126 +65,131 @@ class Ros2(TakesPart):
                 f"rclpy cannot be imported here ({error}): start Jupyter where `source /opt/ros/<distro>/setup.bash` "
                 "was run, with the Python of that ROS; feeds.dds() needs no ROS"
             ) from None
-        self._listener = listener
         self._start("robowidgets-ros2", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
-        from rclpy.exceptions import NameValidationException
-        from rclpy.validate_topic_name import validate_topic_name
+        until = time.monotonic() + SEND_TIMEOUT
+        filled = _filled(topic, message_type, message)
+        while True:
+            session = self._await_session(until)
+            try:
+                return session.publish(topic, message_type, filled, until)
+            except FeedError:
+                raise
+            except Exception as error:  # rclpy has a class of its own for each reason
+                if session.ok():
+                    raise FeedError(f"cannot publish on {topic!r}: {one_line(error)}") from None
 
-        try:
-            validate_topic_name(topic)
-        except NameValidationException as error:
-            raise FeedError(f"cannot publish on {topic!r}: {' '.join(str(error).split())}") from None
-        try:
-            filled = message_class(message_type)()
-        except LookupError as error:
-            raise FeedError(f"{message_type} cannot be published: {error}") from None
-        fill(filled, message)
-        with self._lock:
-            if self._executor is not None:
-                self._out[topic, message_type] = filled
-            self._wake()
+    def _await_session(self, until: float) -> Session:
+        """The session, or the one that comes in its place when rclpy's signal handler has shut it down."""
+        with self._changed:
+            while True:
+                if self._again.closed or self._down:
+                    raise FeedError(self._down or f"{self.where} is closed")
+                if self._session is not None:
+                    if self._session.ok():
+                        return self._session
+                    self._session.wake()
+                if not self._changed.wait(until - time.monotonic()):
+                    raise FeedError(f"{self.where} is not connected yet")
 
     def _wake(self) -> None:
-        if self._executor is not None:
-            self._executor.wake()
+        self._changed.notify_all()
+        if self._session is not None:
+            self._session.wake()
 
     def _take_part(self, listener: Listener) -> str:
-        from rclpy.executors import ExternalShutdownException
-
         try:
-            with own_node(self._domain_id) if self._node is None else Held(self._node) as held:
-                self._attend(held, listener)
-        except ExternalShutdownException:
-            return f"{self.where} cannot be used: rclpy was shut down"
-        except Exception as error:  # rclpy raises a class of its own for each thing that was shut down or destroyed
+            self._set_session(None)
+            shut_down = False
+            while not self._again.closed:
+                self._have_session(listener, shut_down)
+                shut_down = True
+        except Exception as error:  # rclpy has a class of its own for each reason
             log.debug("%s was lost", self.where, exc_info=True)
-            return f"{self.where} cannot be used: {' '.join(str(error).split()) or type(error).__name__}"
-        return ""
+            self._set_session(None, down=f"{self.where} cannot be used: {one_line(error)}")
+        return self._down
 
-    def _attend(self, held: Held, listener: Listener) -> None:
-        tools = NodeTools(held.node, self._hand_on, self._trouble)
-        told = tools.look()
-        with self._lock:
-            self._executor = held.executor
+    def _have_session(self, listener: Listener, one_was_shut_down: bool) -> None:
+        """Use a session until it is closed, or until an interrupt shut it down: the next one begins at once then."""
+        session = Session(self._domain_id, listener, self._is_wanted, self._matched)
         try:
-            listener.on_connected()
-            self._again.worked()
-            listener.on_topics(told)
-            self._loop(held, tools, told)
-            self._send(tools)
-            tools.flush()
+            self._attend(session, listener, one_was_shut_down)
+        except Exception:
+            if session.ok() or self._session is None:
+                raise
         finally:
-            with self._lock:
-                self._executor = None
-                self._out.clear()
-            tools.close()
+            self._set_session(None)
+            session.close()
 
-    def _loop(self, held: Held, tools: NodeTools, told: list[Advert]) -> None:
+    def _attend(self, session: Session, listener: Listener, one_was_shut_down: bool) -> None:
+        told = session.look()
+        self._set_session(session)  # before anything is told: a zero may wait for it
+        if one_was_shut_down:
+            listener.on_lost(f"{self.where} cannot be used: rclpy was shut down", 0.0)
+        listener.on_connected()
+        self._again.worked()
+        listener.on_topics(told)
         due = 0.0
         followed: set[str] = set()
-        while not self._again.closed:
-            self._send(tools)
+        while not self._again.closed and session.ok():
             with self._lock:
                 wanted = set(self._wanted)
-                for topic in followed - wanted:
-                    self._troubles.pop(topic, None)
             if wanted != followed or time.monotonic() >= due:
-                followed, due = wanted, time.monotonic() + POLL
-                adverts = tools.look()
+                followed, due = wanted, time.monotonic() + (EARLY_LOOK if session.is_young else LOOK)
+                adverts = session.look()
                 if adverts != told:
                     told = adverts
-                    self._listener.on_topics(adverts)
-                tools.follow(wanted)
-            error = held.spin_once(max(0.0, due - time.monotonic()))
-            if error is not None and not tools.blame(error):
-                if self._node is None:
-                    raise error
-                log.error("a callback of the node %s raised", self._name, exc_info=error)
-                self._again.wait(_PAUSE)
+                    listener.on_topics(adverts)
+                session.follow(wanted)
+            session.spin_once(max(0.0, due - time.monotonic()))
 
-    def _send(self, tools: NodeTools) -> None:
+    def _set_session(self, session: Session | None, down: str = "") -> None:
+        with self._changed:
+            self._session, self._down = session, down
+            self._changed.notify_all()
+
+    def _is_wanted(self, topic: str) -> bool:
         with self._lock:
-            out, self._out = self._out, {}
-        for (topic, message_type), message in out.items():
-            tools.publisher(topic, message_type, _MATCHING).publish(message)
-
-    def _hand_on(self, topic: str, message: Any) -> None:
-        with self._lock:
-            if self._again.closed or topic not in self._wanted:
-                return
-        self._trouble(topic, "")
-        self._listener.on_message(topic, message)
-
-    def _trouble(self, topic: str, words: str) -> None:
-        with self._lock:
-            if self._troubles.get(topic, "") == words:
-                return
-            self._troubles[topic] = words
-        self._listener.on_trouble(topic, words)
+            return topic in self._wanted and not self._again.closed
 
 
-def _name(node: Any) -> str:
-    """The name of a node, as long as it can tell it; empty where there is none."""
-    if node is None:
-        return ""
+def _domain_of(node: Any) -> int:
     try:
-        return str(node.get_name())
-    except Exception as error:  # a class of rclpy's, which need not be installed
-        raise FeedError(f"node: it cannot be used, was it destroyed? {error}") from None
+        return int(node.context.get_domain_id())
+    except Exception:  # a class of rclpy's, which need not be installed
+        raise FeedError(
+            "node: its domain is not known any more, as rclpy was shut down; give a new node, or a domain_id"
+        ) from None
+
+
+def _filled(topic: str, message_type: str, message: Mapping[str, Any]) -> Any:
+    """A message of rclpy; FeedError where it cannot be published."""
+    from rclpy.exceptions import NameValidationException
+    from rclpy.validate_topic_name import validate_topic_name
+
+    try:
+        validate_topic_name(topic)
+    except NameValidationException as error:
+        raise FeedError(f"cannot publish on {topic!r}: {one_line(error)}") from None
+    try:
+        filled = message_class(message_type)()
+    except LookupError as error:
+        raise FeedError(f"{message_type} cannot be published: {error}") from None
+    fill(filled, message)
+    return filled
 
 
 def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
-    """A feed from ROS 2, by rclpy.
+    """A feed from ROS 2, by rclpy, on a node of its own.
 
     Args:
-        node: the program's own node, which may be spun by the program, or not; by default one of ours.
-        domain_id: the domain of our own node; by default what ``ROS_DOMAIN_ID`` says.
+        node: a node of the program's, whose domain is used. The node itself is not: the program spins it or not.
+        domain_id: the domain; by default what ``ROS_DOMAIN_ID`` says.
 
     Raises:
         TypeError, ValueError: no node, no domain, or both at once.
-        FeedError: rclpy cannot be imported, or the node was destroyed.
+        FeedError: rclpy cannot be imported, or was shut down for this node.
     """
     return Feed(Ros2(node, domain_id=domain_id))

@@ -1,6 +1,13 @@
-"""Stands in for rclpy: one graph, nodes on it, executors that call back. Messages are those of rosbags.
+"""Stands in for rclpy: one network, nodes on it, executors that call back. Messages are those of rosbags.
 
-Where rclpy of Humble to Rolling differ, it is as unforgiving as any of them.
+Where rclpy of Humble to Rolling differ, it is as unforgiving as any of them:
+
+- `Executor.wake` only has the wait set be rebuilt: `spin_once` waits on to its end. A task ends it.
+- Nodes of other contexts, and who publishes or subscribes there, are known `Graph.discovery` seconds after they were
+  made; what is published before is lost to them.
+- An interrupt, where a program called `rclpy.init()`, shuts down every context of the process (`Graph.interrupt`).
+- What is asked of a context that was shut down, or of something that was destroyed, raises.
+- A message that cannot be taken leaves its callback group waiting for the end of a callback that never began.
 """
 
 from __future__ import annotations
@@ -8,10 +15,12 @@ from __future__ import annotations
 import re
 import sys
 import threading
+import time
 import warnings
 import weakref
+from collections import deque
+from collections.abc import Callable
 from enum import IntEnum
-from importlib.util import find_spec, module_from_spec
 from inspect import signature
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -22,6 +31,12 @@ from rosbags.typesys import Stores, get_typestore
 from robowidgets.feeds._encode import _message
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
+
+INVALID = "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
+
+
+class RCLError(RuntimeError):
+    pass
 
 
 class InvalidHandle(Exception):  # noqa: N818
@@ -100,13 +115,12 @@ class QoSProfile:
 
 
 class PublisherEventCallbacks:
-    def __init__(self, *, use_default_callbacks: bool = True) -> None:
-        self.use_default_callbacks = use_default_callbacks
-
-
-class SubscriptionEventCallbacks:
     def __init__(self, *, incompatible_qos: Any = None, use_default_callbacks: bool = True) -> None:
         self.incompatible_qos, self.use_default_callbacks = incompatible_qos, use_default_callbacks
+
+
+class SubscriptionEventCallbacks(PublisherEventCallbacks):
+    pass
 
 
 class Duration:
@@ -117,50 +131,81 @@ class Duration:
 class Context:
     def __init__(self) -> None:
         self.log: list[str] = []
-        self.domain_id: int | None = None
+        self.domain_id = 0
         self._state = "new"
         self._executors: list[weakref.ref[SingleThreadedExecutor]] = []
 
-    def init(self, args: list[str], *, domain_id: int | None = None) -> None:
+    def init(self, args: list[str] | None = None, *, domain_id: int | None = None) -> None:
         if self._state != "new":
             raise RuntimeError("Context.init() must only be called once")
         assert isinstance(args, list)
-        self._state, self.domain_id = "up", domain_id
+        self._state, self.domain_id = "up", domain_id or 0
 
     def ok(self) -> bool:
         return self._state == "up"
+
+    def get_domain_id(self) -> int:
+        if not self.ok():
+            raise RCLError("Failed to get domain id")
+        return self.domain_id
 
     def try_shutdown(self) -> None:
         if self.ok():
             self.log.append("shutdown")
             self._state = "down"
-            for executor in [reference() for reference in self._executors]:
+            for reference in self._executors:
+                executor = reference()
                 if executor is not None:
                     executor.wake()
 
+    shutdown = try_shutdown
 
-class CallbackGroup:
-    """All that is known of one: who asks it, and that it answers."""
+    def interrupt(self) -> None:
+        """What the signal handler does. It wakes executors just before: they wait on, unless they are late."""
+        self._state = "down"
 
+
+class MutuallyExclusiveCallbackGroup:
     def __init__(self) -> None:
         self.entities: set[Any] = set()
+        self._active: Any = None
 
     def add_entity(self, entity: Any) -> None:
         self.entities.add(entity)
 
-    def has_entity(self, entity: Any) -> bool:
-        return entity in self.entities
+    def can_execute(self, entity: Any) -> bool:
+        assert entity in self.entities
+        return self._active is None
+
+    def beginning_execution(self, entity: Any) -> bool:
+        if not self.can_execute(entity):
+            return False
+        self._active = entity
+        return True
+
+    def ending_execution(self, entity: Any) -> None:
+        assert self._active is entity
+        self._active = None
 
 
 class SingleThreadedExecutor:
     def __init__(self, *, context: Context) -> None:
         if not context.ok():
-            raise RuntimeError("failed to create guard_condition: the given context is not valid")
+            raise RCLError(f"failed to create guard_condition: {INVALID}")
         self.context = context
         self._nodes: set[Node] = set()
+        self._tasks: list[Callable[[], object]] = []
         self._guard: threading.Event | None = threading.Event()
+        self._sigint_gc = None
         self._spinning = threading.Lock()
         context._executors.append(weakref.ref(self))
+
+    def __del__(self) -> None:
+        self._sigint_gc  # noqa: B018 # not there where the context was shut down before: that is printed
+
+    @property
+    def is_spinning(self) -> bool:
+        return self._spinning.locked()
 
     def add_node(self, node: Node) -> bool:
         if node in self._nodes:
@@ -178,80 +223,207 @@ class SingleThreadedExecutor:
     def get_nodes(self) -> list[Node]:
         return list(self._nodes)
 
+    def create_task(self, callback: Callable[[], object]) -> None:
+        self._tasks.append(callback)
+        assert self._guard is not None, "'NoneType' object has no attribute 'trigger'"
+        self._guard.set()
+
     def wake(self) -> None:
+        """Have the wait set be rebuilt."""
         if self._guard is not None:
             self._guard.set()
+
+    def spin(self) -> None:
+        while self.context.ok() and self._guard is not None:
+            self.spin_once()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         if not self._spinning.acquire(blocking=False):
             raise RuntimeError("Executor is already spinning")
         try:
-            self._spin_once(timeout_sec)
+            self._spin_once(time.monotonic() + (1e6 if timeout_sec is None else timeout_sec))
         finally:
             self._spinning.release()
 
-    def _spin_once(self, timeout_sec: float | None) -> None:
-        guard = self._guard
-        if guard is None:
-            return
-        nodes = self.get_nodes()
-        for node in nodes:
-            node.waited_for_by = self
-        if not any(node.due for node in nodes):
-            guard.wait(timeout_sec)
-        guard.clear()
-        if not self.context.ok():
-            raise ExternalShutdownException
-        for node in nodes:
-            if node.waited_for_by is not self and self._guard is not None:
-                raise IndexError("wait set index too big")
-        node = next((node for node in nodes if node.due), None)
-        if node is not None:
-            self._execute(*node.due.pop(0))
+    def _spin_once(self, until: float) -> None:
+        while (guard := self._guard) is not None:
+            if self._tasks:
+                self._tasks.pop(0)()
+                return
+            ready = self._wait(guard, until)
+            if self._guard is None:
+                return
+            if ready is not None:
+                ready.execute()
+                return
+            if time.monotonic() >= until:
+                return
 
-    def _execute(self, subscription: Subscription, argument: Any, callback: Any) -> None:
-        group = subscription.callback_group
-        if not (group.can_execute(subscription) and group.beginning_execution(subscription)):
-            return
-        subscription.node.graph.before_taking(subscription)
-        if subscription.destroyed:  # Jazzy goes on; Humble does not
-            raise InvalidHandle
-        if isinstance(argument, bytes):  # the group never hears that it has ended
-            raise RuntimeError("failed to take message from subscription: error not set")
-        try:
-            callback(argument)
-        finally:
-            group.ending_execution(subscription)
+    def _wait(self, guard: threading.Event, until: float) -> Subscription | Event | None:
+        """Wait for what is there now, and for the guard condition."""
+        if not self.context.ok():
+            raise RCLError(f"failed to initialize wait set: {INVALID}")
+        entities = [entity for node in self.get_nodes() for entity in node.entities() if entity.can_execute()]
+        while True:
+            ready = next((entity for entity in entities if entity.is_ready()), None)
+            left = min(until, self._next_discovery()) - time.monotonic()
+            if ready is not None or guard.wait(max(0.0, left)) or time.monotonic() >= until:
+                break
+        guard.clear()
+        if self._guard is not None and not self.context.ok():
+            raise ExternalShutdownException
+        return ready
+
+    def _next_discovery(self) -> float:
+        return min((node.graph.next_discovery() for node in self.get_nodes()), default=1e9)
 
     def shutdown(self) -> None:
+        guard, self._guard = self._guard, None
+        if guard is not None:
+            guard.set()
         self._nodes = set()
-        self._guard = None
         self.context.log.append("executor")
 
 
-class Subscription:
-    def __init__(self, node: Node, kind: Any, topic: str, callback: Any, qos: Any, group: Any, events: Any) -> None:
+class Entity:
+    """What an executor waits for. While it is taken, and for ever where that fails, it is not waited for."""
+
+    node: Node
+    callback_group: Any
+    _executor_event = False
+
+    def can_execute(self) -> bool:
+        return not self._executor_event and bool(self.callback_group.can_execute(self))
+
+    def execute(self) -> None:
+        self._executor_event = True
+        if not self.callback_group.beginning_execution(self):
+            self._executor_event = False
+            return
+        call = self.take()
+        self._executor_event = False
+        try:
+            call()
+        finally:
+            self.callback_group.ending_execution(self)
+
+    def is_ready(self) -> bool:
+        raise NotImplementedError
+
+    def take(self) -> Callable[[], object]:
+        raise NotImplementedError
+
+
+class Event(Entity):
+    """Somebody was found whose quality of service is incompatible with that of an endpoint."""
+
+    def __init__(self, endpoint: Endpoint, callback: Any, callback_group: Any) -> None:
         signature(callback).bind(object())
-        self.node, self.topic_name, self.topic_type, self.qos_profile = node, topic, kind.name, qos
-        self.callback, self.callback_group, self.events, self.destroyed = callback, group, events, False
+        self.endpoint, self.callback, self.callback_group = endpoint, callback, callback_group
+        callback_group.add_entity(self)
+        self._told: set[Endpoint] = set()
+
+    def _new(self) -> list[tuple[Endpoint, QoSPolicyKind]]:
+        return [found for found in self.endpoint.refusals() if found[0] not in self._told]
+
+    def is_ready(self) -> bool:
+        return bool(self._new())
+
+    def take(self) -> Callable[[], object]:
+        new = self._new()
+        self._told.update(other for other, _ in new)
+        return lambda: self.callback(SimpleNamespace(last_policy_kind=int(new[-1][1]))) if new else None
 
 
-class Publisher:
-    def __init__(self, node: Node, kind: Any, topic: str, qos: Any) -> None:
+class Endpoint:
+    """A publisher or a subscription."""
+
+    def __init__(self, node: Node, kind: Any, topic: str, qos: QoSProfile, group: Any, events: Any) -> None:
         self.node, self.topic_name, self.topic_type, self.qos_profile = node, topic, kind.name, qos
-        self.destroyed = False
-        self.acked = 0
-        """How often it was asked whether all was heard."""
+        self.callback_group, self.destroyed, self.made = group, False, time.monotonic()
+        self.event_handlers: list[Event] = []
+        if events.incompatible_qos is not None:
+            if not node.graph.tells_refusals:
+                raise UnsupportedEventTypeError
+            self.event_handlers.append(Event(self, events.incompatible_qos, group))
+
+    def refusals(self) -> list[tuple[Endpoint, QoSPolicyKind]]:
+        pairs = [(other, self.refusal(other)) for other in self.others()]
+        return [(other, kind) for other, kind in pairs if kind is not None]
+
+    def matches(self) -> list[Any]:
+        return [other for other in self.others() if self.refusal(other) is None]
+
+    def others(self) -> list[Any]:
+        """Those on the other side of the topic that are known."""
+        publishes = isinstance(self, Publisher)
+        return [
+            other
+            for node in list(self.node.graph.nodes)
+            for other in list(node.subscriptions if publishes else node.publishers)
+            if (other.topic_name, other.topic_type) == (self.topic_name, self.topic_type)
+            and self.node.knows(other)
+            and other.node.knows(self)
+        ]
+
+    def refusal(self, other: Endpoint) -> QoSPolicyKind | None:
+        offered, asked = (self, other) if isinstance(self, Publisher) else (other, self)
+        offer, ask = offered.qos_profile, asked.qos_profile
+        if (offer.reliability, ask.reliability) == (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE):
+            return QoSPolicyKind.RELIABILITY
+        if (offer.durability, ask.durability) == (DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL):
+            return QoSPolicyKind.DURABILITY
+        return None
+
+    def _check(self) -> None:
+        if self.destroyed:
+            raise InvalidHandle
+        if not self.node.context.ok():
+            raise RCLError(f"Failed to publish: publisher's context is invalid: {INVALID}")
+
+
+class Subscription(Endpoint, Entity):
+    def __init__(
+        self, node: Node, kind: Any, topic: str, callback: Any, qos: QoSProfile, group: Any, events: Any
+    ) -> None:
+        signature(callback).bind(object())
+        super().__init__(node, kind, topic, qos, group, events)
+        self.callback, self.events = callback, events
+        self.received: deque[Any] = deque(maxlen=max(1, qos.depth))
+        group.add_entity(self)
+
+    def is_ready(self) -> bool:
+        return bool(self.received)
+
+    def take(self) -> Callable[[], object]:
+        if self.destroyed:  # Jazzy goes on; Humble does not
+            raise InvalidHandle
+        message = self.received.popleft()
+        if isinstance(message, bytes):
+            raise RCLError("failed to take message from subscription: error not set")
+        return lambda: self.callback(message)
+
+    def receive(self, message: Any) -> None:
+        self.received.append(message)
+        if self.node.executor is not None:
+            self.node.executor.wake()
+
+
+class Publisher(Endpoint):
+    acked = 0
+    """How often it was asked whether all was received."""
 
     def publish(self, message: Any) -> None:
         self._check()
         if type(message).__name__ != self.topic_type.replace("/", "__"):
             raise TypeError(f"Expected {self.topic_type}, got {type(message)}")
-        self.node.graph.deliver(self, message)
+        self.node.graph.published_by.append(threading.current_thread().name)
+        for subscription in self.matches():
+            subscription.receive(message)
 
     def get_subscription_count(self) -> int:
         self._check()
-        return len(self.node.get_subscriptions_info_by_topic(self.topic_name))
+        return len(self.matches())
 
     def wait_for_all_acked(self, timeout: Duration) -> bool:
         self._check()
@@ -259,33 +431,19 @@ class Publisher:
         self.acked += 1
         return True
 
-    def _check(self) -> None:
-        if self.destroyed:
-            raise InvalidHandle
-
-
-class Group(CallbackGroup):
-    """A group that lets everything through."""
-
-    def can_execute(self, _entity: Any) -> bool:
-        return True
-
-    beginning_execution = can_execute
-
-    def ending_execution(self, _entity: Any) -> None:
-        pass
-
 
 class Node:
-    def __init__(self, graph: Graph, context: Context) -> None:
+    def __init__(self, graph: Graph, context: Context, name: str, namespace: str = "/") -> None:
         if not context.ok():
             raise RuntimeError("rclpy.init() has not been called. msg:cannot create node")
-        self.graph, self.context = graph, context
+        here = [node for node in graph.nodes if {node.context, context} <= set(graph.contexts)]
+        if any(node.name == name for node in here):
+            graph.warnings.append("Publisher already registered for provided node name.")
+        self.graph, self.context, self.name, self.namespace = graph, context, name, namespace
+        self.made = time.monotonic()
         self.subscriptions: list[Subscription] = []
         self.publishers: list[Publisher] = []
-        self.due: list[tuple[Subscription, Any, Any]] = []
-        self.waited_for_by: Any = None
-        self.spun_by: Any = None
+        self.default_callback_group = MutuallyExclusiveCallbackGroup()
         self._executor: Any = None
         self._destroyed = False
         graph.nodes.append(self)
@@ -305,14 +463,26 @@ class Node:
         if new is not None:
             new.add_node(self)
 
+    def entities(self) -> list[Any]:
+        endpoints = [*self.subscriptions, *self.publishers]
+        return [*(event for endpoint in endpoints for event in endpoint.event_handlers), *self.subscriptions]
+
+    def knows(self, endpoint: Endpoint) -> bool:
+        """Whether it has discovered somebody: at once within a context, after a while in another one."""
+        other = endpoint.node.context
+        if other is self.context:
+            return True
+        found = max(self.made, endpoint.node.made, endpoint.made) + self.graph.discovery
+        return other.domain_id == self.context.domain_id and time.monotonic() >= found
+
     def get_name(self) -> str:
         self._check()
-        return "robot"
+        return self.name
 
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         self._check()
-        names = {e.topic_name for n in self.graph.nodes for e in (*n.subscriptions, *n.publishers)}
-        return [(name, []) for name in sorted(names)]
+        ends = [e for n in list(self.graph.nodes) for e in (*n.subscriptions, *n.publishers)]
+        return [(name, []) for name in sorted({end.topic_name for end in ends if self.knows(end)})]
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
         return self._infos(topic, [e for n in list(self.graph.nodes) for e in list(n.publishers)])
@@ -321,105 +491,127 @@ class Node:
         return self._infos(topic, [e for n in list(self.graph.nodes) for e in list(n.subscriptions)])
 
     def create_subscription(
-        self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, *, callback_group: Any, event_callbacks: Any
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Any,
+        qos_profile: Any,
+        *,
+        callback_group: Any = None,
+        event_callbacks: Any = None,
     ) -> Subscription:
-        self._check()
-        validate_topic_name(topic)
-        qos_profile = self._profile(qos_profile)
-        if event_callbacks.incompatible_qos and not self.graph.tells_refusals:
-            raise UnsupportedEventTypeError
-        if msg_type.name in self.graph.broken:
-            raise AttributeError(f"no type support\nof {msg_type.name}")
-        made = Subscription(self, msg_type, topic, callback, qos_profile, callback_group, event_callbacks)
-        callback_group.add_entity(made)
+        qos_profile = self._begin(msg_type, topic, qos_profile)
+        group, events = callback_group or self.default_callback_group, event_callbacks or SubscriptionEventCallbacks()
+        made = Subscription(self, msg_type, topic, callback, qos_profile, group, events)
         self.subscriptions.append(made)
+        self.graph.changed()
         return made
 
     def create_publisher(
         self, msg_type: Any, topic: str, qos_profile: Any, *, event_callbacks: Any = None
     ) -> Publisher:
-        self._check()
-        qos_profile = self._profile(qos_profile)
+        qos_profile = self._begin(msg_type, topic, qos_profile)
         if event_callbacks is not None:  # ours, not the test's
-            validate_topic_name(topic)
             assert not event_callbacks.use_default_callbacks, "it would log"
-        made = Publisher(self, msg_type, topic, qos_profile)
+        events = event_callbacks or PublisherEventCallbacks()
+        made = Publisher(self, msg_type, topic, qos_profile, self.default_callback_group, events)
         self.publishers.append(made)
+        self.graph.changed()
         return made
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
-        if subscription not in self.subscriptions:
+        return self._destroy(self.subscriptions, subscription)
+
+    def destroy_publisher(self, publisher: Publisher) -> bool:
+        return self._destroy(self.publishers, publisher)
+
+    def destroy_node(self) -> None:
+        for endpoint in [*self.subscriptions, *self.publishers]:
+            endpoint.destroyed = True
+        self.subscriptions, self.publishers, self._destroyed = [], [], True
+        self.graph.nodes.remove(self)
+        self.context.log.append("node")
+
+    def _destroy(self, endpoints: list[Any], endpoint: Endpoint) -> bool:
+        if endpoint not in endpoints:
             return False
-        self.subscriptions.remove(subscription)
-        subscription.destroyed = True
+        endpoints.remove(endpoint)
+        endpoint.destroyed = True
         if self.executor is not None:
             self.executor.wake()
         return True
 
-    def destroy_publisher(self, publisher: Publisher) -> bool:
-        if publisher not in self.publishers:
-            return False
-        self.publishers.remove(publisher)
-        publisher.destroyed = True
-        return True
-
-    def destroy_node(self) -> None:
-        for subscription in list(self.subscriptions):
-            self.destroy_subscription(subscription)
-        for publisher in list(self.publishers):
-            self.destroy_publisher(publisher)
-        self._destroyed = True
-        self.graph.nodes.remove(self)
-        self.context.log.append("node")
-
     def _infos(self, topic: str, endpoints: list[Any]) -> list[Any]:
         self._check()
         validate_topic_name(topic)
-        there = [endpoint for endpoint in endpoints if endpoint.topic_name == topic]
-        return [SimpleNamespace(topic_type=e.topic_type, qos_profile=e.qos_profile) for e in there]
+        return [
+            SimpleNamespace(
+                topic_type=end.topic_type,
+                qos_profile=end.qos_profile,
+                node_name=end.node.name,
+                node_namespace=end.node.namespace,
+            )
+            for end in endpoints
+            if end.topic_name == topic and self.knows(end)
+        ]
 
-    def _check(self) -> None:
-        if self._destroyed:
-            raise InvalidHandle
-
-    def _profile(self, qos: Any) -> QoSProfile:
+    def _begin(self, msg_type: Any, topic: str, qos: Any) -> QoSProfile:
+        self._check()
+        if self.context in self.graph.contexts:  # ours; others may be DDS programs without ROS
+            validate_topic_name(topic)
+        if msg_type.name in self.graph.broken and self.context in self.graph.contexts:
+            raise AttributeError(f"no type support\nof {msg_type.name}")
         if isinstance(qos, QoSProfile):
             return qos
         if isinstance(qos, int):
             return QoSProfile(depth=qos)
         raise TypeError(f"Expected QoSProfile or int, but received {type(qos)!r}")
 
+    def _check(self) -> None:
+        if self._destroyed:
+            raise InvalidHandle
+        if not self.context.ok():
+            raise RCLError(f"Failed to use the node: {INVALID}")
+
 
 class Graph:
-    """All nodes, and what was published."""
+    """All nodes, and what is known of rclpy from without."""
 
-    def __init__(self) -> None:
+    def __init__(self, domain_id: int = 7) -> None:
+        self.domain_id = domain_id
         self.nodes: list[Node] = []
         self.contexts: list[Context] = []
+        """Those of the product."""
+        self.discovery = 0.05
         self.tells_refusals = True
         self.broken: set[str] = set()
         """Types whose package is half installed."""
-        self.before_taking: Any = lambda _subscription: None
-        """What happens in other threads just before an executor takes a message."""
+        self.warnings: list[str] = []
+        """What rcl logs."""
+        self.published_by: list[str] = []
+        """The names of the threads that published."""
 
-    def node(self) -> Node:
-        """A node of somebody else's."""
+    def node(self, name: str = "robot", namespace: str = "/") -> Node:
+        """A node of somebody else's, in a context of its own."""
         context = Context()
-        context.init([])
-        return Node(self, context)
+        context.init([], domain_id=self.domain_id)
+        return Node(self, context, name, namespace)
 
-    def deliver(self, publisher: Publisher, message: Any) -> None:
+    def interrupt(self) -> None:
+        """Do what rclpy's signal handler does."""
+        for context in [*self.contexts, *{node.context for node in self.nodes}]:
+            context.interrupt()
+
+    def changed(self) -> None:
+        """Have all executors look at what there is."""
         for node in list(self.nodes):
-            for subscription in list(node.subscriptions):
-                same = (publisher.topic_name, publisher.topic_type)
-                if (subscription.topic_name, subscription.topic_type) == same:
-                    self.call(subscription, message, subscription.callback)
+            if node.executor is not None:
+                node.executor.wake()
 
-    def call(self, subscription: Subscription, argument: Any, callback: Any) -> None:
-        """Have whoever spins its node call back."""
-        subscription.node.due.append((subscription, argument, callback))
-        if subscription.node.executor is not None:
-            subscription.node.executor.wake()
+    def next_discovery(self) -> float:
+        made = [end.made for node in list(self.nodes) for end in (*node.subscriptions, *node.publishers)]
+        times = [at + self.discovery for at in (*made, *(node.made for node in list(self.nodes)))]
+        return min((at for at in times if at > time.monotonic()), default=1e9)
 
 
 def get_message(name: str) -> Any:
@@ -444,7 +636,7 @@ def install(monkeypatch: pytest.MonkeyPatch, *, events: str = "event_handler") -
 
     def create_node(name: str, *, context: Any, use_global_arguments: bool) -> Node:
         assert (name.isidentifier(), use_global_arguments) == (True, False)
-        return Node(graph, context)
+        return Node(graph, context, name)
 
     modules: dict[str, dict[str, Any]] = {
         "rclpy": {"init": init, "create_node": create_node},
@@ -456,7 +648,7 @@ def install(monkeypatch: pytest.MonkeyPatch, *, events: str = "event_handler") -
             "ExternalShutdownException": ExternalShutdownException,
             "SingleThreadedExecutor": SingleThreadedExecutor,
         },
-        "rclpy.callback_groups": {"CallbackGroup": CallbackGroup},
+        "rclpy.callback_groups": {"MutuallyExclusiveCallbackGroup": MutuallyExclusiveCallbackGroup},
         f"rclpy.{events}": {
             "PublisherEventCallbacks": PublisherEventCallbacks,
             "SubscriptionEventCallbacks": SubscriptionEventCallbacks,
@@ -482,10 +674,4 @@ def install(monkeypatch: pytest.MonkeyPatch, *, events: str = "event_handler") -
         parent, _, last = name.rpartition(".")
         if parent:
             setattr(sys.modules[parent], last, module)
-    spec = find_spec("robowidgets.feeds._ros2_gate")
-    assert spec is not None
-    assert spec.loader is not None
-    gate = module_from_spec(spec)
-    spec.loader.exec_module(gate)  # its class is derived from one of rclpy's
-    monkeypatch.setitem(sys.modules, spec.name, gate)
     return graph

@@ -13,7 +13,7 @@ from robowidgets import LaserWidget, Validity
 
 from ..waiting import wait_for
 from .bridge import Rosbridge
-from .fake_rclpy import Group, QoSProfile, SingleThreadedExecutor, SubscriptionEventCallbacks, get_message, install
+from .fake_rclpy import QoSProfile, SingleThreadedExecutor, get_message, install
 
 
 @pytest.fixture
@@ -51,11 +51,12 @@ def test_of_rclpy(laser: LaserWidget, monkeypatch: pytest.MonkeyPatch) -> None:
     mine = graph.node()
     executor = SingleThreadedExecutor(context=mine.context)
     executor.add_node(mine)
-    events = SubscriptionEventCallbacks()
-    mine.create_subscription(make, "/scan", laser.update, qos, callback_group=Group(), event_callbacks=events)
+    mine.create_subscription(make, "/scan", laser.update, qos)
+    publisher = graph.node().create_publisher(make, "/scan", qos)
+    wait_for(publisher.get_subscription_count, "they know each other")
     message = make()
     message.angle_increment, message.range_min, message.range_max = 0.5, 0.1, 10.0
     message.ranges = np.array([1.0, 2.0], np.float32)
-    graph.node().create_publisher(make, "/scan", qos).publish(message)
+    publisher.publish(message)
     executor.spin_once(1.0)
     assert shown(laser) == [Validity.READING, Validity.READING]

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
+import statistics
+import subprocess
+import sys
 import threading
+import time
 from array import array
 from collections.abc import Iterator
 from typing import Any
@@ -50,17 +55,6 @@ def robot() -> Iterator[Any]:
     done.set()
     thread.join()
     executor.shutdown()
-    node.destroy_node()
-    context.try_shutdown()
-
-
-@pytest.fixture
-def mine() -> Iterator[Any]:
-    """A node in a context of its own that nobody spins."""
-    context = Context()
-    rclpy.init(args=[], context=context, domain_id=DOMAIN, signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node("mine", context=context)
-    yield node
     node.destroy_node()
     context.try_shutdown()
 
@@ -124,44 +118,76 @@ def test_the_robot_hears_a_speed(ros2: Ros2, heard: Recorder, robot: Any, kind: 
     assert (got[0] if kind is Twist else got[0].twist).linear.x == 0.25
 
 
-def test_the_program_s_own_node_is_used_and_left_whole(heard: Recorder, robot: Any) -> None:
+def test_every_speed_arrives_within_a_tenth_of_a_second(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+    log: list[tuple[float, float]] = []
+    robot.create_subscription(Twist, "/cmd_vel", lambda message: log.append((time.monotonic(), message.linear.x)), 10)
+    wait_for(lambda: heard.topics, "the topic is known")
+    late = []
+    for number in range(1, 21):
+        began = time.monotonic()
+        ros2.publish("/cmd_vel", "geometry_msgs/msg/Twist", {"linear": {"x": float(number)}})
+        wait_for(lambda: len(log) == number, "the robot received it")  # noqa: B023
+        late.append(log[-1][0] - began)
+    assert [speed for _, speed in log] == [float(number) for number in range(1, 21)]
+    assert statistics.median(late) < 0.1
+
+
+def test_a_listener_that_refuses_our_quality_of_service_is_told(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+    qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    picky = robot.create_subscription(Twist, "/cmd_vel", print, qos)
+    wait_for(lambda: heard.topics, "the topic is known")
+    ros2.publish("/cmd_vel", "geometry_msgs/msg/Twist", {})
+    wait_for(lambda: "asks for messages from before it came" in heard.words("/cmd_vel"), "it is told")
+    robot.destroy_subscription(picky)
+    wait_for(lambda: heard.words("/cmd_vel") == "", "it is over")
+
+
+def test_another_publisher_is_named(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+    robot.create_publisher(Twist, "/cmd_vel", 1)
+    expected = Advert("/cmd_vel", "geometry_msgs/msg/Twist", True, False, ("/robot",))
+    wait_for(lambda: expected in heard.topics, "it is named")
+
+
+DRIVER = """
+import sys, time, rclpy
+from robowidgets import feeds
+
+rclpy.init(domain_id=int(sys.argv[1]))
+node = rclpy.create_node("program")
+feed = feeds.ros2(node)
+end = {"shutdown": rclpy.shutdown, "destroy": node.destroy_node, "interrupt": lambda: time.sleep(60.0)}[sys.argv[2]]
+for _ in range(30):
+    feed.drive(0.25)
+    time.sleep(0.1)
+end()
+"""
+
+
+@pytest.mark.parametrize("end", ["interrupt", "shutdown", "destroy"])
+def test_a_program_that_ends_while_it_drives_stops_the_robot(robot: Any, end: str) -> None:
+    speeds: list[float] = []
+    robot.create_subscription(Twist, "/cmd_vel", lambda message: speeds.append(message.linear.x), 10)
+    program = subprocess.Popen([sys.executable, "-c", DRIVER, str(DOMAIN), end])
+    wait_for(lambda: 0.25 in speeds, "the robot drives")
+    if end == "interrupt":
+        program.send_signal(signal.SIGINT)
+    program.wait(20)
+    wait_for(lambda: speeds[-1] == 0.0, "the robot stops", 5.0)
+
+
+def test_of_a_node_only_the_domain_is_used(heard: Recorder, robot: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", 1)
     ros2 = Ros2(robot)
     ros2.open(heard)
     ros2.subscribe("/scan")
     publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
     ros2.close()
+    assert ros2.where == f"ROS 2, domain {DOMAIN}"
     assert robot.get_name() == "robot"
     assert [s.topic_name for s in robot.subscriptions if s.topic_name == "/scan"] == []
 
 
-def test_a_node_that_nobody_spins_is_spun_until_the_program_does(heard: Recorder, robot: Any, mine: Any) -> None:
-    publisher = robot.create_publisher(LaserScan, "/scan", 1)
-    own: list[Any] = []
-    mine.create_subscription(LaserScan, "/scan", own.append, 1)
-    threads: list[str] = []
-    heard.then = lambda: threads.append(threading.current_thread().name)
-    ros2 = Ros2(mine)
-    ros2.open(heard)
-    ros2.subscribe("/scan")
-    publish_until(publisher, scan(), lambda: own and "robowidgets-ros2" in threads, "both heard a scan")
-    executor = SingleThreadedExecutor(context=mine.context)
-    executor.add_node(mine)
-
-    def spun_here() -> bool:
-        executor.spin_once(timeout_sec=0.05)
-        return "MainThread" in threads
-
-    publish_until(publisher, scan(), spun_here, "a scan came where the program spins")
-    executor.remove_node(mine)
-    threads.clear()
-    publish_until(publisher, scan(), lambda: "robowidgets-ros2" in threads, "it is spun again")
-    ros2.close()
-    executor.shutdown()
-    assert (heard.connected, heard.lost) == (1, [])
-
-
-def test_subscriptions_come_and_go_while_the_program_spins(heard: Recorder, robot: Any) -> None:
+def test_subscriptions_come_and_go_often(heard: Recorder, robot: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", 10)
     ros2 = Ros2(robot)
     ros2.open(heard)

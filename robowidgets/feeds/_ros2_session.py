@@ -1,0 +1,325 @@
+"""A node in a context of its own, what it reads and publishes. rclpy is imported when it is used."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import threading
+import time
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack, suppress
+from typing import Any
+
+from ._ros2_messages import message_class
+from .middleware import EVENTS, SEND_TIMEOUT, Advert, FeedError, Listener, is_event
+
+_Key = tuple[str, str, bool]
+"""A topic, a type, and whether what was published before is asked for."""
+
+DISCOVERY = 2.0
+"""Seconds after which a new participant knows the others, generously."""
+
+_DEPTH = 5
+"""Messages that wait for us, as for sensor data."""
+
+_MATCH_POLL = 0.005
+_ACK_POLL = 0.02
+
+_UNKNOWN = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
+"""What stands for the name of a node that is not known, or of a program that is no node."""
+
+
+class Session:
+    """A node with its executor in a context of its own, which no program spins, destroys or shuts down.
+
+    Only rclpy's signal handler does, which shuts down every context of the process: `ok` is False then. `publish`,
+    `wake` and `ok` may be called from any thread, everything else from the thread that made the session.
+
+    Args:
+        domain_id: the domain; None: what ``ROS_DOMAIN_ID`` says.
+        listener: is told what does not come and what is not received.
+        is_wanted: says whether messages of a topic are still wanted.
+        matched: topics and types of which a publisher has been matched with a subscriber, also in earlier sessions.
+
+    Raises:
+        Exception: rclpy does not start; it has a class of its own for each reason.
+    """
+
+    def __init__(
+        self,
+        domain_id: int | None,
+        listener: Listener,
+        is_wanted: Callable[[str], bool],
+        matched: set[tuple[str, str]],
+    ) -> None:
+        import rclpy
+        from rclpy.context import Context
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.signals import SignalHandlerOptions
+
+        self._listener, self._is_wanted, self._matched = listener, is_wanted, matched
+        # Random: processes in containers often have the same id, and rcl warns of two nodes with one name.
+        self._name = f"robowidgets_{os.getpid()}_{secrets.token_hex(3)}"
+        self._opened = time.monotonic()
+        self._context = Context()
+        self._offers: dict[str, list[Any]] = {}
+        self._subscriptions: dict[_Key, tuple[Any, Any]] = {}
+        self._publishers: dict[tuple[str, str], Any] = {}
+        self._unmatched: set[tuple[str, str]] = set()
+        self._publishing = threading.Lock()
+        self._troubles: dict[str, str] = {}
+        self._unheard: set[str] = set()
+        rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
+        with ExitStack() as made:
+            made.callback(self._context.try_shutdown)
+            self._node = rclpy.create_node(self._name, context=self._context, use_global_arguments=False)
+            made.callback(self._node.destroy_node)
+            self._executor = SingleThreadedExecutor(context=self._context)
+            made.callback(self._executor.shutdown)
+            self._executor.add_node(self._node)
+            self._made = made.pop_all()
+
+    def ok(self) -> bool:
+        """Whether it was not shut down."""
+        return bool(self._context.ok())
+
+    @property
+    def is_young(self) -> bool:
+        """Whether others may not be known yet."""
+        return time.monotonic() < self._opened + DISCOVERY
+
+    def wake(self) -> None:
+        """Let `spin_once` return: `Executor.wake` would only have it rebuild what it waits for, and wait on."""
+        self._executor.create_task(lambda: None)
+
+    def spin_once(self, seconds: float) -> None:
+        """Handle one message or event, or wait for one."""
+        try:
+            self._executor.spin_once(timeout_sec=seconds)
+        except Exception as error:
+            if not (self.ok() and self._drop_unreadable(error)):
+                raise
+
+    def look(self) -> list[Advert]:
+        """See which topics somebody else publishes or listens to."""
+        from rclpy.exceptions import NameValidationException
+
+        self._offers.clear()
+        offered: dict[tuple[str, str], set[str]] = {}
+        wanted: set[tuple[str, str]] = set()
+        for topic, _ in self._node.get_topic_names_and_types():
+            try:
+                offers = self._others(self._node.get_publishers_info_by_topic(topic))
+                wants = self._node.get_subscriptions_info_by_topic(topic)
+            except (NameValidationException, ValueError):
+                continue  # a DDS program without ROS gives names that rclpy refuses
+            self._offers[topic] = offers
+            for info in offers:
+                offered.setdefault((topic, info.topic_type), set()).update(_full_name(info))
+            wanted.update((topic, info.topic_type) for info in self._others(wants))
+            if topic in self._unheard and self._hear_us(topic, wants):
+                self._unheard.discard(topic)
+                self._listener.on_unheard(topic, "")
+        return [
+            Advert(*key, key in offered, key in wanted, tuple(sorted(offered.get(key, ()))))
+            for key in sorted(offered.keys() | wanted)
+        ]
+
+    def follow(self, topics: Iterable[str]) -> None:
+        """Subscribe to what the last look saw published on these topics, and to nothing else."""
+        topics = set(topics)
+        wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.get(topic, ()))}
+        for wish in self._subscriptions.keys() - wishes:
+            self._node.destroy_subscription(self._subscriptions.pop(wish)[0])
+        for topic in self._troubles.keys() - topics:
+            del self._troubles[topic]
+        for wish in wishes - self._subscriptions.keys():
+            self._begin(wish)
+
+    def publish(self, topic: str, message_type: str, message: Any, until: float) -> None:
+        """Publish a message; the first of a publisher waits up to a time for a subscriber to be matched.
+
+        Raises:
+            FeedError: who received such messages in an earlier session has not been found again.
+            Exception: rclpy does not publish, as the session was shut down or closed, say.
+        """
+        key = (topic, message_type)
+        with self._publishing:
+            publisher = self._publishers.get(key)
+            if publisher is None:
+                publisher = self._publishers[key] = self._publisher(key)
+                self._unmatched.add(key)
+            if key in self._unmatched:
+                if self._await_match(publisher, key, until):
+                    self._matched.add(key)
+                elif key in self._matched and self.is_young:
+                    raise FeedError(f"who listens to {topic} has not been found again since rclpy was shut down")
+                self._unmatched.discard(key)
+            publisher.publish(message)
+
+    def close(self) -> None:
+        """Wait a moment until everybody has what was published, it may be a zero, and end everything."""
+        with self._publishing:
+            with suppress(Exception):  # the session was shut down, or its middleware cannot tell
+                self._await_acknowledgements()
+            with suppress(Exception):
+                self._made.close()
+        for topic in self._unheard:
+            self._listener.on_unheard(topic, "")
+
+    def _publisher(self, key: tuple[str, str]) -> Any:
+        from rclpy.qos import QoSProfile, qos_policy_name_from_kind
+
+        events = _events()
+        topic, message_type = key
+
+        def refused(event: Any) -> None:
+            self._unheard.add(topic)
+            policy = qos_policy_name_from_kind(event.last_policy_kind).lower()
+            self._listener.on_unheard(topic, _not_received(topic, policy))
+
+        def make(**callbacks: Any) -> Any:
+            told = events.PublisherEventCallbacks(use_default_callbacks=False, **callbacks)
+            kind = message_class(message_type)
+            return self._node.create_publisher(kind, topic, QoSProfile(depth=1), event_callbacks=told)
+
+        try:
+            return make(incompatible_qos=refused)
+        except events.UnsupportedEventTypeError:  # Zenoh, where every subscriber is compatible
+            return make()
+
+    def _await_match(self, publisher: Any, key: tuple[str, str], until: float) -> bool:
+        """Wait for a subscriber of others; says whether there is one. What is published before is lost to it."""
+        topic, message_type = key
+        ours = sum(wish[:2] == key for wish in list(self._subscriptions))
+        while publisher.get_subscription_count() <= ours:
+            wanted = {info.topic_type for info in self._others(self._node.get_subscriptions_info_by_topic(topic))}
+            may_come = message_type in wanted or (self.is_young and not wanted)
+            if not may_come or time.monotonic() >= until:
+                return False
+            time.sleep(_MATCH_POLL)
+        return True
+
+    def _await_acknowledgements(self) -> None:
+        from rclpy.duration import Duration
+
+        until = time.monotonic() + SEND_TIMEOUT
+        for publisher in self._publishers.values():
+            # rclpy holds the interpreter's lock while it waits, so it waits in short steps.
+            while not publisher.wait_for_all_acked(Duration(seconds=_ACK_POLL)) and time.monotonic() < until:
+                pass
+
+    def _hear_us(self, topic: str, wants: Iterable[Any]) -> bool:
+        """Whether all who listen to a topic are matched with what is published here."""
+        types = [info.topic_type for info in wants]
+        return all(
+            publisher.get_subscription_count() >= types.count(message_type)
+            for (name, message_type), publisher in list(self._publishers.items())
+            if name == topic
+        )
+
+    def _others(self, infos: Iterable[Any]) -> list[Any]:
+        return [info for info in infos if info.node_name != self._name]
+
+    def _begin(self, wish: _Key) -> None:
+        from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+        topic, kind, kept = wish
+        try:
+            known = message_class(kind)
+        except LookupError as error:
+            self._trouble(topic, f"{topic} comes as {kind}: {error}")
+            return
+        # A best-effort reader hears reliable publishers, too; only what is kept for those who come late needs more.
+        qos = QoSProfile(
+            history=HistoryPolicy.KEEP_LAST,
+            depth=EVENTS if is_event(kind) else _DEPTH,
+            reliability=ReliabilityPolicy.RELIABLE if kept else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
+        )
+        try:
+            self._subscriptions[wish] = self._subscription(known, topic, qos)
+        except Exception as error:  # a package that is half installed raises whatever it likes
+            self._trouble(topic, f"{topic} cannot be subscribed to as {kind}: {one_line(error)}")
+
+    def _subscription(self, known: Any, topic: str, qos: Any) -> tuple[Any, Any]:
+        from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+        from rclpy.qos import qos_policy_name_from_kind
+
+        events = _events()
+
+        def hear(message: Any) -> None:
+            if self._is_wanted(topic):
+                self._trouble(topic, "")
+                self._listener.on_message(topic, message)
+
+        def refused(event: Any) -> None:
+            self._trouble(topic, _not_coming(topic, qos_policy_name_from_kind(event.last_policy_kind).lower()))
+
+        def make(**callbacks: Any) -> tuple[Any, Any]:
+            told = events.SubscriptionEventCallbacks(use_default_callbacks=False, **callbacks)
+            group = MutuallyExclusiveCallbackGroup()  # of its own: see `_drop_unreadable`
+            create = self._node.create_subscription
+            return create(known, topic, hear, qos, callback_group=group, event_callbacks=told), group
+
+        try:
+            return make(incompatible_qos=refused)
+        except events.UnsupportedEventTypeError:  # Zenoh, where every publisher is compatible
+            return make()
+
+    def _drop_unreadable(self, error: Exception) -> bool:
+        """End the subscription whose message led to an error, until the next look; says whether there is one.
+
+        rclpy lets its callback group wait for ever for the end of a callback that never began.
+        """
+        stuck = [wish for wish, (entity, group) in self._subscriptions.items() if not group.can_execute(entity)]
+        for wish in stuck:
+            self._trouble(wish[0], f"a message of {wish[0]} cannot be read: {one_line(error)}")
+            self._node.destroy_subscription(self._subscriptions.pop(wish)[0])
+        return bool(stuck)
+
+    def _trouble(self, topic: str, words: str) -> None:
+        if self._troubles.get(topic, "") != words:
+            self._troubles[topic] = words
+            self._listener.on_trouble(topic, words)
+
+
+def one_line(error: Exception) -> str:
+    """What an error says, in one line; its class where it says nothing."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def _full_name(info: Any) -> list[str]:
+    """The name of the node that an endpoint belongs to, with its namespace; empty where it is not known."""
+    return [] if info.node_name in _UNKNOWN else [f"{info.node_namespace.rstrip('/')}/{info.node_name}"]
+
+
+def _wishes(topic: str, offers: Iterable[Any]) -> set[_Key]:
+    """A subscription for each type. It asks for what is kept only where all publishers keep: it hears all then."""
+    from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+    by_type: dict[str, bool] = {}
+    for info in offers:
+        qos = info.qos_profile
+        kept = (qos.durability, qos.reliability) == (DurabilityPolicy.TRANSIENT_LOCAL, ReliabilityPolicy.RELIABLE)
+        by_type[info.topic_type] = by_type.get(info.topic_type, True) and kept
+    return {(topic, kind, kept) for kind, kept in by_type.items()}
+
+
+def _events() -> Any:
+    """The module of rclpy that tells of events."""
+    try:
+        from rclpy import event_handler
+    except ImportError:  # before Iron
+        from rclpy import qos_event as event_handler
+    return event_handler
+
+
+def _not_coming(topic: str, policy: str) -> str:
+    does = {"reliability": "is best-effort", "durability": "keeps no message for those who come late"}
+    return f"a publisher of {topic} {does.get(policy, f'disagrees on {policy}')}, so its messages do not come"
+
+
+def _not_received(topic: str, policy: str) -> str:
+    does = {"durability": "asks for messages from before it came, which are not kept"}
+    return f"a subscriber of {topic} {does.get(policy, f'disagrees on {policy}')}, so it does not receive what is sent"
