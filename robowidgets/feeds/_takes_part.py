@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from abc import ABC, abstractmethod
 
-from ._again import Again
+from ._backoff import Backoff
 from .middleware import Listener
 
 LAST_DOMAIN = 232
@@ -15,7 +15,7 @@ class TakesPart(ABC):
     """The thread, which takes part again and again with growing pauses, and the topics that it should listen to."""
 
     def __init__(self) -> None:
-        self._again = Again()
+        self._again = Backoff()
         self._lock = threading.Lock()
         self._wanted: set[str] = set()
         self._thread: threading.Thread | None = None

@@ -12,7 +12,7 @@ from collections.abc import Callable, Hashable
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
-from ._again import Again
+from ._backoff import Backoff
 from .middleware import FeedError
 
 Frame = str | bytes
@@ -59,7 +59,7 @@ class Line:
         self.address = checked(address)
         self._talk = talk
         self._subprotocols = subprotocols
-        self._again = Again()
+        self._backoff = Backoff()
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -86,14 +86,14 @@ class Line:
     @property
     def closed(self) -> bool:
         """Whether it is closed for good."""
-        return self._again.closed
+        return self._backoff.closed
 
     def close(self) -> None:
         """End the connection and the thread, from any thread; from its own, it ends as soon as the call returns."""
         with self._lock:
             if not self.closed:
                 self._closed_at = time.monotonic()
-                self._again.close()
+                self._backoff.close()
                 if self._loop is not None and self._task is not None:
                     self._loop.call_soon_threadsafe(self._task.cancel)
         if self._thread is not None and self._thread is not threading.current_thread():
@@ -130,9 +130,9 @@ class Line:
             with contextlib.suppress(asyncio.CancelledError):  # that is how it is closed
                 why = asyncio.run(self._session())
                 if not self.closed:
-                    pause = self._again.next_pause()
+                    pause = self._backoff.next_pause()
                     self._talk.on_lost(why, pause, self._too_big)
-                    self._again.wait(pause)
+                    self._backoff.wait(pause)
 
     async def _session(self) -> str:
         """Connect, and stay as long as it goes; returns why it ended."""
@@ -197,7 +197,7 @@ class Line:
                 stream.close()
         # A robot that takes a call and drops it at once is called again ever more rarely, too.
         if time.monotonic() - opened > PATIENCE:
-            self._again.worked()
+            self._backoff.worked()
         return self._ending(connection)
 
     async def _end(self, connection: Any, writer: asyncio.Future[None]) -> None:
