@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from ._websocket import LARGEST, Frame, Line, one_line
+from ._websocket import LARGEST, Frame, Line
 from .middleware import EVENTS, Advert, FeedError, Listener, is_event
 
 Read = Callable[[Any], Any]
@@ -108,6 +107,9 @@ class Bridge:
                 self._trouble(topic, words)
         self._listener.on_lost(why, again_in)
 
+    async def finish(self) -> None:
+        """See `Talk`."""
+
     def on_frame(self, frame: Frame) -> None:
         """See `Talk`."""
         raise NotImplementedError
@@ -148,12 +150,6 @@ class Bridge:
             self._troubles[topic] = words
             self._listener.on_trouble(topic, words)
 
-    def _quote(self, words: str) -> None:
-        """Tell what the robot says of the topics that it names."""
-        for topic in self._wanted:
-            if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", words):
-                self._trouble(topic, f"the robot's bridge says: {one_line(words)}")
-
     def _trouble_all(self, words: str) -> None:
         for topic in self._wanted:
             self._trouble(topic, words)
@@ -176,6 +172,18 @@ def to_json(message_type: str, message: Mapping[str, Any], said: Mapping[str, An
         return json.dumps(said, allow_nan=False)
     except (TypeError, ValueError) as error:
         raise FeedError(f"{dict(message)!r} cannot be sent as a {message_type} in JSON: {error}") from None
+
+
+def is_zero(message: Any) -> bool:
+    """Whether all fields of a message are 0, apart from its header: a speed of zero stops the robot."""
+    if isinstance(message, Mapping):
+        return all(is_zero(field) for name, field in message.items() if name != "header")
+    return not message
+
+
+def other_nodes(nodes: Iterable[str], bridge: str) -> tuple[str, ...]:
+    """The names of nodes without those of the bridge itself, which listens and publishes for us."""
+    return tuple(sorted({node for node in nodes if not node.rpartition("/")[2].startswith(bridge)}))
 
 
 def strings(value: Any) -> list[str]:

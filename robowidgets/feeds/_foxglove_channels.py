@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ..recordings.source import Channel as RosChannel
 from ..recordings.source import RecordingError
-from ._bridge import UnreadableError, full_type
+from ._bridge import UnreadableError, full_type, other_nodes, strings
 from ._websocket import one_line
 from .middleware import Advert
 
@@ -87,8 +87,8 @@ class Graph:
 
     def __init__(self) -> None:
         self.known = False
-        self._publishers: dict[str, int] = {}
-        self._listeners: dict[str, int] = {}
+        self._publishers: dict[str, tuple[str, ...]] = {}
+        self._listeners: dict[str, tuple[str, ...]] = {}
 
     def update(self, said: Mapping[str, Any]) -> None:
         """Learn from a ``connectionGraphUpdate``."""
@@ -97,13 +97,13 @@ class Graph:
             if isinstance(name, str):
                 self._publishers.pop(name, None)
                 self._listeners.pop(name, None)
-        for counts, what, ids in (
+        for nodes, what, ids in (
             (self._publishers, "publishedTopics", "publisherIds"),
             (self._listeners, "subscribedTopics", "subscriberIds"),
         ):
             for entry in _list(said.get(what)):
                 if isinstance(entry, Mapping) and isinstance(entry.get("name"), str):
-                    counts[entry["name"]] = sum(not _is_bridge(node) for node in _list(entry.get(ids)))
+                    nodes[entry["name"]] = other_nodes(strings(entry.get(ids)), _OURS)
 
     def adverts(self, channels: Iterable[Channel]) -> list[Advert]:
         """All topics: the channels, and those that somebody only listens to, whose types nobody tells."""
@@ -113,7 +113,7 @@ class Graph:
             more = dict.fromkeys((*self._publishers, *self._listeners))
             found.update({(name, ""): None for name in more if name not in names})
         return [
-            Advert(topic, kind, self._publishers.get(topic, 0) > 0, self._listeners.get(topic, 0) > 0)
+            Advert(topic, kind, bool(nodes := self._publishers.get(topic, ())), bool(self._listeners.get(topic)), nodes)
             if self.known
             else Advert(topic, kind)
             for topic, kind in found
@@ -122,8 +122,3 @@ class Graph:
 
 def _list(value: Any) -> list[Any]:
     return value if isinstance(value, list) else []
-
-
-def _is_bridge(node: Any) -> bool:
-    """Whether a node is the bridge itself, which listens and publishes for us."""
-    return str(node).rpartition("/")[2].startswith(_OURS)

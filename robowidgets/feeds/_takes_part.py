@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from abc import ABC, abstractmethod
 
-from ._again import Again
+from ._backoff import Backoff
 from .middleware import CLOSE_TIMEOUT, Listener
 
 LAST_DOMAIN = 232
@@ -15,7 +15,7 @@ class TakesPart(ABC):
     """The thread, which takes part again and again with growing pauses, and the topics that it should listen to."""
 
     def __init__(self) -> None:
-        self._again = Again()
+        self._backoff = Backoff()
         self._lock = threading.Lock()
         self._wanted: set[str] = set()
         self._thread: threading.Thread | None = None
@@ -34,7 +34,7 @@ class TakesPart(ABC):
 
     def close(self) -> None:
         """See `Middleware`."""
-        self._again.close()
+        self._backoff.close()
         with self._lock:
             self._wake()
         thread = self._thread
@@ -46,12 +46,12 @@ class TakesPart(ABC):
         self._thread.start()
 
     def _run(self, listener: Listener) -> None:
-        while not self._again.closed:
+        while not self._backoff.closed:
             why = self._take_part(listener)
-            if not self._again.closed:
-                pause = self._again.next_pause()
+            if not self._backoff.closed:
+                pause = self._backoff.next_pause()
                 listener.on_lost(why, pause)
-                self._again.wait(pause)
+                self._backoff.wait(pause)
 
     @abstractmethod
     def _wake(self) -> None:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import contextlib
+import math
 import socket
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
-from ._again import Again
-from .middleware import FeedError
+from ._backoff import Backoff
+from .middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, FeedError
 
 Frame = str | bytes
 
@@ -23,11 +25,11 @@ LARGEST = 50_000_000
 PATIENCE = 5.0
 """Seconds within which a robot has to answer when it is called."""
 
-_ALIVE = 10.0  # seconds between two questions whether the robot is still there, and for its answer
-_OVERDUE = 0.02  # seconds for which frames that come without a pause may keep those before them from being read
+_ALIVE = 10.0  # seconds of silence after which a robot is given up
+_PINGS = 10  # pings in that time
+_OVERDUE = 0.005  # seconds for which frames that come without a pause may keep everything else from being done
 _GOODBYE = 0.5
 _QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
-_JOIN = 10.0
 
 
 class Talk(Protocol):
@@ -45,11 +47,12 @@ class Talk(Protocol):
     def on_lost(self, why: str, again_in: float, too_big: bool) -> None:
         """The connection ended, or there was none; perhaps because of a message larger than `LARGEST`."""
 
+    async def finish(self) -> None:
+        """Return when the robot has processed what was published; it is cancelled when that takes too long."""
+
 
 class Line:
     """A connection to an address, opened again with growing pauses whenever it ends.
-
-    What it writes to a robot that does not take it is kept only as far as somebody said: the newest of each kind.
 
     Raises:
         TypeError, ValueError: the address is not one; the text says how to write it.
@@ -59,17 +62,12 @@ class Line:
         self.address = checked(address)
         self._talk = talk
         self._subprotocols = subprotocols
-        self._again = Again()
+        self._backoff = Backoff()
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._task: asyncio.Task[str] | None = None
         self._calls: deque[Callable[[], object]] = deque()
-        self.session = 0
-        """The number of the connection there is, from 1; 0 when there is none."""
-        self._sessions = 0
-        self._closed_at = 0.0
-        self._stream: Any = None
         self._forget()
 
     def open(self) -> None:
@@ -86,18 +84,17 @@ class Line:
     @property
     def closed(self) -> bool:
         """Whether it is closed for good."""
-        return self._again.closed
+        return self._backoff.closed
 
     def close(self) -> None:
         """End the connection and the thread, from any thread; from its own, it ends as soon as the call returns."""
         with self._lock:
             if not self.closed:
-                self._closed_at = time.monotonic()
-                self._again.close()
+                self._backoff.close()
                 if self._loop is not None and self._task is not None:
                     self._loop.call_soon_threadsafe(self._task.cancel)
         if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(_JOIN)
+            self._thread.join(CLOSE_TIMEOUT)
 
     def call(self, function: Callable[[], object]) -> None:
         """Call a function in the thread of the line: at once, or when there is a connection."""
@@ -113,15 +110,36 @@ class Line:
 
     def write(self, frame: Frame) -> None:
         """Send a frame; nothing when there is no connection. In the thread of the line."""
-        if self.session:
-            self._outbox.append(frame)
-            self._to_write.set()
+        with contextlib.suppress(Exception):  # the connection ended, which whoever reads from it learns with its reason
+            self._send(frame)
 
-    def write_newest(self, kind: Hashable, frame: Frame) -> None:
-        """Send a frame after those of `write`, in place of one of its kind that the robot did not take yet."""
-        if self.session:
-            self._newest[kind] = frame
-            self._to_write.set()
+    def publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
+        """Send a frame and return when the system has taken it, or the robot has answered. In any other thread.
+
+        Args:
+            frame: makes the frame, in the thread of the line; it may `write` others that must come before.
+            confirm: whether to wait until anything comes from the robot after the frame: the system takes frames for
+                a robot that is gone, too.
+
+        Raises:
+            FeedError: there is no connection, or it took more than `SEND_TIMEOUT`. A frame that was to be confirmed is
+                still sent as soon as that is possible on this connection; others are not.
+        """
+        with self._lock:
+            if self._connection is None or self._loop is None:
+                raise FeedError(f"there is no connection to {self.address}")
+            sending = asyncio.run_coroutine_threadsafe(self._publish(frame, confirm), self._loop)
+        try:
+            sending.result(SEND_TIMEOUT)
+        except concurrent.futures.TimeoutError:
+            if not confirm:
+                sending.cancel()
+            if self._written is not None and not self._written.done():
+                raise FeedError(f"{self.address} does not take what is sent") from None
+            silence = max(SEND_TIMEOUT, time.monotonic() - (self._asked_at or math.inf))
+            raise FeedError(f"{self.address} has not answered for {silence:.1f} s") from None
+        except Exception as error:  # whatever the network and tornado make up, or it was cancelled
+            raise FeedError(f"the connection to {self.address} ended") from error
 
     # From here on everything runs in the thread of the line.
 
@@ -130,9 +148,9 @@ class Line:
             with contextlib.suppress(asyncio.CancelledError):  # that is how it is closed
                 why = asyncio.run(self._session())
                 if not self.closed:
-                    pause = self._again.next_pause()
+                    pause = self._backoff.next_pause()
                     self._talk.on_lost(why, pause, self._too_big)
-                    self._again.wait(pause)
+                    self._backoff.wait(pause)
 
     async def _session(self) -> str:
         """Connect, and stay as long as it goes; returns why it ended."""
@@ -155,8 +173,6 @@ class Line:
             websocket_connect(
                 HTTPRequest(self.address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
                 on_message_callback=self._on_frame,
-                ping_interval=_ALIVE,
-                ping_timeout=_ALIVE,
                 max_message_size=LARGEST,
                 subprotocols=self._subprotocols,
             )
@@ -177,46 +193,57 @@ class Line:
         if self._subprotocols and connection.selected_subprotocol is None:
             stream.close()
             return f"{self.address} speaks none of {', '.join(self._subprotocols)}: something else listens there"
-        self._stream = stream
+        self._connection, self._stream = connection, stream
         stream.set_nodelay(True)
         self._listen_in(connection.protocol)
-        writer = asyncio.ensure_future(self._write(connection))
-        self._sessions += 1
-        self.session = self._sessions
+        connection.on_message, connection.on_pong = self._on_frame, self._on_answer
         opened = time.monotonic()
         try:
             self._talk.on_open()
             self._run_calls()
             while self._early:
                 self._on_frame(self._early.popleft())
-            await self._ended.wait()
+            await self._watch()
         finally:
             try:
-                await self._end(connection, writer)
+                await self._end(connection)
             finally:
                 stream.close()
         # A robot that takes a call and drops it at once is called again ever more rarely, too.
         if time.monotonic() - opened > PATIENCE:
-            self._again.worked()
+            self._backoff.worked()
         return self._ending(connection)
 
-    async def _end(self, connection: Any, writer: asyncio.Future[None]) -> None:
+    async def _watch(self) -> None:
+        """Return when the connection has ended, or the robot has not answered for `_ALIVE` seconds."""
+        # Intervals without an answer are counted, not seconds: in a stall of this process nothing is read either.
+        unanswered = 0
+        while unanswered < _PINGS and not self._ended.is_set():
+            self._ping()
+            with contextlib.suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(self._ended.wait(), _ALIVE / _PINGS)
+            unanswered = unanswered + 1 if self._asked_at is not None else 0
+        self._silent = not self._ended.is_set()
+
+    async def _end(self, connection: Any) -> None:
         """End a connection in the way that both sides agreed upon, in a moment."""
-        self._run_calls()  # what was said before it was closed is still sent: it may be to stop
-        self.session = 0
-        self._to_write.set()
-        with contextlib.suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(writer, _GOODBYE)
+        if self.closed and not self._ended.is_set():
+            self._run_calls()
+            with contextlib.suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(self._talk.finish(), _GOODBYE)
+        self._connection = None
         connection.close()
-        with contextlib.suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(self._ended.wait(), _GOODBYE)
+        if not self._silent:
+            with contextlib.suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(self._ended.wait(), _GOODBYE)
 
     def _forget(self) -> None:
-        self._stream = None
+        self._connection = self._stream = None
         self._early: deque[Frame | None] = deque(maxlen=1000)
-        self._outbox: deque[Frame] = deque()
-        self._newest: dict[Hashable, Frame] = {}
-        self._to_write, self._ended = asyncio.Event(), asyncio.Event()
+        self._written: asyncio.Future[None] | None = None
+        self._asked_at: float | None = None
+        """When a ping was sent; None since anything came from the robot."""
+        self._answered, self._ended = asyncio.Event(), asyncio.Event()
         self._kept_since: float | None = None
         self._too_big = False
         self._silent = False
@@ -227,35 +254,46 @@ class Line:
 
         def noting(code: int | None = None, reason: str | None = None) -> None:
             self._too_big = self._too_big or code == 1009
-            self._silent = self._silent or reason == "ping timed out"
             close(code, reason)
-            if self._silent:  # no use in waiting for it to say goodbye
-                protocol.stream.close()
 
         protocol.close = noting
 
-    def _on_frame(self, frame: Frame | None) -> None:
+    def _on_frame(self, frame: Frame | None) -> Any:
+        """Take a frame; tornado reads the next one when the future that may be returned is done."""
         if self._stream is None:  # tornado reads the first frames before it says that there is a connection
             self._early.append(frame)
         elif frame is None:
             self._ended.set()
-        elif self.closed:  # nothing else may ever run where frames come without a pause
-            if time.monotonic() - self._closed_at > _GOODBYE:
-                self._stream.close()
         else:
+            self._on_answer()
             self._talk.on_frame(frame)
-            self._deliver_soon()
+            return self._deliver_soon()
+        return None
 
-    def _deliver_soon(self) -> None:
-        # As long as the network has more, tornado reads on, and nothing else runs: what comes first are the newest
-        # frames, without a thought for the others; but not for long.
-        now = time.monotonic()
+    def _on_answer(self, _data: bytes = b"") -> None:
+        self._asked_at = None
+        self._answered.set()
+
+    def _ping(self) -> None:
+        """Ask the robot for an answer, unless one is outstanding."""
+        if self._asked_at is None:
+            self._asked_at = time.monotonic()
+            self._answered.clear()
+            with contextlib.suppress(Exception):  # the connection ended
+                self._connection.ping()
+
+    def _deliver_soon(self) -> asyncio.Future[None] | None:
+        # As long as the network has more, tornado reads on and nothing else runs in this thread, so that only the
+        # newest frames are decoded. After `_OVERDUE` it pauses, and what waits is delivered, written, closed.
+        loop, now = asyncio.get_running_loop(), time.monotonic()
         if self._kept_since is None:
             self._kept_since = now
-            asyncio.get_running_loop().call_soon(self._deliver)
+            loop.call_soon(self._deliver)
         elif now - self._kept_since > _OVERDUE:
-            self._deliver()
-            self._kept_since = now
+            pause = loop.create_future()
+            loop.call_soon(pause.set_result, None)
+            return pause
+        return None
 
     def _deliver(self) -> None:
         self._kept_since = None
@@ -268,21 +306,26 @@ class Line:
             self._stream.socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
 
     def _run_calls(self) -> None:
-        while self.session and self._calls:
+        while self._connection is not None and self._calls:
             self._calls.popleft()()
 
-    async def _write(self, connection: Any) -> None:
-        while True:
-            while self._outbox or self._newest:
-                frame = self._outbox.popleft() if self._outbox else self._newest.pop(next(iter(self._newest)))
-                try:
-                    await connection.write_message(frame, binary=isinstance(frame, bytes))
-                except Exception:  # the connection ended, which whoever reads from it learns with its reason
-                    return
-            if not self.session:
-                return
-            self._to_write.clear()
-            await self._to_write.wait()
+    def _send(self, frame: Frame) -> None:
+        self._written = self._connection.write_message(frame, binary=isinstance(frame, bytes))
+        self._written.add_done_callback(lambda written: written.cancelled() or written.exception())
+
+    async def _publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
+        # A speed that cannot be sent now must not reach the robot later, and tornado takes nothing back: it is handed
+        # a frame only when no other waits there, and a speed only while the robot answers.
+        if not confirm and self._asked_at is not None and time.monotonic() - self._asked_at > SEND_TIMEOUT:
+            await self._answered.wait()
+        if self._written is not None:
+            await asyncio.shield(self._written)
+        self._send(frame())
+        assert self._written is not None
+        await asyncio.shield(self._written)
+        if confirm:
+            self._ping()
+            await self._answered.wait()
 
     def _words(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):

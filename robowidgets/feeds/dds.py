@@ -83,8 +83,8 @@ class Dds(TakesPart):
                 self._session = session
             try:
                 listener.on_connected()
-                self._again.worked()
-                while not self._again.closed:
+                self._backoff.worked()
+                while not self._backoff.closed:
                     self._step(session)
             finally:
                 with self._lock:
@@ -97,10 +97,10 @@ class Dds(TakesPart):
         session.follow(wanted)
         for wish in session.wishes:
             with self._lock:
-                if self._again.closed or wish.topic not in self._wanted:
+                if self._backoff.closed or wish.topic not in self._wanted:
                     continue
             session.messages(wish)
-        if not self._again.closed:
+        if not self._backoff.closed:
             session.wait()
 
 

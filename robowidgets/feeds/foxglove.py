@@ -6,12 +6,13 @@ Protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from functools import partial
 from struct import Struct
 from typing import Any, NamedTuple
 
-from ._bridge import Bridge, Read, UnreadableError, short_type, strings, to_json
+from ._bridge import Bridge, Read, UnreadableError, is_zero, short_type, strings, to_json
 from ._foxglove_channels import Channel, Graph, channel_of, decoder
 from ._websocket import Frame, one_line
 from .feed import Feed
@@ -59,9 +60,9 @@ class Foxglove(Bridge):
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
-        session, info = self._line.session, self._info
-        if not session or info is None:
-            return
+        info = self._info
+        if info is None:
+            raise FeedError(f"there is no connection to {self.where}")
         if "clientPublish" not in strings(info.get("capabilities")):
             raise FeedError(
                 f"{self.where} takes no messages: its server does not offer clientPublish; "
@@ -78,7 +79,8 @@ class Foxglove(Bridge):
             payload = to_json(message_type, message, message).encode()
         else:
             payload = self._encoder.encode(encoding, message_type, message)
-        self._line.call(lambda: self._send(session, topic, message_type, encoding, payload))
+        key = topic, message_type, encoding
+        self._line.publish(lambda: self._frame_on(key, payload), confirm=is_zero(message))
 
     def on_frame(self, frame: Frame) -> None:
         """See `Talk`."""
@@ -145,8 +147,11 @@ class Foxglove(Bridge):
 
     def _on_status(self, said: dict[str, Any]) -> None:
         words = said.get("message")
-        if said.get("level") == _ERROR and isinstance(words, str):
-            self._quote(words)
+        if said.get("level") != _ERROR or not isinstance(words, str):
+            return
+        for topic in self._wanted:
+            if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", words):
+                self._trouble(topic, f"the robot's bridge says: {one_line(words)}")
 
     def _start(self, topic: str) -> None:
         """Subscribe to each channel of a topic that can be read, and say so when none can."""
@@ -177,16 +182,15 @@ class Foxglove(Bridge):
         if ids:
             self._write({"op": "unsubscribe", "subscriptionIds": ids})
 
-    def _send(self, session: int, topic: str, message_type: str, encoding: str, payload: bytes) -> None:
-        if session != self._line.session:
-            return  # it was for a connection that is gone
-        key = topic, message_type, encoding
+    def _frame_on(self, key: tuple[str, str, str], payload: bytes) -> bytes:
+        """A message on our channel for a topic, a type and an encoding, which is advertised before its first one."""
         if key not in self._sent_on:
+            topic, message_type, encoding = key
             self._sent_on[key] = len(self._sent_on) + 1
             kind = short_type(message_type) if encoding == "ros1" else message_type
             channel = {"id": self._sent_on[key], "topic": topic, "encoding": encoding, "schemaName": kind}
             self._write({"op": "advertise", "channels": [channel]})
-        self._line.write_newest(key, _CLIENT_DATA.pack(_MESSAGE, self._sent_on[key]) + payload)
+        return _CLIENT_DATA.pack(_MESSAGE, self._sent_on[key]) + payload
 
 
 def _read(decode: Read, frame: bytes) -> Any:

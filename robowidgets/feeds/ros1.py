@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 from ..recordings.ros_types import Decode, decoder_of, one_line
 from ..recordings.source import Channel, RecordingError
-from ._again import Again
+from ._backoff import Backoff
 from ._ros1_master import Master, MasterError, State
 from ._ros1_publications import Publications
 from .feed import Feed
@@ -54,7 +54,7 @@ class Ros1:
         self._master = Master("")
         self._listener: Listener | None = None
         self._thread: threading.Thread | None = None
-        self._again = Again()
+        self._again = Backoff()
         self._stirred = threading.Event()
         self._wanted: set[str] = set()
         self._subscriptions: dict[str, _Subscription] = {}

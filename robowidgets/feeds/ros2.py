@@ -85,7 +85,7 @@ class Ros2(TakesPart):
         """The session, or the one that comes in its place when rclpy's signal handler has shut it down."""
         with self._changed:
             while True:
-                if self._again.closed or self._down:
+                if self._backoff.closed or self._down:
                     raise FeedError(self._down or f"{self.where} is closed")
                 if self._session is not None:
                     if self._session.ok():
@@ -103,7 +103,7 @@ class Ros2(TakesPart):
         try:
             self._set_session(None)
             shut_down = False
-            while not self._again.closed:
+            while not self._backoff.closed:
                 self._have_session(listener, shut_down)
                 shut_down = True
         except Exception as error:  # rclpy has a class of its own for each reason
@@ -129,11 +129,11 @@ class Ros2(TakesPart):
         if one_was_shut_down:
             listener.on_lost(f"{self.where} cannot be used: rclpy was shut down", 0.0)
         listener.on_connected()
-        self._again.worked()
+        self._backoff.worked()
         listener.on_topics(told)
         due = 0.0
         followed: set[str] = set()
-        while not self._again.closed and session.ok():
+        while not self._backoff.closed and session.ok():
             with self._lock:
                 wanted = set(self._wanted)
             if wanted != followed or time.monotonic() >= due:
@@ -152,7 +152,7 @@ class Ros2(TakesPart):
 
     def _is_wanted(self, topic: str) -> bool:
         with self._lock:
-            return topic in self._wanted and not self._again.closed
+            return topic in self._wanted and not self._backoff.closed
 
 
 def _domain_of(node: Any) -> int:

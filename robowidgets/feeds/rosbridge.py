@@ -5,10 +5,12 @@ Protocol: https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_P
 
 from __future__ import annotations
 
+import asyncio
+from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
-from ._bridge import Bridge, UnreadableError, full_type, short_type, strings, to_json
+from ._bridge import Bridge, UnreadableError, full_type, is_zero, other_nodes, short_type, strings, to_json
 from ._rosbridge_frames import has_cbor, read, topic_of
 from ._websocket import Frame, one_line
 from .feed import Feed
@@ -20,8 +22,17 @@ _POLL = 3.0
 _THROTTLE_MS = 16
 _DRIVEN = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 _SUBSCRIBE = "subscribe:"
-_OURS = "/rosbridge_websocket"
+_OURS = "rosbridge_websocket"
 _TOPICS, _PUBLISHERS, _SUBSCRIBERS = "/rosapi/topics", "/rosapi/publishers", "/rosapi/subscribers"
+_CLOSING = "/robowidgets/closing"  # no such service: that is what the robot answers, and logs
+_IN_CBOR = frozenset(
+    (
+        *("sensor_msgs/msg/LaserScan", "sensor_msgs/msg/Range", "sensor_msgs/msg/PointCloud2"),
+        *("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "nav_msgs/msg/OccupancyGrid"),
+    )
+)
+"""Types that gain by CBOR: infinity has a meaning, or the messages are large. Not all types come in CBOR: most servers
+cannot encode an array of fixed size, which any covariance is, and then send nothing."""
 _ONLY_NULL = "the robot sends null for nothing in range as for no measurement: they cannot be told apart"
 
 
@@ -33,11 +44,10 @@ class Rosbridge(Bridge):
     """
 
     def __init__(self, address: str = "ws://127.0.0.1:9090") -> None:
-        self._compression = "cbor" if has_cbor() else "none"
+        self._has_cbor = has_cbor()
         self._reactions = {
             "publish": self._on_publish,
             "service_response": self._on_response,
-            "status": self._on_status,
             "fragment": self._on_fragment,
         }
         self._is_ros1 = False  # known for good: a speed may go out before a new connection tells it again
@@ -45,11 +55,25 @@ class Rosbridge(Bridge):
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
-        session = self._line.session
-        if session:
-            fields = _ros1_stamps(message) if self._is_ros1 else message
-            frame = to_json(message_type, message, {"op": "publish", "topic": topic, "msg": fields})
-            self._line.call(lambda: self._send(session, topic, message_type, frame))
+        fields = _ros1_stamps(message) if self._is_ros1 else message
+        frame = to_json(message_type, message, {"op": "publish", "topic": topic, "msg": fields})
+
+        def advertised() -> str:
+            if (topic, message_type) not in self._advertised:
+                self._advertised.add((topic, message_type))
+                kind = self._as_written(message_type)
+                self._write({"op": "advertise", "id": f"advertise:{topic}", "topic": topic, "type": kind})
+            return frame
+
+        self._line.publish(advertised, confirm=is_zero(message))
+
+    async def finish(self) -> None:
+        """See `Talk`."""
+        # A server drops what it has not processed when the connection ends. It answers in order.
+        if self._advertised:
+            self._questions.clear()
+            self._call(_CLOSING)
+            await self._finished.wait()
 
     def on_frame(self, frame: Frame) -> None:
         """See `Talk`."""
@@ -76,7 +100,7 @@ class Rosbridge(Bridge):
             self._with_null.add(topic)
         if topic not in self._with_null:
             return ""
-        return _ONLY_NULL + ("" if self._compression == "cbor" else "; with cbor2 installed here they can")
+        return _ONLY_NULL + ("" if self._has_cbor else "; with cbor2 installed here they can")
 
     def on_open(self) -> None:
         """See `Talk`."""
@@ -86,35 +110,53 @@ class Rosbridge(Bridge):
 
     def _begin(self) -> None:
         self._types: dict[str, str] = {}
-        self._who: dict[tuple[str, str], bool] = {}
+        self._nodes: dict[tuple[str, str], tuple[str, ...]] = {}
         self._subscribed_as: dict[str, str] = {}
-        self._refused: set[str] = set()
         self._with_null: set[str] = set()
         self._advertised: set[tuple[str, str]] = set()
-        self._asked = self._has_no_rosapi = False
+        self._questions: deque[tuple[str, str]] = deque()
+        """Services to call, and about which topics; the first one is called."""
+        self._is_answered = True
+        self._has_no_rosapi = False
+        self._finished = asyncio.Event()
 
     def _poll(self) -> None:
-        if self._asked:  # nobody answered in all that time
+        if self._questions and not self._is_answered:  # nobody answered in all that time
+            self._questions.clear()
             self._without_rosapi()
-        self._asked = True
-        self._call(_TOPICS)
+        if not self._questions:
+            self._call(_TOPICS)
+        self._is_answered = False
         self._line.later(_POLL, self._poll)
 
     def _call(self, service: str, topic: str = "") -> None:
+        # One at a time: a server may process all in one thread, in which a speed waits for what came before it.
+        if (service, topic) not in self._questions:
+            self._questions.append((service, topic))
+            if len(self._questions) == 1:
+                self._call_first()
+
+    def _call_first(self) -> None:
+        service, topic = self._questions[0]
         self._write({"op": "call_service", "service": service, "id": topic, "args": {"topic": topic} if topic else {}})
 
     def _start(self, topic: str) -> None:
-        self._subscribed_as[topic] = self._types.get(topic, "")
-        self._refused.discard(topic)
-        queue, throttle = (EVENTS, 0) if is_event(self._types.get(topic, "")) else (1, _THROTTLE_MS)
-        how = {"queue_length": queue, "throttle_rate": throttle, "compression": self._compression}
+        kind = self._types.get(topic, "")
+        if not kind and not self._has_no_rosapi:
+            self._call(_TOPICS)  # without its type, a server never begins with a topic that is not there yet
+            return
+        self._subscribed_as[topic] = kind
+        queue, throttle = (EVENTS, 0) if is_event(kind) else (1, _THROTTLE_MS)
+        compression = "cbor" if self._has_cbor and kind in _IN_CBOR else "none"
+        how = {"queue_length": queue, "throttle_rate": throttle, "compression": compression}
+        if kind:
+            how["type"] = self._as_written(kind)
         self._write({"op": "subscribe", "id": _SUBSCRIBE + topic, "topic": topic, **how})
-        if topic in self._types:
+        if kind:
             self._call(_PUBLISHERS, topic)
 
     def _stop(self, topic: str) -> None:
         self._subscribed_as.pop(topic, None)
-        self._refused.discard(topic)
         self._write({"op": "unsubscribe", "id": _SUBSCRIBE + topic, "topic": topic})
 
     def _on_publish(self, said: dict[str, Any]) -> None:
@@ -125,29 +167,24 @@ class Rosbridge(Bridge):
         if topic in self._wanted:
             self._trouble(str(topic), f"{topic} comes in fragments, which are not read: its messages are too large")
 
-    def _on_status(self, said: dict[str, Any]) -> None:
-        words, about = said.get("msg"), str(said.get("id"))
-        if said.get("level") != "error" or not isinstance(words, str):
-            return
-        topic = about.removeprefix(_SUBSCRIBE)
-        if topic == about or topic not in self._wanted:
-            self._quote(words)
-            return
-        self._refused.add(topic)
-        if self._has_no_rosapi or topic in self._types:  # else it is a topic that is not there yet
-            self._trouble(topic, f"the robot's bridge says: {one_line(words)}")
-
     def _on_response(self, said: dict[str, Any]) -> None:
         service, topic, values = said.get("service"), str(said.get("id")), said.get("values")
+        if service == _CLOSING:
+            self._finished.set()
+            return
+        if self._questions and self._questions[0] == (service, topic):
+            self._is_answered = True
+            self._questions.popleft()
+            if self._questions:
+                self._call_first()
         if service == _TOPICS:
-            self._asked = False
             if said.get("result") is False or not isinstance(values, dict):
                 self._without_rosapi()
             else:
                 self._on_topics(dict(zip(strings(values.get("topics")), strings(values.get("types")), strict=False)))
         elif isinstance(values, dict) and service in (_PUBLISHERS, _SUBSCRIBERS):
             nodes = strings(values.get(str(service).rpartition("/")[2]))
-            self._who[str(service), topic] = any(not node.startswith(_OURS) for node in nodes)
+            self._nodes[str(service), topic] = other_nodes(nodes, _OURS)
             self._tell_topics()
 
     def _on_topics(self, types: dict[str, str]) -> None:
@@ -161,43 +198,31 @@ class Rosbridge(Bridge):
         for topic, kind in self._types.items():
             if kind in _DRIVEN:
                 self._call(_SUBSCRIBERS, topic)
-            if topic not in self._wanted:
-                continue
-            before, self._subscribed_as[topic] = self._subscribed_as.get(topic), kind
-            # rosbridge would wait for messages of the old type for ever, and leave out events.
-            if before != kind and (before or is_event(kind)):
-                self._stop(topic)
-                self._start(topic)
-            elif topic in self._refused:
-                self._start(topic)
-            else:
+            if kind in _DRIVEN or topic in self._wanted:
                 self._call(_PUBLISHERS, topic)
+            if topic in self._wanted and self._subscribed_as.get(topic) != kind:
+                if topic in self._subscribed_as:  # else the server would wait for messages of the old type for ever
+                    self._stop(topic)
+                self._start(topic)
+
+    def _as_written(self, kind: str) -> str:
+        return short_type(kind) if self._is_ros1 else kind
 
     def _tell_topics(self) -> None:
-        self._tell(
-            [
-                Advert(name, kind, self._who.get((_PUBLISHERS, name), True), self._who.get((_SUBSCRIBERS, name)))
-                for name, kind in self._types.items()
-            ]
-        )
+        adverts = []
+        for name, kind in self._types.items():
+            publishers, subscribers = (self._nodes.get((service, name)) for service in (_PUBLISHERS, _SUBSCRIBERS))
+            wanted = None if subscribers is None else bool(subscribers)
+            adverts.append(Advert(name, kind, publishers is None or bool(publishers), wanted, publishers or ()))
+        self._tell(adverts)
 
     def _without_rosapi(self) -> None:
         self._has_no_rosapi = True
-        for topic in list(self._refused):
-            self._start(topic)
         for topic in self._wanted - self._heard:
+            self._start(topic)  # again and again, for the topic may be there by now
             self._trouble(
                 topic, f"waiting for {topic}; which topics there are cannot be told: the robot runs no rosapi"
             )
-
-    def _send(self, session: int, topic: str, message_type: str, frame: str) -> None:
-        if session != self._line.session:
-            return  # it was for a connection that is gone
-        if (topic, message_type) not in self._advertised:
-            self._advertised.add((topic, message_type))
-            kind = short_type(message_type) if self._is_ros1 else message_type
-            self._write({"op": "advertise", "id": f"advertise:{topic}", "topic": topic, "type": kind})
-        self._line.write_newest(topic, frame)
 
 
 def _message(frame: Frame | dict[str, Any]) -> Any:

@@ -1,7 +1,8 @@
-"""A rosbridge server, written from the protocol document of rosbridge v2."""
+"""A rosbridge server that does what the sources of rosbridge_suite do, on its branches ros1 and ros2."""
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
 from typing import Any
@@ -16,61 +17,94 @@ from .servers import Server
 class Rosbridge(Server):
     """Publishes what a test publishes: in JSON with null for NaN and infinity, or in CBOR with arrays in one piece.
 
-    ``topics``: names to types. ``rosapi``: whether it runs. ``listeners``: nodes that listen, by topic.
+    As the real one it processes what comes in a queue, which it drops when the connection ends; it tells errors to its
+    log alone; it cannot encode arrays of fixed size in CBOR, which are tuples here; and it never begins a subscription
+    without a type to a topic that is not there yet.
+
+    ``topics``: names to types, which say whether it is ROS 1 or 2. ``rosapi``: whether it runs. ``publishers``,
+    ``listeners``: nodes by topic. ``delay``: seconds that each message waits in the queue.
     """
 
-    def __init__(self, topics: dict[str, str], port: int = 0, rosapi: bool = True) -> None:
+    def __init__(self, topics: dict[str, str], port: int = 0, rosapi: bool = True, delay: float = 0.001) -> None:
         super().__init__(port)
         self.topics = topics
         self.rosapi = rosapi
+        self.delay = delay
+        self.publishers: dict[str, list[str]] = {}
         self.listeners: dict[str, list[str]] = {}
-        self.silent: set[str] = set()
         self.subscribed: dict[str, dict[str, Any]] = {}
         self.advertised: dict[str, str] = {}
         self.published: list[tuple[str, Any]] = []
+        self.log: list[str] = []
+        self._queues: dict[WebSocketHandler, tuple[asyncio.Queue[Any], asyncio.Task[None]]] = {}
 
     def publish(self, topic: str, message: dict[str, Any]) -> None:
         said = {"op": "publish", "topic": topic, "msg": message}
-        self.send(_cbor(said) if self.subscribed[topic].get("compression") == "cbor" else _text(said))
+        try:
+            self.send(_cbor(said) if self.subscribed[topic].get("compression") == "cbor" else _text(said))
+        except AttributeError as error:
+            self.log.append(f"Exception calling subscribe callback: {error}")
+
+    def on_open(self, client: WebSocketHandler) -> None:
+        queue: asyncio.Queue[Any] = asyncio.Queue()
+        self._queues[client] = queue, asyncio.ensure_future(self._process(client, queue))
 
     def on_said(self, client: WebSocketHandler, said: Any) -> None:
-        getattr(self, f"_{said['op']}")(client, said)
+        self._queues[client][0].put_nowait(said)
 
-    def _subscribe(self, client: WebSocketHandler, said: dict[str, Any]) -> None:
-        topic = said["topic"]
-        if topic in self.topics:
-            self.subscribed[topic] = said
-        else:
-            self._error(client, said, f"subscribe: Cannot infer type for topic {topic} as it is not yet advertised")
+    def on_close(self, client: WebSocketHandler) -> None:
+        self._queues.pop(client)[1].cancel()
+
+    async def _process(self, client: WebSocketHandler, queue: asyncio.Queue[Any]) -> None:
+        while True:
+            said = await queue.get()
+            await asyncio.sleep(self.delay)
+            try:
+                getattr(self, f"_{said['op']}")(client, said)
+            except Exception as error:
+                self.log.append(f"{said['op']}: {error}")
+
+    def _subscribe(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
+        self._check(said["topic"], said.get("type"))
+        self.subscribed[said["topic"]] = said
 
     def _unsubscribe(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
         self.subscribed.pop(said["topic"], None)
 
     def _advertise(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
+        self._check(said["topic"], said["type"])
         self.advertised[said["topic"]] = said["type"]
 
-    def _publish(self, client: WebSocketHandler, said: dict[str, Any]) -> None:
-        if said["topic"] in self.advertised:
-            self.published.append((said["topic"], said["msg"]))
-        else:
-            self._error(client, said, f"publish: {said['topic']} was not advertised")
+    def _publish(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
+        if said["topic"] not in self.advertised:
+            self._check(said["topic"], None)
+        self.published.append((said["topic"], said["msg"]))
 
     def _call_service(self, client: WebSocketHandler, said: dict[str, Any]) -> None:
         topic = said["args"].get("topic", "")
         values = {
             "/rosapi/topics": {"topics": list(self.topics), "types": list(self.topics.values())},
-            "/rosapi/publishers": {"publishers": [] if topic in self.silent else ["/driver"]},
+            "/rosapi/publishers": {"publishers": self.publishers.get(topic, ["/driver"])},
             "/rosapi/subscribers": {"subscribers": self.listeners.get(topic, ["/rosbridge_websocket"])},
         }
         answer = {"op": "service_response", "service": said["service"], "id": said["id"]}
-        if self.rosapi:
+        if self.rosapi and said["service"] in values:
             self.tell(client, {**answer, "values": values[said["service"]], "result": True})
         else:
-            self._error(client, said, f"call_service InvalidServiceException: Service {said['service']} does not exist")
-            self.tell(client, {**answer, "values": "Service does not exist", "result": False})
+            words = f"Service {said['service']} does not exist"
+            self.log.append(f"call_service InvalidServiceException: {words}")
+            self.tell(client, {**answer, "values": words, "result": False})
 
-    def _error(self, client: WebSocketHandler, said: dict[str, Any], words: str) -> None:
-        self.tell(client, {"op": "status", "level": "error", "msg": words, "id": said.get("id")})
+    def _check(self, topic: str, kind: str | None) -> None:
+        """Refuse a type that is written as the other ROS does, or is not that of the topic."""
+        there = self.topics.get(topic)
+        if kind is None and there is None:
+            raise ValueError(f"Cannot infer type for topic {topic} as it is not yet advertised")
+        is_ros1 = any("/msg/" not in known for known in self.topics.values())
+        if kind is not None and kind.count("/") != (1 if is_ros1 else 2):
+            raise ValueError(f"{kind} is not a valid type string")
+        if there is not None and kind not in (None, there):
+            raise ValueError(f"Tried to register topic {topic} with type {kind} but it is already {there}")
 
 
 def _text(said: Any) -> str:
@@ -80,8 +114,8 @@ def _text(said: Any) -> str:
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {name: _plain(field) for name, field in value.items()}
-    if isinstance(value, np.ndarray):
-        return [_plain(item) for item in value.tolist()]
+    if isinstance(value, (np.ndarray, tuple)):
+        return [_plain(float(item)) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -92,4 +126,6 @@ def _cbor(said: Any) -> bytes:
 def _tagged(value: Any) -> Any:
     if isinstance(value, dict):
         return {name: _tagged(field) for name, field in value.items()}
+    if isinstance(value, tuple):
+        raise AttributeError("'numpy.ndarray' object has no attribute 'get_fields_and_field_types'")
     return cbor2.CBORTag(85, np.asarray(value, "<f4").tobytes()) if isinstance(value, np.ndarray) else value

@@ -6,6 +6,7 @@ import asyncio
 import json
 import socket
 import threading
+from collections.abc import Callable
 from typing import Any
 
 from tornado.httpserver import HTTPServer
@@ -47,6 +48,16 @@ class Server:
 
     def on_said(self, client: WebSocketHandler, said: Any) -> None:
         """Answer a client."""
+
+    def on_close(self, client: WebSocketHandler) -> None:
+        """Learn that the connection to a client ended."""
+
+    def stall(self) -> Callable[[], None]:
+        """Read and answer nothing, until what is returned is called; the network takes what is sent all the same."""
+        stalled, go_on = threading.Event(), threading.Event()
+        self._loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(20)))
+        assert stalled.wait(20)
+        return go_on.set
 
     def send(self, said: Any) -> None:
         """Say something to every client, from any thread: bytes and text as they are, all else as JSON."""
@@ -92,6 +103,7 @@ class Server:
             def on_close(self) -> None:
                 if self in server.clients:
                     server.clients.remove(self)
+                server.on_close(self)
 
         web = HTTPServer(Application([("/.*", Handler)]))
         web.add_sockets(self._sockets)

@@ -156,10 +156,10 @@ def test_who_publishes_and_who_listens_is_told_without_counting_the_bridge(ears:
     middleware = opened(real.address, ears)
     try:
         graph = ConnectionGraph()
-        graph.set_published_topic("/scan", ["/lidar"])
+        graph.set_published_topic("/scan", ["/lidar", "/r1/foxglove_bridge"])
         graph.set_subscribed_topic("/scan", ["/foxglove_bridge"])
         graph.set_subscribed_topic("/cmd_vel", ["/base"])
-        told = [Advert("/scan", SCAN, True, False), Advert("/cmd_vel", "", False, True)]
+        told = [Advert("/scan", SCAN, True, False, ("/lidar",)), Advert("/cmd_vel", "", False, True)]
         wait_for(lambda: real.server.publish_connection_graph(graph) or ears.topics == told, "it was told")
     finally:
         middleware.close()
@@ -358,7 +358,7 @@ def test_a_speed_is_published_in_what_the_robot_takes(encoding: str, ears: Ears)
     try:
         wait_for(lambda: ears.topics, "the topics were told")
         middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
-        middleware.close()  # what was published before is still sent
+        middleware.close()
         wait_for(lambda: taken.payloads, "it came")
     finally:
         middleware.close()
@@ -423,9 +423,11 @@ def test_a_robot_that_takes_no_messages_is_an_error(info: dict[str, Any], words:
         middleware.close()
 
 
-def test_without_a_connection_nothing_is_published(ears: Ears) -> None:
-    middleware = opened(f"ws://127.0.0.1:{free_port()}", ears)
-    middleware.publish("/cmd_vel", "my_msgs/msg/Odd", {})
+def test_without_a_connection_publishing_is_an_error(ears: Ears) -> None:
+    address = f"ws://127.0.0.1:{free_port()}"
+    middleware = opened(address, ears)
+    with pytest.raises(FeedError, match=f"there is no connection to {address}"):
+        middleware.publish("/cmd_vel", TWIST, {})
     middleware.close()
 
 

@@ -1,7 +1,10 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
+import threading
+import time
 from typing import Any
 
 import cbor2
@@ -11,7 +14,7 @@ import pytest
 from robowidgets import Validity
 from robowidgets.feeds import rosbridge as rosbridge_feed
 from robowidgets.feeds._rosbridge_frames import topic_of
-from robowidgets.feeds.middleware import Advert, FeedError
+from robowidgets.feeds.middleware import CLOSE_TIMEOUT, Advert, FeedError
 from robowidgets.feeds.rosbridge import Rosbridge
 from robowidgets.messages import to_scan
 
@@ -39,7 +42,7 @@ def in_json(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Questions for topics follow each other quickly."""
-    monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_POLL", 0.02)
+    monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_POLL", 0.1)
 
 
 def opened(address: str, ears: Ears, *topics: str) -> Rosbridge:
@@ -66,6 +69,7 @@ def test_a_scan_in_cbor_keeps_nan_and_both_infinities(ears: Ears) -> None:
         wait_for(lambda: server.subscribed, "it subscribed")
         server.publish("/scan", scan(1.5, np.nan, np.inf, -np.inf))
         wait_for(lambda: ears.messages, "it came")
+        wait_for(lambda: ears.topics == [Advert("/scan", SCAN, True, None, ("/driver",))], "its publisher was told")
         middleware.close()
         asked = server.heard_op("subscribe")[0]
     assert {name: asked[name] for name in ("topic", "queue_length", "throttle_rate", "compression")} == {
@@ -76,8 +80,8 @@ def test_a_scan_in_cbor_keeps_nan_and_both_infinities(ears: Ears) -> None:
     }
     kinds = [Validity.READING, Validity.NO_MEASUREMENT, Validity.NOTHING_IN_RANGE, Validity.TOO_CLOSE]
     assert validities(ears.of("/scan")[0]) == kinds
+    assert asked["type"] == SCAN
     assert ears.said == []
-    assert ears.topics == [Advert("/scan", SCAN, True, None)]
 
 
 def test_in_json_null_is_no_measurement_and_what_it_hides_is_told(ears: Ears, in_json: None) -> None:
@@ -100,10 +104,11 @@ def test_in_json_null_is_no_measurement_and_what_it_hides_is_told(ears: Ears, in
 def test_every_event_of_a_bumper_is_asked_for_and_handed_on(ears: Ears, quick: None) -> None:
     with Server({}) as server:
         middleware = opened(server.address, ears, "/bumper")
-        wait_for(lambda: server.heard_op("subscribe"), "it was asked for before anybody knew its type")
+        wait_for(lambda: ears.topics == [], "there is no topic yet")
         server.topics = {"/bumper": "kobuki_msgs/BumperEvent"}
-        wait_for(lambda: server.subscribed.get("/bumper", {}).get("queue_length") == 100, "it was asked for again")
-        assert server.subscribed["/bumper"]["throttle_rate"] == 0
+        wait_for(lambda: server.subscribed, "it was asked for")
+        asked = server.subscribed["/bumper"]
+        assert (asked["queue_length"], asked["throttle_rate"]) == (100, 0)
         for i in range(60):
             server.publish("/bumper", {"bumper": i % 3, "state": i % 2})
         wait_for(lambda: len(ears.messages) == 60, "all came")
@@ -121,29 +126,62 @@ def test_types_of_ros_1_are_told_as_those_of_ros_2(ears: Ears) -> None:
 def test_who_listens_and_who_publishes_is_told_without_counting_the_bridge(ears: Ears, quick: None) -> None:
     with Server({"/cmd_vel": STAMPED, "/drive": TWIST, "/scan": SCAN}) as server:
         server.listeners["/cmd_vel"] = ["/base", "/rosbridge_websocket"]
-        server.silent = {"/scan"}
+        server.publishers = {"/cmd_vel": ["/teleop", "/r1/rosbridge_websocket", "/nav"], "/drive": [], "/scan": []}
         middleware = opened(server.address, ears, "/scan")
         told = [
-            Advert("/cmd_vel", STAMPED, True, True),
-            Advert("/drive", TWIST, True, False),
+            Advert("/cmd_vel", STAMPED, True, True, ("/nav", "/teleop")),
+            Advert("/drive", TWIST, False, False),
             Advert("/scan", SCAN, False, None),
         ]
         wait_for(lambda: ears.topics == told, "it was told")
         middleware.close()
 
 
-def test_a_topic_may_come_later_and_change_its_type(ears: Ears, quick: None) -> None:
+def test_questions_are_asked_one_at_a_time_for_a_speed_waits_for_what_came_before(ears: Ears, quick: None) -> None:
+    with Server({f"/drive_{i}": TWIST for i in range(5)}) as server:
+        waiting: list[int] = []
+        answer = server._call_service
+
+        def count(client: Any, said: Any) -> None:
+            waiting.append(len(server.heard_op("call_service")) - len(waiting))
+            answer(client, said)
+
+        server._call_service = count  # type: ignore[method-assign]
+        middleware = opened(server.address, ears)
+        wait_for(lambda: len(waiting) > 20, "it asked about all topics twice")
+        middleware.close()
+        assert set(waiting) == {1}
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["nav_msgs/msg/Odometry", "geometry_msgs/msg/TwistWithCovariance", "sensor_msgs/msg/Imu", "my_msgs/msg/Unknown"],
+)
+def test_a_message_with_an_array_of_fixed_size_comes_though_cbor2_is_installed(kind: str, ears: Ears) -> None:
+    with Server({"/odom": kind}) as server:
+        middleware = opened(server.address, ears, "/odom")
+        wait_for(lambda: server.subscribed, "it subscribed")
+        server.publish("/odom", {"covariance": (0.0,) * 36})
+        wait_for(lambda: ears.messages or server.log, "it came, or could not be sent")
+        middleware.close()
+    assert server.log == []
+    assert ears.of("/odom") == [{"covariance": [0.0] * 36}]
+
+
+@pytest.mark.parametrize("kinds", [(SCAN, TWIST), ("sensor_msgs/LaserScan", "geometry_msgs/Twist")])
+def test_a_topic_may_come_after_it_was_connected_and_change_its_type(
+    kinds: tuple[str, str], ears: Ears, quick: None
+) -> None:
     with Server({}) as server:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: ears.topics == [], "there is none yet")
-        wait_for(lambda: server.heard_op("subscribe"), "it was asked for all the same")
-        server.topics = {"/scan": SCAN}
-        wait_for(lambda: "/scan" in server.subscribed, "it subscribed again")
+        server.topics = {"/scan": kinds[0]}
+        wait_for(lambda: "/scan" in server.subscribed, "it subscribed")
+        assert server.subscribed["/scan"]["type"] == kinds[0]
         server.publish("/scan", scan(1.0))
         wait_for(lambda: ears.messages, "a message came")
-        old = server.subscribed["/scan"]
-        server.topics = {"/scan": TWIST}
-        wait_for(lambda: server.subscribed.get("/scan", old) is not old, "it subscribed anew")
+        server.topics = {"/scan": kinds[1]}
+        wait_for(lambda: server.subscribed.get("/scan", {}).get("type") == kinds[1], "it subscribed anew")
         assert server.heard_op("unsubscribe")[0]["topic"] == "/scan"
         wait_for(lambda: [topic.type for topic in ears.topics or ()] == [TWIST], "the new type was told")
         middleware.close()
@@ -164,16 +202,13 @@ def test_without_rosapi_topics_are_heard_and_the_lack_is_told(ears: Ears, quick:
         middleware.close()
 
 
-def test_what_rosbridge_says_of_a_subscription_is_told_of_its_topic(ears: Ears) -> None:
+def test_a_server_that_answers_no_question_is_one_without_rosapi(ears: Ears, quick: None) -> None:
     with Server({"/scan": SCAN}) as server:
-        middleware = opened(server.address, ears, "/scan", "/other")
-        wait_for(lambda: ears.topics, "the topics were told")
-        said = {"op": "status", "level": "error", "msg": "subscribe: no\nsuch type", "id": "subscribe:/scan"}
-        server.send({**said, "level": "warning", "msg": "slow"})
-        server.send(said)
-        wait_for(lambda: ears.said, "it was told")
+        server._call_service = lambda *_: None  # type: ignore[method-assign]
+        middleware = opened(server.address, ears, "/scan")
+        wait_for(lambda: "/scan" in server.subscribed, "it subscribed all the same")
+        assert ears.said == ["waiting for /scan; which topics there are cannot be told: the robot runs no rosapi"]
         middleware.close()
-    assert ears.troubles == {"/scan": "the robot's bridge says: subscribe: no such type"}
 
 
 def test_after_unsubscribing_nothing_is_asked_for_or_handed_on(ears: Ears) -> None:
@@ -318,18 +353,16 @@ def test_a_speed_after_a_lost_connection_is_written_as_before(ears: Ears) -> Non
         middleware = opened(server.address, ears)
         wait_for(lambda: ears.topics, "the topics were told")
         server.rosapi = False
-        ears.on_connected = lambda: middleware.publish("/cmd_vel", TWIST, {})  # type: ignore[method-assign]
         server.drop()
-        wait_for(lambda: server.advertised, "a speed went out as soon as it could")
+        wait_for(lambda: ears.connected == 2, "it is connected again")
+        middleware.publish("/cmd_vel", TWIST, {})
         middleware.close()
     assert server.advertised == {"/cmd_vel": "geometry_msgs/Twist"}
 
 
 def test_what_json_cannot_say_is_not_published(ears: Ears) -> None:
     with Server({"/scan": SCAN}) as server:
-        middleware = Rosbridge(server.address)
-        middleware.publish("/cmd_vel", TWIST, {"linear": np.nan})  # there is no connection yet: nothing happens
-        middleware.open(ears)
+        middleware = opened(server.address, ears)
         wait_for(lambda: ears.topics, "the topics were told")
         words = r"\{'linear': nan\} cannot be sent as a geometry_msgs/msg/Twist in JSON: Out of range float"
         with pytest.raises(FeedError, match=words):
@@ -337,7 +370,90 @@ def test_what_json_cannot_say_is_not_published(ears: Ears) -> None:
         middleware.close()
 
 
+def test_without_a_connection_publishing_is_an_error_and_nothing_is_kept(ears: Ears) -> None:
+    port = free_port()
+    middleware = Rosbridge(f"ws://127.0.0.1:{port}")
+    words = f"there is no connection to ws://127.0.0.1:{port}"
+    with pytest.raises(FeedError, match=words):
+        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 1.0}})
+    middleware.open(ears)
+    with pytest.raises(FeedError, match=words):
+        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 2.0}})
+    with Server({"/scan": SCAN}, port) as server:
+        wait_for(lambda: ears.connected, "it is connected")
+        middleware.publish("/cmd_vel", TWIST, {})
+        middleware.close()
+    assert server.published == [("/cmd_vel", {})]
+
+
+def test_closing_waits_until_the_robot_has_processed_a_zero_for_it_drops_its_queue_then(ears: Ears) -> None:
+    with Server({"/scan": SCAN}, delay=0.02) as server:
+        middleware = opened(server.address, ears, "/scan")
+        wait_for(lambda: ears.topics, "the topics were told")
+        for speed in (0.1, 0.2, 0.3, 0.0):
+            middleware.publish("/cmd_vel", TWIST, {"linear": {"x": speed}})
+        middleware.close()
+        assert [message["linear"]["x"] for _, message in server.published] == [0.1, 0.2, 0.3, 0.0]
+    assert _threads() == []
+
+
+def test_closing_a_connection_that_published_nothing_asks_the_robot_nothing(ears: Ears) -> None:
+    with Server({"/scan": SCAN}) as server:
+        middleware = opened(server.address, ears)
+        wait_for(lambda: ears.topics, "the topics were told")
+        middleware.close()
+        wait_for(lambda: not server.clients, "the connection ended")
+    assert server.log == []
+
+
+def test_to_a_robot_that_falls_silent_publishing_a_zero_is_an_error_that_says_so(ears: Ears) -> None:
+    with Server({"/cmd_vel": STAMPED}) as server:
+        middleware = opened(server.address, ears)
+        wait_for(lambda: ears.topics, "the topics were told")
+        zero = {"header": {"stamp": {"sec": 1, "nanosec": 2}, "frame_id": "base"}, "twist": {"linear": {"x": 0.0}}}
+        middleware.publish("/cmd_vel", STAMPED, zero)
+        go_on = server.stall()
+        with pytest.raises(FeedError, match=f"{server.address} has not answered for 0.5 s"):
+            middleware.publish("/cmd_vel", STAMPED, zero)
+        go_on()
+        middleware.publish("/cmd_vel", STAMPED, zero)
+        middleware.close()
+    assert server.published == 3 * [("/cmd_vel", zero)]
+
+
+def test_closing_takes_no_longer_than_promised_where_the_robot_answers_no_question(ears: Ears) -> None:
+    with Server({"/scan": SCAN}) as server:
+        middleware = opened(server.address, ears)
+        wait_for(lambda: ears.topics, "the topics were told")
+        server._call_service = lambda *_: None  # type: ignore[method-assign]
+        middleware.publish("/cmd_vel", TWIST, {})
+        began = time.monotonic()
+        middleware.close()
+        assert time.monotonic() - began < CLOSE_TIMEOUT
+        assert _threads() == []
+    assert server.published == [("/cmd_vel", {})]
+
+
+@pytest.mark.parametrize("end", ["feed.close()", ""])
+def test_a_process_that_ends_while_it_drives_stops_the_robot(end: str) -> None:
+    with Server({"/cmd_vel": TWIST}, delay=0.01) as server:
+        server.listeners["/cmd_vel"] = ["/base"]
+        script = (
+            "from robowidgets import feeds\n"
+            f"feed = feeds.rosbridge({server.address!r})\n"
+            "while not feed.topics: pass\n"
+            "for i in range(10): feed.drive(0.25)\n" + end
+        )
+        subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
+        speeds = [message["linear"]["x"] for _, message in server.published]
+    assert (speeds[0], speeds[-1]) == (0.25, 0.0)
+
+
 def test_a_feed_of_it_shows_what_is_there() -> None:
     with Server({"/scan": SCAN}) as server, rosbridge_feed(server.address) as feed:
         wait_for(lambda: feed.topics, "the topics were told")
         assert [(topic.name, topic.widget) for topic in feed.topics] == [("/scan", "laser")]
+
+
+def _threads() -> list[str]:
+    return [thread.name for thread in threading.enumerate() if thread.name.startswith("robowidgets ws")]

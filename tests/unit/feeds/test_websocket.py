@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import asyncio
 import gc
+import json
 import os
 import socket
 import struct
 import threading
+import time
 import weakref
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -13,6 +16,7 @@ import pytest
 
 from robowidgets.feeds import FeedError, _websocket
 from robowidgets.feeds.foxglove import Foxglove
+from robowidgets.feeds.middleware import CLOSE_TIMEOUT
 
 from ..waiting import wait_for
 from .bridge import Rosbridge
@@ -21,6 +25,8 @@ from .fox import OldFoxglove, cdr, channel
 from .servers import free_port
 
 # A connection does the same whatever is spoken on it: here it is foxglove.
+
+TWIST = "geometry_msgs/msg/Twist"
 
 
 @pytest.fixture
@@ -127,55 +133,158 @@ def test_a_robot_that_says_goodbye_is_quoted(scanning: tuple[OldFoxglove, Foxglo
     assert ears.lost == ["the connection ended: battery low"]
 
 
-def test_a_robot_that_falls_silent_is_given_up(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_websocket, "_ALIVE", 0.1)
+def test_a_robot_that_falls_silent_is_given_up_when_it_is_promised(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_websocket, "_ALIVE", 2.0)
     with OldFoxglove([channel(1)]) as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
         wait_for(lambda: ears.topics, "it is connected")
-        go_on = threading.Event()
-        server._loop.call_soon_threadsafe(lambda: go_on.wait(20))
+        go_on = server.stall()
+        began = time.monotonic()
         wait_for(lambda: ears.lost, "it was lost")
-        go_on.set()
+        assert 1.5 < time.monotonic() - began < 3.0
+        go_on()
         wait_for(lambda: ears.connected == 2, "it is back")
         middleware.close()
-    assert ears.lost[0] == "the robot did not answer for 0.1 s"
+    assert ears.lost[0] == "the robot did not answer for 2 s"
 
 
-def test_what_is_published_while_nobody_is_there_is_never_sent(ears: Ears) -> None:
+def test_a_robot_that_answers_but_says_nothing_is_not_given_up(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_websocket, "_ALIVE", 0.5)
+    pings = []
+    with OldFoxglove([]) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        wait_for(lambda: server.clients, "it is connected")
+        server.clients[0].on_ping = lambda data: pings.append(data)  # type: ignore[method-assign]
+        wait_for(lambda: len(pings) > 20, "it was asked for longer than that")
+        middleware.close()
+    assert ears.lost == []
+
+
+@pytest.fixture
+def taking(ears: Ears) -> Iterator[tuple[OldFoxglove, Foxglove]]:
+    """A server that takes messages, and a connection to it."""
     info: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
     with OldFoxglove([channel(1)], **info) as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
         wait_for(lambda: ears.topics, "it is connected")
-        server.drop()
-        wait_for(lambda: ears.lost, "it was lost")
-        middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", {"linear": {"x": 1.0}})
-        wait_for(lambda: ears.connected == 2, "it is back")
-        middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", {})
-        sent = lambda: [said for said in server.heard if isinstance(said, bytes)]  # noqa: E731
-        wait_for(lambda: middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", {}) or sent(), "it publishes again")
+        yield server, middleware
         middleware.close()
-        assert {frame[5:] for frame in sent()} == {b"{}"}
 
 
-def test_a_robot_that_does_not_take_what_is_sent_gets_the_newest_only(ears: Ears) -> None:
-    info: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
-    with OldFoxglove([channel(1)], **info) as server:
-        middleware = Foxglove(server.address)
-        middleware.open(ears)
-        wait_for(lambda: ears.topics, "it is connected")
-        stalled, go_on = threading.Event(), threading.Event()
-        server._loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(20)))
-        assert stalled.wait(20)
-        filler = "x" * 1_000_000
-        for i in range(40):
-            middleware.publish("/big", "std_msgs/msg/String", {"data": filler, "i": i})
-        go_on.set()
-        numbers = lambda: [f[-4:] for f in server.heard if isinstance(f, bytes)]  # noqa: E731
-        wait_for(lambda: numbers() and numbers()[-1] == b" 39}", "the last one came")
-        middleware.close()
-        assert len(numbers()) < 40
+def sent(server: OldFoxglove) -> list[Any]:
+    return [json.loads(said[5:]) for said in server.heard if isinstance(said, bytes)]
+
+
+def test_a_speed_and_a_zero_are_published_at_once(taking: tuple[OldFoxglove, Foxglove]) -> None:
+    server, middleware = taking
+    seconds = []
+    for speed in 10 * [1.0, 0.0]:
+        began = time.monotonic()
+        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": speed}})
+        seconds.append(time.monotonic() - began)
+    assert sorted(seconds)[10] < 0.1
+    wait_for(lambda: [message["linear"]["x"] for message in sent(server)] == 10 * [1.0, 0.0], "all came")
+
+
+def test_to_a_robot_that_does_not_answer_a_zero_is_sent_and_said_not_to_be_answered(
+    taking: tuple[OldFoxglove, Foxglove],
+) -> None:
+    server, middleware = taking
+    go_on = server.stall()
+    began = time.monotonic()
+    with pytest.raises(FeedError, match=f"{server.address} has not answered for 0.5 s"):
+        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    assert 0.4 < time.monotonic() - began < 1.0
+    go_on()
+    wait_for(lambda: sent(server) == [{"linear": {"x": 0.0}}], "it came, for a robot may be slow to answer")
+
+
+def refusal(middleware: Foxglove, fields: dict[str, Any]) -> str:
+    """Why something could not be published; empty when it could."""
+    try:
+        middleware.publish("/cmd_vel", TWIST, fields)
+    except FeedError as error:
+        return str(error)
+    return ""
+
+
+def test_to_a_robot_that_has_not_answered_for_a_while_no_speed_is_sent(taking: tuple[OldFoxglove, Foxglove]) -> None:
+    server, middleware = taking
+    go_on = server.stall()
+    began = time.monotonic()
+    tried = 0
+    while not (words := refusal(middleware, {"linear": {"x": 1.0 + tried}})):
+        tried += 1
+        time.sleep(0.02)  # the pace of a program
+        assert time.monotonic() - began < 3.0
+    assert words.startswith(f"{server.address} has not answered for ")
+    go_on()
+    middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    wait_for(lambda: sent(server)[-1] == {"linear": {"x": 0.0}}, "the zero came")
+    assert [message["linear"]["x"] for message in sent(server)] == [*(1.0 + i for i in range(tried)), 0.0]
+
+
+def test_closing_takes_no_longer_than_promised_while_the_robot_does_not_answer(
+    taking: tuple[OldFoxglove, Foxglove],
+) -> None:
+    server, middleware = taking
+    go_on = server.stall()
+    began = time.monotonic()
+    middleware.close()
+    assert time.monotonic() - began < CLOSE_TIMEOUT
+    assert _threads() == []
+    go_on()
+
+
+def test_what_is_published_while_nobody_is_there_is_an_error_and_never_sent(
+    taking: tuple[OldFoxglove, Foxglove], ears: Ears
+) -> None:
+    server, middleware = taking
+    server.drop()
+    wait_for(lambda: ears.lost, "it was lost")
+    with pytest.raises(FeedError, match=f"there is no connection to {server.address}"):
+        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 1.0}})
+    wait_for(lambda: ears.connected == 2, "it is back")
+    middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    wait_for(lambda: sent(server), "what is published now came")
+    assert sent(server) == [{"linear": {"x": 0.0}}]
+
+
+def test_a_connection_that_ends_while_something_is_published_is_an_error_at_once(
+    taking: tuple[OldFoxglove, Foxglove],
+) -> None:
+    server, middleware = taking
+    go_on = server.stall()
+    server.drop()
+    threading.Timer(0.1, go_on).start()
+    with pytest.raises(FeedError, match=f"the connection to {server.address} ended"):
+        middleware.publish("/cmd_vel", TWIST, {})
+
+
+def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
+    ears: Ears, monkeypatch: pytest.MonkeyPatch, taking: tuple[OldFoxglove, Foxglove]
+) -> None:
+    monkeypatch.setattr(_websocket, "_ALIVE", 1000.0)  # it is not asked whether it is there
+    monkeypatch.setattr(_websocket, "SEND_TIMEOUT", 0.2)
+    server, middleware = taking
+    server.drop()
+    wait_for(lambda: ears.connected == 2, "it is connected anew")
+    wait_for(lambda: not refusal(middleware, {}), "it takes messages")
+    go_on = server.stall()
+    refused: dict[int, str] = {}
+    for i in range(60):
+        if words := refusal(middleware, {"data": 1_000_000 * "x", "i": i}):
+            refused[i] = words
+        if len(refused) == 5:
+            break
+    assert set(refused.values()) == {f"{server.address} does not take what is sent"}
+    go_on()
+    wait_for(lambda: not refusal(middleware, {"i": 60}), "it takes messages again")
+    wait_for(lambda: sent(server)[-1].get("i") == 60, "the last one came")
+    assert max(refused) not in [message.get("i") for message in sent(server)]
 
 
 def test_a_server_that_never_answers_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -283,21 +392,26 @@ def test_a_hundred_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears
     assert [ref for ref in there if ref() is not None] == []
 
 
-def test_frames_that_come_without_a_pause_keep_nobody_from_closing(
-    scanning: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
+def test_frames_that_come_without_a_pause_keep_nobody_from_publishing_and_closing(
+    taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    server, middleware = scanning
+    server, middleware = taking
+    middleware.subscribe("/scan")
+    wait_for(lambda: server.subscribed, "it subscribed")
     monkeypatch.setattr(_websocket, "_GOODBYE", 0.05)
-    frame = struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr()
+    message = struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr()
+    assert len(message) < 126
+    frames = 50_000 * (bytes([0x82, len(message)]) + message)  # as they are on the wire
 
-    def flood() -> None:
-        if server.clients:
-            for _ in range(200):
-                server.tell(server.clients[0], frame)
-            server._loop.call_soon(flood)
+    async def flood() -> None:
+        stream = server.clients[0].ws_connection.stream  # type: ignore[union-attr]
+        while not stream.closed():
+            await stream.write(frames)
 
-    server._loop.call_soon_threadsafe(flood)
+    asyncio.run_coroutine_threadsafe(flood(), server._loop)
     wait_for(lambda: len(ears.messages) > 5, "messages are handed on meanwhile")
+    for speed in (1.0, 0.0):
+        middleware.publish("/cmd_vel", TWIST, {"linear": {"x": speed}})
     middleware.close()
     assert _threads() == []
 

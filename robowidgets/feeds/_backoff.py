@@ -1,4 +1,4 @@
-"""Trying again, with growing pauses, until it works or nobody wants it any more."""
+"""Pauses between attempts to connect, which grow until one succeeds."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ JITTER = 0.1
 """Share by which a pause may be shorter: a hundred that lost the same robot must not all come back at once."""
 
 
-class Again:
+class Backoff:
     """The pauses between attempts: half a second, then twice as long each time, up to eight.
 
     An adapter tells `Listener.on_lost` the pause that comes next, and then waits::
 
-        while not again.closed:
+        while not backoff.closed:
             try:
-                ...  # connect; again.worked() once it did; read until the connection ends
+                ...  # connect; backoff.worked() once it did; read until the connection ends
             except OSError as error:
-                listener.on_lost(str(error), pause := again.next_pause())
-                again.wait(pause)
+                listener.on_lost(str(error), pause := backoff.next_pause())
+                backoff.wait(pause)
 
     Any thread may call `close`.
     """
