@@ -10,13 +10,15 @@ const shortened = Object.fromEntries(
   Object.keys(short).map((name) => [`${name.slice(1) in Math ? "Math" : "Number"}.${name.slice(1)}`, name]),
 );
 
-// Terser sees what is used once, and puts it where it is used: of a bundle 2 % that travel with every widget.
+// Terser sees what is used once, and puts it where it is used, and makes arrows of functions without a "this" (unsafe only
+// for those called with "new", which ours are not): of a bundle 3 % that travel with every widget.
+const terser = { module: true, ecma: 2020, compress: { passes: 3, unsafe_arrows: true } };
 const tighten = {
   name: "tighten",
   setup: (build) =>
     build.onEnd(async ({ outputFiles = [] }) => {
       for (const { path, text } of outputFiles) {
-        writeFileSync(path, (await minify(text, { module: true, compress: { passes: 2 } })).code);
+        writeFileSync(path, (await minify(text, terser)).code);
       }
     }),
 };
