@@ -33,7 +33,8 @@ class RateMeter:
             return float("nan")
         if not self._marks or last - self._marks[-1][0] >= SPACING:
             self._marks.append((last, count))
-            while len(self._marks) > 2 and last - self._marks[0][0] > WINDOW:
+            # After a pause the old mark stays until the rate can be told of the new ones.
+            while last - self._marks[0][0] > WINDOW and len(self._marks) > 2 and last - self._marks[1][0] >= SHORTEST:
                 self._marks.popleft()
         first, before = self._marks[0]
         passed = last - first

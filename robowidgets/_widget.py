@@ -22,8 +22,13 @@ from ._rate import RateMeter
 from ._traits import Flag, bytes_trait
 from .samples.numbers import finite
 
-HEAD = struct.Struct("<ddq")
-"""Each frame starts with its sequence number, samples per second (NaN: unknown), and the stamp in ns (0: none)."""
+HEAD = struct.Struct("<ddqd")
+"""Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and when
+its sample arrived, in seconds of Python's monotonic clock, which the page has no use for."""
+
+SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
+"""Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
+where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
 
 LONGEST_HISTORY = 600
 """Seconds; what is kept longer is a recording."""
@@ -71,8 +76,11 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     _frame = bytes_trait(echo_update=False)
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
-    _source = traitlets.Dict(help="What a feed says of its topic, in plain text: topic, type, words.").tag(
-        sync=True, echo_update=False
+    _source = traitlets.Dict(
+        help="What a feed says of its topic: topic, type and words, plain text; whether the connection is lost."
+    ).tag(sync=True, echo_update=False)
+    _silence = traitlets.Float(0.0, help="Seconds; how old the newest sample is in a state that a page asks for.").tag(
+        sync=True
     )
 
     def __init__(self, **kwargs: Any) -> None:
@@ -101,35 +109,48 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._storing = threading.RLock()
         self._sending = threading.RLock()
         self._came = threading.Condition(self._storing)
+        self._given = threading.local()
+        """By thread, the sequence number of the sample that `wait` gave it last."""
 
     # -- what a person uses --------------------------------------------------------------------------------------------
 
-    def wait(self, timeout: float = 10.0) -> Any:
-        """The newest sample, frozen or not: at once where there is one, else as soon as the first has come.
+    def wait(self, timeout: float | None = None) -> Any:
+        """The next sample, frozen or not, so that a loop never acts on an old one.
 
-        Of speeds it is the one that was measured. Any thread may wait. What would be handed on by the thread that waits
-        does not come meanwhile.
+        It never gives one twice to the same thread. The newest one is given at once if this thread has not had it, and
+        if it is no older than the default time-out; else the call waits. Of speeds it is the measured one. In the
+        player of a recording it is what is shown, at once. Any thread may wait. A sample that the waiting thread itself
+        would hand to the widget cannot come meanwhile.
 
         Args:
-            timeout: seconds that it waits for the first one, 0 or more.
+            timeout: seconds that it waits, 0 or more. None: three periods of the source, at least 1 s and at most 10 s;
+                10 s for a source without a rate: one that has just begun, or that speaks in events.
 
         Raises:
-            TimeoutError: none came; the text says what is known of why.
+            TimeoutError: none came; the text says how old the last one is, and what is known of why.
             TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
         """
-        seconds = finite("timeout", timeout, "seconds")
+        limit = self._longest_silence()
+        seconds = limit if timeout is None else finite("timeout", timeout, "seconds")
         if seconds < 0:
             raise ValueError(f"timeout: expected seconds, 0 or more, got {timeout!r}")
+        given = getattr(self._given, "sequence", 0)
+
+        def has_next() -> bool:
+            if self._newest_sample() is None:
+                return False
+            return not self.live or (self._sequence > given and time.monotonic() - self._arrived <= limit)
+
         with self._came:
             self._waiting += 1
             try:
-                self._came.wait_for(lambda: self._newest_sample() is not None, min(seconds, threading.TIMEOUT_MAX))
+                came = self._came.wait_for(has_next, min(seconds, threading.TIMEOUT_MAX))
             finally:
                 self._waiting -= 1
-            sample = self._newest_sample()
-        if sample is None:
-            raise TimeoutError(self._why_none(seconds))
-        return sample
+            if not came:
+                raise TimeoutError(self._why_none(seconds))
+            self._given.sequence = self._sequence
+            return self._newest_sample()
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
@@ -140,6 +161,11 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     def _newest_sample(self) -> Any:
         """What `wait` gives; None before the first."""
         return self._newest
+
+    def _longest_silence(self) -> float:
+        """Seconds without a sample after which the source is silent."""
+        rate = self.rate
+        return min(max(SHORTEST_SILENCE, 3 / rate), LONGEST_SILENCE) if rate > 0 else LONGEST_SILENCE
 
     def _show(self, sample: S, about: dict[str, Any], *, counts: bool = True) -> None:
         """Store the newest sample, with what is to be said of it in words, for the page to show.
@@ -171,14 +197,15 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     def _why_none(self, seconds: float) -> str:
         error = self._newest_about.get("error", "")
         words = [self._source.get("words", ""), f"what came could not be shown: {error}" if error else ""]
-        if not self._source and not error:
+        sample = self._newest_sample()
+        if not self._source and not error and sample is None:
             words.append("no feed is connected to it; feed.connect(topic, widget) does that")
         why = "; ".join(filter(None, words))
-        return (
-            f"{type(self).__name__} {self.title}".rstrip()
-            + f" had nothing to show in {seconds:g} s"
-            + f": {why}" * bool(why)
-        )
+        none = f"nothing to show in {seconds:g} s"
+        if sample is not None:
+            age = time.monotonic() - self._arrived
+            none = f"no new {type(sample).__name__.lower()} for {age:.{'1f' if age >= 1 else '2g'}} s"
+        return f"{type(self).__name__} {self.title}".rstrip() + f" had {none}" + f": {why}" * bool(why)
 
     def _say(self, words: str) -> None:
         if words != self._unsaved:
@@ -259,6 +286,15 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         if key is None:
             self._bring_up_to_date()
         state: dict[str, Any] = super().get_state(key)
+        if key is None and self._sequence and (self.rate > 0 or self._source):
+            # A page that is loaded has not seen it come, and cannot know how old it is.
+            state["_silence"] = time.monotonic() - self._arrived
+        return state
+
+    def _get_embed_state(self, drop_defaults: bool = False) -> dict[str, Any]:
+        """What an exported page gets, which shows the picture as it was then, and not its age."""
+        state: dict[str, Any] = super()._get_embed_state(drop_defaults)
+        state["state"]["_silence"] = 0.0
         return state
 
     def close(self) -> None:
@@ -275,6 +311,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                     return
                 self._changed = False
                 sample, about, sequence, rate = self._newest, self._newest_about, self._sequence, self.rate
+                arrived = self._arrived
                 if self._unsaved:
                     about = {**about, "notes": [*about.get("notes", ()), self._unsaved]}
             self._trait_values["_about"] = about
@@ -282,7 +319,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 self._abouts.append((sequence, about))
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0
-                self._trait_values["_frame"] = HEAD.pack(sequence, rate, stamp) + self._pack(sample)
+                self._trait_values["_frame"] = HEAD.pack(sequence, rate, stamp, arrived) + self._pack(sample)
 
     @traitlets.validate("history")
     def _kept(self, proposal: Any) -> float:

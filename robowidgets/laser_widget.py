@@ -177,10 +177,10 @@ class LaserWidget(RobotWidget[Scan]):
         return b"".join([head, *[column.astype(_FLOAT, copy=False).data for column in columns]])
 
     def _unpack(self, frame: bytes) -> Scan:
-        _, _, stamp_ns = HEAD.unpack_from(frame)
+        _, _, stamp_ns, arrived = HEAD.unpack_from(frame)
         angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, HEAD.size)
         values = np.frombuffer(frame, _FLOAT, offset=HEAD.size + _GEOMETRY.size)
-        return Scan(
+        scan = Scan(
             ranges=values[: int(count)],
             angle_min=angle_min,
             angle_increment=angle_increment,
@@ -190,6 +190,8 @@ class LaserWidget(RobotWidget[Scan]):
             stamp_ns=stamp_ns or None,
             frame_id=self._held_about.get("frame_id", ""),
         )
+        scan._arrive(arrived)
+        return scan
 
     @traitlets.validate("angle_offset")
     def _in_radians(self, proposal: Any) -> float:

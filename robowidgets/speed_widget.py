@@ -16,9 +16,9 @@ from ._widget import HEAD, RobotWidget
 from .messages import to_speed
 from .samples import AXES, Speed
 
-_FRAME = struct.Struct("<ddq24d")
+_FRAME = struct.Struct("<ddqd24d")
 """After the head: what there is (1: measured, 2: commanded), resets of the peaks, stamp of the commanded speed in ns
-(0: none), then by axis the measured, the commanded, the least and the greatest speeds."""
+(0: none) and when it arrived, then by axis the measured, the commanded, the least and the greatest speeds."""
 
 _MEASURED, _COMMANDED = 1, 2
 _NO_VALUES = (nan,) * 6
@@ -223,6 +223,7 @@ class SpeedWidget(RobotWidget[Reading]):
             (_MEASURED if measured else 0) + (_COMMANDED if commanded else 0),
             sample.resets,
             (commanded.stamp_ns or 0) if commanded else 0,
+            commanded._arrived if commanded else 0.0,
             *(measured.values if measured else _NO_VALUES),
             *(commanded.values if commanded else _NO_VALUES),
             *sample.least,
@@ -230,13 +231,16 @@ class SpeedWidget(RobotWidget[Reading]):
         )
 
     def _unpack(self, frame: bytes) -> Reading:
-        _, _, stamp_ns = HEAD.unpack_from(frame)
-        there, resets, commanded_ns, *values = _FRAME.unpack_from(frame, HEAD.size)
+        _, _, stamp_ns, arrived = HEAD.unpack_from(frame)
+        there, resets, commanded_ns, commanded_arrived, *values = _FRAME.unpack_from(frame, HEAD.size)
         frame_id = self._held_about.get("frame_id", "")
-        measured, commanded = (tuple(values[i : i + 6]) for i in (0, 6))
+        measured = Speed(tuple(values[:3]), tuple(values[3:6]), stamp_ns or None, frame_id)
+        measured._arrive(arrived)
+        commanded = Speed(tuple(values[6:9]), tuple(values[9:12]), commanded_ns or None)
+        commanded._arrive(commanded_arrived)
         return Reading(
-            Speed(measured[:3], measured[3:], stamp_ns or None, frame_id) if int(there) & _MEASURED else None,
-            Speed(commanded[:3], commanded[3:], commanded_ns or None) if int(there) & _COMMANDED else None,
+            measured if int(there) & _MEASURED else None,
+            commanded if int(there) & _COMMANDED else None,
             tuple(values[12:18]),
             tuple(values[18:]),
             int(resets),

@@ -12,9 +12,9 @@ import traitlets
 
 from ._named_widget import bundle
 from ._pacer import pacer
-from ._widget import HEAD, RobotWidget
+from ._widget import HEAD, LONGEST_SILENCE, RobotWidget
 from .messages import to_touch
-from .samples import Touch, TouchState
+from .samples import Touch, TouchMode, TouchState
 from .samples.numbers import in_radians
 from .touch_tracker import TouchSensor, TouchTracker
 
@@ -160,6 +160,11 @@ class TouchWidget(RobotWidget[Touch]):
         if key is None:
             self._changed = True
         return super().get_state(key, drop_defaults)
+
+    def _longest_silence(self) -> float:
+        """Events come when something happens, not at a rate."""
+        is_events = self._newest is not None and self._newest.mode is TouchMode.EVENT
+        return LONGEST_SILENCE if is_events else super()._longest_silence()
 
     def _pack(self, sample: Touch) -> bytes:  # noqa: ARG002  # what it said is in the tracker, with all before it
         with self._tracking:

@@ -129,4 +129,4 @@ def pack(stills: list[Still]) -> tuple[list[dict[str, Any]], bytes]:
 
 def _head(sample: Any) -> bytes:
     """Of a frame that the page numbers itself, from a source that has no rate."""
-    return HEAD.pack(0.0, nan, sample.stamp_ns or 0)
+    return HEAD.pack(0.0, nan, sample.stamp_ns or 0, sample._arrived)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from enum import IntEnum
@@ -13,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._age import HasAge
 from .numbers import ANGLE_ROUNDING, OF_DEGREES, finite, floats, frozen, in_radians, is_frozen, number
 from .sector import Sector, in_sector, to_sector
 
@@ -59,7 +61,7 @@ class Ray(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Scan:
+class Scan(HasAge):
     """One sweep of a laser scanner.
 
     Ray ``i`` points at ``angle_min + i * angle_increment``; ``angle_max`` of a message is never used for geometry,
@@ -144,6 +146,7 @@ class Scan:
         put(self, "range_max", high)
         notes += _about_metres(ranges, low, high)
         put(self, "notes", tuple(dict.fromkeys(notes)))
+        self._arrive()
 
     def __len__(self) -> int:
         return int(self.ranges.size)
@@ -203,7 +206,7 @@ class Scan:
         scan = object.__new__(Scan)
         values = scan.__dict__
         values.update(self._settings)
-        values["stamp_ns"] = stamp_ns
+        values["stamp_ns"], values["_arrived"] = stamp_ns, time.monotonic()
         for name, given in (("ranges", ranges), ("intensities", intensities)):
             if given is not None:
                 array = given if keep and is_frozen(given) else floats(name, given)
@@ -316,8 +319,12 @@ class Scan:
         return self[int(off.argmin())]
 
     def turned(self, angle: float) -> Scan:
-        """The same scan with every ray turned by an angle in radians, counter-clockwise."""
-        return replace(self, angle_min=self.angle_min + angle) if angle else self
+        """The same scan, of the same age, with every ray turned by an angle in radians, counter-clockwise."""
+        if not angle:
+            return self
+        turned = replace(self, angle_min=self.angle_min + angle)
+        turned._arrive(self._arrived)
+        return turned
 
     @cached_property
     def _settings(self) -> dict[str, Any]:

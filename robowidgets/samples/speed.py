@@ -6,13 +6,14 @@ from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from typing import Any
 
+from ._age import HasAge
 from .numbers import number
 
 AXES = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
 
 
 @dataclass(frozen=True)
-class Speed:
+class Speed(HasAge):
     """A velocity in the body frame: measured, or commanded.
 
     Args:
@@ -38,6 +39,7 @@ class Speed:
     frame_id: str = ""
 
     def __post_init__(self) -> None:
+        self._arrive()
         for name in ("linear", "angular"):
             given = getattr(self, name)
             if type(given) is tuple and len(given) == 3 and all(type(v) is float for v in given):

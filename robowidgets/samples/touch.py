@@ -9,6 +9,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ._age import HasAge
+
 
 class TouchState(IntEnum):
     """What is known of one touch sensor. Only what is touched is true: ``if touch.states["left"]: stop()``."""
@@ -34,7 +36,7 @@ class TouchMode(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class Touch(HasAge):
     """What touch sensors said at one moment.
 
     Args:
@@ -72,3 +74,4 @@ class Touch:
         object.__setattr__(self, "touched", MappingProxyType(touched))
         known = dict.fromkeys(self.sensors) | dict.fromkeys(touched)
         object.__setattr__(self, "sensors", tuple(known))
+        self._arrive()

@@ -19,7 +19,7 @@ moment = next(m.seconds for m in recording.samples("/bumper") if any(m.sample.to
 laser = LaserWidget(title="/scan", view_range="data")
 speed = SpeedWidget(title="/odom", planar=True)
 touch = TouchWidget(title="/bumper")
-for m in recording.samples("/bumper", end=moment):
+for m in [*recording.samples("/bumper", end=moment)]:
     touch.update(m)
 fastest = max(recording.samples("/odom"), key=lambda m: abs(m.sample.angular[2]))
 speed.command(recording.at("/cmd_vel", fastest.seconds))

@@ -99,8 +99,8 @@ test("a frame that Python packed is read to the byte, wherever it starts", () =>
 });
 
 test("a frame without intensities has none", () => {
-  const bytes = new DataView(new ArrayBuffer(24 + 40 + 8));
-  bytes.setFloat64(24 + 32, 2, true);
+  const bytes = new DataView(new ArrayBuffer(32 + 40 + 8));
+  bytes.setFloat64(32 + 32, 2, true);
   const scan = decodeScan(bytes);
   assert.equal(scan.ranges.length, 2);
   assert.equal(scan.intensities.length, 0);

@@ -63,7 +63,7 @@ test("a frame is the speeds measured and commanded, and the peaks, as Python pac
 
 test("what has not come yet is null, and not NaN", () => {
   const bytes = frame();
-  const there = 24;
+  const there = 32;
   bytes.setFloat64(there, 1, true);
   assert.equal(decodeSpeeds(bytes).commanded, null);
   bytes.setFloat64(there, 2, true);

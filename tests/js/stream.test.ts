@@ -5,10 +5,11 @@ import { type Frame, readHead, Stream } from "../../robowidgets/js/shared/stream
 import { FakeModel } from "./models.ts";
 
 const OFFSET = 5;
+const HEAD = 32;
 
 /** A frame with nothing but a head, amid the bytes of a larger message. */
 function frame(sequence: number, rate = 40): DataView {
-  const bytes = new DataView(new ArrayBuffer(OFFSET + 24 + 3), OFFSET, 24);
+  const bytes = new DataView(new ArrayBuffer(OFFSET + HEAD + 3), OFFSET, HEAD);
   bytes.setFloat64(0, sequence, true);
   bytes.setFloat64(8, rate, true);
   return bytes;
@@ -61,7 +62,7 @@ test("a person's freeze holds the picture here and tells Python, with exactly th
   assert.deepEqual(Object.keys(message ?? {}).sort(), ["_held", "paused"]);
   const held = message?._held as DataView;
   // Hosts send the whole buffer under a view, so there must be nothing else in it.
-  assert.equal(held.buffer.byteLength, 24);
+  assert.equal(held.buffer.byteLength, HEAD);
   assert.equal(held.getFloat64(0, true), 3);
   end();
 });
@@ -120,16 +121,16 @@ test("a kernel that counts anew makes no negative count", () => {
   end();
 });
 
-test("it is live for two seconds after a frame, and says when that ends", (t) => {
+test("a fast source is live for a second after a frame, and says when that ends", (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const { fake, stream, end, signal } = open();
   let told = 0;
   stream.listen(() => told++, signal);
   fake.receive({ _frame: frame(1) });
   assert.equal(stream.live, true);
-  t.mock.timers.tick(1999);
+  t.mock.timers.tick(999);
   fake.receive({ _frame: frame(2) });
-  t.mock.timers.tick(1999);
+  t.mock.timers.tick(999);
   assert.equal(stream.live, true);
   assert.equal(told, 2);
   t.mock.timers.tick(1);
@@ -201,7 +202,7 @@ test("what is stepped to is told to Python ten times a second, with exactly the 
   const told = fake.saved.slice(before).map(({ _held }) => _held as DataView);
   assert.equal(told.length, 5);
   assert.equal(told.at(-1)?.getFloat64(0, true), 10);
-  assert.equal(told.at(-1)?.buffer.byteLength, 24);
+  assert.equal(told.at(-1)?.buffer.byteLength, HEAD);
   end();
 });
 
@@ -236,23 +237,71 @@ test("a frame that Python holds is found among those that came", () => {
   end();
 });
 
-test("silence is counted from the last frame of a source that had a rate", (t) => {
+test("silence begins three periods after the last frame, from one second to ten", (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const { fake, stream, end } = open();
-  fake.receive({ _frame: frame(1) });
-  assert.equal(stream.rate, 40);
-  assert.equal(stream.silence, 0);
-  t.mock.timers.tick(2000);
-  assert.ok(stream.silence > 0);
-  fake.receive({ _frame: frame(2, 0.5) });
-  t.mock.timers.tick(3999);
-  assert.equal(stream.silence, 0);
-  t.mock.timers.tick(1);
-  assert.ok(stream.silence > 0);
-  fake.receive({ _frame: frame(3, Number.NaN) });
-  t.mock.timers.tick(2000);
+  const limits: [number, number][] = [
+    [40, 1000],
+    [2, 1500],
+    [0.5, 6000],
+    [0.2, 10_000],
+    [0.01, 10_000],
+    [1e-9, 10_000],
+  ];
+  for (const [rate, limit] of limits) {
+    fake.receive({ _frame: frame(1, rate) });
+    assert.equal(stream.rate, rate);
+    t.mock.timers.tick(limit - 1);
+    assert.equal(stream.silence, 0);
+    t.mock.timers.tick(1);
+    assert.ok(stream.silence > 0);
+  }
+  end();
+});
+
+test("without a rate only a feed can be silent, after ten seconds", (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  for (const topic of [undefined, "/scan"]) {
+    const { fake, stream, end } = open({ _source: { topic } });
+    fake.receive({ _frame: frame(1, Number.NaN) });
+    t.mock.timers.tick(9999);
+    assert.equal(stream.silence, 0);
+    t.mock.timers.tick(1);
+    assert.equal(stream.silence > 0, topic !== undefined);
+    end();
+  }
+});
+
+test("a page that is loaded counts from when Python had the frame, and saves no age", (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const { fake, stream, end } = open({ _frame: frame(7), _silence: 60 });
+  t.mock.timers.tick(0);
+  assert.ok(stream.silence >= 60_000);
+  assert.equal(stream.arrived, 0);
+  assert.equal(fake.model.get("_silence"), 0);
+  fake.receive({ _frame: frame(8) });
   assert.equal(stream.silence, 0);
   end();
+});
+
+test("a page that is loaded between two frames shows a live source", (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const { stream, end } = open({ _frame: frame(7), _silence: 0.4 });
+  t.mock.timers.tick(599);
+  assert.equal(stream.silence, 0);
+  t.mock.timers.tick(1);
+  assert.ok(stream.silence >= 400);
+  end();
+});
+
+test("a picture of which Python says no age is not silent: an export, or one filled by hand", (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  for (const _silence of [undefined, 0]) {
+    const { stream, end } = open({ _frame: frame(7), _silence });
+    t.mock.timers.tick(60_000);
+    assert.equal(stream.silence, 0);
+    end();
+  }
 });
 
 test("what is said of a frozen sample is what was said when it came", () => {

@@ -19,11 +19,11 @@ const RIGHT: Sensor = { name: "right", state: "unknown", touches: 0, seconds: nu
 /** A frame as Python packs it, at an odd offset in a larger buffer, as binary traits arrive. */
 function frame(rows: unknown[]): DataView {
   const text = new TextEncoder().encode(JSON.stringify(rows));
-  const bytes = new Uint8Array(3 + 24 + text.length);
+  const bytes = new Uint8Array(3 + 32 + text.length);
   const view = new DataView(bytes.buffer, 3);
   view.setFloat64(0, 7, true);
   view.setFloat64(8, 50, true);
-  bytes.set(text, 27);
+  bytes.set(text, 35);
   return view;
 }
 

@@ -341,7 +341,7 @@ class TestFrame:
         frame = laser.get_state()["_frame"]
         assert isinstance(frame, bytes)
         assert same(shown(laser, frame), scan)
-        assert len(frame) == 24 + 40 + 4 * (scan.ranges.size + scan.intensities.size)
+        assert len(frame) == HEAD.size + 40 + 4 * (scan.ranges.size + scan.intensities.size)
 
     def test_ray_counts_may_change_from_scan_to_scan(self, laser: LaserWidget, page: Page) -> None:
         for count in (360, 1, 720, 0, 3):

@@ -28,6 +28,15 @@ def test_a_steady_rate_is_told_whatever_it_is(hz: float, asked_after: int) -> No
     assert rate(*times, asked_after=asked_after) == pytest.approx(hz, rel=0.01)
 
 
+def test_after_a_pause_it_is_known_throughout() -> None:
+    meter = RateMeter()
+    before = [i / 10 for i in range(31)]
+    after = [before[-1] + 8 + i / 10 for i in range(31)]
+    told = [meter.rate(count, time) for count, time in enumerate(before + after, 1)]
+    assert not any(map(isnan, told[len(before) :]))
+    assert told[-1] == pytest.approx(10, rel=0.01)
+
+
 def test_the_past_is_forgotten() -> None:
     slow = [i / 2 for i in range(20)]
     fast = [slow[-1] + i / 50 for i in range(1, 250)]

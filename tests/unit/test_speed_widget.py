@@ -35,8 +35,8 @@ STAMPED = {"header": {"stamp": {"sec": 3, "nanosec": 4}, "frame_id": "base_link"
 def sent(speed: SpeedWidget) -> tuple[int, list[float], list[float], list[float], list[float]]:
     """What a page that opens now gets: what is there, measured, commanded, least, greatest."""
     frame = speed.get_state()["_frame"]
-    there, _, _, *values = struct.unpack_from("<ddq24d", frame, HEAD.size)
-    assert len(frame) == HEAD.size + struct.calcsize("<ddq24d")
+    there, _, _, _, *values = struct.unpack_from("<ddqd24d", frame, HEAD.size)
+    assert len(frame) == HEAD.size + struct.calcsize("<ddqd24d")
     return (int(there), *(values[i : i + 6] for i in range(0, 24, 6)))
 
 
@@ -124,6 +124,8 @@ def test_a_frame_is_packed_byte_by_byte(monkeypatch: pytest.MonkeyPatch) -> None
     speed.reset_peaks()
     speed.update(Speed(measured[:3], measured[3:], 7))
     speed.command(Speed(commanded[:3], commanded[3:], 6))
+    speed._arrived = 12.5
+    speed.commanded._arrive(12.25)
     assert base64.b64encode(speed.get_state()["_frame"]).decode() == case["base64"]
 
 

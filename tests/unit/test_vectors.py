@@ -57,5 +57,6 @@ def test_a_frame_is_packed_byte_by_byte() -> None:
     case = VECTORS["frame"]
     laser = LaserWidget()
     laser.update(to_scan(case))
+    laser._arrived = 12.5
     assert base64.b64encode(laser.get_state()["_frame"]).decode() == case["base64"]
     laser.close()

@@ -24,6 +24,7 @@ export class Card {
   readonly #title = make("span", "rw-title");
   readonly #facts = make("span", "rw-facts");
   readonly #notice = make("div", "rw-notice");
+  readonly #silence = make("div", "rw-silence");
   readonly #freeze: HTMLButtonElement;
   readonly #freezeText = make("span", "");
   /** The words round the number give way where room is short. */
@@ -60,7 +61,7 @@ export class Card {
     this.#freezeText.append(...this.#freezeWords);
     this.#header.append(this.#title, this.#facts, this.controls);
     this.controls.append(this.#freeze);
-    this.picture.append(this.#notice);
+    this.picture.append(this.#notice, this.#silence);
     this.#bar = new Bar(stream, signal);
     this.root.append(this.#header, this.picture, this.#bar.root, this.footer);
     element.append(this.root);
@@ -108,7 +109,7 @@ export class Card {
   update(facts: string[], noun: string, paced = true): void {
     this.#theme ??= applyTheme(this.root);
     const { error } = getAbout(this.#model);
-    const { paused, since, about } = this.#stream;
+    const { paused, since, about, shown, place } = this.#stream;
     const { notes = [] } = about;
     this.#header.hidden = !getFlag(this.#model, "header");
     this.footer.hidden = !getFlag(this.#model, "footer");
@@ -116,11 +117,9 @@ export class Card {
     this.#known = facts.filter(Boolean);
     this.#paced = paced;
     this.#tellFacts();
-    const { shown, place } = this.#stream;
     const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
     // An empty picture says the words itself.
-    const words = shown && getSource(this.#model).words;
-    const lines = words ? [words, ...said] : said;
+    const lines = [shown && getSource(this.#model).words, ...said].filter(Boolean);
     this.#notice.classList.toggle("rw-error", Boolean(error));
     this.#notice.classList.toggle("rw-status", said.length === 0);
     this.#bar.update(this.footer.hidden ? null : place);
@@ -142,10 +141,10 @@ export class Card {
   #drawFacts(): void {
     const { live, rate } = this.#stream;
     const silence = this.#paced ? this.#stream.silence : 0;
-    const pace = live && this.#paced && Number.isFinite(rate) ? [`${toFixed(rate, 1)} Hz`] : [];
-    const facts = silence ? [`no data for ${toAge(silence)}`, ...this.#known] : [...this.#known, ...pace];
-    setText(this.#facts, facts.join(" ·\u00A0"));
-    this.root.classList.toggle("rw-silent", silence > 0);
+    const pace = live && this.#paced && rate ? [`${toFixed(rate, 1)} Hz`] : [];
+    setText(this.#facts, [...this.#known, ...pace].join(" ·\u00A0"));
+    setText(this.#silence, silence ? `no data for ${toAge(silence)}` : "");
+    this.root.classList.toggle("rw-silent", silence > 0 || getSource(this.#model).lost === true);
     if (silence) this.#tellFacts();
   }
 

@@ -17,6 +17,8 @@ export interface Source {
   topic?: string;
   type?: string;
   words?: string;
+  /** Whether the connection is lost, so that nothing comes. */
+  lost?: boolean;
 }
 
 export function getString(model: Model, name: string): string {

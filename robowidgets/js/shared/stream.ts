@@ -1,7 +1,7 @@
 import { copyOf, type Reader, toBytes } from "./bytes.ts";
 import { atEnd } from "./events.ts";
 import { History } from "./history.ts";
-import { type About, getAbout, getNumber, type Model, onChange, put } from "./model.ts";
+import { type About, getAbout, getFlag, getNumber, getSource, type Model, onChange, put } from "./model.ts";
 import { spaced } from "./schedule.ts";
 
 /** What the head of every frame says. */
@@ -12,9 +12,9 @@ export interface Frame {
   rate: number;
 }
 
-/** Reads the head of a frame: its sequence number, the rate, and the stamp, which the page has no use for. */
+/** Reads the head of a frame: sequence number and rate; then stamp and arrival, which the page has no use for. */
 export function readHead(reader: Reader): Frame {
-  const [sequence = 0, rate = NaN] = reader.float64s(3);
+  const [sequence = 0, rate = NaN] = reader.float64s(4);
   return { sequence, rate };
 }
 
@@ -31,7 +31,12 @@ export interface Place {
   behind: number;
 }
 
-const STALE_MS = 2000;
+/**
+ * Milliseconds without a frame after which a source is silent, as in Python: three of its periods, within these limits,
+ * and the longest where it has no rate yet.
+ */
+const SHORTEST_SILENCE = 1000;
+const LONGEST_SILENCE = 10_000;
 const SAVE_MS = 100;
 const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
 
@@ -50,7 +55,9 @@ export class Stream<F extends Frame> {
   #heldHere: DataView | null = null;
   #decoded: { bytes: DataView; frame: F } | null = null;
   #stale: ReturnType<typeof setTimeout> | undefined;
-  /** Whether samples have come within the last seconds. */
+  /** When the source was heard last, which may be before the page was loaded; 0: never. */
+  #heard = 0;
+  /** Whether the source is not silent. */
   live = false;
   /** When the newest sample came, in the page's milliseconds. */
   arrived = 0;
@@ -66,6 +73,12 @@ export class Stream<F extends Frame> {
     this.#keep(held, NaN);
     if (this.paused) this.#history.hold(performance.now());
     if (sequenceOf(held) !== sequenceOf(newest)) this.#keep(newest, NaN);
+    const age = getNumber(model, "_silence");
+    if (age) {
+      // A notebook that is saved later shows it as if it were new.
+      model.set("_silence", 0);
+      this.#hear(1000 * age);
+    }
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["paused"], () => this.#onPaused(), signal);
     onChange(model, ["_held", "_about"], () => this.#tell(), signal);
@@ -73,7 +86,7 @@ export class Stream<F extends Frame> {
   }
 
   get paused(): boolean {
-    return this.#model.get("paused") === true;
+    return getFlag(this.#model, "paused");
   }
 
   /** The frame to draw: the frozen one while paused, else the newest; null before the first. */
@@ -99,10 +112,10 @@ export class Stream<F extends Frame> {
     return this.#bytes("_frame")?.getFloat64(8, true) ?? NaN;
   }
 
-  /** Milliseconds for which nothing has come, of a source that was live, or of a recording; else 0. */
+  /** Milliseconds for which nothing has come, of a feed, of a source that had a rate, or of a recording; else 0. */
   get silence(): number {
-    const wasLive = this.arrived && !this.live && Number.isFinite(this.rate);
-    return wasLive ? performance.now() - this.arrived : (getAbout(this.#model).age ?? 0);
+    const wasLive = this.#heard && !this.live && (this.rate || getSource(this.#model).topic);
+    return wasLive ? performance.now() - this.#heard : (getAbout(this.#model).age ?? 0);
   }
 
   /** Null when the picture is not frozen, or there is nothing to step to. */
@@ -166,17 +179,23 @@ export class Stream<F extends Frame> {
   }
 
   #onFrame(): void {
-    this.live = true;
-    this.arrived = performance.now();
+    this.#hear();
+    this.arrived = this.#heard;
     this.#keep(this.#bytes("_frame"), this.arrived);
+    this.#tell();
+  }
+
+  /** The source was heard so many milliseconds ago. */
+  #hear(ago = 0): void {
+    this.live = true;
+    this.#heard = performance.now() - ago;
     clearTimeout(this.#stale);
     const stale = () => {
       this.live = false;
       this.#tell();
     };
-    // Two pauses of a slow source are no silence.
-    this.#stale = setTimeout(stale, Math.max(STALE_MS, (2 * 1000) / this.rate || 0));
-    this.#tell();
+    const limit = Math.min(LONGEST_SILENCE, Math.max(SHORTEST_SILENCE, 3000 / (this.rate || 0)));
+    this.#stale = setTimeout(stale, limit - ago);
   }
 
   #onPaused(): void {

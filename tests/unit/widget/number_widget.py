@@ -37,7 +37,8 @@ def number_in(frame: bytes) -> int | None:
     return struct.unpack_from("<q", frame, HEAD.size)[0] if frame else None
 
 
-def head_of(frame: bytes) -> tuple[float, float, int]:
+def head_of(frame: bytes) -> tuple[float, float, int, float]:
+    """Sequence number, rate, stamp and arrival."""
     return HEAD.unpack_from(frame)
 
 

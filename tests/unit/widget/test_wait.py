@@ -1,16 +1,19 @@
-"""What all widgets share: a program waits for the first sample."""
+"""What all widgets share: a program waits for the next sample, and is never given an old one."""
 
 from __future__ import annotations
 
 import asyncio
+import signal
 import threading
 import time
+from collections.abc import Callable
 from math import inf, nan
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from robowidgets import LaserWidget, SpeedWidget, TouchWidget
+from robowidgets import LaserWidget, SpeedWidget, Touch, TouchMode, TouchWidget, _widget
 from robowidgets.feeds import Feed
 
 from ..feeds.scripted import ODOM, SCAN, Scripted, scan, twist
@@ -18,12 +21,197 @@ from ..waiting import wait_for
 from .number_widget import NumberWidget, in_a_thread
 
 
-def test_what_has_come_is_given_at_once_and_newest_though_the_widget_is_frozen(widget: NumberWidget) -> None:
-    widget.update(1)
-    assert widget.wait(0).value == 1
-    widget.paused = True
-    widget.update(2)
-    assert widget.wait(0).value == 2
+class Clock(SimpleNamespace):
+    """What the widgets know as time: it stands still until it is set."""
+
+    def __init__(self) -> None:
+        super().__init__(now=100.0, monotonic=lambda: self.now)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    made = Clock()
+    monkeypatch.setattr(_widget, "time", made)
+    return made
+
+
+def feed_at(rate: float, clock: Clock, update: Callable[[], object]) -> None:
+    """Hand a widget samples for so long that its rate is known, and read by somebody meanwhile."""
+    for _ in range(20):
+        clock.now += 1 / rate
+        update()
+
+
+class Waits(threading.Condition):
+    """What a widget waits on; it keeps the time-outs, and waits for none of them."""
+
+    def __init__(self, lock: Any) -> None:
+        super().__init__(lock)
+        self.timeouts: list[float | None] = []
+
+    def wait_for(self, predicate: Callable[[], bool], timeout: float | None = None) -> bool:
+        self.timeouts.append(timeout)
+        return predicate()
+
+
+class TestTheNextOne:
+    def test_what_has_come_is_given_at_once_and_newest_though_the_widget_is_frozen(self, widget: NumberWidget) -> None:
+        widget.update(1)
+        assert widget.wait(0).value == 1
+        widget.paused = True
+        widget.update(2)
+        widget.update(3)
+        assert widget.wait(0).value == 3
+
+    def test_none_is_given_twice_to_one_thread(self, widget: NumberWidget) -> None:
+        widget.update(1)
+        assert widget.wait(0).value == 1
+        with pytest.raises(TimeoutError, match=r"^NumberWidget had no new number for 0\.\d+ s$"):
+            widget.wait(0.02)
+        threading.Timer(0.05, widget.update, [2]).start()
+        assert widget.wait(20.0).value == 2
+
+    def test_each_thread_is_given_each_one(self, widget: NumberWidget) -> None:
+        widget.update(1)
+        assert widget.wait(0).value == 1
+        got: list[int] = []
+        in_a_thread(lambda: got.append(widget.wait(0).value))
+        assert got == [1]
+        with pytest.raises(TimeoutError):
+            widget.wait(0)
+
+    def test_a_thread_that_has_the_number_of_one_that_ended_has_been_given_nothing(self, widget: NumberWidget) -> None:
+        widget.update(1)
+        given: list[tuple[int, int]] = []
+        for _ in range(50):
+            in_a_thread(lambda: given.append((threading.get_ident(), widget.wait(0).value)))
+        assert len({ident for ident, _ in given}) < 50, "the system gave no number again"
+        assert [value for _, value in given] == [1] * 50
+
+    def test_what_is_shown_anew_is_not_the_next_one(self) -> None:
+        laser, speed = LaserWidget(), SpeedWidget()
+        laser.update(scan(1.5))
+        speed.update(twist(0.25))
+        laser.wait(0)
+        speed.wait(0)
+        laser.angle_offset = 0.5
+        speed.reset_peaks()
+        speed.command(twist(0.5))
+        for widget in (laser, speed):
+            with pytest.raises(TimeoutError):
+                widget.wait(0)
+
+    def test_an_old_one_is_given_to_nobody(self, widget: NumberWidget, clock: Clock) -> None:
+        feed_at(10, clock, lambda: (widget.update(1), widget.rate))
+        clock.now += 0.99
+        got: list[int] = []
+        in_a_thread(lambda: got.append(widget.wait(0).value))
+        assert got == [1]
+        clock.now += 0.02
+        with pytest.raises(TimeoutError, match=r"^NumberWidget had no new number for 1.0 s$"):
+            widget.wait(0)
+
+    def test_what_was_filled_by_hand_is_given_for_ten_seconds(self, widget: NumberWidget, clock: Clock) -> None:
+        widget.update(1)
+        clock.now += 9.9
+        assert widget.wait(0).value == 1
+        widget.update(2)
+        clock.now += 10.1
+        with pytest.raises(TimeoutError, match=r"^NumberWidget had no new number for 10.1 s$"):
+            widget.wait(0)
+
+    def test_the_player_of_a_recording_is_asked_what_it_shows(self, widget: NumberWidget, clock: Clock) -> None:
+        widget.live, widget.led = False, True
+        widget.update(1)
+        clock.now += 3600
+        assert [widget.wait(0).value for _ in range(3)] == [1, 1, 1]
+
+
+class TestTheTimeout:
+    @pytest.mark.parametrize(
+        ("rate", "seconds"), [(40, 1), (3.1, 1), (2, 1.5), (1, 3), (0.5, 6), (0.2, 10), (0.05, 10)]
+    )
+    def test_is_three_periods_from_one_second_to_ten(
+        self, widget: NumberWidget, clock: Clock, rate: float, seconds: float
+    ) -> None:
+        widget._came = waits = Waits(widget._storing)
+        feed_at(rate, clock, lambda: (widget.update(1), widget.wait()))
+        with pytest.raises(TimeoutError):
+            widget.wait()
+        assert waits.timeouts[0] == 10, "of a first sample there is no rate"
+        assert waits.timeouts[-1] == pytest.approx(seconds)
+
+    def test_is_ten_seconds_before_the_first(self, widget: NumberWidget) -> None:
+        widget._came = waits = Waits(widget._storing)
+        with pytest.raises(TimeoutError, match=r"^NumberWidget had nothing to show in 10 s: no feed is connected"):
+            widget.wait()
+        assert waits.timeouts == [10]
+
+    def test_is_ten_seconds_where_a_source_speaks_in_events(self, clock: Clock) -> None:
+        touch = TouchWidget()
+        touch._came = waits = Waits(touch._storing)
+        for mode, seconds in ((TouchMode.EVENT, 10), (TouchMode.LEVEL, 1)):
+            feed_at(10, clock, lambda mode=mode: (touch.update(Touch({"left": True}, mode)), touch.wait()))
+            with pytest.raises(TimeoutError):
+                touch.wait()
+            assert waits.timeouts[-1] == seconds
+
+    def test_is_what_it_is_told(self, widget: NumberWidget, clock: Clock) -> None:
+        widget._came = waits = Waits(widget._storing)
+        feed_at(40, clock, lambda: (widget.update(1), widget.wait(7)))
+        for seconds in (0, 0.25, 30, 1e300):
+            with pytest.raises(TimeoutError):
+                widget.wait(seconds)
+        assert waits.timeouts == [7] * 20 + [0, 0.25, 30, threading.TIMEOUT_MAX]
+
+    def test_ends_a_loop_when_the_scanner_dies(self) -> None:
+        laser, driven = LaserWidget(), 0
+
+        def scanner() -> None:
+            for _ in range(12):
+                laser.update(scan(1.5))
+                time.sleep(0.05)
+
+        def drive() -> None:
+            nonlocal driven
+            while laser.wait().nearest().range > 0.7:
+                driven += 1
+
+        threading.Thread(target=scanner).start()
+        with pytest.raises(TimeoutError, match=r"^LaserWidget had no new scan for 1\.\d s$"):
+            drive()
+        assert 0 < driven <= 12
+
+    def test_an_interrupt_ends_it_at_once(self, widget: NumberWidget) -> None:
+        main = threading.main_thread().ident
+
+        def interrupt() -> None:
+            wait_for(lambda: widget._waiting, "it waits")
+            signal.pthread_kill(main, signal.SIGINT)
+
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        began = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            widget.wait(20.0)
+        assert time.monotonic() - began < 5.0
+        assert widget._waiting == 0
+        thread.join()
+
+    @pytest.mark.parametrize(
+        ("timeout", "error", "words"),
+        [
+            (-1, ValueError, "timeout: expected seconds, 0 or more, got -1"),
+            (nan, ValueError, "timeout: expected a finite number of seconds, got nan"),
+            (inf, ValueError, "timeout: expected a finite number of seconds, got inf"),
+            ("long", TypeError, "timeout: expected a number, got 'long'"),
+        ],
+    )
+    def test_is_a_number_of_seconds(
+        self, widget: NumberWidget, timeout: Any, error: type[Exception], words: str
+    ) -> None:
+        with pytest.raises(error, match=f"^{words}"):
+            widget.wait(timeout)
 
 
 def test_all_who_wait_get_the_first_one_and_nobody_spins_meanwhile(widget: NumberWidget) -> None:
@@ -97,6 +285,17 @@ def test_where_none_comes_it_says_why() -> None:
     )
 
 
+def test_where_no_next_one_comes_it_says_how_old_the_last_is_and_why() -> None:
+    laser, script = LaserWidget(), Scripted(SCAN)
+    feed = Feed(script)
+    feed.connect("/scan", laser)
+    in_a_thread(script.listener.on_message, "/scan", scan(1.5))
+    assert laser.wait(0).ranges[0] == 1.5
+    feed.close()
+    with pytest.raises(TimeoutError, match=r"^LaserWidget /scan had no new scan for 0\.\d+ s: the feed is closed$"):
+        laser.wait(0.01)
+
+
 def test_the_thread_that_hands_on_what_is_waited_for_goes_on_when_the_time_is_over() -> None:
     laser, got, script = LaserWidget(), [], Scripted(SCAN)
     with Feed(script) as feed:
@@ -117,19 +316,3 @@ def test_a_loop_that_waits_for_what_it_hands_on_itself_goes_on_when_the_time_is_
         assert widget.wait(0).value == 1
 
     asyncio.run(wait())
-
-
-@pytest.mark.parametrize(
-    ("timeout", "error", "words"),
-    [
-        (-1, ValueError, "timeout: expected seconds, 0 or more, got -1"),
-        (nan, ValueError, "timeout: expected a finite number of seconds, got nan"),
-        (inf, ValueError, "timeout: expected a finite number of seconds, got inf"),
-        ("long", TypeError, "timeout: expected a number, got 'long'"),
-    ],
-)
-def test_a_timeout_is_a_number_of_seconds(
-    widget: NumberWidget, timeout: Any, error: type[Exception], words: str
-) -> None:
-    with pytest.raises(error, match=f"^{words}"):
-        widget.wait(timeout)

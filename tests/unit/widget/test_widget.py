@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import traitlets
 from IPython.core.formatters import DisplayFormatter
+from ipywidgets.embed import dependency_state
 
 from robowidgets import _named_widget, _widget
 from robowidgets._named_widget import MOST_LOGGED, bundle
@@ -110,13 +111,13 @@ class TestToThePage:
         now = SimpleNamespace(monotonic=lambda: 100.0)
         monkeypatch.setattr(_widget, "time", now)
         widget._show(Number(1, stamp_ns=5), {})
-        sequence, rate, stamp = head_of(widget.get_state()["_frame"])
-        assert (sequence, stamp) == (1, 5)
+        sequence, rate, stamp, arrived = head_of(widget.get_state()["_frame"])
+        assert (sequence, stamp, arrived) == (1, 5, 100.0)
         assert isnan(rate)
         for i in range(1, 100):
             now.monotonic = lambda i=i: 100 + i * 0.025
             widget._show(Number(1), {})
-        assert head_of(widget.get_state()["_frame"]) == (100, pytest.approx(40), 0)
+        assert head_of(widget.get_state()["_frame"]) == (100, pytest.approx(40), 0, 100 + 99 * 0.025)
 
     def test_what_does_not_count_leaves_count_and_rate(self, widget: NumberWidget) -> None:
         widget._show(Number(1), {})
@@ -130,6 +131,20 @@ class TestToThePage:
             state = widget.get_state()
             assert number_in(state["_frame"]) == value
             assert state["_about"] == {"value": value}
+
+    def test_a_page_that_is_loaded_learns_how_old_the_sample_of_a_live_source_is(
+        self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        now = SimpleNamespace(monotonic=lambda: 100.0)
+        monkeypatch.setattr(_widget, "time", now)
+        widget._source = {"topic": "/number"}
+        assert widget.get_state()["_silence"] == 0
+        widget.update(1)
+        now.monotonic = lambda: 160.0
+        assert widget.get_state()["_silence"] == 60
+        assert dependency_state(widget)[widget.model_id]["state"]["_silence"] == 0
+        widget._source = {}
+        assert widget.get_state()["_silence"] == 0, "filled by hand, it is not silent"
 
     def test_a_saved_notebook_holds_defaults_too(self, widget: NumberWidget) -> None:
         saved = widget.get_state(drop_defaults=True)
