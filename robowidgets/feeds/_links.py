@@ -107,7 +107,13 @@ class Links:
         words = [link.words(self.there, leads=link is first) for link, _ in self._unmended(widget, links)]
         told = self.down or "; ".join(dict.fromkeys(filter(None, words)))
         failed = "; ".join(filter(None, (self._functions.status_of(link.topic) for link, _ in links)))
-        widget._source = {"topic": first.topic, "type": first.type, "words": told, "error": failed}
+        widget._source = {
+            "topic": first.topic,
+            "type": first.type,
+            "words": told,
+            "error": failed,
+            "lost": bool(self.down) and not first.came,
+        }
 
     def _unmended(self, widget: RobotWidget[Any], links: Sequence[tuple[Link, Target]]) -> list[tuple[Link, Target]]:
         """The links without topics that are not there, where one that was connected later delivers in their place."""

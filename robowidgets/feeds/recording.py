@@ -115,6 +115,7 @@ class Played:
         for moment in self._recording.samples(names, start=max(now, 0.0)) if names else ():
             if self._changed.wait(max(0.0, started + moment.seconds / self._speed - time.monotonic())):
                 return False
+            moment.sample._arrive()
             listener.on_message(moment.topic, moment.sample)
         return not self._changed.wait(max(0.0, started + self._recording.duration / self._speed - time.monotonic()))
 

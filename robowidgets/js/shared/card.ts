@@ -119,9 +119,10 @@ export class Card {
     this.#tellFacts();
     const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
     // An empty picture says the words itself.
-    const lines = [shown && getSource(this.#model).words, ...said].filter(Boolean);
-    this.#notice.classList.toggle("rw-error", Boolean(error));
-    this.#notice.classList.toggle("rw-status", said.length === 0);
+    const source = getSource(this.#model);
+    const lines = [source.error, shown && source.words, ...said].filter(Boolean);
+    this.#notice.classList.toggle("rw-error", Boolean(error || source.error));
+    this.#notice.classList.toggle("rw-status", said.length === 0 && !source.error);
     this.#bar.update(this.footer.hidden ? null : place);
     setText(this.#notice, lines.join(" · "));
     this.#notice.title = lines.join("\n");

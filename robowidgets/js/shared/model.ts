@@ -17,6 +17,8 @@ export interface Source {
   topic?: string;
   type?: string;
   words?: string;
+  /** What the program's own functions on this topic did wrong. */
+  error?: string;
   /** Whether the connection is lost, so that nothing comes. */
   lost?: boolean;
 }

@@ -126,7 +126,7 @@ def test_once_a_topic_that_was_mended_delivers_the_widget_is_titled_after_it_and
     assert (laser.title, source(laser)["words"]) == ("/scna", complaint)
     script.listener.on_message("/scan", scan())
     assert laser.title == "/scan"
-    assert source(laser) == {"topic": "/scan", "type": SCAN.type, "words": "", "error": ""}
+    assert source(laser) == {"topic": "/scan", "type": SCAN.type, "words": "", "error": "", "lost": False}
     assert feed.words_of("/scna") == complaint
     script.listener.on_lost("no route to host", 1.0)
     script.listener.on_connected()
@@ -161,7 +161,7 @@ def test_a_method_of_a_speed_widget_takes_the_commanded_speed(opened: Opened) ->
     script.listener.on_message("/odom", twist(0.25))
     assert (speed.commanded.linear[0], speed.speed.linear[0]) == (0.5, 0.25)  # type: ignore[union-attr]
     assert (speed.title, speed.command_title) == ("/odom", "/cmd_vel")
-    assert source(speed) == {"topic": "/odom", "type": "nav_msgs/msg/Odometry", "words": "", "error": ""}
+    assert source(speed) == {"topic": "/odom", "type": "nav_msgs/msg/Odometry", "words": "", "error": "", "lost": False}
 
 
 def test_what_is_disconnected_gets_nothing_more(opened: Opened) -> None:
@@ -231,11 +231,23 @@ def test_a_widget_says_what_it_waits_for_and_then_nothing(opened: Opened) -> Non
     feed, script = opened(connected=False)
     laser = LaserWidget()
     feed.connect("/scan", laser)
-    assert source(laser) == {"topic": "/scan", "type": "", "words": "connecting to the script", "error": ""}
+    assert source(laser) == {
+        "topic": "/scan",
+        "type": "",
+        "words": "connecting to the script",
+        "error": "",
+        "lost": True,
+    }
     script.listener.on_connected()
     assert source(laser)["words"] == "waiting for /scan"
     script.listener.on_topics([SCAN])
-    assert source(laser) == {"topic": "/scan", "type": SCAN.type, "words": "waiting for /scan", "error": ""}
+    assert source(laser) == {
+        "topic": "/scan",
+        "type": SCAN.type,
+        "words": "waiting for /scan",
+        "error": "",
+        "lost": False,
+    }
     script.listener.on_message("/scan", scan())
     assert source(laser)["words"] == ""
 

@@ -260,7 +260,7 @@ def test_a_cell_that_runs_again_and_again_holds_no_more_than_once(path: Path, mo
     held, players = set(), []
     with open(path) as recording:
         for run in range(50):
-            monkeypatch.setattr(_cells, "_running", lambda run=run: ("this cell", str(run)))
+            monkeypatch.setattr(_cells, "running_cell", lambda run=run: ("this cell", str(run)))
             player = recording.show("/scan")
             players.append(weakref.ref(player))
             files = len(os.listdir("/proc/self/fd"))

@@ -296,15 +296,15 @@ def test_where_no_next_one_comes_it_says_how_old_the_last_is_and_why() -> None:
         laser.wait(0.01)
 
 
-def test_the_thread_that_hands_on_what_is_waited_for_goes_on_when_the_time_is_over() -> None:
+def test_a_function_that_is_connected_may_wait_for_what_comes_next() -> None:
     laser, got, script = LaserWidget(), [], Scripted(SCAN)
     with Feed(script) as feed:
-        feed.connect("/scan", lambda _: laser.wait(0.05), laser, got.append)
-        in_a_thread(script.listener.on_message, "/scan", scan(1.5))
-        assert len(got) == 1
-        words = "a message of /scan could not be used: TimeoutError: LaserWidget /scan had nothing to show in 0.05 s: "
-        assert laser._source["words"].startswith(words)
-        assert laser.wait(0).ranges[0] == 1.5
+        feed.connect("/scan", laser)
+        feed.connect("/scan", lambda _: got.append([laser.wait().ranges[0] for _ in range(2)]))
+        script.listener.on_message("/scan", scan(1.5))
+        wait_for(lambda: laser._waiting, "the function waits for the next one")
+        script.listener.on_message("/scan", scan(2.5))
+        wait_for(lambda: got and got[0] == [1.5, 2.5], "it was given both")
 
 
 def test_a_loop_that_waits_for_what_it_hands_on_itself_goes_on_when_the_time_is_over(widget: NumberWidget) -> None:
