@@ -33,9 +33,10 @@ class Master:
 
     def state(self) -> State:
         """Everything that is published and subscribed to now."""
-        publishers, subscribers, _ = _call(self.uri, "getSystemState")
-        # A type is known as ROS 1 writes it; `*` is what somebody takes who takes anything.
+        # A type is known as ROS 1 writes it; `*` is what somebody takes who takes anything. Types are asked for first:
+        # a topic that appears meanwhile has none yet, and one that has a type is listed.
         types = {name: kind for name, kind in _call(self.uri, "getTopicTypes") if "/" in kind}
+        publishers, subscribers, _ = _call(self.uri, "getSystemState")
         return State(dict(publishers), dict(subscribers), types)
 
     def register_subscriber(self, node: str, topic: str, kind: str, node_uri: str) -> None:

@@ -1,147 +1,233 @@
-"""What a feed publishes by rospy: asked for by any thread, set up by the feed's own."""
+"""What this process publishes by rospy: set up by a feed's thread, sent by the thread that publishes."""
 
 from __future__ import annotations
 
+import select
 import threading
 import time
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from ._ros1_master import Master, State
-from .middleware import FeedError
+from .middleware import SEND_TIMEOUT, FeedError
 
-LATE = 0.5
-"""Seconds for which a message that sets something in motion may be sent to those who have just begun to listen."""
+SHUT_DOWN = "rospy was shut down in this process and cannot start again: restart the kernel"
+
+UNREACHED = 2.0
+"""Seconds after which a subscriber without a connection is asked to connect again; then twice as long each time."""
+
+LONGEST = 30.0
+"""Seconds that no pause between two such requests exceeds: a publisher and a subscriber log each one in vain."""
+
+_publishers: dict[str, Any] = {}
+"""The publishers of the process's one node, by topic. They stay when a feed is closed.
+
+A rospy subscriber that connects while its publisher is being unregistered may never connect to that node again: it
+keeps the dead connection in its list, and makes no second one to a node.
+"""
+
+_moving: set[str] = set()
+"""The topics whose last message was not all zeros."""
+
+_sending = threading.RLock()
+"""Held while a message is sent. Reentrant, because a signal handler may shut rospy down while its own thread sends."""
 
 
 class Publications:
-    """The topics that we publish, by name.
-
-    rospy takes a moment to find those who listen to a new one, and forgets what is published until then. So the newest
-    message goes to those who come soon after it; one in which every number is 0, as it stops a robot, also much later,
-    if nobody has heard it yet.
+    """The topics that one feed publishes.
 
     Args:
-        stir: lets the feed's thread call `look_after` soon.
+        on_unheard: is told why a subscriber does not receive a topic; see `Listener`.
+        wake: makes the feed's thread call `look_after` soon.
+
+    Attributes:
+        state: what the master told last.
+        master_lost: why the master cannot be asked; empty while it can.
     """
 
-    def __init__(self, rospy: Any, master: Master, stir: Callable[[], object]) -> None:
-        self._rospy, self._master, self._stir = rospy, master, stir
-        self._lock = threading.Lock()
-        self._by_topic: dict[str, _Publication] = {}
-        self._sent_at = 0.0
-        self._closed = False
+    def __init__(
+        self, rospy: Any, master: Master, on_unheard: Callable[[str, str], None], wake: Callable[[], None]
+    ) -> None:
+        self._rospy, self._master, self._on_unheard, self._wake = rospy, master, on_unheard, wake
+        self._asked: dict[str, tuple[str, float]] = {}
+        """By topic the type that was published last, and since when."""
+        self._due: dict[str, tuple[float, float]] = {}
+        """By topic when subscribers without a connection are asked to connect, and how long the pause before was."""
+        self._unheard: dict[str, str] = {}
+        self.state = State({}, {}, {})
+        self.master_lost = ""
 
     def __contains__(self, topic: str) -> bool:
-        return topic in self._by_topic
+        return topic in _publishers
+
+    @property
+    def connected(self) -> bool:
+        """Whether another node is connected to a topic that was published."""
+        return any(map(self._connections, list(self._asked)))
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """Publish a message; see `Ros1.publish`."""
+        """See `Middleware`. The first message of a topic waits until a subscriber has connected."""
+        deadline = time.monotonic() + SEND_TIMEOUT
         kind = message_type.replace("/msg/", "/")
-        with self._lock:
-            if self._closed:
-                return
-            publication = self._by_topic.get(topic)
-            if publication is None or (publication.kind != kind and publication.publisher is None):
-                publication = _Publication(kind)
-            elif publication.kind != kind:
-                raise FeedError(f"cannot publish {kind} on {topic}: {publication.kind} is published there already")
-            publication.take(message)
-            self._by_topic[topic] = publication
-            self._send(publication)
-        if publication.publisher is None:
-            self._stir()
+        filled, moves = _filled(_class_of(kind)(), message), _moves(message)
+        if self._asked.get(topic, ("",))[0] != kind:
+            self._asked[topic] = kind, time.monotonic()
+            self._wake()
+        while not self._connections(topic):
+            if why := self._why_unconnected(topic):
+                raise FeedError(f"cannot publish {kind} on {topic}: {why}")
+            time.sleep(0.002)
+        with _sending:
+            if self._rospy.core.is_shutdown_requested():
+                raise FeedError(SHUT_DOWN)
+            connections = self._connections(topic)
+            there = _publishers[topic].impl.type if connections else kind
+            if there != kind:
+                raise FeedError(f"cannot publish {kind} on {topic}: {there} is published there already")
+            if moves:
+                _moving.add(topic)
+            try:
+                _send(topic, filled, connections, deadline, to_all=not moves)
+            except self._rospy.ROSException as error:
+                raise FeedError(f"cannot publish {kind} on {topic}: {error}") from None
+            if not moves:
+                _moving.discard(topic)
 
-    def look_after(self, state: State) -> None:
-        """Set up what somebody listens to, and tell a restarted master again what it forgot. In the feed's thread.
+    def look_after(self) -> None:
+        """Set up what somebody listens to, and ask subscribers to connect that have not. In the feed's thread.
 
-        Not before: the first publisher would settle the type of the topic, and which one the robot wants is not known.
+        Not before: the first publisher settles the type of the topic, and which one the robot wants is not known.
         """
-        me = self._rospy.get_name()
-        for topic, publication in list(self._by_topic.items()):
-            if publication.publisher is not None:
-                if me not in state.publishers.get(topic, ()):
-                    self._master.register_publisher(me, topic, publication.kind, self._rospy.get_node_uri())
-            elif state.subscribers.get(topic) and state.types.get(topic, publication.kind) == publication.kind:
-                self._set_up(topic, publication)
+        for topic, (kind, _) in list(self._asked.items()):
+            publisher = _publishers.get(topic)
+            if publisher is not None and publisher.impl.type != kind:
+                with _sending:
+                    unused = not self._connections(topic)
+                    if unused:
+                        del _publishers[topic]
+                if unused:
+                    publisher.unregister()
+            if topic in self:
+                self._ask_to_connect(topic, kind)
+            elif self._listening(topic) and self.state.types.get(topic, kind) == kind:
+                if not _publishers:
+                    self._rospy.on_shutdown(_send_zeros)
+                _publishers[topic] = self._rospy.Publisher(topic, _class_of(kind), queue_size=1)
 
-    def close(self) -> None:
-        """End them all, once the last message is out. In the feed's thread."""
-        with self._lock:
-            self._closed = True
-        # rospy writes in a thread of its own, and forgets what is not out yet: it may be a zero.
-        time.sleep(max(0.0, 0.1 - (time.monotonic() - self._sent_at)))
-        for publication in self._by_topic.values():
-            if publication.publisher is not None:
-                publication.publisher.unregister()
-        self._by_topic.clear()
+    def _connections(self, topic: str) -> list[Any]:
+        """The connections to other nodes, without dead ones, for which rospy itself looks only every half second."""
+        publisher = _publishers.get(topic)
+        if publisher is None:
+            return []
+        publisher.impl.check()
+        return [c for c in _transports(publisher.impl) if c.endpoint_id != self._rospy.get_name()]
 
-    def _set_up(self, topic: str, publication: _Publication) -> None:
-        publisher = self._rospy.Publisher(
-            topic,
-            publication.message_class,
-            subscriber_listener=_Listener(partial(self._someone_came, topic)),
-            queue_size=1,
+    def _listening(self, topic: str) -> list[str]:
+        return [node for node in self.state.subscribers.get(topic, ()) if node != self._rospy.get_name()]
+
+    def _why_unconnected(self, topic: str) -> str:
+        """Why nobody is connected; empty where somebody may be in a moment."""
+        kind, since = self._asked[topic]
+        there = self.state.types.get(topic, kind)
+        if self._rospy.core.is_shutdown_requested():
+            return SHUT_DOWN
+        if self.master_lost:
+            return f"nobody is connected, and there is {self.master_lost}"
+        if not self._listening(topic):
+            return "nobody listens to it"
+        if there != kind and topic not in self:
+            return f"it is {there}"
+        if time.monotonic() > since + SEND_TIMEOUT:
+            return f"{self._listening(topic)[0]} listens to it, but has not connected"
+        return ""
+
+    def _ask_to_connect(self, topic: str, kind: str) -> None:
+        """Register the publisher again, of which the master tells all subscribers, where one is not reached."""
+        me, now, words = self._rospy.get_name(), time.monotonic(), ""
+        connections = self._connections(topic)
+        reached = {connection.endpoint_id for connection in connections if _takes(connection)}
+        missing = [node for node in self._listening(topic) if node not in reached]
+        due, pause = self._due.setdefault(topic, (now + UNREACHED, UNREACHED))
+        if not missing:
+            del self._due[topic]
+        elif now < due:
+            words = self._unheard.get(topic, "")
+        else:
+            self._due[topic] = now + 2 * pause, min(2 * pause, LONGEST)
+            words = self._why_unheard(topic, missing, {connection.endpoint_id for connection in connections})
+        if me not in self.state.publishers.get(topic, ()) or (missing and now >= due):  # a restarted master forgot it
+            self._master.register_publisher(me, topic, kind, self._rospy.get_node_uri())
+        if words != self._unheard.get(topic, ""):
+            self._unheard[topic] = words
+            self._on_unheard(topic, words)
+
+    def _why_unheard(self, topic: str, missing: list[str], connected: set[str]) -> str:
+        for node in missing:
+            if node in connected:
+                return f"{node} does not read {topic}"
+            why = self._master.unreachable([node])
+            if not why:
+                return f"{node} listens to {topic}, but does not connect; it is asked again"
+            if not connected:  # beside a robot that is connected, a node that has ended is of no interest
+                return f"{topic} is listened to, but {why}"
+        return ""
+
+
+def _send(topic: str, message: Any, connections: Sequence[Any], deadline: float, *, to_all: bool) -> None:
+    """Write to each socket from this thread, because rospy's own may not run for long while a cell is busy.
+
+    A node that does not read holds up no other: a speed is sent when one has it, a zero when all have it.
+    """
+    impl, late, taken = _publishers[topic].impl, list(connections), 0
+    while True:
+        for connection in filter(_takes, list(late)):
+            late.remove(connection)
+            before = connection.stat_num_msg
+            with impl.publock:
+                impl.publish(message, connection_override=connection)
+            taken += connection.stat_num_msg - before
+        if not late and not taken:
+            raise FeedError(f"{topic} was not published: who listened has just disconnected")
+        if not late or (taken and not to_all):
+            return
+        if time.monotonic() > deadline:
+            raise FeedError(f"{late[0].endpoint_id} took no message of {topic} for {SEND_TIMEOUT:g} s")
+        time.sleep(0.002)
+
+
+def _takes(connection: Any) -> bool:
+    """Whether a socket takes a message at once, one as short as a speed; or has ended."""
+    poll = select.poll()
+    poll.register(connection.fileno(), select.POLLOUT)
+    return connection.done or bool(poll.poll(0))
+
+
+def _transports(impl: Any) -> list[Any]:
+    """The connections of a publisher, not rospy's queues before them, which another thread empties."""
+    return [getattr(connection, "_connection", connection) for connection in impl.connections]
+
+
+def _send_zeros() -> None:
+    """Stop what moves. rospy calls it before it shuts down, after Ctrl-C in a node that takes signals, say."""
+    with _sending:
+        for topic in list(_moving):
+            publisher, deadline = _publishers[topic], time.monotonic() + SEND_TIMEOUT
+            with suppress(Exception):  # the others must be stopped, too
+                _send(topic, publisher.data_class(), _transports(publisher.impl), deadline, to_all=True)
+
+
+def _class_of(kind: str) -> Any:
+    import roslib.message
+
+    message_class = roslib.message.get_message_class(kind)
+    if message_class is None:
+        package = kind.split("/")[0]
+        raise FeedError(
+            f"cannot publish {kind}: the Python package {package} is not installed; on Debian or Ubuntu it is "
+            f"python3-{package.replace('_', '-')}"
         )
-        with self._lock:
-            current = self._by_topic.get(topic) is publication
-            if current:
-                publication.publisher = publisher
-        if current:
-            self._someone_came(topic)  # before rospy knew the listener
-        else:  # meanwhile another type was asked for
-            publisher.unregister()
-
-    def _someone_came(self, topic: str) -> None:
-        with self._lock:
-            publication = self._by_topic.get(topic)
-            if publication is not None and not self._closed and publication.may_be_sent_again():
-                self._send(publication)
-
-    def _send(self, publication: _Publication) -> None:
-        if publication.publisher is not None and publication.publisher.get_num_connections():
-            publication.publisher.publish(publication.newest)
-            publication.heard = True
-            self._sent_at = time.monotonic()
-
-
-class _Publication:
-    def __init__(self, kind: str) -> None:
-        import roslib.message
-
-        self.kind = kind
-        self.message_class = roslib.message.get_message_class(kind)
-        if self.message_class is None:
-            package = kind.split("/")[0]
-            raise FeedError(
-                f"cannot publish {kind}: the Python package {package} is not installed; on Debian or Ubuntu it is "
-                f"python3-{package.replace('_', '-')}"
-            )
-        self.publisher: Any = None
-        self.newest: Any = None
-        self.heard = self._moves = False
-        self._at = 0.0
-
-    def take(self, message: Mapping[str, Any]) -> None:
-        self.newest = _filled(self.message_class(), message)
-        self.heard, self._moves, self._at = False, _moves(message), time.monotonic()
-
-    def may_be_sent_again(self) -> bool:
-        return time.monotonic() - self._at <= LATE or not (self._moves or self.heard)
-
-
-class _Listener:
-    """Told by rospy who comes and goes; a `rospy.SubscribeListener`."""
-
-    def __init__(self, on_come: Callable[[], None]) -> None:
-        self._on_come = on_come
-
-    def peer_subscribe(self, _topic: str, _publish: Any, _publish_to_peer: Any) -> None:
-        self._on_come()
-
-    def peer_unsubscribe(self, _topic: str, _left: int) -> None:
-        pass
+    return message_class
 
 
 def _moves(value: Any) -> bool:

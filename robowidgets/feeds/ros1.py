@@ -13,9 +13,9 @@ from ..recordings.ros_types import Decode, decoder_of, one_line
 from ..recordings.source import Channel, RecordingError
 from ._backoff import Backoff
 from ._ros1_master import Master, MasterError, State
-from ._ros1_publications import Publications
+from ._ros1_publications import SHUT_DOWN, Publications
 from .feed import Feed
-from .middleware import Advert, FeedError, Listener
+from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 
 log = logging.getLogger("robowidgets")
 
@@ -25,10 +25,7 @@ POLL = 1.0
 PATIENCE = 3.0
 """Seconds without a connection to a publisher after which it is asked whether it can be reached."""
 
-CLOSING = 5.0
-"""Seconds that closing waits for the thread at most: rospy's own calls to a master have no limit."""
-
-SHUT_DOWN = "rospy was shut down in this process and cannot start again: restart the kernel"
+DATA_COME = "master lost; data still come"
 
 _STARTING = threading.Lock()
 
@@ -92,7 +89,7 @@ class Ros1:
         if not good:
             raise FeedError(f"ROS_MASTER_URI: expected something like http://robot:11311, got {uri!r}")
         self._rospy, self._master, self._listener = rospy, Master(uri), listener
-        self._publications = Publications(rospy, self._master, self._stirred.set)
+        self._publications = Publications(rospy, self._master, listener.on_unheard, self._stirred.set)
         logging.getLogger("rospy.internal").addHandler(self._log)
         self._thread = threading.Thread(target=self._run, name=f"robowidgets {self.where}", daemon=True)
         self._thread.start()
@@ -109,20 +106,16 @@ class Ros1:
         self._stirred.set()
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """Publish a message, the first one as soon as somebody is found who listens; waits for nothing.
-
-        Raises:
-            FeedError: the Python package of its type is not installed, or another type is published there already.
-        """
+        """See `Middleware`. FeedError also where the Python package of its type is not installed."""
         self._publications.publish(topic, message_type, message)
 
     def close(self) -> None:
-        """Unsubscribe and end the thread; the node stays. Doing it again does nothing; a callback may do it, too."""
+        """Unsubscribe and end the thread; the node and its publishers stay. See `Middleware`."""
         self._again.close()
         self._stirred.set()
         logging.getLogger("rospy.internal").removeHandler(self._log)
         if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(CLOSING)
+            self._thread.join(CLOSE_TIMEOUT)  # rospy's own calls to a master have no limit
 
     def failed(self, topic: str, words: str) -> None:
         """Rospy gave up a connection of a topic: of all that it says until the next try, the first tells why."""
@@ -144,29 +137,41 @@ class Ros1:
             try:
                 state = self._master.state()
                 self._start_node()
+                self._note_master("")
                 if not connected:
                     self._listener.on_connected()
                     connected = True
-                    self._again.worked()
+                self._again.worked()
                 self._step(state)
             except MasterError as error:
                 hint = "is roscore running, and ROS_MASTER_URI right?"
                 why = f"no ROS master at {self._master.uri} ({error}); {hint}"
+                connected = self._note_master(why) and connected
             except Exception as error:  # rospy's own, and whatever a master's odd answer may lead to
                 log.debug("%s was lost", self.where, exc_info=True)
                 why = f"the rospy node of this process cannot be used: {str(error) or type(error).__name__}"
+                connected = False
             else:
                 self._stirred.wait(POLL)
                 self._stirred.clear()
                 continue
-            connected = False
             pause = self._again.next_pause()
-            self._listener.on_lost(why, pause)
+            if not connected:
+                self._listener.on_lost(why, pause)
             self._again.wait(pause)
         for subscription in self._subscriptions.values():
             subscription.subscriber.unregister()
         self._subscriptions.clear()
-        self._publications.close()
+
+    def _note_master(self, why: str) -> bool:
+        """Say on each topic what it means that the master is lost; return whether connections are left without it."""
+        before, self._publications.master_lost = self._publications.master_lost, why
+        live = {topic for topic, subscription in self._subscriptions.items() if _is_live(subscription)}
+        if before or why:
+            words = f"master lost, trying again: {why}" if why else ""
+            for topic in list(self._wanted):
+                self._trouble(topic, DATA_COME if words and topic in live else words)
+        return bool(live) or self._publications.connected
 
     def _start_node(self) -> None:
         if self._rospy.is_shutdown():
@@ -177,6 +182,7 @@ class Ros1:
 
     def _step(self, state: State) -> None:
         assert self._listener is not None
+        self._publications.state = state
         adverts = self._adverts_of(state)
         if adverts != self._adverts:
             self._adverts = adverts
@@ -190,7 +196,7 @@ class Ros1:
                 self._look_after(topic, state)
             elif topic in state.types:
                 self._subscribe(topic, state.types[topic])
-        self._publications.look_after(state)
+        self._publications.look_after()
 
     def _subscribe(self, topic: str, kind: str) -> None:
         import roslib.message
@@ -206,25 +212,33 @@ class Ros1:
     def _look_after(self, topic: str, state: State) -> None:
         """Put right what a restarted master forgot and rospy gave up; say why there is no connection to a publisher."""
         subscription, me = self._subscriptions[topic], self._rospy.get_name()
-        if me not in state.subscribers.get(topic, ()) or topic in self._failed:
-            self._failed.discard(topic)
-            self._master.register_subscriber(me, topic, subscription.kind, self._rospy.get_node_uri())
+        impl = subscription.subscriber.impl
+        for connection in impl.connections:
+            if connection.done:  # rospy keeps some that were refused, and then connects to their node no more
+                impl.remove_connection(connection)
         nodes = [node for node in state.publishers.get(topic, ()) if node != me]
-        if subscription.subscriber.get_num_connections():
+        forgotten = me not in state.subscribers.get(topic, ()) or topic in self._failed
+        if impl.connections:
             self._subscriptions[topic] = subscription._replace(since=time.monotonic())
         elif nodes and time.monotonic() - subscription.since > PATIENCE:
             why = self._master.unreachable(nodes)
             if why:
                 self._trouble(topic, f"{topic} is published, but {why}")
+            forgotten = forgotten or not why
+        if forgotten:
+            self._failed.discard(topic)
+            self._master.register_subscriber(me, topic, subscription.kind, self._rospy.get_node_uri())
 
     def _adverts_of(self, state: State) -> list[Advert]:
         me = self._rospy.get_name()
         adverts = []
         for topic in sorted({*state.publishers, *state.subscribers}):
             kind = state.types.get(topic, "")
-            publishers = [n for n in state.publishers.get(topic, ()) if n != me or topic not in self._publications]
-            subscribers = [n for n in state.subscribers.get(topic, ()) if n != me or topic not in self._subscriptions]
-            adverts.append(Advert(topic, kind.replace("/", "/msg/"), bool(publishers), bool(subscribers)))
+            publishers, subscribers = state.publishers.get(topic, ()), state.subscribers.get(topic, ())
+            offered = any(node != me or topic not in self._publications for node in publishers)
+            wanted = any(node != me or topic not in self._subscriptions for node in subscribers)
+            others = tuple(sorted({*publishers} - {me}))
+            adverts.append(Advert(topic, kind.replace("/", "/msg/"), offered, wanted, others))
         return adverts
 
     def _receive(self, message: Any, topic: str) -> None:
@@ -236,7 +250,7 @@ class Ros1:
             except RecordingError as error:
                 self._trouble(topic, f"{topic}: a message of it cannot be read: {error}")
                 return
-        self._trouble(topic, "")
+        self._trouble(topic, DATA_COME if self._publications.master_lost else "")
         self._listener.on_message(topic, message)
 
     def _decode(self, topic: str, message: Any) -> Any:
@@ -247,6 +261,11 @@ class Ros1:
             channel = Channel(0, topic, kind, "ros1", header.get("message_definition", ""), 0)
             self._decoders[key] = decoder_of(channel)
         return self._decoders[key](message._buff)
+
+
+def _is_live(subscription: _Subscription) -> bool:
+    """Whether a publisher is connected; of one that rospy only tries to reach, it knows no definition yet."""
+    return any(c.md5sum and not c.done for c in subscription.subscriber.impl.connections)
 
 
 class _RospyLog(logging.Handler):

@@ -1,6 +1,7 @@
 """publisher.py TOPIC WHAT NUMBER: a ROS 1 node, run by the system's Python; WHAT says what it does 50 times a second.
 
 scan      LaserScan with so many rays
+shy       the same; it refuses its first subscriber, and is no publisher for a second then
 cut       LaserScan of which the end is missing
 cut_sweep the same, of a package that is not installed
 sweep     a LaserScan by another name, of a package that is not installed
@@ -12,8 +13,11 @@ hear      nothing; it prints the forward speed of each TwistStamped that it hear
 
 import struct
 import sys
+import threading
+import time
 
 import rospy
+import rospy.impl.tcpros_base
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, LaserScan
@@ -55,6 +59,24 @@ def message_of(kind, number):
     return kind(angle_min=-1.0, angle_increment=0.1, range_min=0.1, range_max=30.0, ranges=[2.0] * number)
 
 
+def after_refusing(publisher):
+    topic, kind, refused = publisher.resolved_name, publisher.data_class, threading.Event()
+
+    def refuse(sock, address, header):
+        if header["topic"] != topic or refused.is_set():
+            return handle(sock, address, header)
+        refused.set()
+        return "not today"
+
+    server = rospy.impl.tcpros_base.init_tcpros_server()
+    handle, server.topic_connection_handler = server.topic_connection_handler, refuse
+    print("ready", flush=True)
+    refused.wait()
+    publisher.unregister()
+    time.sleep(1.0)  # the subscriber asks after half a second whether this is a publisher still
+    return rospy.Publisher(topic, kind, queue_size=1)
+
+
 def main(topic, what, number):
     rospy.init_node(what, anonymous=True)
     if what == "hear":
@@ -64,6 +86,7 @@ def main(topic, what, number):
         return
     kind = {
         "scan": LaserScan,
+        "shy": LaserScan,
         "cut": Cut,
         "cut_sweep": CutSweep,
         "sweep": Sweep,
@@ -72,6 +95,8 @@ def main(topic, what, number):
         "huge": Huge,
     }[what]
     publisher = rospy.Publisher(topic, kind, queue_size=1)
+    if what == "shy":
+        publisher = after_refusing(publisher)
     message = message_of(kind, number)
     print("ready", flush=True)
     rate = rospy.Rate(1 if kind in (Image, Huge) else 50)

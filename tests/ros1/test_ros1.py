@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import importlib
+import itertools
 import logging
 import os
+import re
 import resource
+import signal
 import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, feeds
-from robowidgets.feeds.middleware import FeedError
+from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
 
 from ..conftest import ROOT
+from ..unit.feeds.ears import Ears
 from ..unit.waiting import wait_for
 from .conftest import PACKAGES
 
@@ -29,11 +36,56 @@ MODULE = importlib.import_module("robowidgets.feeds.ros1")  # by its name there 
 
 
 @pytest.fixture
-def feed(master, monkeypatch) -> Iterator[feeds.Feed]:
+def quick(master, monkeypatch) -> None:
     monkeypatch.setattr(MODULE, "POLL", 0.1)
     monkeypatch.setattr(MODULE, "PATIENCE", 0.5)
+    monkeypatch.setattr("robowidgets.feeds._ros1_publications.UNREACHED", 1.0)
+    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 3.0)  # the machine may be busy
+
+
+@pytest.fixture
+def feed(quick) -> Iterator[feeds.Feed]:
     with feeds.ros1() as opened:
         yield opened
+
+
+class Told(Ears):
+    """Keeps all that was told of who does not hear."""
+
+    def on_unheard(self, topic: str, words: str) -> None:
+        super().on_unheard(topic, words)
+        self.said.append(words)
+
+    def advert(self, topic: str) -> Advert:
+        return next((advert for advert in self.topics or () if advert.name == topic), Advert(topic, ""))
+
+
+class Opened(NamedTuple):
+    ros: Any
+    told: Told
+
+    def publish(self, topic: str, x: float) -> None:
+        self.ros.publish(topic, STAMPED, {"twist": {"linear": {"x": x}}})
+
+    def wait_for_listener(self, topic: str) -> None:
+        wait_for(lambda: self.told.advert(topic).wanted, "somebody listens")
+
+
+@contextlib.contextmanager
+def opened() -> Iterator[Opened]:
+    told = Told()
+    ros = MODULE.Ros1()
+    ros.open(told)
+    try:
+        yield Opened(ros, told)
+    finally:
+        ros.close()
+
+
+@pytest.fixture
+def middleware(quick) -> Iterator[Opened]:
+    with opened() as one:
+        yield one
 
 
 def memory() -> int:
@@ -90,19 +142,49 @@ def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_to
     assert laser._source["words"].endswith("set ROS_IP where it runs")
 
 
-def test_a_master_that_was_killed_and_comes_back_hears_of_us_again(feed, publish, master):
-    laser = LaserWidget()
+def test_data_still_come_when_the_master_is_lost_and_the_widget_says_both(feed, publish, master):
+    laser, other = LaserWidget(), LaserWidget()
     feed.connect("/four/scan", laser)
-    publish("/four/scan", "scan", 5)
+    feed.connect("/four/other", other)
+    publisher = publish("/four/scan", "scan", 5)
     wait_for(lambda: rays(laser) == 5, "a scan comes")
     master.kill()
-    wait_for(lambda: feed.words, "the feed says that the master has gone")
-    assert f"no ROS master at http://127.0.0.1:{master.port}" in feed.words
-    assert "is roscore running, and ROS_MASTER_URI right?" in laser._source["words"]
-    master.start()
+    try:
+        wait_for(lambda: laser._source["words"] == "master lost; data still come", "the widget says so")
+        came = laser.scan
+        wait_for(lambda: laser.scan is not came, "a scan comes without a master")
+        assert laser._source["words"] == "master lost; data still come"
+        assert not feed.words
+        wait_for(lambda: "master lost, trying again: " in other._source["words"], "the other widget says what it lacks")
+        assert f"no ROS master at http://127.0.0.1:{master.port}" in other._source["words"]
+        publisher.kill()
+        wait_for(lambda: f"no ROS master at http://127.0.0.1:{master.port}" in feed.words, "now nothing is left")
+        assert "is roscore running, and ROS_MASTER_URI right?" in laser._source["words"]
+    finally:
+        master.start()
     wait_for(lambda: not feed.words, "the feed is connected again")
     publish("/four/scan", "scan", 8)
     wait_for(lambda: rays(laser) == 8, "a scan of a publisher comes that only the new master knows")
+    wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+
+
+def test_a_master_that_is_restarted_while_data_come_hears_of_us_again(feed, publish, master):
+    laser = LaserWidget()
+    feed.connect("/again/scan", laser)
+    publish("/again/scan", "scan", 5)
+    wait_for(lambda: rays(laser) == 5, "a scan comes")
+    master.kill()
+    wait_for(lambda: laser._source["words"], "the widget says that the master is lost")
+    master.start()
+    publish("/again/scan", "scan", 8)
+    wait_for(lambda: rays(laser) == 8, "a scan of a publisher comes that only the new master knows")
+
+
+def test_a_publisher_that_refused_us_once_is_connected_to_when_it_is_there_again(feed, publish):
+    laser = LaserWidget()
+    feed.connect("/shy/scan", laser)
+    publish("/shy/scan", "shy", 5)
+    wait_for(lambda: rays(laser) == 5, "a scan comes")
 
 
 def test_a_topic_that_changes_its_type_is_heard_as_what_it_is_now(feed, publish):
@@ -120,8 +202,8 @@ def test_messages_that_cannot_be_read_are_told_and_the_next_good_one_is_shown(fe
     laser, topic = LaserWidget(), f"/six/{what}"
     feed.connect(topic, laser)
     publisher = publish(topic, what)
-    wait_for(lambda: "cannot be read" in laser._source["words"], "the widget says that they cannot be read")
-    assert laser._source["words"].startswith(f"{topic}: a message of it cannot be read: ")
+    words = f"{topic}: a message of it cannot be read: "
+    wait_for(lambda: laser._source["words"].startswith(words), "the widget says that they cannot be read")
     publisher.kill()
     publish(topic, "sweep" if what == "cut_sweep" else "scan", 4)
     wait_for(lambda: rays(laser) == 4, "a good scan comes")
@@ -158,29 +240,38 @@ def test_two_publishers_with_different_geometry_are_told(feed, publish):
     wait_for(lambda: "two scanners take turns on this topic" in laser._source["words"], "the widget says so")
 
 
+class Robot(NamedTuple):
+    process: subprocess.Popen[str]
+    heard: list[float]
+
+
 @pytest.fixture
-def robot(publish) -> Iterator[Callable[[feeds.Feed, str], list[float]]]:
-    """`robot(feed, topic)` starts one that listens, has the feed drive it, and gives what it hears, as it hears it."""
-    listening: list[threading.Thread] = []
+def robot(publish) -> Iterator[Callable[[str], Robot]]:
+    """`robot(topic)` starts one that listens, in a process of its own."""
+    started: list[tuple[Robot, threading.Thread]] = []
 
-    def start(feed: feeds.Feed, topic: str, hold: float = 60.0) -> list[float]:
+    def start(topic: str) -> Robot:
         process, heard = publish(topic, "hear"), []
-        feed.driving = feeds.Driving(topic, hold=hold)
-        wait_for(lambda: any(there.name == topic and there.wanted for there in feed.topics), "it is listened to")
-        listening.append(threading.Thread(target=lambda: heard.extend(map(float, process.stdout))))
-        listening[-1].start()
-        started.append(process)
-        return heard
+        thread = threading.Thread(target=lambda: heard.extend(map(float, process.stdout)))
+        thread.start()
+        started.append((Robot(process, heard), thread))
+        return started[-1][0]
 
-    started: list[subprocess.Popen[str]] = []
     yield start
-    for process, thread in zip(started, listening, strict=True):
-        process.kill()
+    for one, thread in started:
+        one.process.kill()
         thread.join()
 
 
+def driven(feed: feeds.Feed, topic: str, hold: float = 60.0) -> None:
+    """Have a feed drive by a topic, once somebody listens to it."""
+    feed.driving = feeds.Driving(topic, hold=hold)
+    wait_for(lambda: any(there.name == topic and there.wanted for there in feed.topics), "it is listened to")
+
+
 def test_the_first_speed_is_heard_and_a_zero_when_the_feed_is_closed(feed, robot):
-    heard = robot(feed, "/eight/cmd_vel")
+    heard = robot("/eight/cmd_vel").heard
+    driven(feed, "/eight/cmd_vel")
     feed.drive(0.25, 0.0)
     wait_for(lambda: heard, "the robot hears the speed")
     assert heard[0] == 0.25
@@ -189,40 +280,147 @@ def test_the_first_speed_is_heard_and_a_zero_when_the_feed_is_closed(feed, robot
 
 
 def test_the_first_stop_is_heard(feed, robot):
-    heard = robot(feed, "/halt/cmd_vel")
+    heard = robot("/halt/cmd_vel").heard
+    driven(feed, "/halt/cmd_vel")
     feed.stop()
     wait_for(lambda: heard, "the robot hears zero")
     assert heard[0] == 0.0
 
 
-def test_a_speed_is_never_sent_late(feed, robot):
-    feed._middleware.publish("/late/cmd_vel", STAMPED, {"twist": {"linear": {"x": 0.25}}})
-    publication = feed._middleware._publications._by_topic["/late/cmd_vel"]
-    wait_for(lambda: not publication.may_be_sent_again(), "it is too old")
-    heard = robot(feed, "/late/cmd_vel")
-    wait_for(lambda: publication.publisher and publication.publisher.get_num_connections(), "the robot is connected")
-    assert not publication.heard
-    feed._middleware.publish("/late/cmd_vel", STAMPED, {"twist": {"linear": {"x": 0.0}}})
+def test_a_robot_that_comes_later_hears_nothing_of_what_was_sent_before(middleware, robot):
+    wait_for(lambda: middleware.told.topics, "the topics are known")
+    with pytest.raises(FeedError, match="cannot publish geometry_msgs/TwistStamped on /late/cmd_vel: nobody listens"):
+        middleware.publish("/late/cmd_vel", 0.25)
+    heard = robot("/late/cmd_vel").heard
+    middleware.wait_for_listener("/late/cmd_vel")
+    middleware.publish("/late/cmd_vel", 0.0)
     wait_for(lambda: heard, "the robot hears something")
     assert heard[0] == 0.0
 
 
-def test_a_zero_that_nobody_heard_is_sent_to_who_comes_much_later(feed, robot, monkeypatch):
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.LATE", -1.0)
-    feed._middleware.publish("/later/cmd_vel", STAMPED, {"twist": {"linear": {"x": 0.0}}})
-    heard = robot(feed, "/later/cmd_vel")
-    wait_for(lambda: heard, "the robot hears zero")
-    assert heard[0] == 0.0
+def test_a_robot_that_was_killed_is_no_longer_published_to(middleware, robot):
+    there = robot("/dead/cmd_vel")
+    middleware.wait_for_listener("/dead/cmd_vel")
+    middleware.publish("/dead/cmd_vel", 0.25)
+    there.process.kill()
+    there.process.wait()
+    with pytest.raises(FeedError, match=r"/dead/cmd_vel: /hear_\w+ listens to it, but has not connected"):
+        middleware.publish("/dead/cmd_vel", 0.0)
+    wait_for(lambda: middleware.told.unheard.get("/dead/cmd_vel"), "it is told who does not hear")
+    assert "rosnode cleanup makes the master forget it" in middleware.told.unheard["/dead/cmd_vel"]
 
 
-def test_zero_reaches_the_robot_though_the_master_is_gone(feed, robot, master):
-    heard = robot(feed, "/gone/cmd_vel", hold=2.0)
+def test_what_was_published_arrives_though_the_process_ends_at_once_and_its_other_threads_are_busy(robot):
+    heard = robot("/exit/cmd_vel").heard
+    script = f"""
+import os, sys, threading
+sys.path.append({PACKAGES!r})
+from robowidgets.feeds import _ros1_publications
+from tests.ros1.test_ros1 import MODULE, Opened, Told
+_ros1_publications.SEND_TIMEOUT = 10.0  # for the connection, as the machine may be busy
+one = Opened(MODULE.Ros1(), Told())
+one.ros.open(one.told)
+one.wait_for_listener("/exit/cmd_vel")
+one.publish("/exit/cmd_vel", 0.25)
+for _ in range(3):
+    threading.Thread(target=lambda: [None for _ in iter(int, 1)], daemon=True).start()
+one.publish("/exit/cmd_vel", 0.0)
+os._exit(0)
+"""
+    for runs in range(1, 4):
+        subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=60)
+        wait_for(lambda runs=runs: heard == runs * [0.25, 0.0], "the robot hears zero", seconds=2.0)
+
+
+def test_a_publisher_stays_when_its_feed_is_closed_so_that_no_robot_is_ever_refused(quick, robot, caplog):
+    heard = robot("/often/cmd_vel").heard
+    for speed in range(1, 21):
+        with opened() as one:
+            one.wait_for_listener("/often/cmd_vel")
+            one.publish("/often/cmd_vel", speed)
+            assert one.told.advert("/often/cmd_vel").publishers == ()
+        wait_for(lambda speed=speed: heard and heard[-1] == speed, "the robot hears it")
+        node = MODULE.Master(os.environ["ROS_MASTER_URI"]).state().publishers["/often/cmd_vel"]
+        assert len(node) == 1
+    assert "is not a publisher of" not in caplog.text
+
+
+def test_a_robot_that_was_refused_is_told_of_and_asked_again_until_it_connects(middleware, robot, monkeypatch):
+    import rospy.impl.tcpros_base
+
+    refused = []
+
+    def refuse(sock, address, header):
+        if header["topic"] == "/deaf/cmd_vel" and not refused:
+            refused.append(header["callerid"])
+            return "refused by the test"
+        return handle(sock, address, header)
+
+    wait_for(lambda: middleware.told.connected, "the node is there")
+    server = rospy.impl.tcpros_base.init_tcpros_server()
+    handle = server.topic_connection_handler
+    monkeypatch.setattr(server, "topic_connection_handler", refuse)
+    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", SEND_TIMEOUT)
+    heard = robot("/deaf/cmd_vel").heard
+    middleware.wait_for_listener("/deaf/cmd_vel")
+    with pytest.raises(FeedError, match=r"/deaf/cmd_vel: /hear_\w+ listens to it, but has not connected"):
+        middleware.publish("/deaf/cmd_vel", 0.25)
+    wait_for(lambda: middleware.told.unheard.get("/deaf/cmd_vel"), "it is told")
+    words = f"{refused[0]} listens to /deaf/cmd_vel, but does not connect; it is asked again"
+    wait_for(lambda: middleware.told.said == [words, ""], "it has connected")
+    middleware.publish("/deaf/cmd_vel", 0.0)
+    wait_for(lambda: heard, "the robot hears")
+    assert heard == [0.0]
+
+
+def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_reads_again(
+    middleware, robot, monkeypatch
+):
+    topic = "/stuck/cmd_vel"
+    stuck, other = robot(topic), robot(topic)
+    middleware.wait_for_listener(topic)
+    middleware.publish(topic, 0.1)
+    connections = middleware.ros._publications._connections
+    wait_for(lambda: len(connections(topic)) == 2, "both are connected")
+    for connection in connections(topic):  # the buffers of the system hold a minute of speeds
+        connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", SEND_TIMEOUT)
+    stuck.process.send_signal(signal.SIGSTOP)
+    speeds = itertools.count(1)
+    wait_for(lambda: middleware.publish(topic, next(speeds)) or middleware.told.unheard.get(topic), "it is told")
+    assert re.fullmatch(rf"/hear_{stuck.process.pid}_\d+ does not read {topic}", middleware.told.unheard[topic])
+    started, last = time.monotonic(), next(speeds)
+    middleware.publish(topic, last)
+    assert time.monotonic() - started < 0.1, "a speed does not wait for it"
+    wait_for(lambda: other.heard[-1] == last, "the other robot hears all the same")
+    with pytest.raises(FeedError, match=rf"/hear_{stuck.process.pid}_\d+ took no message of {topic} for 0.5 s"):
+        middleware.publish(topic, 0.0)
+    assert SEND_TIMEOUT < time.monotonic() - started < 3 * SEND_TIMEOUT
+    wait_for(lambda: other.heard[-1] == 0.0, "the other robot hears zero")
+    stuck.process.send_signal(signal.SIGCONT)
+    middleware.publish(topic, 0.0)
+    wait_for(lambda: stuck.heard and stuck.heard[-1] == 0.0, "the robot hears zero, after all that waited for it")
+    wait_for(lambda: middleware.told.unheard[topic] == "", "nothing is left to say")
+
+
+def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middleware, robot, master):
+    there = robot("/gone/cmd_vel")
+    driven(feed, "/gone/cmd_vel", hold=1.0)
     feed.drive(0.25, 0.0)
-    wait_for(lambda: heard, "the robot hears a speed")
+    wait_for(lambda: there.heard, "the robot hears a speed")
+    asked = feed._middleware._publications
     master.kill()
     try:
-        wait_for(lambda: feed.words, "the feed says that the master has gone")
-        wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
+        wait_for(lambda: asked.master_lost, "the master is lost")
+        feed.drive(0.5, 0.0)
+        wait_for(lambda: 0.5 in there.heard, "the robot hears a speed without a master")
+        wait_for(lambda: there.heard[-1] == 0.0, "the robot hears zero")
+        assert not feed.words
+        there.process.kill()
+        there.process.wait()
+        wait_for(lambda: feed.words, "nobody is left")
+        with pytest.raises(FeedError, match="/gone/cmd_vel: nobody is connected, and there is no ROS master at http:"):
+            feed._middleware.publish("/gone/cmd_vel", STAMPED, {})
     finally:
         master.start()
 
@@ -238,13 +436,43 @@ feed = feeds.ros1()
 feed.driving = feeds.Driving("/end/cmd_vel", hold=60.0)
 wait_for(lambda: any(topic.name == "/end/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
 feed.drive(0.25)
-wait_for(lambda: feed._middleware._publications._by_topic["/end/cmd_vel"].heard, "the robot hears it")
 """
     subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, timeout=60)
     ends = threading.Timer(5.0, robot.kill)
     ends.start()
     assert "0.0\n" in iter(robot.stdout.readline, "")
     ends.cancel()
+
+
+@pytest.mark.parametrize("end", ["os.kill(os.getpid(), signal.SIGINT)", "rospy.signal_shutdown('by the test')"])
+def test_a_node_that_is_shut_down_while_it_drives_stops_the_robot_first(robot, end):
+    heard = robot("/exit/cmd_vel").heard
+    script = f"""
+import os, signal, sys
+sys.path.append({PACKAGES!r})
+import rospy
+rospy.init_node("program", anonymous=True)
+from robowidgets import feeds
+from tests.unit.waiting import wait_for
+feed = feeds.ros1()
+feed.driving = feeds.Driving("/exit/cmd_vel", hold=60.0)
+wait_for(lambda: any(topic.name == "/exit/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
+feed.drive(0.25)
+wait_for(lambda: feed._middleware._publications.connected, "the robot hears it")
+{end}
+"""
+    subprocess.run([sys.executable, "-c", script], cwd=ROOT, timeout=60)
+    wait_for(lambda: heard, "the robot hears a speed")
+    wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
+
+
+def test_other_publishers_of_a_topic_are_named(middleware, publish):
+    publish("/named/scan", "scan")
+    publish("/named/scan", "scan")
+    wait_for(lambda: len(middleware.told.advert("/named/scan").publishers) == 2, "both are named")
+    publishers = middleware.told.advert("/named/scan").publishers
+    assert list(publishers) == sorted(publishers)
+    assert all(name.startswith("/scan_") for name in publishers)
 
 
 def test_an_error_of_any_kind_is_told_and_it_is_tried_again(feed, monkeypatch):
@@ -265,16 +493,21 @@ def test_only_types_that_are_installed_can_be_published(feed):
 
 
 def test_a_robot_that_comes_later_is_driven_in_the_type_that_it_listens_to(feed, robot):
-    feed.driving = feeds.Driving("/go/cmd_vel")
-    feed.stop()
-    heard = robot(feed, "/go/cmd_vel")
+    wait_for(lambda: feed.topics, "the topics are known")
+    with pytest.raises(FeedError, match="cannot publish geometry_msgs/Twist on /go/cmd_vel: nobody listens to it"):
+        feed._middleware.publish("/go/cmd_vel", "geometry_msgs/msg/Twist", {})
+    heard = robot("/go/cmd_vel").heard
+    driven(feed, "/go/cmd_vel")
+    with pytest.raises(FeedError, match="cannot publish geometry_msgs/Twist on /go/cmd_vel: it is geometry_msgs/Twist"):
+        feed._middleware.publish("/go/cmd_vel", "geometry_msgs/msg/Twist", {})
     feed.drive(0.25)
     wait_for(lambda: heard, "the robot hears a TwistStamped")
     assert heard[0] == 0.25
 
 
 def test_another_type_on_a_topic_that_is_published_already_is_refused(feed, robot):
-    heard = robot(feed, "/two/cmd_vel")
+    heard = robot("/two/cmd_vel").heard
+    driven(feed, "/two/cmd_vel")
     feed.drive(0.25)
     wait_for(lambda: heard, "the robot hears a TwistStamped")
     with pytest.raises(FeedError, match="cannot publish geometry_msgs/Twist on /two/cmd_vel: geometry_msgs/TwistStamp"):
@@ -335,6 +568,9 @@ def test_a_master_that_does_not_answer_is_told_of_and_holds_up_nobody(master, mo
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
         with feeds.ros1() as feed:
             wait_for(lambda: "(no answer within 0.2 s)" in feed.words, "the feed says that it does not answer")
+            thread, started = feed._middleware._thread, time.monotonic()
+        assert time.monotonic() - started < CLOSE_TIMEOUT
+        assert not thread.is_alive()
 
 
 @pytest.mark.parametrize("uri", ["robot:11311", "http://robot", "http://robot:many"])
