@@ -51,7 +51,7 @@ class Ros1:
         self._master = Master("")
         self._listener: Listener | None = None
         self._thread: threading.Thread | None = None
-        self._again = Backoff()
+        self._backoff = Backoff()
         self._stirred = threading.Event()
         self._wanted: set[str] = set()
         self._subscriptions: dict[str, _Subscription] = {}
@@ -111,7 +111,7 @@ class Ros1:
 
     def close(self) -> None:
         """Unsubscribe and end the thread; the node and its publishers stay. See `Middleware`."""
-        self._again.close()
+        self._backoff.close()
         self._stirred.set()
         logging.getLogger("rospy.internal").removeHandler(self._log)
         if self._thread is not None and self._thread is not threading.current_thread():
@@ -124,7 +124,7 @@ class Ros1:
             self._trouble(topic, words)
 
     def _trouble(self, topic: str, words: str) -> None:
-        if self._listener is None or self._again.closed or topic not in self._wanted:
+        if self._listener is None or self._backoff.closed or topic not in self._wanted:
             return
         if self._troubles.get(topic, "") != words:
             self._troubles[topic] = words
@@ -133,7 +133,7 @@ class Ros1:
     def _run(self) -> None:
         assert self._listener is not None
         connected = False
-        while not self._again.closed:
+        while not self._backoff.closed:
             try:
                 state = self._master.state()
                 self._start_node()
@@ -141,7 +141,7 @@ class Ros1:
                 if not connected:
                     self._listener.on_connected()
                     connected = True
-                self._again.worked()
+                self._backoff.worked()
                 self._step(state)
             except MasterError as error:
                 hint = "is roscore running, and ROS_MASTER_URI right?"
@@ -155,10 +155,10 @@ class Ros1:
                 self._stirred.wait(POLL)
                 self._stirred.clear()
                 continue
-            pause = self._again.next_pause()
+            pause = self._backoff.next_pause()
             if not connected:
                 self._listener.on_lost(why, pause)
-            self._again.wait(pause)
+            self._backoff.wait(pause)
         for subscription in self._subscriptions.values():
             subscription.subscriber.unregister()
         self._subscriptions.clear()
@@ -242,7 +242,7 @@ class Ros1:
         return adverts
 
     def _receive(self, message: Any, topic: str) -> None:
-        if self._again.closed or topic not in self._wanted or self._listener is None:
+        if self._backoff.closed or topic not in self._wanted or self._listener is None:
             return
         if isinstance(message, self._rospy.AnyMsg):
             try:
