@@ -21,6 +21,7 @@ BUNDLES = (
     "player_widget.js",
     "scanogram_widget.js",
     "speed_widget.js",
+    "stop_widget.js",
     "touch_widget.js",
 )
 LARGEST_BUNDLE = 30_000

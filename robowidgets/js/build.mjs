@@ -30,6 +30,7 @@ const builds = await Promise.all([
       "player_widget.ts",
       "scanogram_widget.ts",
       "speed_widget.ts",
+      "stop_widget.ts",
       "touch_widget.ts",
     ],
     outdir: "../static",
