@@ -10,38 +10,32 @@ from typing import Any, Literal
 import pytest
 from playwright.sync_api import Locator, expect
 
+from tests.unit.waiting import wait_for
+
 from .chromium import shoot
 from .notebook import CellError, Notebook
 
 FEED = """
 import threading, time
-from types import SimpleNamespace
-from robowidgets._command_watchdog import PROGRAM, CommandWatchdog
+from robowidgets import feeds
 from robowidgets._stop_widget import StopWidget
 
-class Feed:
-    '''As much of a feed as Stop and pad use.'''
-    is_closed, drive_words, driving = False, "", SimpleNamespace(topic="/cmd_vel")
-    def __init__(self):
-        self.heard, self.refused, self.pages = [], "", []
-        self.watchdog = CommandWatchdog(lambda *speed: self.heard.append((time.time(), *speed)))
-    def drive(self, linear, angular):
-        try:
-            self.watchdog.drive((linear, angular))
-        except Exception as error:
-            self.refused = str(error)
-    def drive_by_hand(self, linear, angular, press):
-        self.watchdog.drive((linear, angular), driver=press)
-    def page_seen(self):
-        self.pages.append(time.time())
-    def watch(self, tell): pass
-    def forget(self, tell): pass
+feed = feeds.simulator(wander=False)
+heard, refused = [], ""
+publish = feed._middleware.publish
+def record(topic, kind, message):
+    publish(topic, kind, message)
+    heard.append((time.time(), message["linear"]["x"], message["angular"]["z"]))
+feed._middleware.publish = record
 
-feed = Feed()
 runs = True
 def program():
+    global refused
     while runs:
-        feed.drive(0.2, 0.5)
+        try:
+            feed.drive(0.2, 0.5)
+        except feeds.FeedError as error:
+            refused = str(error)
         time.sleep(0.05)
 threading.Thread(target=program, daemon=True).start()
 bar = StopWidget(feed)
@@ -120,12 +114,12 @@ def test_beside_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..
     nb.lab.interrupt(nb.path)
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
-    heard = eval(nb.python("feed.heard"))
+    heard = eval(nb.python("heard"))
     zeros = [when for when, *speed in heard if speed == [0, 0]]
     assert zeros[0] - at < 1
     assert len(zeros) == 2
     assert heard[-1][1:] == (0.0, 0.0)
-    assert nb.python("feed.refused") == "'stop is latched until somebody releases it'"
+    assert nb.python("refused") == "'cannot drive: stop is latched until somebody releases it'"
 
 
 def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_code(
@@ -145,9 +139,9 @@ def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_cod
     nb.page.mouse.up()
     allow_of(nb).click()
     says(nb, PROGRAM)
-    nb.python("feed.watchdog.stopped = True")
+    nb.python("feed.stopped = True")
     expect(stop_of(nb)).to_have_text("Stopped")
-    nb.python("feed.watchdog.stopped = False")
+    nb.python("feed.stopped = False")
     says(nb, PROGRAM)
     expect(stop_of(nb)).to_have_text("Stop")
     assert stop_of(nb).bounding_box() == place
@@ -155,9 +149,9 @@ def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_cod
     says(nb, "nobody drives")
     nb.python("feed.watchdog.take('p-1'); feed.drive_by_hand(-0.3, 0, 'p-1')")
     says(nb, "nobody drives")
-    assert (-0.3, 0) in [tuple(speed) for _, *speed in eval(nb.python("feed.heard"))]
-    nb.python("feed.drive_words = 'nobody listens to /cmd_vel'; feed.watchdog.stop()")
-    says(nb, "nobody drives", "nobody listens to /cmd_vel")
+    assert (-0.3, 0) in [tuple(speed) for _, *speed in eval(nb.python("heard"))]
+    nb.python("feed.on_unheard('/cmd_vel', 'the robot does not take what is sent'); feed.watchdog.stop()")
+    says(nb, "nobody drives", "the robot does not take what is sent")
 
 
 IN_A_BOX = FEED.replace(
@@ -185,9 +179,9 @@ def test_keys_stop_from_the_bar_and_escape_from_anywhere_in_its_view(notebook: C
     nb.page.keyboard.press("Control+Escape")
     nb.page.locator(".jp-Cell").nth(1).click()
     nb.page.keyboard.press("Escape")
-    nb.python("seen = len(feed.pages)")
-    nb.page.wait_for_function("() => new Promise((done) => setTimeout(() => done(true), 300))")
+    nb.python("1")  # what the page sent before has arrived
     expect(stop_of(nb)).to_have_text("Stop")
+    assert nb.python("feed.stopped") == "False"
 
 
 def test_a_kernel_that_does_not_answer_is_interrupted(notebook: Callable[..., Notebook]) -> None:
@@ -199,7 +193,7 @@ def test_a_kernel_that_does_not_answer_is_interrupted(notebook: Callable[..., No
     says(nb, "nobody may drive", "the kernel was interrupted")
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
-    heard = eval(nb.python("feed.heard"))
+    heard = eval(nb.python("heard"))
     assert heard[-1][1:] == (0.0, 0.0)
     assert heard[-1][0] - at < 2
     nb.page.mouse.up()
@@ -252,7 +246,7 @@ def test_where_there_is_no_way_to_a_busy_kernel_it_says_so_and_what_would_help(
 
 def test_an_allow_that_waited_for_the_kernel_releases_nothing(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([DEAF + FEED])
-    nb.python("feed.watchdog.stopped = True")
+    nb.python("feed.stopped = True")
     says(nb, "nobody may drive")
     busy = nb.append("import time\ntime.sleep(4)")
     nb.start(busy)
@@ -264,13 +258,24 @@ def test_an_allow_that_waited_for_the_kernel_releases_nothing(notebook: Callable
     says(nb, PROGRAM)
 
 
-def test_a_page_is_seen_also_hidden_and_while_a_cell_runs(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FEED])
+def test_a_page_counts_as_there_with_slow_timers_and_beside_a_cell_until_it_is_left(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([f"{FEED.rstrip()[:-3]}feed.driving = feeds.Driving(needs_page=True)\nbar"])
     says(nb, PROGRAM)
-    nb.page.evaluate("() => Object.defineProperty(document, 'hidden', { value: true, configurable: true })")
-    busy = nb.append("import time\nstart, seen = time.time(), len(feed.pages)\nwhile len(feed.pages) < seen + 3: pass")
-    nb.run(busy)
-    assert 1 < float(nb.python("time.time() - start")) < 10
+    # As in a page that has been hidden for minutes.
+    nb.page.evaluate("() => { for (let id = 0; id < 100_000; id++) clearInterval(id); }")
+    busy = nb.append("heard.clear()\nwhile len(heard) < 80: time.sleep(0.001)\nrefused, heard[-1][0] - heard[0][0]")
+    assert eval(nb.run(busy)) > ("", 3.5)
+    log = nb.lab.files / "needs-page"
+    nb.python(
+        f"def tell():\n    while not refused: time.sleep(0.01)\n"
+        f"    time.sleep(0.6); open({str(log)!r}, 'w').write(refused + repr(heard[-1]))\n"
+        "threading.Thread(target=tell).start()"
+    )
+    nb.page.goto("about:blank")
+    wait_for(lambda: log.exists() and log.read_text().endswith(", 0.0, 0.0)"), "the robot stands")
+    assert "no page" in log.read_text()
 
 
 def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
@@ -285,13 +290,13 @@ def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
 
 LOOKS = {
     "program": (PROGRAM, ""),
-    "words": (PROGRAM, "feed.drive_words = 'nobody listens to /cmd_vel; speeds go to /base/cmd_vel'"),
-    "stopped": ("nobody may drive", "feed.watchdog.stopped = True"),
-    "free": ("nobody drives", "runs, feed.drive_words, feed.watchdog.stopped = False, '', False"),
+    "words": (PROGRAM, "feed.on_unheard('/cmd_vel', 'nobody listens to /cmd_vel; speeds go to /base/cmd_vel')"),
+    "stopped": ("nobody may drive", "feed.stopped = True"),
+    "free": ("nobody drives", "runs = feed.stopped = False; feed.on_unheard('/cmd_vel', '')"),
     "failed": (
         "nobody drives",
-        "def fail(*speed): raise OSError('no route to the robot')\n"
-        "feed.watchdog._send = fail\nfeed.drive(0.1, 0); feed.watchdog.stop()",
+        "def fail(*message): raise feeds.FeedError('the socket is not writable: no route to host')\n"
+        "feed._middleware.publish = fail\nfeed.watchdog.stop()",
     ),
 }
 
@@ -306,7 +311,7 @@ def test_looks(notebook: Callable[..., Notebook], theme: Literal["light", "dark"
             nb.python(code)
             says(nb, words)
             if look == "failed":
-                expect(nb.widget(0).locator(".rw-notice")).to_contain_text("no route to the robot")
+                expect(nb.widget(0).locator(".rw-notice")).to_contain_text("no route to host")
             places.append(stop_of(nb).bounding_box())
             shoot(nb.widget(0), f"stop-{look}-{theme}-{width}")
             if width == 400 and scale == 2:
