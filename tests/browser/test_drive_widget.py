@@ -235,7 +235,7 @@ def test_a_pad_whose_kernel_is_gone_says_so_and_a_new_one_drives(notebook: Calla
     nb.page.keyboard.down("ArrowUp")
     says(nb, "driving")
     nb.restart_kernel()
-    says(nb, "kernel busy: stopped")
+    says(nb, "no news from the kernel")
     nb.page.keyboard.up("ArrowUp")
     nb.run_all()
     pad_of(nb).focus()
