@@ -13,6 +13,7 @@ from playwright.sync_api import Locator, expect
 from ..unit.waiting import wait_for
 from .chromium import shoot
 from .notebook import CellError, Notebook
+from .test_drive_widget import ALONE
 
 FEED = """
 import threading, time
@@ -51,17 +52,20 @@ while not pathlib.Path({stop!r}).exists():
 """
 SLEEP = "time.sleep(0.01)"
 STUBBORN = "try:\n        time.sleep(0.01)\n    except KeyboardInterrupt:\n        pass"
-DEAF = """
-from robowidgets import _driving_widget
-_driving_widget.answer_beside_cells = lambda comm: None
-"""
-"""Messages wait until the cell ends, as they do with kernels that do not answer beside a cell."""
 NO_INTERRUPT = """(path) => {
     const panel = [...window.jupyterapp.shell.widgets("main")].find((widget) => widget.context?.path === path);
     panel.sessionContext.session.kernel.interrupt = undefined;
 }"""
 """The page cannot interrupt the kernel, as in hosts that do not hand it to widgets."""
 PROGRAM = "a program drives /cmd_vel: 0.20 m/s, 0.50 rad/s"
+
+
+def deaf(notebook: Callable[..., Notebook]) -> Notebook:
+    """A notebook whose messages wait until the cell ends, as they do with kernels that know no subshells."""
+    nb = notebook([FEED], run=False)
+    nb.page.evaluate(ALONE, nb.path)
+    nb.run_all()
+    return nb
 
 
 def stop_of(nb: Notebook, cell: int = 0) -> Locator:
@@ -184,7 +188,7 @@ def test_keys_stop_from_the_bar_and_escape_from_anywhere_in_its_view(notebook: C
 
 
 def test_a_kernel_that_does_not_answer_is_interrupted(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([DEAF + FEED])
+    nb = deaf(notebook)
     says(nb, PROGRAM)
     busy, _ = start_busy(nb, SLEEP)
     says(nb, PROGRAM, "kernel busy: Stop interrupts the cell")
@@ -203,7 +207,7 @@ def test_a_kernel_that_does_not_answer_is_interrupted(notebook: Callable[..., No
 def test_a_cell_that_goes_on_after_an_interrupt_is_named_and_stop_can_be_pressed_again(
     notebook: Callable[..., Notebook],
 ) -> None:
-    nb = notebook([DEAF + FEED])
+    nb = deaf(notebook)
     says(nb, PROGRAM)
     busy, stop = start_busy(nb, STUBBORN)
     press(nb)
@@ -221,7 +225,7 @@ def test_a_cell_that_goes_on_after_an_interrupt_is_named_and_stop_can_be_pressed
 def test_where_there_is_no_way_to_a_busy_kernel_it_says_so_and_what_would_help(
     notebook: Callable[..., Notebook],
 ) -> None:
-    nb = notebook([DEAF + FEED])
+    nb = deaf(notebook)
     says(nb, PROGRAM)
     nb.page.evaluate(NO_INTERRUPT, nb.path)
     busy, stop = start_busy(nb, SLEEP)
@@ -244,7 +248,7 @@ def test_where_there_is_no_way_to_a_busy_kernel_it_says_so_and_what_would_help(
 
 
 def test_an_allow_that_waited_for_the_kernel_releases_nothing(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([DEAF + FEED])
+    nb = deaf(notebook)
     nb.python("feed.stopped = True")
     says(nb, "nobody may drive")
     busy = nb.append("import time\ntime.sleep(4)")
