@@ -102,6 +102,8 @@ class CommandWatchdog:
     def stopped(self, stopped: bool) -> None:
         self._stopped = stopped
         if stopped:
+            with self._changed:
+                self._hand = ""  # released, it needs a new press
             self.stop()
         self._tell()
 

@@ -2,35 +2,20 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from math import isfinite
 from numbers import Real
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import traitlets
 
-from ._dead_man import ZERO, DeadMan, Speed2
-from ._grip import Grip, Said, to_said
+from ._command_watchdog import HOLD, PROGRAM, ZERO, CommandWatchdog
+from ._driving_widget import DrivingWidget
 from ._limits import LARGEST
-from ._named_widget import NamedWidget, bundle
+from ._named_widget import bundle
+from ._press import PadMessage, PressLease
 from ._traits import Flag
 from .samples import Speed
-
-_NOT_DRIVEN = "could not be driven"
-_NOR_STOPPED = ". Nor could it be told to stop"
-
-
-@runtime_checkable
-class _Feed(Protocol):
-    """What says when it was closed."""
-
-    @property
-    def is_closed(self) -> bool: ...
-
-    def watch(self, tell: Callable[[], None]) -> None: ...
-
-    def forget(self, tell: Callable[[], None]) -> None: ...
 
 
 class _Limit(traitlets.TraitType[Any, Any]):
@@ -50,18 +35,20 @@ class _Limit(traitlets.TraitType[Any, Any]):
         return float(value)
 
 
-class DriveWidget(NamedWidget):
+class DriveWidget(DrivingWidget):
     """A pad that drives a robot: drag its knob, or press arrow keys or W, A, S, D while it has the focus.
 
     Up is forward and left turns to the left (REP-103: linear x and angular z above 0). The knob's place is a share of
-    the limits; keys go to the limits. The reader sees the speed that was handed on, its limits, and in words what is
-    going on.
+    the limits; keys go to the limits. The reader sees the speed that was sent, its limits, and in words who drives.
 
     The robot is told to stop on release, when the pad loses the focus or the page is hidden, and when something raises.
     It moves only while the page and the kernel answer each other: half a second without an answer ends a press, on both
     sides, and nothing that waited longer than that ever moves the robot. A press that ended so must be let go and made
     anew. No program can do better than that when its whole process hangs: a robot should stop by itself, too, when it
     hears nothing.
+
+    The newest press of all pads on one feed drives it. While it is held, programs are refused. Stop is latched: nobody
+    drives until it is released, on the page or by ``stopped = False``.
 
     Args:
         send: a function of linear (m/s) and angular (rad/s) that drives the robot. It is called in a thread of the
@@ -88,33 +75,23 @@ class DriveWidget(NamedWidget):
 
     _esm = bundle("drive_widget.js")
     _keywords = ("send",)
-    _dead_man: DeadMan | None = None
-    _feed: _Feed | None = None
 
     linear_limit = _Limit(0.5, "m/s", help="At the edge of the pad, m/s.").tag(sync=True)
     angular_limit = _Limit(1.0, "rad/s", help="At the edge of the pad, rad/s.").tag(sync=True)
     enabled = Flag(True, help="Whether the pad drives.").tag(sync=True)
-    _ready = Flag(False, help="Whether there is something to drive.").tag(sync=True)
-    _state = traitlets.Dict(
-        help="speed: (m/s, rad/s) handed on last; press: who holds the pad; error: text; cause: why a press ended, or "
-        "nothing can be driven any more."
-    ).tag(sync=True, echo_update=False)
 
     def __init__(self, *, send: Callable[[float, float], Any] | None = None, **kwargs: Any) -> None:
         if send is not None and not callable(send):
             raise TypeError(f"send: expected a function of linear and angular speed, got {send!r}")
-        self._grip = Grip()
-        self._telling = threading.Lock()
-        self._failed = ""
-        """The press that an error ended last."""
+        self._lease = PressLease()
+        self._driving = ""
+        """The press of this pad that took the robot last."""
         super().__init__(**kwargs)
-        self._tell(speed=ZERO, press="", error="", cause="")
-        self.on_msg(self._on_page)
         if send is not None:
-            self._drive_by(send, lambda: send(0.0, 0.0))
+            self._attach(CommandWatchdog(send), owns=True)
 
     def connect(self, robot: Any) -> None:
-        """Drive this one from now on; what was driven until now is told to stop.
+        """Drive this one from now on; what was driven by this pad until now is told to stop.
 
         When a feed is closed, the pad says so.
 
@@ -124,132 +101,103 @@ class DriveWidget(NamedWidget):
         Raises:
             TypeError: it has no ``drive``.
         """
-        drive = getattr(robot, "drive", None)
-        if not callable(drive):
-            raise TypeError(
-                f"connect(): expected a feed, or something with drive(linear, angular), got {robot!r}; "
-                "a function goes to DriveWidget(send=...)"
-            )
-        stop = getattr(robot, "stop", None)
-        self._drive_by(drive, stop if callable(stop) else lambda: drive(0.0, 0.0), robot)
+        watchdog = getattr(robot, "watchdog", None)
+        if isinstance(watchdog, CommandWatchdog):
+            self._attach(watchdog, robot)
+        else:
+            self._attach(CommandWatchdog(_sink_of(robot)), owns=True)
         topic = getattr(getattr(robot, "driving", None), "topic", "")
         if isinstance(topic, str) and topic:
             self._name_after(topic)
-        if isinstance(robot, _Feed):
-            self._feed = robot
-            robot.watch(self._look)
-            self._look()
 
     def disconnect(self) -> None:
-        """Drive nothing any more; what was driven is told to stop."""
-        self._end()
-        self._ready = False
-        self._tell(cause="")
-
-    def stop(self) -> None:
-        """Tell the robot to stop, and let nobody drive who does not press anew."""
-        self._let_go()
-        if self._dead_man is not None:
-            self._dead_man.stop()
-
-    def close(self) -> None:
-        """Tell the robot to stop if it is driven, and take the pad off the page."""
-        self._end()
-        super().close()
+        """Drive nothing any more; what was driven by this pad is told to stop."""
+        self._detach()
 
     @property
     def commanded(self) -> Speed:
-        """The speed that was handed on last: linear x in m/s, angular z in rad/s."""
-        linear, angular = self._state["speed"]
+        """The speed that was sent last: linear x in m/s, angular z in rad/s."""
+        linear, angular = self._watchdog.sent
         return Speed((linear, 0.0, 0.0), (0.0, 0.0, angular))
 
-    def _drive_by(self, drive: Callable[[float, float], Any], halt: Callable[[], Any], robot: Any = None) -> None:
-        self._end()
-        self._dead_man = DeadMan(drive, halt, lambda speed: self._on_told(speed, robot), self._on_failed)
-        self._ready = True
-        self._tell(error="", cause="")
-
-    def _look(self) -> None:
-        """Say so when the feed was closed; the feed's call, from any thread."""
-        if self._feed is not None and self._feed.is_closed:
-            self._end()
-            self._ready = False
-            self._tell(error="", cause="the feed is closed")
-
-    def _end(self) -> None:
-        feed, self._feed = self._feed, None
-        if feed is not None:
-            feed.forget(self._look)
-        dead_man, self._dead_man = self._dead_man, None
-        if dead_man is not None:
-            self._let_go()
-            dead_man.close()
-
-    def _let_go(self) -> None:
-        self._grip.let_go()
-        self._tell(press="")
-
-    def _on_told(self, speed: Speed2, robot: Any) -> None:
-        within = getattr(getattr(robot, "driving", None), "within", None)
-        words = {"error": getattr(robot, "drive_words", "")} if speed != ZERO else {}
-        self._tell(speed=within(*speed) if callable(within) else speed, **words)
-
-    def _on_failed(self, error: BaseException, speed: Speed2) -> None:
-        what = "could not be told to stop" if speed == ZERO else _NOT_DRIVEN
-        text = f"The robot {what}: {type(error).__name__}: {error}"
-        self._log_once(text)
-        cause = str(error) or type(error).__name__
-        before = self._state["error"]
-        if speed == ZERO and _NOT_DRIVEN in before:
-            text = before if before.endswith(_NOR_STOPPED) else f"{before}{_NOR_STOPPED}"
-            cause = self._state["cause"]
-        self._failed = self._grip.press or self._failed
-        self._let_go()
-        self._tell(error=text, cause=cause)
-
-    def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        try:
-            said = to_said(content)
-        except ValueError as error:
-            self._log_once(f"the page sent what is no speed: {error}")
-            self.stop()
-            return
-        over = "" if said.act == "release" else self._why_not()
-        token = None if over or said.act == "release" else self._token(said)
-        if token is not None:
-            self.send({"press": said.press, "token": token})
-            return
-        if said.act == "hold" and not over:
-            late = "failed" if said.press == self._failed else "late"
-            over = "taken" if self._grip.press not in ("", said.press) else late
-        if self._grip.press == said.press:
-            self.stop()
-        self.send({"press": said.press, "over": over or "released"})
+    def _on_press(self, message: PadMessage) -> None:
+        press, over = message.press, self._why_not()
+        token = None
+        if message.act == "press" and not over:
+            self._cause = self._driving = ""
+            self._forget_errors()
+            token = self._lease.take(press)
+        elif message.act == "hold" and not over:
+            token = self._lease.renew(press, message.token)
+            over = self._lease.why_over(press) if token is None else self._drive(message)
+        if message.act == "release":
+            over = "released"
+        if over and press == self._lease.press:
+            self._end_press(over)
+        self.send({"press": press, "over": over} if over else {"press": press, "token": token})
 
     def _why_not(self) -> str:
         """Why nothing can be driven, for the page to put in words; empty when it can."""
-        if self._dead_man is None:
+        if not self._is_ready():
             return "nothing"
         if not self.enabled:
             return "disabled"
-        return "hangs" if self._dead_man.hangs_for else ""
+        if self.stopped:
+            return "stopped"
+        return "hangs" if self._watchdog.busy_for > HOLD else ""
 
-    def _token(self, said: Said) -> int | None:
-        """Do what a press says; the token of the answer, None for one that does not count."""
-        if said.act == "press":
-            token = self._grip.take(said.press)
-            self._tell(press=said.press, error="", cause="")
-            return token
-        renewed = self._grip.renew(said.press, said.token)
-        if renewed is not None and self._dead_man is not None:
-            self._dead_man.drive((said.forward * self.linear_limit, said.turn * self.angular_limit))
-        return renewed
+    def _drive(self, message: PadMessage) -> str:
+        """Send a speed of the press that holds the pad; why it is over instead, or nothing.
 
-    def _tell(self, **state: Any) -> None:
-        with self._telling:
-            self._state = {**self._state, **state}
+        The robot is taken by the first speed, which is fresh, not by the press: a press that waited for a busy kernel
+        must not get in a program's way.
+        """
+        press, watchdog = message.press, self._watchdog
+        linear, angular = message.forward * self.linear_limit, message.turn * self.angular_limit
+        try:
+            if self._driving != press:
+                watchdog.take(press)
+                self._driving = press
+            if self._feed is not None:
+                self._feed.drive_by_hand(linear, angular, press)
+            else:
+                watchdog.drive((linear, angular), driver=press)
+        except Exception as error:  # whatever the feed raises, the page must be told
+            over = self._why_refused(press)
+            if not over:
+                self._fail(error)
+            return over or "failed"
+        return ""
+
+    def _why_refused(self, press: str) -> str:
+        """Why a press drives no more, though nothing failed; empty when it does."""
+        driver = self._watchdog.driver
+        if self.stopped or driver == press:
+            return "stopped" if self.stopped else ""
+        return "taken" if driver not in ("", PROGRAM) else "late"
+
+    def _end_press(self, why: str) -> None:
+        press = self._lease.end(why)
+        if press:
+            self._watchdog.let_go(press)
+
+    def _on_failed(self, words: str, error: BaseException) -> None:
+        if self._lease.press:
+            self._log_once(words)
+            self._cause = str(error) or type(error).__name__
+            self._end_press("failed")
 
     @traitlets.observe("enabled")
     def _after_enabled(self, _change: Any) -> None:
         if not self.enabled:
-            self.stop()
+            self._end_press("disabled")
+
+
+def _sink_of(robot: Any) -> Callable[[float, float], Any]:
+    drive, stop = getattr(robot, "drive", None), getattr(robot, "stop", None)
+    if not callable(drive):
+        raise TypeError(
+            f"connect(): expected a feed, or something with drive(linear, angular), got {robot!r}; "
+            "a function goes to DriveWidget(send=...)"
+        )
+    return lambda *speed: stop() if callable(stop) and speed == ZERO else drive(*speed)

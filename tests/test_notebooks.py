@@ -78,7 +78,7 @@ def test_the_lesson_of_the_pad_stands_when_its_first_cell_is_run_again() -> None
         exec(source, names)
     try:
         wait_for(lambda: sum("(live)" in thread.name for thread in threading.enumerate()) == 1, "one thread is left")
-        names["pad"]._dead_man.drive((0.3, 0.0))
+        names["pad"]._watchdog.drive((0.3, 0.0))
         wait_for(lambda: names["robot"].pose[:2] != (5.0, 0.4), "the new robot moves")
     finally:
         names["running"] = False

@@ -22,6 +22,7 @@ BUNDLES = (
     "player_widget.js",
     "scanogram_widget.js",
     "speed_widget.js",
+    "stop_widget.js",
     "touch_widget.js",
 )
 # Script and style together, compressed as a server sends them.

@@ -67,6 +67,12 @@ class LabServer:
             body = answer.read()
         return json.loads(body) if body else None
 
+    def interrupt(self, path: str) -> None:
+        """Interrupt the kernel of a notebook, past the page."""
+        for session in self.request("api/sessions"):
+            if session["path"] == path:
+                self.request(f"api/kernels/{session['kernel']['id']}/interrupt", "POST")
+
     def end_sessions(self) -> None:
         """Shut down every kernel that a notebook left running."""
         for session in self.request("api/sessions"):

@@ -1,8 +1,9 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import { Grip, type Message, type State } from "../../robowidgets/js/drive/grip.ts";
 import { CENTER, isDriving, ofKeys, toKnob, toPlace } from "../../robowidgets/js/drive/knob.ts";
-import { toWords } from "../../robowidgets/js/drive/words.ts";
+import { type PadMessage, PressLease, type State } from "../../robowidgets/js/drive/press.ts";
+import { toText } from "../../robowidgets/js/drive/text.ts";
+import { situation } from "./stop.ts";
 
 test("up is forward and left turns to the left, up to the limits and never past them", () => {
   assert.deepEqual(toKnob(0, -100, 100), { forward: 1, turn: 0 });
@@ -39,20 +40,20 @@ test("keys add up and opposite ones cancel", () => {
 
 const FULL = { forward: 1, turn: 0 };
 
-function open(send: (message: Message) => void = () => {}) {
+function open(send: (message: PadMessage) => void = () => {}) {
   mock.timers.reset();
   mock.timers.enable({ apis: ["setInterval"] });
   let now = 1000;
   const clock = mock.method(performance, "now", () => now);
-  const sent: Message[] = [];
+  const sent: PadMessage[] = [];
   const states: State[] = [];
-  const grip: Grip = new Grip(
+  const lease: PressLease = new PressLease(
     "pad",
     (message) => {
       sent.push(message);
       send(message);
     },
-    () => states.push(grip.state),
+    () => states.push(lease.state),
   );
   const pass = (ms: number) => {
     for (let i = 0; i < ms; i += 10) {
@@ -61,29 +62,29 @@ function open(send: (message: Message) => void = () => {}) {
     }
   };
   const close = () => {
-    grip.release();
+    lease.release();
     clock.mock.restore();
     mock.timers.reset();
   };
-  return { grip, sent, states, pass, close };
+  return { lease, sent, states, pass, close };
 }
 
 test("no speed is sent before the kernel has answered, then ten a second with the newest token", () => {
-  const { grip, sent, pass, close } = open();
-  grip.hold(FULL);
+  const { lease, sent, pass, close } = open();
+  lease.hold(FULL);
   pass(300);
   assert.deepEqual(sent, [{ act: "press", press: "pad-1" }]);
-  grip.onAnswer({ press: "pad-1", token: 7 });
+  lease.onAnswer({ press: "pad-1", token: 7 });
   assert.deepEqual(sent[1], { act: "hold", press: "pad-1", token: 7, ...FULL });
   for (let i = 0; i < 10; i++) {
-    grip.onAnswer({ press: "pad-1", token: 8 + i });
+    lease.onAnswer({ press: "pad-1", token: 8 + i });
     pass(100);
   }
   assert.deepEqual(
     sent.slice(2).map(({ token }) => token),
     [8, 9, 10, 11, 12, 13, 14, 15, 16, 17],
   );
-  grip.release();
+  lease.release();
   assert.deepEqual(sent.at(-1), { act: "release", press: "pad-1" });
   pass(1000);
   assert.equal(sent.length, 13);
@@ -91,12 +92,12 @@ test("no speed is sent before the kernel has answered, then ten a second with th
 });
 
 test("a knob that moves is told soon, but not at every step of the pointer", () => {
-  const { grip, sent, pass, close } = open();
-  grip.hold(CENTER);
-  grip.onAnswer({ press: "pad-1", token: 1 });
+  const { lease, sent, pass, close } = open();
+  lease.hold(CENTER);
+  lease.onAnswer({ press: "pad-1", token: 1 });
   for (let i = 0; i < 8; i++) {
     pass(10);
-    grip.hold({ forward: i / 10, turn: 0 });
+    lease.hold({ forward: i / 10, turn: 0 });
   }
   assert.deepEqual(
     sent.slice(2).map(({ forward }) => forward),
@@ -106,85 +107,106 @@ test("a knob that moves is told soon, but not at every step of the pointer", () 
 });
 
 test("half a second of silence ends a press, and only a new one drives", () => {
-  const { grip, sent, states, pass, close } = open();
-  grip.hold(FULL);
-  grip.onAnswer({ press: "pad-1", token: 1 });
+  const { lease, sent, states, pass, close } = open();
+  lease.hold(FULL);
+  lease.onAnswer({ press: "pad-1", token: 1 });
   pass(700);
   assert.deepEqual(states, ["asking", "driving", "silent"]);
   assert.deepEqual(sent.at(-1), { act: "release", press: "pad-1" });
   const count = sent.length;
-  grip.onAnswer({ press: "pad-1", token: 2 });
-  grip.onAnswer({ press: "pad-1", over: "released" });
-  grip.hold({ forward: 0.5, turn: 0 });
+  lease.onAnswer({ press: "pad-1", token: 2 });
+  lease.onAnswer({ press: "pad-1", over: "released" });
+  lease.hold({ forward: 0.5, turn: 0 });
   pass(1000);
-  assert.equal(grip.state, "late");
+  assert.equal(lease.state, "late");
   assert.equal(sent.length, count);
-  grip.release();
-  grip.hold(FULL);
-  grip.onAnswer({ press: "pad-1", token: 3 });
-  assert.equal(grip.state, "asking");
-  grip.onAnswer({ press: "pad-2", token: 4 });
-  assert.equal(grip.state, "driving");
+  lease.release();
+  lease.hold(FULL);
+  lease.onAnswer({ press: "pad-1", token: 3 });
+  assert.equal(lease.state, "asking");
+  lease.onAnswer({ press: "pad-2", token: 4 });
+  assert.equal(lease.state, "driving");
   close();
 });
 
 test("let go in silence, it says so until the kernel answers", () => {
-  const { grip, pass, close } = open();
-  grip.hold(FULL);
+  const { lease, pass, close } = open();
+  lease.hold(FULL);
   pass(700);
-  grip.release();
-  assert.equal(grip.state, "silent");
-  grip.onAnswer({ press: "pad-1", over: "released" });
-  assert.equal(grip.state, "free");
+  lease.release();
+  assert.equal(lease.state, "silent");
+  lease.onAnswer({ press: "pad-1", over: "released" });
+  assert.equal(lease.state, "free");
   close();
 });
 
 test("a press that Python ends stays over while it is held", () => {
-  const { grip, sent, pass, close } = open();
-  grip.hold(FULL);
-  grip.onAnswer({ press: "pad-1", over: "taken" });
+  const { lease, sent, pass, close } = open();
+  lease.hold(FULL);
+  lease.onAnswer({ press: "pad-1", over: "taken" });
   const count = sent.length;
-  grip.onAnswer({ press: "pad-1", token: 5 });
+  lease.onAnswer({ press: "pad-1", token: 5 });
   pass(2000);
-  assert.equal(grip.state, "taken");
+  assert.equal(lease.state, "taken");
   assert.equal(sent.length, count);
   close();
 });
 
 test("a kernel that is gone is silence", () => {
-  const { grip, close } = open(() => {
+  const { lease, close } = open(() => {
     throw new Error("the comm is closed");
   });
-  grip.hold(FULL);
-  assert.equal(grip.state, "silent");
+  lease.hold(FULL);
+  assert.equal(lease.state, "silent");
   close();
 });
 
+const say = (state: State, told: object = {}, more: object = {}, enabled = true) =>
+  toText({ ...situation(told), ...more }, { state, press: "pad-1" }, enabled);
+
 test("words say what is going on and what to do", () => {
-  const usual = { state: "free" as State, ready: true, enabled: true, elsewhere: false, cause: "" };
-  const say = (more: object) => toWords({ ...usual, ...more });
-  assert.equal(say({}).text, "stopped");
-  assert.equal(say({ state: "driving" }).text, "driving");
-  assert.equal(say({ ready: false }).text, "no feed");
-  assert.equal(say({ ready: false, state: "nothing" }).text, "no feed");
-  assert.equal(say({ enabled: false }).text, "switched off");
-  assert.equal(say({ elsewhere: true }).text, "driven from another pad");
-  assert.deepEqual(say({ state: "silent" }), {
-    text: "kernel busy: stopped",
-    hint: "it does not answer",
-    kind: "warn",
-  });
-  for (const state of ["free", "nothing"]) {
-    assert.deepEqual(say({ state, ready: false, cause: "the feed is closed" }), {
+  assert.deepEqual(say("free"), { text: "stopped", hint: "drag, or arrow keys", kind: "rest" });
+  assert.equal(say("driving", { driver: "pad-1" }).text, "driving");
+  assert.equal(say("free", { ready: false }).text, "no feed");
+  assert.equal(say("nothing", { ready: false }).text, "no feed");
+  assert.equal(say("free", {}, {}, false).text, "switched off");
+  assert.equal(say("free", { speed: [0.1, 0] }).text, "stopping");
+  for (const state of ["free", "nothing"] as const) {
+    assert.deepEqual(say(state, { ready: false, cause: "the feed is closed" }), {
       text: "the feed is closed",
       hint: "open it and connect again",
       kind: "rest",
     });
   }
-  assert.deepEqual(say({ state: "failed", cause: "no route to the robot" }), {
+  assert.deepEqual(say("failed", { cause: "no route to the robot" }), {
     text: "no route to the robot",
     hint: "let go and press again",
     kind: "warn",
   });
-  assert.deepEqual(say({ state: "late" }).hint, "let go and press again");
+  assert.equal(say("late").hint, "let go and press again");
+});
+
+test("who else drives is named", () => {
+  assert.deepEqual(say("free", { driver: "program" }), {
+    text: "a program drives",
+    hint: "press to take over",
+    kind: "rest",
+  });
+  assert.equal(say("free", { driver: "other-1" }).text, "driven from another pad");
+  assert.equal(say("free", { driver: "pad-1" }).text, "stopped");
+  assert.equal(say("taken", { driver: "other-1" }).text, "driven from another pad");
+});
+
+test("a kernel that does not answer is not said to have stopped what a program drives", () => {
+  assert.deepEqual(say("silent"), { text: "kernel busy: stopped", hint: "it does not answer", kind: "warn" });
+  assert.equal(say("silent", { driver: "program", speed: [0.2, 0] }).text, "kernel busy; a program drives");
+  assert.equal(say("silent", { driver: "pad-1", speed: [0.2, 0] }).text, "kernel busy: stopping");
+  assert.equal(say("late", { driver: "program", speed: [0.2, 0] }).text, "no answer in time; a program drives");
+  assert.equal(say("free", {}, { hears: false }).hint, "the kernel is busy");
+  assert.equal(say("silent", { driver: "program" }, { isNews: false }).text, "no news from the kernel");
+});
+
+test("a latched stop comes before what the press says", () => {
+  assert.equal(say("driving", { stopped: true }).text, "nobody may drive");
+  assert.deepEqual(say("stopped"), { text: "stopped", hint: "let go and press again", kind: "rest" });
 });

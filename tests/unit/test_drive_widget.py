@@ -7,18 +7,20 @@ import logging
 import threading
 from collections.abc import Iterator
 from math import inf, nan
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import traitlets
 
 from robowidgets import DriveWidget, Speed
-from robowidgets._dead_man import HOLD, ZERO
-from robowidgets._grip import Grip
-from robowidgets.feeds import Driving, Feed
+from robowidgets._command_watchdog import HOLD, PROGRAM, ZERO
+from robowidgets._driving_widget import ALLOW_LIFETIME
+from robowidgets._pacer import pacer
+from robowidgets._press import PressLease, Tokens
+from robowidgets.feeds import Driving, Feed, FeedError
 
 from .feeds.scripted import CMD_VEL, SCAN, Scripted
+from .pages import Page
 from .waiting import wait_for
 
 
@@ -45,8 +47,19 @@ class Pad(DriveWidget):
         token: int = self.hear("press", press)["token"]
         return token
 
+    def hold(self, press: str = "p", **knob: float) -> int:
+        """A press that drives at once; its next token."""
+        token: int = self.hear("hold", press, token=self.press(press), **knob)["token"]
+        return token
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What a page knows."""
+        state: dict[str, Any] = self.get_state()["_state"]
+        return state
+
     def rests(self) -> None:
-        wait_for(lambda: self._dead_man is None or self._dead_man._thread is None, "the pad rests")
+        wait_for(lambda: self._watchdog._thread is None, "the pad rests")
 
 
 @pytest.fixture
@@ -60,7 +73,7 @@ def pad() -> Iterator[Pad]:
 def now(pad: Pad) -> list[float]:
     """The time by which the pad judges what is fresh."""
     time = [100.0]
-    pad._grip = Grip(lambda: time[0])
+    pad._lease = PressLease(lambda: time[0])
     return time
 
 
@@ -112,7 +125,7 @@ class TestFromThePage:
         assert pad.hear("hold", token=0, forward=1)["over"] == "late"
         token = pad.press()
         pad.hear("release")
-        assert pad.hear("hold", token=token, forward=1)["over"] == "late"
+        assert pad.hear("hold", token=token, forward=1)["over"] == "released"
         pad.rests()
         assert set(pad.heard) <= {ZERO}
 
@@ -137,7 +150,9 @@ class TestFromThePage:
             ({"token": "1"}, "token: expected a whole number, got '1'"),
             ({"press": 7}, "press: expected the name of a press, got 7"),
             ({"press": "p" * 65}, "press: expected the name of a press, got 'ppp"),
-            ({"act": "fly"}, "act: expected press, hold or release, got 'fly'"),
+            ({"act": "fly"}, "act: expected press, hold, release, stop, allow or beat, got 'fly'"),
+            ({"press": ""}, "press: expected the name of a press, got ''"),
+            ({"press": "program"}, "press: expected the name of a press, got 'program'"),
             ({"speed": 3}, "expected a message of the pad, got {"),
         ],
     )
@@ -147,7 +162,7 @@ class TestFromThePage:
         token = pad.press()
         pad._handle_custom_msg({"act": "hold", "press": "p", "token": token, "forward": 1, **message}, [])
         assert f"the page sent what is no speed: {text}" in caplog.text
-        assert pad.hear("hold", token=token, forward=1)["over"] == "late"
+        assert pad.hear("hold", token=token, forward=1)["over"] == "released"
         pad.rests()
         assert pad.heard
         assert set(pad.heard) == {ZERO}
@@ -162,7 +177,7 @@ class TestSink:
     def test_without_one_a_press_hears_so(self) -> None:
         pad = Pad(send=None)
         assert pad.hear("press") == {"press": "p", "over": "nothing"}
-        assert pad.get_state()["_ready"] is False
+        assert pad.told["ready"] is False
         pad.close()
 
     def test_what_is_connected_is_driven_and_stopped_its_own_way(self, pad: Pad) -> None:
@@ -199,64 +214,6 @@ class TestSink:
         pad.hear("release")
         wait_for(lambda: robot.command().linear[0] == 0, "it stops")
 
-    def test_of_a_feed_it_tells_the_speed_that_was_published_and_why_the_robot_would_not_move(self, pad: Pad) -> None:
-        script = Scripted(SCAN, CMD_VEL._replace(name="/base/cmd_vel"))
-        with Feed(script) as feed:
-            feed.driving = Driving(max_linear=0.2)
-            pad.connect(feed)
-            assert pad.title == "/cmd_vel"
-            pad.connect(SimpleNamespace(drive=feed.drive, driving=Driving(topic="/base/cmd_vel")))
-            assert pad.title == "/base/cmd_vel"
-            pad.connect(feed)
-            pad.hear("hold", token=pad.press(), forward=1, turn=1)
-            wait_for(lambda: pad.commanded == Speed((0.2, 0.0, 0.0), (0.0, 0.0, 1.0)), "it is told")
-            assert script.speeds[0] == (0.2, 1.0)
-            unheard = "nobody listens to /cmd_vel; speeds go to /base/cmd_vel"
-            assert pad.get_state()["_state"]["error"] == f"{unheard}; 0.5 m/s is cut to 0.2"
-            pad.hear("release")
-            wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "it stops")
-            pad.rests()
-            script.listener.on_topics([CMD_VEL])
-            answer = pad.hear("hold", token=pad.press(), forward=1)
-            wait_for(lambda: pad.commanded.linear[0] == 0.2, "it drives")
-            assert pad.get_state()["_state"]["error"] == "0.5 m/s is cut to 0.2"
-            pad.hear("hold", token=answer["token"], forward=0.4)
-            wait_for(lambda: script.speeds[-1][0] == 0.2, "it drives on")
-            wait_for(lambda: pad.get_state()["_state"]["error"] == "", "nothing is cut any more")
-
-    @pytest.mark.parametrize("held", [False, True])
-    def test_of_a_feed_that_is_closed_it_says_so_at_once_and_again_on_a_press(self, pad: Pad, held: bool) -> None:
-        feed = Feed(Scripted(CMD_VEL))
-        pad.connect(feed)
-        token = pad.press()
-        if held:
-            answer = pad.hear("hold", token=token, forward=1)
-            wait_for(lambda: pad.commanded.linear[0], "it drives")
-        else:
-            pad.hear("release")
-        feed.close()
-        told = {"speed": ZERO, "press": "", "error": "", "cause": "the feed is closed"}
-        assert (pad.get_state()["_ready"], pad.get_state()["_state"]) == (False, told)
-        if held:
-            assert pad.hear("hold", token=answer["token"], forward=1)["over"] == "nothing"
-        assert pad.hear("press", "q")["over"] == "nothing"
-        with Feed(Scripted(CMD_VEL)) as other:
-            pad.connect(other)
-            assert (pad.get_state()["_ready"], pad.get_state()["_state"]["cause"]) == (True, "")
-            assert "token" in pad.hear("press", "r")
-        pad.connect(feed)
-        assert (pad.get_state()["_ready"], pad.get_state()["_state"]["cause"]) == (False, "the feed is closed")
-        pad.disconnect()
-        assert pad.get_state()["_state"]["cause"] == ""
-
-    def test_a_feed_that_it_left_may_close_without_a_word(self, pad: Pad) -> None:
-        with Feed(Scripted(CMD_VEL)) as left:
-            pad.connect(left)
-            pad.connect(SimpleNamespace(drive=lambda *_: None))
-        assert pad.get_state()["_ready"] is True
-        assert pad.get_state()["_state"]["cause"] == ""
-        assert left._watchers == []
-
     @pytest.mark.parametrize("robot", [None, 3, print])
     def test_what_cannot_drive_is_refused(self, pad: Pad, robot: Any) -> None:
         with pytest.raises(
@@ -277,14 +234,14 @@ class TestSink:
         pad.hear("hold", token=token, forward=1)
         wait_for(lambda: heard, "it was asked to stop")
         text = "The robot could not be driven: OSError: no route to the robot"
-        assert pad.get_state()["_state"]["error"] == text
+        assert pad.told["error"] == text
         assert text in caplog.text
         assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "failed"
-        assert pad.get_state()["_state"]["cause"] == "no route to the robot"
+        assert pad.told["cause"] == "no route to the robot"
         token = pad.press("q")
-        assert (pad.get_state()["_state"]["error"], pad.get_state()["_state"]["cause"]) == ("", "")
+        assert (pad.told["error"], pad.told["cause"]) == ("", "")
         pad.hear("release", "q")
-        assert pad.hear("hold", "q", token=token, forward=1)["over"] == "late"
+        assert pad.hear("hold", "q", token=token, forward=1)["over"] == "released"
         pad.close()
 
     def test_what_it_raises_at_every_speed_is_said_with_the_first_error(self) -> None:
@@ -292,23 +249,298 @@ class TestSink:
 
         pad = Pad(send=send)
         pad.hear("hold", token=pad.press(), forward=1)
-        wait_for(lambda: pad.get_state()["_state"]["error"].endswith(". Nor could it be told to stop"), "both are said")
-        assert pad.get_state()["_state"]["error"].startswith("The robot could not be driven: TypeError: ")
-        assert pad.get_state()["_state"]["cause"].endswith("takes 1 positional argument but 2 were given")
+        wait_for(lambda: pad.told["error"].endswith(". Nor could it be told to stop"), "both are said")
+        assert pad.told["error"].startswith("The robot could not be driven: TypeError: ")
+        assert pad.told["cause"].endswith("takes 1 positional argument but 2 were given")
         pad.close()
 
     def test_one_that_hangs_ends_the_press(self) -> None:
         back = threading.Event()
         pad = Pad(send=lambda *_: back.wait())
         pad.hear("hold", token=pad.press(), forward=1)
-        dead_man = pad._dead_man
-        assert dead_man is not None
-        wait_for(lambda: dead_man.hangs_for, "it hangs")
+        wait_for(lambda: pad._watchdog.busy_for > HOLD, "it hangs")
         assert pad.hear("press")["over"] == "hangs"
+        assert pad.told["error"] == "What drives the robot has not come back for 1 s"
         back.set()
         pad.rests()
         assert "token" in pad.hear("press")
+        assert pad.told["error"] == ""
         pad.close()
+
+
+@pytest.fixture
+def script() -> Scripted:
+    return Scripted(SCAN, CMD_VEL)
+
+
+@pytest.fixture
+def feed(script: Scripted) -> Iterator[Feed]:
+    with Feed(script) as opened:
+        yield opened
+
+
+@pytest.fixture
+def other(feed: Feed) -> Iterator[Pad]:
+    """A second pad on the feed."""
+    made = Pad(send=None)
+    made.connect(feed)
+    yield made
+    made.close()
+
+
+class TestFeed:
+    @pytest.fixture
+    def pad(self, feed: Feed) -> Iterator[Pad]:
+        made = Pad(send=None)
+        made.connect(feed)
+        yield made
+        made.close()
+
+    def test_its_own_thread_carries_the_speeds_of_a_pad(self, pad: Pad, script: Scripted) -> None:
+        pad.hold(forward=0.2, turn=-1)
+        wait_for(lambda: script.speeds == [(0.1, -1.0)], "it drives")
+        assert [t.name for t in threading.enumerate()].count("robowidgets-drive") == 1
+        wait_for(lambda: pad.commanded == Speed((0.1, 0, 0), (0, 0, -1.0)), "it is told")
+        pad.hear("release")
+        wait_for(lambda: script.speeds == [(0.1, -1.0), ZERO], "it stops")
+        assert pad.title == "/cmd_vel"
+
+    def test_it_tells_the_speed_that_was_published_and_why_the_robot_would_not_move(
+        self, pad: Pad, feed: Feed, script: Scripted
+    ) -> None:
+        feed.driving = Driving("/base/cmd_vel", max_linear=0.2)
+        pad.connect(feed)
+        pad.hold(forward=1, turn=1)
+        wait_for(lambda: pad.told["speed"] == (0.2, 1.0), "it drives")
+        assert pad.told["topic"] == pad.title == "/base/cmd_vel"
+        unheard = "nobody listens to /base/cmd_vel; speeds go to /cmd_vel"
+        assert pad.told["words"] == f"{unheard}; 0.5 m/s is cut to 0.2"
+        script.listener.on_topics([CMD_VEL._replace(name="/base/cmd_vel")])
+        assert pad.told["words"] == "0.5 m/s is cut to 0.2"
+        pad.hold("q", forward=0.2)
+        assert pad.told["words"] == ""
+
+    def test_beside_a_program_the_hand_drives_and_the_program_is_refused(
+        self, pad: Pad, feed: Feed, script: Scripted
+    ) -> None:
+        feed.drive(0.2, 0.5)
+        wait_for(lambda: pad.told["speed"] == (0.2, 0.5), "the program drives")
+        assert pad.told["driver"] == PROGRAM
+        token = pad.hold(turn=1)
+        for _ in range(5):
+            with pytest.raises(FeedError, match="a hand drives from a pad"):
+                feed.drive(0.2, 0.5)
+            token = pad.hear("hold", token=token, turn=1)["token"]
+        wait_for(lambda: script.speeds[-1] == (0.0, 1.0), "the hand drives")
+        assert pad.told["driver"] == "p"
+        assert (0.2, 0.5) not in script.speeds[1:]
+        pad.hear("release")
+        feed.drive(0.2, 0.5)
+        wait_for(lambda: script.speeds[-2:] == [ZERO, (0.2, 0.5)], "the program drives again")
+
+    def test_a_press_that_waited_for_the_kernel_does_not_get_in_a_programs_way(self, pad: Pad, feed: Feed) -> None:
+        feed.drive(0.2, 0.5)
+        pad.press()
+        feed.drive(0.2, 0.5)
+        assert "over" in pad.hear("hold", token=77, forward=1)
+        feed.drive(0.2, 0.5)
+        assert pad.told["driver"] == PROGRAM
+
+    def test_of_two_pads_the_newest_press_wins_and_the_other_is_told(
+        self, pad: Pad, other: Pad, script: Scripted
+    ) -> None:
+        token = pad.hold(forward=0.2)
+        wait_for(lambda: script.speeds == [(0.1, 0.0)], "the first drives")
+        newer = other.hold("q", turn=0.5)
+        assert pad.hear("hold", token=token, forward=0.2) == {"press": "p", "over": "taken"}
+        assert other.hear("hold", "q", token=newer, turn=0.5)["token"]
+        assert pad.told["driver"] == other.told["driver"] == "q"
+        pad.hear("release")
+        wait_for(lambda: script.speeds[-1] == (0.0, 0.5), "the second drives on")
+        assert pad.hear("hold", token=token, forward=0.2)["over"] == "taken"
+        assert pad.told["error"] == other.told["error"] == ""
+        other.hear("release", "q")
+        wait_for(lambda: script.speeds[-1] == ZERO, "it stops")
+        assert (0.1, 0.0) not in script.speeds[1:]
+
+    def test_stop_of_one_pad_ends_the_press_of_another(self, pad: Pad, other: Pad, script: Scripted) -> None:
+        token = pad.hold(forward=0.2)
+        other.stop()
+        assert pad.hear("hold", token=token, forward=0.2)["over"] == "late"
+        wait_for(lambda: script.speeds[-1] == ZERO, "it stops")
+
+    def test_a_pad_that_is_switched_off_or_taken_away_leaves_a_program_alone(
+        self, pad: Pad, other: Pad, feed: Feed, script: Scripted
+    ) -> None:
+        feed.drive(0.2, 0.5)
+        pad.enabled = False
+        pad.disconnect()
+        other.close()
+        feed.drive(0.2, 0.5)
+        wait_for(lambda: script.speeds == [(0.2, 0.5), (0.2, 0.5)], "it drives on")
+        assert feed._watchers == []
+
+    def test_what_could_not_be_published_ends_the_press_and_is_told_until_it_can(
+        self, pad: Pad, script: Scripted, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        token = pad.hold(forward=0.2)
+        wait_for(lambda: pad.told["speed"] == (0.1, 0.0), "it drives")
+        script.broken = "no room"
+        token = pad.hear("hold", token=token, forward=0.2)["token"]
+        words = "The robot could not be driven: FeedError: no room"
+        both = f"{words}. Nor could it be told to stop"
+        wait_for(lambda: pad.told["error"] == both, "both are told")
+        assert pad.told["cause"] == "no room"
+        assert pad.told["speed"] == (0.1, 0.0), "as far as is known it moves"
+        assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
+        assert words in caplog.text
+        script.broken = ""
+        wait_for(lambda: pad.told["error"] == words, "the zero that was owed was sent")
+        assert script.speeds[-1] == ZERO
+        pad.hold("q", forward=0.2)
+        assert pad.told["error"] == ""
+
+    def test_a_connection_that_is_lost_ends_the_press_and_is_told(self, pad: Pad, script: Scripted) -> None:
+        token = pad.hold(forward=0.2)
+        wait_for(lambda: pad.told["speed"] == (0.1, 0.0), "it drives")
+        script.lose()
+        assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
+        assert "could not be driven: FeedError: cannot drive: connection lost" in pad.told["error"]
+        assert pad.told["cause"].startswith("cannot drive: connection lost")
+
+    @pytest.mark.parametrize("held", [False, True])
+    def test_one_that_is_closed_is_told_at_once_and_again_on_a_press(
+        self, pad: Pad, feed: Feed, script: Scripted, held: bool
+    ) -> None:
+        if held:
+            token = pad.hold(forward=1)
+            wait_for(lambda: pad.commanded.linear[0], "it drives")
+        feed.close()
+        assert (pad.told["ready"], pad.told["driver"], pad.told["cause"]) == (False, "", "the feed is closed")
+        if held:
+            assert script.speeds[-1] == ZERO
+            assert pad.hear("hold", token=token, forward=1)["over"] == "nothing"
+        assert pad.hear("press", "q")["over"] == "nothing"
+        with Feed(Scripted(CMD_VEL)) as again:
+            pad.connect(again)
+            assert (pad.told["ready"], pad.told["cause"]) == (True, "")
+            assert "token" in pad.hear("press", "r")
+        pad.connect(feed)
+        assert (pad.told["ready"], pad.told["cause"]) == (False, "the feed is closed")
+        pad.disconnect()
+        assert pad.told["cause"] == ""
+
+    def test_one_that_it_left_may_close_without_a_word(self, pad: Pad, feed: Feed) -> None:
+        with Feed(Scripted(CMD_VEL)) as another:
+            pad.connect(another)
+            feed.close()
+            assert (pad.told["ready"], pad.told["cause"]) == (True, "")
+
+    def test_a_feed_that_needs_a_page_is_driven_while_one_is_there_and_asks_for_it(self, pad: Pad, feed: Feed) -> None:
+        page = Page(pad)
+        feed.driving = Driving(needs_page=True)
+        with pytest.raises(FeedError, match="no page"):
+            feed.drive(0.1)
+        pad.hear("beat")
+        feed.drive(0.1)
+        wait_for(lambda: page.state["_state"]["speed"] == ZERO and len(page.sent("_state")) > 4, "it is asked again")
+
+
+class TestStop:
+    def test_it_latches_until_it_is_allowed_from_the_page(self, pad: Pad) -> None:
+        token = pad.hold(forward=1)
+        wait_for(lambda: pad.heard, "it drives")
+        pad._handle_custom_msg({"act": "stop", "press": "view"}, [])
+        wait_for(lambda: pad.heard[-1] == ZERO, "it stops")
+        assert (pad.stopped, pad.told["stopped"], pad.told["driver"]) == (True, True, "")
+        assert pad.hear("hold", token=token, forward=1) == {"press": "p", "over": "stopped"}
+        assert pad.hear("press", "q")["over"] == "stopped"
+        fresh = pad.hear("beat", "view")
+        assert fresh.keys() == {"beat", "token"}
+        pad._handle_custom_msg({"act": "allow", "press": "view", "token": fresh["token"]}, [])
+        assert pad.stopped is False
+        assert "token" in pad.hear("press", "r")
+        pad.rests()
+        assert pad.heard[-1] == ZERO
+
+    def test_an_allow_that_waited_or_was_made_up_is_refused(self, pad: Pad) -> None:
+        now = [100.0]
+        pad._tokens = Tokens(ALLOW_LIFETIME, lambda: now[0])
+        pad.stopped = True
+        token = pad.hear("beat", "view")["token"]
+        assert pad.hear("allow", "view", token=token + 1) == {"refused": "view"}
+        now[0] += ALLOW_LIFETIME + 0.1
+        assert pad.hear("allow", "view", token=token) == {"refused": "view"}
+        assert pad.stopped is True
+
+    def test_it_is_set_and_released_by_code(self, pad: Pad) -> None:
+        token = pad.hold(forward=1)
+        pad.stopped = True
+        pad.stopped = False
+        assert pad.hear("hold", token=token, forward=1)["over"] == "late"
+        pad.rests()
+        assert pad.heard[-1] == ZERO
+        pad.hold("q", forward=1)
+        wait_for(lambda: pad.heard[-1] == (0.5, 0.0), "it drives again")
+
+    def test_stopping_in_code_latches_nothing(self, pad: Pad) -> None:
+        pad.hold(forward=1)
+        pad.stop()
+        assert pad.stopped is False
+        assert "token" in pad.hear("press", "q")
+
+    def test_a_feeds_latch_is_the_pads_and_stops_its_program(self, feed: Feed, script: Scripted, other: Pad) -> None:
+        feed.drive(0.2, 0.5)
+        other._handle_custom_msg({"act": "stop", "press": "view"}, [])
+        assert feed.stopped is True
+        with pytest.raises(FeedError, match="stop is latched"):
+            feed.drive(0.2, 0.5)
+        wait_for(lambda: script.speeds == [(0.2, 0.5), ZERO], "it stops")
+        feed.stopped = False
+        assert other.stopped is False
+
+
+class TestToThePage:
+    def test_speeds_at_any_rate_reach_the_page_at_the_pacers_pace_and_the_last_is_told(
+        self, feed: Feed, script: Scripted, other: Pad
+    ) -> None:
+        page = Page(other)
+        for count in range(1, 26):
+            feed.drive(0.2, 0.5)
+            wait_for(lambda count=count: len(script.speeds) == count, "it was sent")  # type: ignore[misc]
+        states = page.sent("_state")
+        assert 0 < len(states) < 6, "a constant speed is told again and again"
+        wait_for(lambda: page.state["_state"]["driver"] == "", "it stopped")
+        assert set(page.threads) == {"robowidgets-pacer"}
+        assert page.state["_state"]["speed"] == ZERO
+
+    def test_while_it_is_driven_the_page_hears_so_each_second_and_then_no_more(self, feed: Feed, other: Pad) -> None:
+        page = Page(other)
+        feed.watchdog.drive((0.2, 0.5), 2.5)
+        driven: list[dict[str, Any]] = []
+
+        def stopped() -> bool:
+            driven[:] = [state for state in page.sent("_state") if state["driver"] and state["speed"] != ZERO]
+            return bool(driven) and page.state["_state"]["driver"] == ""
+
+        wait_for(stopped, "it stopped")
+        assert len(driven) == 3
+        assert len({state["number"] for state in driven}) == 3
+        wait_for(lambda: other not in pacer._timers and other not in pacer._due, "nothing more is sent")
+
+    def test_a_message_that_could_not_be_sent_is_sent_again(self, other: Pad) -> None:
+        page = Page(other)
+        send, fails = page.send, [True]
+
+        def once(*args: Any, **kwargs: Any) -> None:
+            if fails and fails.pop():
+                raise OSError("no room")
+            send(*args, **kwargs)
+
+        page.send = once  # type: ignore[method-assign]
+        other.stopped = True
+        wait_for(lambda: page.sent("_state"), "it came")
+        assert page.state["_state"]["stopped"] is True
 
 
 class TestProgram:
@@ -318,7 +550,7 @@ class TestProgram:
         pad.stop()
         pad.rests()
         assert pad.heard == [(0.5, 0.0), ZERO]
-        assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "late"
+        assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "released"
 
     def test_switched_off_it_stops_and_drives_no_more(self, pad: Pad) -> None:
         pad.hear("hold", token=pad.press(), forward=1)
@@ -370,8 +602,18 @@ class TestProgram:
         assert complaints == []
 
     def test_a_new_view_finds_how_it_stands(self, pad: Pad) -> None:
-        state = pad.get_state()
-        assert (state["_ready"], state["_state"]) == (True, {"speed": ZERO, "press": "", "error": "", "cause": ""})
+        state = pad.told
+        assert state.pop("number") > 0
+        assert state == {
+            "ready": True,
+            "driver": "",
+            "speed": ZERO,
+            "stopped": False,
+            "error": "",
+            "cause": "",
+            "words": "",
+            "topic": "",
+        }
 
 
 def test_nothing_of_a_usual_drive_is_logged(pad: Pad, caplog: pytest.LogCaptureFixture) -> None:

@@ -1,28 +1,21 @@
 import { make, makeIcon, setText } from "../shared/dom.ts";
-import { on } from "../shared/events.ts";
+import { atEnd, on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
-import { keepKeys } from "../shared/keys.ts";
 import { getFlag, getNumber, getString, type Model, onChange } from "../shared/model.ts";
 import { onceAFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
-import { type Answer, Grip } from "./grip.ts";
-import { watchHands } from "./hands.ts";
+import { StopButtons } from "../stop/buttons.ts";
+import { StopControl } from "../stop/control.ts";
+import { watchInput } from "./input.ts";
 import { CENTER, type Knob, toPlace } from "./knob.ts";
+import { type Answer, PressLease } from "./press.ts";
 import { Readout } from "./readout.ts";
-import { toWords } from "./words.ts";
-
-/** What Python says: the speed handed on last, the press that holds the pad, what went wrong, and why a press ended. */
-interface Told {
-  speed: [number, number];
-  press: string;
-  error: string;
-  cause: string;
-}
+import { toText } from "./text.ts";
 
 const ARROW = "M6 3.2l4 5.6h-8z";
-const SETTINGS = ["title", "header", "linear_limit", "angular_limit", "enabled", "_ready", "_state"];
+const SETTINGS = ["title", "header", "linear_limit", "angular_limit", "enabled"];
 
-/** One view of a drive pad: the pad with its knob, the words, and the two numbers. */
+/** One view of a drive pad: Stop, the pad with its knob, the words, and the two numbers. */
 export class DriveView {
   readonly #model: Model;
   readonly #root = make("div", "rw-card rw-drive");
@@ -36,45 +29,49 @@ export class DriveView {
   readonly #hint = make("div", "rw-hint");
   readonly #linear = new Readout("linear", "m/s", 1);
   readonly #angular = new Readout("angular", "rad/s", -1);
-  readonly #grip: Grip;
+  readonly #lease: PressLease;
+  readonly #stop: StopControl;
+  readonly #buttons: StopButtons;
   readonly #redraw: () => void;
   #place: Knob = CENTER;
 
   constructor(model: Model, element: HTMLElement, signal: AbortSignal) {
+    const name = crypto.randomUUID().slice(0, 8);
     this.#model = model;
     this.#redraw = onceAFrame(() => this.#draw(), signal);
-    this.#grip = new Grip(crypto.randomUUID().slice(0, 8), (message) => model.send(message), this.#redraw);
+    this.#lease = new PressLease(name, (message) => model.send(message), this.#redraw);
+    this.#stop = new StopControl(model, name, this.#redraw, signal);
+    this.#buttons = new StopButtons(this.#root, this.#stop, signal);
     this.#build();
     element.append(this.#root);
     watchTheme(this.#redraw, signal);
-    keepKeys(this.#root, signal);
     onChange(model, SETTINGS, this.#redraw, signal);
-    const onMessage = (answer: Answer) => this.#grip.onAnswer(answer);
+    const onMessage = (answer: Answer) => this.#lease.onAnswer(answer);
     model.on("msg:custom", onMessage);
-    signal.addEventListener("abort", () => model.off("msg:custom", onMessage));
-    watchHands(this.#pad, this, signal);
+    atEnd(signal, () => model.off("msg:custom", onMessage));
+    watchInput(this.#pad, this, signal);
     for (const change of ["focus", "blur"] as const) on(this.#pad, change, this.#redraw, signal);
     this.#draw();
   }
 
   onHold(knob: Knob): void {
     this.#place = knob;
-    this.#grip.hold(knob);
+    this.#lease.hold(knob);
     this.#redraw();
   }
 
   onRelease(): void {
     this.#place = CENTER;
-    this.#grip.release();
+    this.#lease.release();
     this.#redraw();
   }
 
   #build(): void {
     const side = make("div", "rw-side");
-    const said = make("div", "rw-said-words");
-    said.role = "status";
-    said.append(this.#words, this.#hint);
-    side.append(said, this.#linear.root, this.#angular.root);
+    const words = make("div", "rw-pad-words");
+    words.role = "status";
+    words.append(this.#words, this.#hint, this.#buttons.allow);
+    side.append(words, this.#linear.root, this.#angular.root);
     for (const edge of ["up", "left", "right", "down"]) {
       const arrow = makeIcon(ARROW);
       arrow.classList.add(`rw-${edge}`);
@@ -83,36 +80,29 @@ export class DriveView {
     this.#pad.append(this.#stem, this.#knob);
     this.#pad.tabIndex = 0;
     this.#pad.role = "application";
-    this.#pad.ariaLabel = "Drive pad: arrow keys or W, A, S, D drive, space stops";
+    this.#pad.ariaLabel = "Drive pad: arrow keys or W, A, S, D drive, space lets go, escape stops";
     const field = make("div", "rw-picture");
     field.append(this.#pad, side);
     this.#header.append(this.#title);
     this.#notice.role = "alert";
-    this.#root.append(this.#header, this.#notice, field);
+    // The notice stands below: what comes and goes moves neither Stop nor the pad under a finger.
+    this.#root.append(this.#header, this.#buttons.stop, field, this.#notice);
   }
 
   #draw(): void {
-    const [model, { state, held, press }] = [this.#model, this.#grip];
+    const [model, stop, { held }] = [this.#model, this.#stop, this.#lease];
+    const { told } = stop;
     applyTheme(this.#root);
-    const told = model.get("_state") as Told;
-    const title = getString(model, "title") || "drive";
     this.#header.hidden = !getFlag(model, "header");
-    setText(this.#title, title);
-    if (told.error || !held) setText(this.#notice, told.error);
-    // While it is held, the pad stays where it is under the pointer.
-    this.#notice.style.visibility = told.error ? "" : "hidden";
-    const elsewhere = told.press !== "" && told.press !== press;
-    const { text, hint, kind } = toWords({
-      state,
-      ready: getFlag(model, "_ready"),
-      enabled: getFlag(model, "enabled"),
-      elsewhere,
-      cause: told.cause,
-    });
+    setText(this.#title, getString(model, "title") || "drive");
+    this.#buttons.update();
+    setText(this.#notice, told.error || (told.driver ? told.words : ""));
+    const enabled = getFlag(model, "enabled");
+    const { text, hint, kind } = toText(stop, this.#lease, enabled);
     setText(this.#words, text);
     setText(this.#hint, hint);
     this.#root.dataset.kind = kind;
-    this.#root.classList.toggle("rw-off", !getFlag(model, "_ready") || !getFlag(model, "enabled"));
+    this.#root.classList.toggle("rw-off", !told.ready || !enabled || told.stopped);
     this.#linear.update(told.speed[0], getNumber(model, "linear_limit"));
     this.#angular.update(told.speed[1], getNumber(model, "angular_limit"));
     const { right, below } = held ? toPlace(this.#place) : { right: 0, below: 0 };

@@ -1,14 +1,14 @@
 import { isPlain, on } from "../shared/events.ts";
 import { isDriving, type Knob, ofKeys, toKnob } from "./knob.ts";
 
-/** What hands do to a pad. */
-export interface Hands {
+/** What a person does to a pad. */
+export interface PadInput {
   onHold(knob: Knob): void;
   onRelease(): void;
 }
 
 /** Follows pointer and keys on a pad. Whatever takes the pad out of sight, focus or reach lets go of it. */
-export function watchHands(pad: HTMLElement, hands: Hands, signal: AbortSignal): void {
+export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSignal): void {
   const held = new Set<string>();
   let pointer: number | null = null;
   const release = () => {
@@ -16,7 +16,7 @@ export function watchHands(pad: HTMLElement, hands: Hands, signal: AbortSignal):
     pointer = null;
     held.clear();
     if (was !== null && pad.hasPointerCapture(was)) pad.releasePointerCapture(was);
-    hands.onRelease();
+    input.onRelease();
   };
   const toPlace = ({ clientX, clientY }: PointerEvent): Knob => {
     const { left, top, width, height } = pad.getBoundingClientRect();
@@ -29,10 +29,10 @@ export function watchHands(pad: HTMLElement, hands: Hands, signal: AbortSignal):
     pad.focus({ preventScroll: true });
     pointer = event.pointerId;
     pad.setPointerCapture(pointer);
-    hands.onHold(toPlace(event));
+    input.onHold(toPlace(event));
   };
   on(pad, "pointerdown", onDown, signal);
-  on(pad, "pointermove", (event) => event.pointerId === pointer && hands.onHold(toPlace(event)), signal);
+  on(pad, "pointermove", (event) => event.pointerId === pointer && input.onHold(toPlace(event)), signal);
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"] as const) {
     on(pad, end, (event) => event.pointerId === pointer && release(), signal);
   }
@@ -45,14 +45,14 @@ export function watchHands(pad: HTMLElement, hands: Hands, signal: AbortSignal):
       event.preventDefault();
       if (event.repeat) return;
       held.add(event.code);
-      if (pointer === null) hands.onHold(ofKeys(held));
+      if (pointer === null) input.onHold(ofKeys(held));
     }
   };
   on(pad, "keydown", onKey, signal);
   const onKeyUp = ({ code }: KeyboardEvent) => {
     if (!held.delete(code) || pointer !== null) return;
-    if (held.size) hands.onHold(ofKeys(held));
-    else hands.onRelease();
+    if (held.size) input.onHold(ofKeys(held));
+    else input.onRelease();
   };
   on(pad, "keyup", onKeyUp, signal);
 

@@ -1,7 +1,7 @@
 import { CENTER, type Knob } from "./knob.ts";
 
 /** What the page tells Python. */
-export interface Message extends Partial<Knob> {
+export interface PadMessage extends Partial<Knob> {
   act: "press" | "hold" | "release";
   press: string;
   token?: number;
@@ -35,6 +35,7 @@ export type State =
   | "late"
   | "nothing"
   | "disabled"
+  | "stopped"
   | "hangs"
   | "failed"
   | "taken"
@@ -44,10 +45,10 @@ export type State =
  * One press of a pad after the other. While it is held, the kernel hears ten times a second where the knob is, but only
  * as long as it answers: without an answer for half a second the press is over, and must be let go and made anew.
  */
-export class Grip {
+export class PressLease {
   state: State = "free";
   readonly #name: string;
-  readonly #send: (message: Message) => void;
+  readonly #send: (message: PadMessage) => void;
   readonly #tell: () => void;
   #count = 0;
   #token = 0;
@@ -60,7 +61,7 @@ export class Grip {
    * @param name what no other pad of any page is called
    * @param tell called when the state has changed
    */
-  constructor(name: string, send: (message: Message) => void, tell: () => void) {
+  constructor(name: string, send: (message: PadMessage) => void, tell: () => void) {
     this.#name = name;
     this.#send = send;
     this.#tell = tell;
@@ -135,7 +136,7 @@ export class Grip {
     this.#post({ act: "hold", press: this.press, token: this.#token, ...this.#knob });
   }
 
-  #post(message: Message): void {
+  #post(message: PadMessage): void {
     try {
       this.#send(message);
     } catch {

@@ -1,0 +1,51 @@
+import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
+import { isPlain, on } from "../shared/events.ts";
+import { keepKeys } from "../shared/keys.ts";
+import type { StopControl } from "./control.ts";
+
+/** A square in an octagon. */
+const SIGN = "M3.5 0h5L12 3.5v5L8.5 12h-5L0 8.5v-5z M4 1.2L1.2 4v4L4 10.8h4L10.8 8v-4L8 1.2z M3.8 3.8h4.4v4.4h-4.4z";
+
+/** Stop, and the button that allows driving again: two, so that nobody does both by pressing twice. */
+export class StopButtons {
+  readonly stop: HTMLButtonElement;
+  readonly allow: HTMLButtonElement;
+  readonly #word = make("span", "rw-stop-word");
+  readonly #control: StopControl;
+
+  /** @param root the view; Escape stops from anywhere in it, and in the box that it stands in */
+  constructor(root: HTMLElement, control: StopControl, signal: AbortSignal) {
+    this.#control = control;
+    keepKeys(root, signal);
+    const press = () => control.stop();
+    this.stop = makeButton("rw-stop", "Stop the robot (Escape), and let nobody drive", () => {}, signal);
+    this.stop.append(makeIcon(SIGN), this.#word);
+    this.allow = makeButton("rw-allow", "Let programs and hands drive again", () => control.allow(), signal);
+    this.allow.textContent = "Allow driving";
+    // On press, not on release. A click without a pointer is one of a screen reader.
+    on(this.stop, "pointerdown", ({ button }) => button === 0 && press(), signal);
+    on(this.stop, "click", ({ detail }) => detail === 0 && press(), signal);
+    const onKey = (event: KeyboardEvent) => {
+      const { activeElement: focused } = document;
+      if (!isPlain(event)) return;
+      if (event.key === "Escape" && (root.closest(".widget-vbox") ?? root).contains(focused)) press();
+      // JupyterLab would edit the cell.
+      if (event.key === "Enter" && (focused === this.stop || focused === this.allow)) {
+        focused.toggleAttribute("data-lm-suppress-shortcuts", true);
+      }
+      if (focused !== this.stop || !["Enter", " "].includes(event.key)) return;
+      event.preventDefault();
+      press();
+    };
+    on(window, "keydown", onKey, signal, { capture: true });
+  }
+
+  /** Brings the buttons up to date; the second one is there while it can do something. */
+  update(): void {
+    const { stopped } = this.#control.told;
+    const isDown = stopped || ["asking", "interrupted"].includes(this.#control.note);
+    setText(this.#word, stopped ? "Stopped" : "Stop");
+    this.stop.ariaPressed = String(isDown);
+    this.allow.hidden = !stopped;
+  }
+}

@@ -1,0 +1,186 @@
+import { atEnd } from "../shared/events.ts";
+import { type Model, onChange } from "../shared/model.ts";
+
+/** What Python tells: who drives, the speed sent last, whether stop is latched, and texts. */
+export interface Told {
+  ready: boolean;
+  /** "program", the name of a press, or nobody. */
+  driver: string;
+  speed: [number, number];
+  stopped: boolean;
+  error: string;
+  cause: string;
+  words: string;
+  topic: string;
+}
+
+/** Milliseconds between two beats. */
+export const BEAT_MS = 1000;
+
+/** Milliseconds without an answer after which a kernel counts as busy. */
+export const BUSY_MS = 1500;
+
+/** Milliseconds after which an unanswered beat counts as lost: a busy kernel must not find a long queue of them. */
+const LOST_MS = 10_000;
+
+/** Milliseconds without a word after which it is not known any more whether the robot still drives. */
+export const NEWS_MS = 2500;
+
+/** Milliseconds that the kernel has to answer a Stop before it is interrupted. */
+export const ANSWER_MS = 300;
+
+/** Milliseconds that an interrupted cell has to end. */
+export const END_MS = 2000;
+
+/**
+ * What became of the last Stop or Allow of this page: "asking" until the latch is confirmed; "interrupted" when the
+ * kernel had to be, "ignored" when its cell goes on all the same; "unreachable" where there is no way to a busy kernel;
+ * "refused" when Allow came too late. Empty when there is nothing to say.
+ */
+export type Note = "" | "asking" | "interrupted" | "ignored" | "unreachable" | "refused";
+
+interface Kernel {
+  interrupt?(): Promise<void>;
+}
+
+/** What Python answers to the view of that name: a token to a beat, or that an Allow came too late. */
+interface Answer {
+  beat?: string;
+  token?: number;
+  refused?: string;
+}
+
+/**
+ * Stops the robot, from a page. Stop is a message that latches; where the kernel does not answer it in time, because a
+ * cell runs, the kernel is interrupted through the server, and handles the message when the cell has ended. Beats tell
+ * Python that the page is there, and the page whether the kernel hears it.
+ */
+export class StopControl {
+  note: Note = "";
+  readonly #model: Model;
+  readonly #name: string;
+  readonly #tell: () => void;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #token = 0;
+  #beatAt = Number.NEGATIVE_INFINITY;
+  #isAnswered = true;
+  #newsAt = performance.now();
+  #wasStopped = false;
+
+  /**
+   * @param name what no other view of any page is called
+   * @param tell called when something has changed, and once a second
+   */
+  constructor(model: Model, name: string, tell: () => void, signal: AbortSignal) {
+    this.#model = model;
+    this.#name = name;
+    this.#tell = tell;
+    const beats = setInterval(() => this.#beat(), BEAT_MS);
+    atEnd(signal, () => {
+      clearInterval(beats);
+      clearTimeout(this.#timer);
+    });
+    onChange(model, ["_state"], () => this.#onState(), signal);
+    const onMessage = (answer: Answer) => this.#onAnswer(answer);
+    model.on("msg:custom", onMessage);
+    atEnd(signal, () => model.off("msg:custom", onMessage));
+    this.#wasStopped = this.told.stopped;
+    this.#beat();
+  }
+
+  get told(): Told {
+    return this.#model.get("_state") as Told;
+  }
+
+  /** Whether the kernel answers this page; a busy one may not. */
+  get hears(): boolean {
+    return this.#isAnswered || performance.now() - this.#beatAt < BUSY_MS;
+  }
+
+  /** Whether what was told last still holds. While the robot is driven, Python tells once a second. */
+  get isNews(): boolean {
+    return !this.told.driver || performance.now() - this.#newsAt < NEWS_MS;
+  }
+
+  /** Whether the page can interrupt the kernel. JupyterLab's widget manager has the kernel; other hosts hide it. */
+  get canInterrupt(): boolean {
+    return typeof this.#kernel?.interrupt === "function";
+  }
+
+  /** Stops the robot, and lets nobody drive until that is allowed again. */
+  stop(): void {
+    this.#post("stop");
+    if (this.told.stopped) return;
+    this.#turn("asking");
+    this.#wait(ANSWER_MS, () => this.#interrupt());
+  }
+
+  /** Lets drive again. */
+  allow(): void {
+    this.#turn("");
+    this.#post("allow");
+  }
+
+  #onAnswer({ beat, token, refused }: Answer): void {
+    if (refused === this.#name) this.#turn("refused");
+    if (beat !== this.#name) return;
+    this.#token = token ?? 0;
+    this.#isAnswered = true;
+  }
+
+  get #kernel(): Kernel | null | undefined {
+    return (this.#model.widget_manager as { kernel?: Kernel | null } | undefined)?.kernel;
+  }
+
+  #onState(): void {
+    const { stopped } = this.told;
+    this.#newsAt = performance.now();
+    if (stopped) {
+      clearTimeout(this.#timer);
+      if (this.note === "ignored") this.note = "interrupted";
+      else if (this.note !== "interrupted" && this.note !== "refused") this.note = "";
+    } else if (this.#wasStopped) this.note = "";
+    this.#wasStopped = stopped;
+    // A hidden page has slow timers, but hears at once: while the robot is driven, news come once a second.
+    if (performance.now() - this.#beatAt > 0.9 * BEAT_MS) this.#beat();
+    else this.#tell();
+  }
+
+  #beat(): void {
+    if (this.#isAnswered || performance.now() - this.#beatAt > LOST_MS) {
+      this.#beatAt = performance.now();
+      this.#isAnswered = false;
+      this.#post("beat");
+    }
+    this.#tell();
+  }
+
+  async #interrupt(): Promise<void> {
+    try {
+      if (!this.canInterrupt) throw new Error("no kernel");
+      await this.#kernel?.interrupt?.();
+    } catch {
+      return this.told.stopped ? undefined : this.#turn("unreachable");
+    }
+    this.#turn("interrupted");
+    if (!this.told.stopped) this.#wait(END_MS, () => this.#turn("ignored"));
+  }
+
+  #wait(ms: number, then: () => void): void {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(then, ms);
+  }
+
+  #turn(note: Note): void {
+    this.note = note;
+    this.#tell();
+  }
+
+  #post(act: "stop" | "allow" | "beat"): void {
+    try {
+      this.#model.send({ act, press: this.#name, token: this.#token });
+    } catch {
+      // The kernel that the widget belongs to is gone: there is no answer, either.
+    }
+  }
+}

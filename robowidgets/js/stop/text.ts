@@ -1,0 +1,62 @@
+import { toFixed } from "../shared/format.ts";
+import type { Note, StopControl, Told } from "./control.ts";
+
+/** What is going on, in words, and whether it is a warning. */
+export interface Text {
+  text: string;
+  /** What a person can do, or should know. */
+  hint: string;
+  kind: "rest" | "drive" | "warn";
+}
+
+/** What the words depend on. */
+export type Situation = Pick<StopControl, "told" | "note" | "hears" | "isNews" | "canInterrupt">;
+
+export const rest = (text: string, hint = ""): Text => ({ text, hint, kind: "rest" });
+export const warn = (text: string, hint = ""): Text => ({ text, hint, kind: "warn" });
+
+const HELP =
+  "Interrupt the cell with the notebook's own button. " +
+  "ipykernel 7 or later hears Stop beside a running cell in JupyterLab; a robot should also stop by itself.";
+
+const NOTES: Partial<Record<Note, Text>> = {
+  unreachable: warn("Stop cannot reach the busy kernel", HELP),
+  ignored: warn("the kernel was interrupted, but its cell goes on", "press Stop again, or restart the kernel"),
+};
+
+/** What is to be said of Stop, before anything else; null when nothing is. */
+export function toStopText({ told, note, hears, isNews }: Situation): Text | null {
+  if (!told.stopped && note === "asking") return rest("stopping");
+  if (!told.stopped && note === "interrupted") return rest("stopping", "the kernel was interrupted");
+  const failed = told.stopped ? undefined : NOTES[note];
+  if (failed) return failed;
+  if (!isNews) return warn("no news from the kernel", "what the robot does is not known");
+  if (!told.stopped) return null;
+  if (isMoving(told)) return rest("stopping");
+  if (note === "interrupted") return rest("nobody may drive", "the kernel was interrupted");
+  if (note === "refused") return rest("nobody may drive", "that came too late: press again");
+  return rest("nobody may drive", hears ? "until it is allowed again" : "the kernel is busy");
+}
+
+/** Who drives and how fast. */
+export function toDriverText(situation: Situation): Text {
+  const { told, hears, canInterrupt } = situation;
+  const stop = toStopText(situation);
+  if (stop) return stop;
+  const busy = `kernel busy: Stop ${canInterrupt ? "interrupts the cell" : "cannot reach it"}`;
+  const hint = hears ? told.words || "Escape stops, too" : busy;
+  if (!told.ready) return rest(told.cause || "no feed", hint);
+  const topic = told.topic && ` ${told.topic}`;
+  if (told.driver === "program") return { text: `a program drives${topic}: ${toSpeed(told)}`, hint, kind: "drive" };
+  if (told.driver) return { text: `a hand drives${topic} from a pad: ${toSpeed(told)}`, hint, kind: "drive" };
+  return rest(isMoving(told) ? "stopping" : "nobody drives", hint);
+}
+
+/** Whether the speed that was sent last is not zero. */
+export function isMoving({ speed: [linear, angular] }: Told): boolean {
+  return linear !== 0 || angular !== 0;
+}
+
+function toSpeed({ speed: [linear, angular] }: Told): string {
+  return `${toFixed(linear, 2)}\u00A0m/s,\u00A0${toFixed(angular, 2)}\u00A0rad/s`;
+}

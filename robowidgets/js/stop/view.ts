@@ -1,0 +1,45 @@
+import { make, setText } from "../shared/dom.ts";
+import type { Model } from "../shared/model.ts";
+import { onceAFrame } from "../shared/schedule.ts";
+import { applyTheme, watchTheme } from "../shared/theme.ts";
+import { StopButtons } from "./buttons.ts";
+import { StopControl } from "./control.ts";
+import { toDriverText } from "./text.ts";
+
+/** A bar: Stop, who drives and how fast, and what is wrong. */
+export class StopView {
+  readonly #control: StopControl;
+  readonly #buttons: StopButtons;
+  readonly #root = make("div", "rw-card rw-stop-bar");
+  readonly #text = make("div", "rw-stop-text");
+  readonly #hint = make("div", "rw-hint");
+  readonly #notice = make("div", "rw-notice rw-error");
+
+  constructor(model: Model, element: HTMLElement, signal: AbortSignal) {
+    const redraw = onceAFrame(() => this.#draw(), signal);
+    this.#control = new StopControl(model, crypto.randomUUID().slice(0, 8), redraw, signal);
+    this.#buttons = new StopButtons(this.#root, this.#control, signal);
+    const words = make("div", "rw-stop-words");
+    words.role = "status";
+    words.append(this.#text, this.#hint);
+    this.#notice.role = "alert";
+    const row = make("div", "rw-stop-row");
+    row.append(this.#buttons.stop, words, this.#buttons.allow);
+    this.#root.append(row, this.#notice);
+    element.append(this.#root);
+    watchTheme(redraw, signal);
+    this.#draw();
+  }
+
+  #draw(): void {
+    applyTheme(this.#root);
+    this.#buttons.update();
+    const { text, hint, kind } = toDriverText(this.#control);
+    this.#root.dataset.kind = kind;
+    setText(this.#text, text);
+    setText(this.#hint, hint);
+    const { error, words } = this.#control.told;
+    this.#hint.classList.toggle("rw-alarm", hint !== "" && hint === words);
+    setText(this.#notice, error);
+  }
+}

@@ -1,0 +1,324 @@
+"""Stop, on its bar and on a pad, in JupyterLab: beside an idle kernel, beside busy ones, and where there is no way."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from ..unit.waiting import wait_for
+from .chromium import shoot
+from .notebook import CellError, Notebook
+from .test_drive_widget import ALONE
+
+FEED = """
+import threading, time
+from robowidgets import feeds
+from robowidgets._stop_widget import StopWidget
+
+feed = feeds.simulator(wander=False)
+heard, refused = [], ""
+publish = feed._middleware.publish
+def record(topic, kind, message):
+    publish(topic, kind, message)
+    heard.append((time.time(), message["linear"]["x"], message["angular"]["z"]))
+feed._middleware.publish = record
+
+runs = True
+def program():
+    global refused
+    while runs:
+        try:
+            feed.drive(0.2, 0.5)
+        except feeds.FeedError as error:
+            refused = str(error)
+        time.sleep(0.05)
+threading.Thread(target=program, daemon=True).start()
+bar = StopWidget(feed)
+bar
+"""
+BUSY = {
+    "sleeps": "import time\nwhile True:\n    time.sleep(0.001)",
+    "computes": "n = 0\nwhile True:\n    n += 1",
+}
+BUSY_UNTIL = """
+import pathlib, time
+while not pathlib.Path({stop!r}).exists():
+    {body}
+"""
+SLEEP = "time.sleep(0.01)"
+STUBBORN = "try:\n        time.sleep(0.01)\n    except KeyboardInterrupt:\n        pass"
+NO_INTERRUPT = """(path) => {
+    const panel = [...window.jupyterapp.shell.widgets("main")].find((widget) => widget.context?.path === path);
+    panel.sessionContext.session.kernel.interrupt = undefined;
+}"""
+"""The page cannot interrupt the kernel, as in hosts that do not hand it to widgets."""
+PROGRAM = "a program drives /cmd_vel: 0.20 m/s, 0.50 rad/s"
+
+
+def deaf(notebook: Callable[..., Notebook]) -> Notebook:
+    """A notebook whose messages wait until the cell ends, as they do with kernels that know no subshells."""
+    nb = notebook([FEED], run=False)
+    nb.page.evaluate(ALONE, nb.path)
+    nb.run_all()
+    return nb
+
+
+def stop_of(nb: Notebook, cell: int = 0) -> Locator:
+    return nb.widget(cell).locator(".rw-stop")
+
+
+def allow_of(nb: Notebook) -> Locator:
+    return nb.widget(0).locator(".rw-allow")
+
+
+def says(nb: Notebook, words: str, hint: str | None = None) -> None:
+    expect(nb.widget(0).locator(".rw-stop-text")).to_have_text(words)
+    if hint is not None:
+        expect(nb.widget(0).locator(".rw-hint")).to_have_text(hint)
+
+
+def press(nb: Notebook, cell: int = 0) -> float:
+    """Press Stop, without letting go, and tell when."""
+    box: Any = stop_of(nb, cell).bounding_box()
+    nb.page.mouse.move(box["x"] + 20, box["y"] + 20)
+    at = time.time()
+    nb.page.mouse.down()
+    return at
+
+
+def start_busy(nb: Notebook, body: str) -> tuple[int, Path]:
+    """Keep the kernel busy until a file is there."""
+    stop = nb.lab.files / f"{nb.path}-stop"
+    busy = nb.append(BUSY_UNTIL.format(stop=str(stop), body=body))
+    nb.start(busy)
+    return busy, stop
+
+
+@pytest.mark.parametrize("loop", BUSY)
+def test_beside_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..., Notebook], loop: str) -> None:
+    nb = notebook([FEED])
+    says(nb, PROGRAM)
+    nb.page.evaluate(NO_INTERRUPT, nb.path)  # a machine that has much to do may answer late
+    busy = nb.append(BUSY[loop])
+    nb.start(busy)
+    at = press(nb)
+    expect(stop_of(nb)).to_have_text("Stopped")
+    says(nb, "nobody may drive", "until it is allowed again")
+    nb.page.mouse.up()
+    allow_of(nb).click()
+    says(nb, PROGRAM)
+    press(nb)
+    says(nb, "nobody may drive", "until it is allowed again")
+    nb.lab.interrupt(nb.path)
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(busy)
+    heard = eval(nb.python("heard"))
+    zeros = [when for when, *speed in heard if speed == [0, 0]]
+    assert zeros[0] - at < 1
+    assert len(zeros) == 2
+    assert heard[-1][1:] == (0.0, 0.0)
+    assert nb.python("refused") == "'cannot drive: stop is latched until somebody releases it'"
+
+
+def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_code(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([FEED])
+    says(nb, PROGRAM, "Escape stops, too")
+    expect(allow_of(nb)).not_to_be_visible()
+    place = stop_of(nb).bounding_box()
+    assert place is not None
+    assert place["height"] >= 42
+    press(nb)
+    says(nb, "nobody may drive", "until it is allowed again")
+    expect(stop_of(nb)).to_have_attribute("aria-pressed", "true")
+    expect(stop_of(nb)).to_be_enabled()
+    assert stop_of(nb).bounding_box() == place
+    nb.page.mouse.up()
+    allow_of(nb).click()
+    says(nb, PROGRAM)
+    nb.python("feed.stopped = True")
+    expect(stop_of(nb)).to_have_text("Stopped")
+    nb.python("feed.stopped = False")
+    says(nb, PROGRAM)
+    expect(stop_of(nb)).to_have_text("Stop")
+    assert stop_of(nb).bounding_box() == place
+    nb.python("runs = False")
+    says(nb, "nobody drives")
+    nb.python("feed.watchdog.take('p-1'); feed.drive_by_hand(-0.3, 0, 'p-1')")
+    says(nb, "nobody drives")
+    assert (-0.3, 0) in [tuple(speed) for _, *speed in eval(nb.python("heard"))]
+    nb.python("feed.on_unheard('/cmd_vel', 'the robot does not take what is sent'); feed.watchdog.stop()")
+    says(nb, "nobody drives", "the robot does not take what is sent")
+
+
+IN_A_BOX = FEED.replace(
+    "bar = StopWidget(feed)\nbar", "import ipywidgets, robowidgets\nbar = StopWidget(feed)"
+).rstrip()
+
+
+def test_keys_stop_from_the_bar_and_escape_from_anywhere_in_its_view(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([f"{IN_A_BOX}\nipywidgets.VBox([bar, robowidgets.TouchWidget()])", "1"])
+    says(nb, PROGRAM)
+    for key in ("Enter", " "):
+        stop_of(nb).focus()
+        nb.page.keyboard.down(key)
+        expect(stop_of(nb)).to_have_text("Stopped")
+        nb.page.keyboard.up(key)
+        allow_of(nb).focus()
+        nb.page.keyboard.press(key)
+        says(nb, PROGRAM)
+    nb.widget(0).locator(".rw-touch .rw-picture").focus()
+    nb.page.keyboard.press("Escape")
+    expect(stop_of(nb)).to_have_text("Stopped")
+    assert nb._ask("cells", nb.path) == ["code", "code"]
+    allow_of(nb).click()
+    says(nb, PROGRAM)
+    nb.page.keyboard.press("Control+Escape")
+    nb.page.locator(".jp-Cell").nth(1).click()
+    nb.page.keyboard.press("Escape")
+    nb.python("1")  # what the page sent before has arrived
+    expect(stop_of(nb)).to_have_text("Stop")
+    assert nb.python("feed.stopped") == "False"
+
+
+def test_a_kernel_that_does_not_answer_is_interrupted(notebook: Callable[..., Notebook]) -> None:
+    nb = deaf(notebook)
+    says(nb, PROGRAM)
+    busy, _ = start_busy(nb, SLEEP)
+    says(nb, PROGRAM, "kernel busy: Stop interrupts the cell")
+    at = press(nb)
+    says(nb, "nobody may drive", "the kernel was interrupted")
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(busy)
+    heard = eval(nb.python("heard"))
+    assert heard[-1][1:] == (0.0, 0.0)
+    assert heard[-1][0] - at < 2
+    nb.page.mouse.up()
+    allow_of(nb).click()
+    says(nb, PROGRAM, "Escape stops, too")
+
+
+def test_a_cell_that_goes_on_after_an_interrupt_is_named_and_stop_can_be_pressed_again(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = deaf(notebook)
+    says(nb, PROGRAM)
+    busy, stop = start_busy(nb, STUBBORN)
+    press(nb)
+    says(nb, "the kernel was interrupted, but its cell goes on", "press Stop again, or restart the kernel")
+    expect(stop_of(nb)).to_have_attribute("aria-pressed", "false")
+    nb.page.mouse.up()
+    press(nb)
+    says(nb, "stopping", "the kernel was interrupted")
+    expect(stop_of(nb)).to_have_attribute("aria-pressed", "true")
+    stop.touch()
+    nb.wait(busy)
+    says(nb, "nobody may drive", "the kernel was interrupted")
+
+
+def test_where_there_is_no_way_to_a_busy_kernel_it_says_so_and_what_would_help(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = deaf(notebook)
+    says(nb, PROGRAM)
+    nb.page.evaluate(NO_INTERRUPT, nb.path)
+    busy, stop = start_busy(nb, SLEEP)
+    says(nb, PROGRAM, "kernel busy: Stop cannot reach it")
+    press(nb)
+    says(
+        nb,
+        "Stop cannot reach the busy kernel",
+        "Interrupt the cell with the notebook's own button. ipykernel 7 or later hears Stop beside a running cell in "
+        "JupyterLab; a robot should also stop by itself.",
+    )
+    expect(stop_of(nb)).to_have_text("Stop")
+    expect(stop_of(nb)).to_have_attribute("aria-pressed", "false")
+    for width in (280, 400, 1100):
+        nb.resize(width)
+        shoot(nb.widget(0), f"stop-unreachable-{width}")
+    stop.touch()
+    nb.wait(busy)
+    says(nb, "nobody may drive", "until it is allowed again")
+
+
+def test_an_allow_that_waited_for_the_kernel_releases_nothing(notebook: Callable[..., Notebook]) -> None:
+    nb = deaf(notebook)
+    nb.python("feed.stopped = True")
+    says(nb, "nobody may drive")
+    busy = nb.append("import time\ntime.sleep(4)")
+    nb.start(busy)
+    allow_of(nb).click()
+    says(nb, "nobody may drive", "the kernel is busy")
+    nb.wait(busy)
+    says(nb, "nobody may drive", "that came too late: press again")
+    allow_of(nb).click()
+    says(nb, PROGRAM)
+
+
+def test_a_page_counts_as_there_with_slow_timers_and_beside_a_cell_until_it_is_left(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([f"{FEED.rstrip()[:-3]}feed.driving = feeds.Driving(needs_page=True)\nbar"])
+    says(nb, PROGRAM)
+    # As in a page that has been hidden for minutes.
+    nb.page.evaluate("() => { for (let id = 0; id < 100_000; id++) clearInterval(id); }")
+    busy = nb.append("heard.clear()\nwhile len(heard) < 80: time.sleep(0.001)\nrefused, heard[-1][0] - heard[0][0]")
+    assert eval(nb.run(busy)) > ("", 3.5)
+    log = nb.lab.files / "needs-page"
+    nb.python(
+        "def tell():\n    while not refused or heard[-1][1:] != (0.0, 0.0): time.sleep(0.01)\n"
+        f"    open({str(log)!r}, 'w').write(refused)\n"
+        "threading.Thread(target=tell).start()"
+    )
+    nb.page.goto("about:blank")
+    wait_for(lambda: log.exists() and "no page" in log.read_text(), "the robot stands")
+
+
+def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([FEED])
+    says(nb, PROGRAM)
+    nb.python("threading.Timer(0.2, lambda: __import__('os').kill(__import__('os').getpid(), 9)).start()")
+    says(nb, "no news from the kernel", "what the robot does is not known")
+    expect(stop_of(nb)).to_have_text("Stop")
+
+
+LOOKS = {
+    "program": (PROGRAM, ""),
+    "words": (PROGRAM, "feed.on_unheard('/cmd_vel', 'nobody listens to /cmd_vel; speeds go to /base/cmd_vel')"),
+    "stopped": ("nobody may drive", "feed.stopped = True"),
+    "free": ("nobody drives", "runs = feed.stopped = False; feed.on_unheard('/cmd_vel', '')"),
+    "failed": (
+        "nobody drives",
+        "def fail(*message): raise feeds.FeedError('the socket is not writable: no route to host')\n"
+        "feed._middleware.publish = fail\nfeed.watchdog.stop()",
+    ),
+}
+
+
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
+def test_looks(notebook: Callable[..., Notebook], theme: Literal["light", "dark"], scale: int) -> None:
+    nb = notebook([FEED], scale=scale, theme=theme)
+    for width in (280, 400, 1100):
+        nb.resize(width)
+        places = []
+        for look, (words, code) in LOOKS.items():
+            nb.python(code)
+            says(nb, words)
+            if look == "failed":
+                expect(nb.widget(0).locator(".rw-notice")).to_contain_text("no route to host")
+            places.append(stop_of(nb).bounding_box())
+            shoot(nb.widget(0), f"stop-{look}-{theme}-{width}")
+            if width == 400 and scale == 2:
+                nb.page.emulate_media(forced_colors="active")
+                shoot(nb.widget(0), f"stop-{look}-{theme}-forced")
+                nb.page.emulate_media(forced_colors="none")
+        assert all(place == places[0] for place in places), "Stop moved"
+        nb.run_all()

@@ -1,0 +1,22 @@
+import type { Told } from "../../robowidgets/js/stop/control.ts";
+import type { Situation } from "../../robowidgets/js/stop/text.ts";
+
+/** What Python tells of a robot that nobody drives, but for what is given. */
+export function told(more: Partial<Told> = {}): Told {
+  return {
+    ready: true,
+    driver: "",
+    speed: [0, 0],
+    stopped: false,
+    error: "",
+    cause: "",
+    words: "",
+    topic: "/cmd_vel",
+    ...more,
+  };
+}
+
+/** How a robot that nobody drives stands with a kernel that answers, but for what is told. */
+export function situation(more: Partial<Told> = {}): Situation {
+  return { told: told(more), note: "", hears: true, isNews: true, canInterrupt: true };
+}

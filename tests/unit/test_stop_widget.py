@@ -1,0 +1,134 @@
+"""`StopWidget`: who drives, the latch, and how messages reach it beside a running cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from robowidgets._command_watchdog import PROGRAM, ZERO, CommandWatchdog
+from robowidgets._driving_widget import answer_beside_cells
+from robowidgets._stop_widget import StopWidget
+from robowidgets.feeds import Driving, Feed, FeedError
+
+from .feeds.scripted import CMD_VEL, SCAN, Scripted
+from .pages import Page
+from .waiting import wait_for
+
+
+@pytest.fixture
+def script() -> Scripted:
+    return Scripted(SCAN, CMD_VEL)
+
+
+@pytest.fixture
+def feed(script: Scripted) -> Iterator[Feed]:
+    with Feed(script) as opened:
+        yield opened
+
+
+@pytest.fixture
+def bar(feed: Feed) -> Iterator[StopWidget]:
+    made = StopWidget(feed)
+    yield made
+    made.close()
+
+
+def hear(bar: StopWidget, act: str, **more: Any) -> None:
+    """A message of the page."""
+    bar._handle_custom_msg({"act": act, "press": "view", **more}, [])
+
+
+def test_it_tells_who_drives_and_what_is_said_against_it(feed: Feed, bar: StopWidget) -> None:
+    page = Page(bar)
+    feed.driving = Driving(topic="/base/cmd_vel")
+    feed.drive(0.2, 0.5)
+    wait_for(lambda: page.state["_state"]["speed"] == (0.2, 0.5), "the speed is told")
+    state = page.state["_state"]
+    assert (state["driver"], state["topic"]) == (PROGRAM, "/base/cmd_vel")
+    assert state["words"] == "nobody listens to /base/cmd_vel; speeds go to /cmd_vel"
+    wait_for(lambda: page.state["_state"]["driver"] == "", "the speed's time is over")
+    feed.watchdog.take("hand")
+    wait_for(lambda: page.state["_state"]["driver"] == "hand", "a hand holds a pad")
+    wait_for(lambda: page.state["_state"]["driver"] == "", "the page of the hand is gone")
+    bar.close()
+    assert feed._watchers == []
+
+
+def test_stop_latches_and_closing_the_bar_releases_nothing(feed: Feed, script: Scripted, bar: StopWidget) -> None:
+    feed.drive(0.2, 0.5)
+    hear(bar, "stop")
+    wait_for(lambda: script.speeds == [(0.2, 0.5), ZERO], "it stops")
+    assert bar.stopped is feed.stopped is True
+    bar.close()
+    with pytest.raises(FeedError, match="stop is latched"):
+        feed.drive(0.2, 0.5)
+
+
+def test_a_bare_watchdog_will_do() -> None:
+    heard: list[tuple[float, float]] = []
+    watchdog = CommandWatchdog(lambda *speed: heard.append(speed))
+    bar = StopWidget(watchdog)
+    assert bar.get_state()["_state"]["ready"] is True
+    watchdog.drive((0.1, 0.0))
+    wait_for(lambda: heard, "it drives")
+    bar.stopped = True
+    wait_for(lambda: heard == [(0.1, 0.0), ZERO], "it stops")
+    bar.stopped = False
+    watchdog.drive((0.1, 0.0))
+    bar.close()
+    watchdog.close()
+
+
+def test_of_a_feed_that_is_closed_it_says_so_and_stops_nothing(feed: Feed, script: Scripted, bar: StopWidget) -> None:
+    feed.close()
+    state = bar.get_state()["_state"]
+    assert (state["ready"], state["cause"]) == (False, "the feed is closed")
+    hear(bar, "stop")
+    assert script.speeds == []
+
+
+def test_each_message_tells_the_feed_that_a_page_is_there(feed: Feed, bar: StopWidget) -> None:
+    feed.driving = Driving(needs_page=True)
+    with pytest.raises(FeedError, match="no page"):
+        feed.drive(0.1)
+    hear(bar, "beat")
+    feed.drive(0.1)
+
+
+def test_a_zero_that_fails_is_told_until_it_was_sent(feed: Feed, script: Scripted, bar: StopWidget) -> None:
+    page = Page(bar)
+    feed.drive(0.2, 0.5)
+    script.broken = "no room"
+    bar.stopped = True
+    text = "The robot could not be told to stop: FeedError: no room"
+    wait_for(lambda: page.state["_state"]["error"] == text, "it is told")
+    assert page.state["_state"]["speed"] == (0.2, 0.5), "as far as is known it moves"
+    script.broken = ""
+    wait_for(lambda: page.state["_state"]["error"] == "", "the zero was sent after all")
+    assert page.state["_state"]["speed"] == ZERO
+
+
+def test_a_bar_has_no_press(bar: StopWidget, caplog: pytest.LogCaptureFixture) -> None:
+    hear(bar, "press")
+    assert "act: a Stop has no press" in caplog.text
+
+
+@pytest.mark.parametrize("robot", [None, 3, print, SimpleNamespace(watchdog=3)])
+def test_what_has_no_watchdog_is_refused(robot: Any) -> None:
+    with pytest.raises(TypeError, match=r"^StopWidget\(\): expected a feed or a watchdog, got "):
+        StopWidget(robot)
+
+
+def test_messages_go_to_the_subshell_that_the_page_named() -> None:
+    comm: Any = SimpleNamespace(_reply_subshell_for=lambda _data, _named: None)
+    answer_beside_cells(comm)
+    assert comm._reply_subshell_for({"method": "custom"}, "subshell") == "subshell"
+
+
+def test_a_kernel_without_routes_is_left_alone() -> None:
+    comm = SimpleNamespace()
+    answer_beside_cells(comm)
+    assert vars(comm) == {}
