@@ -1,4 +1,4 @@
-"""A running robot on the page: the widgets that fit its topics, and words while there is none."""
+"""A running robot on the page: Stop, the widgets that fit its topics, and words while there is none."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import ipywidgets
 
 from .._layout import WIDE, columns
 from .._picks import Pick, picks
+from .._stop_widget import StopWidget
 from ._link import Target
 from ._probe import decided, is_open
 from ._topics import Topic
@@ -39,7 +40,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._stale = self._busy = self._closed = False
         self._status = ipywidgets.HTML()
         self._columns = ipywidgets.Box([], layout=WIDE)
-        super().__init__([self._status, self._columns])
+        self._stop = StopWidget(feed)
+        super().__init__([self._stop, self._status, self._columns])
 
     @property
     def widgets(self) -> dict[str, Any]:
@@ -73,6 +75,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.feed.forget(self.refresh)
         self._closed = True
         self.refresh()
+        self._stop.close()
         super().close()
 
     def _refresh(self) -> None:

@@ -356,18 +356,18 @@ class TestFeed:
         assert other.hear("hold", "q", token=newer, turn=0.5)["token"]
         assert pad.told["driver"] == other.told["driver"] == "q"
         pad.hear("release")
-        wait_for(lambda: script.speeds[-1] == (0.0, 0.5), "the second drives on")
+        wait_for(lambda: script.speeds[-1:] == [(0.0, 0.5)], "the second drives on")
         assert pad.hear("hold", token=token, forward=0.2)["over"] == "taken"
         assert pad.told["error"] == other.told["error"] == ""
         other.hear("release", "q")
-        wait_for(lambda: script.speeds[-1] == ZERO, "it stops")
+        wait_for(lambda: script.speeds[-1:] == [ZERO], "it stops")
         assert (0.1, 0.0) not in script.speeds[1:]
 
     def test_stop_of_one_pad_ends_the_press_of_another(self, pad: Pad, other: Pad, script: Scripted) -> None:
         token = pad.hold(forward=0.2)
         other.stop()
         assert pad.hear("hold", token=token, forward=0.2)["over"] == "late"
-        wait_for(lambda: script.speeds[-1] == ZERO, "it stops")
+        wait_for(lambda: script.speeds[-1:] == [ZERO], "it stops")
 
     def test_a_pad_that_is_switched_off_or_taken_away_leaves_a_program_alone(
         self, pad: Pad, other: Pad, feed: Feed, script: Scripted

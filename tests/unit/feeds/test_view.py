@@ -36,13 +36,13 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
 
 
 def words(view: FeedView) -> str:
-    status = view.children[0]
+    status = view.children[1]
     assert (status.layout.display == "none") == (status.value == "")
     return str(status.value)
 
 
 def on_page(view: FeedView) -> list[str]:
-    return [widget.title for column in view.children[1].children for widget in column.children]
+    return [widget.title for column in view.children[2].children for widget in column.children]
 
 
 def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
