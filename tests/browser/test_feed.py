@@ -33,9 +33,9 @@ def test_a_robot_is_live_while_a_cell_is_busy_for_20_s_and_what_is_wrong_is_told
 ) -> None:
     nb = notebook([OPEN, WRONG], width=1300)
     cards = nb.output(0).locator(".rw-card")
-    expect(cards).to_have_count(3)
+    expect(cards).to_have_count(4)  # Stop is the first of them
     nb.start(nb.append(BUSY.format(stop="seen")))
-    nearest = cards.nth(0).locator(".rw-nearest")
+    nearest = cards.nth(1).locator(".rw-nearest")
     until = time.monotonic() + 20.0  # longer than any patience of a feed, of the server or of the page
     while time.monotonic() < until:
         before = nearest.inner_text()
@@ -48,4 +48,4 @@ def test_a_robot_is_live_while_a_cell_is_busy_for_20_s_and_what_is_wrong_is_told
     nb.wait(2)
     assert nb.python("print(feed.show('/odom').widgets['/odom'].title)") == "/odom\n"
     nb.python("feed.close()")
-    expect(cards.nth(0)).to_contain_text("the feed is closed")
+    expect(cards.nth(1)).to_contain_text("the feed is closed")
