@@ -66,7 +66,7 @@ def listener(graph: Graph, topic: str, kind: str, callback: Any = None) -> Any:
     return make(
         get_message(kind),
         topic,
-        callback or print,
+        callback or (lambda _message: None),  # rclpy asks for a signature, which print has from Python 3.11 on
         1,
         callback_group=Group(),
         event_callbacks=SubscriptionEventCallbacks(),
