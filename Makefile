@@ -11,11 +11,12 @@ MODULES := $(JS)/node_modules/.package-lock.json
 EXPORT_MODULES := tests/browser/node_modules/.package-lock.json
 BUNDLES := robowidgets/static/laser_widget.js
 PYTEST := .venv/bin/python -m pytest
+UNITS := $(PYTEST) --numprocesses 2 --dist loadfile tests/unit
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo setup build watch lab lint format test test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
+.PHONY: demo setup build watch lab lint format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -44,13 +45,25 @@ format: setup
 	.venv/bin/ruff format .
 	cd $(JS) && npm run --silent format
 
+# What is worth a wait of two minutes after each change; `make test` before each commit.
+check: lint test-js
+	$(UNITS) -m 'not slow'
+
 test: lint test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser
 
 test-js: setup
 	cd $(JS) && npm run --silent test
 
 test-unit: build
-	$(PYTEST) tests/unit
+	$(UNITS)
+
+# The units with the oldest versions that pyproject.toml allows, and with the newest ones; skipped without that Python.
+# The slow ones among the latter, JupyterLab's start above all, meet newest versions in `make test`.
+test-floor: build
+	scripts/units.sh 3.10 floor
+
+test-newest: build
+	scripts/units.sh 3.13 newest -m 'not slow'
 
 test-ros1: build
 	scripts/ros1.sh
@@ -83,8 +96,8 @@ pictures: build
 	  name=$${picture##*/gallery-}; cp "$$picture" "docs/images/$${name%@2x.png}.png"; done
 
 clean:
-	rm -rf .venv $(JS)/node_modules tests/browser/node_modules tests/screenshots robowidgets/static benchmarks/results
-	rm -rf .pytest_cache .mypy_cache .ruff_cache dist
+	rm -rf .venv .venv-floor .venv-newest $(JS)/node_modules tests/browser/node_modules robowidgets/static
+	rm -rf tests/screenshots benchmarks/results .pytest_cache .mypy_cache .ruff_cache dist
 
 $(INSTALLED): pyproject.toml scripts/venv.sh scripts/apt.sh
 	scripts/venv.sh $(PYTHON)

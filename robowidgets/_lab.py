@@ -53,11 +53,17 @@ def run(notebook: Path, port: int | None, browser: bool, say: Callable[[str], No
     server = LabApp.initialize_server(arguments(notebook, port, browser))
     server.web_app.settings["page_config_hook"] = _without_announcements
 
+    # A server that is told to stop interrupts the cell that runs, and the run ends while the server's loop still turns.
+    def say_if_open(line: str) -> None:
+        if not server._stopping:
+            say(line)
+
     def show(ran: Future[None]) -> None:
-        server.start_app()
+        if not server._stopping:
+            server.start_app()
         ran.result()  # raises what the run did not foresee, for the log
 
-    server.io_loop.add_future(server.io_loop.asyncio_loop.create_task(run_cells(server, notebook, say)), show)
+    server.io_loop.add_future(server.io_loop.asyncio_loop.create_task(run_cells(server, notebook, say_if_open)), show)
     server.start_ioloop()
 
 

@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 log = logging.getLogger("robowidgets")
 
@@ -26,8 +26,11 @@ BYTES_PER_SECOND = 20_000_000
 REST = INTERVAL / 4
 """Seconds between the end of a send and the next of the same widget, at least, however late the first one was."""
 
-AGAIN = 1.0
-"""Seconds after a send that failed, or was interrupted, until it is tried again."""
+FIRST_PAUSE = 1.0
+"""Seconds after a send that failed, or was interrupted, until the next try. Each further failure doubles the pause."""
+
+LONGEST_PAUSE = 30.0
+"""Seconds that no pause between two tries exceeds."""
 
 BURST = 0.05
 """Seconds of budget that may be spent at once after a rest."""
@@ -48,6 +51,14 @@ class Sender(Protocol):
 
     def send_newest(self) -> int:
         """Send what is newest to the page and return the bytes sent."""
+
+
+class _Failure(NamedTuple):
+    """The last failed send of a sender."""
+
+    text: str
+    at: float
+    pause: float
 
 
 class Pacer:
@@ -73,6 +84,7 @@ class Pacer:
         self._due: dict[Sender, float] = {}
         # By identity: looked up several times for each send, and the numbers of those gone are few.
         self._earliest: dict[int, float] = {}
+        self._failures: dict[int, _Failure] = {}
         self._timers: dict[Sender, float] = {}
         self._free_at = 0.0
         self._thread: threading.Thread | None = None
@@ -99,7 +111,8 @@ class Pacer:
         with self._lock:
             for table in (self._due, self._timers):
                 table.pop(sender, None)
-            self._earliest.pop(id(sender), None)
+            for numbers in (self._earliest, self._failures):
+                numbers.pop(id(sender), None)
 
     def flush(self) -> None:
         """Send at once, in the caller's thread, whatever is marked, and see what is being sent to its end."""
@@ -181,18 +194,35 @@ class Pacer:
         return None, min(times) - now if times else None
 
     def _send(self, sender: Sender) -> None:
-        size, rest = 0, AGAIN
+        size, pause, failed = 0, FIRST_PAUSE, True
         try:
-            size, rest = sender.send_newest(), REST
-        except Exception:
-            log.exception("robowidgets: could not send to the page")
+            size, pause, failed = sender.send_newest(), REST, False
+        except Exception as error:
+            pause = self._on_failure(sender, error)
         finally:
             now = self._clock()
             with self._lock:
-                self._earliest[id(sender)] = max(self._earliest.get(id(sender), 0.0), now + rest)
-                if sender in self._due or rest == AGAIN:
+                if not failed and id(sender) in self._failures:
+                    self._failures[id(sender)] = self._failures[id(sender)]._replace(pause=0.0)
+                self._earliest[id(sender)] = max(self._earliest.get(id(sender), 0.0), now + pause)
+                if sender in self._due or failed:
                     self._due[sender] = max(self._due.get(sender, 0.0), self._earliest[id(sender)])
                 self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
+
+    def _on_failure(self, sender: Sender, error: Exception) -> float:
+        """Log the error, unless the sender's last failure was the same a short time ago; return the pause to make."""
+        now, text = self._clock(), f"{type(error).__name__}: {error}"
+        last = self._failures.get(id(sender), _Failure("", now, 0.0))
+        # Two failures without a success between them are at most one pause and the wait for the budget apart. A sender
+        # that fails now and then would log each time if a success alone ended its failure.
+        if text != last.text or now - last.at > 2 * LONGEST_PAUSE:
+            log.error(
+                "robowidgets: could not send to the page; trying again, and not logging this error again",
+                exc_info=error,
+            )
+        pause = min(2 * last.pause, LONGEST_PAUSE) or FIRST_PAUSE
+        self._failures[id(sender)] = _Failure(text, now, pause)
+        return pause
 
 
 pacer = Pacer()

@@ -40,6 +40,18 @@ class Restless(Sender):
         return size
 
 
+class Failing(Sender):
+    """Raises its error instead of sending, as long as it has one; notes the time of each try."""
+
+    error: BaseException | None = OSError("the wire is cut")
+
+    def send_newest(self) -> int:
+        if self.error is not None:
+            self.times.append(self.clock())
+            raise self.error.with_traceback(None)
+        return super().send_newest()
+
+
 class Gated(Sender):
     """Is sent only when the gate opens."""
 

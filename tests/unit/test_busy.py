@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 STARVING = """
 import os, sys, threading, time
 from robowidgets._pacer import Pacer

@@ -113,6 +113,7 @@ def test_help_names_the_commands_and_what_they_take(capsys):
         assert [word for word in words if word not in said] == []
 
 
+@pytest.mark.slow
 def test_python_m_robowidgets_is_the_same_command():
     run = [sys.executable, "-m", "robowidgets"]
     version = subprocess.run([*run, "--version"], capture_output=True, text=True, check=True)
@@ -211,6 +212,7 @@ def test_notebooks_are_found_in_a_checkout_and_in_an_installed_package(monkeypat
         _notebooks.shipped()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "notebook"), [(["demo"], "tour.ipynb"), (["open", robowidgets.SAMPLE], "sample.ipynb")]
 )

@@ -47,6 +47,7 @@ def test_all_sensors_that_are_named_must_be_touched(capsys: pytest.CaptureFixtur
     assert json.loads(capsys.readouterr().out)["condition"] == "(left touched | anything touched)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("arguments", "code"), [(["find", FILE, "--touched"], 0), (["info", FILE], 0)])
 def test_a_closed_pipe_ends_quietly(arguments: list[str], code: int) -> None:
     command = subprocess.Popen(

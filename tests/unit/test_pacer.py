@@ -9,9 +9,9 @@ import weakref
 
 import pytest
 
-from robowidgets._pacer import AGAIN, BYTES_PER_SECOND, INTERVAL, MESSAGES_PER_SECOND, Pacer
+from robowidgets._pacer import BYTES_PER_SECOND, FIRST_PAUSE, INTERVAL, LONGEST_PAUSE, MESSAGES_PER_SECOND, Pacer
 
-from .senders import MOST_IN_A_SECOND, ByHand, Restless, Sender, most_in_a_second
+from .senders import MOST_IN_A_SECOND, ByHand, Failing, Restless, Sender, most_in_a_second
 from .waiting import wait_for
 
 
@@ -50,20 +50,6 @@ class TestPace:
             wait = pacer._send_one()
             pacer.now += wait + 0.008 if wait else 0
         assert len(sender.times) == pytest.approx(10 / INTERVAL, abs=2)
-
-    def test_what_could_not_be_sent_is_tried_again(self) -> None:
-        class Cut(Sender):
-            def send_newest(self) -> int:
-                if pacer.now < 1000.5:
-                    self.times.append(pacer.now)
-                    raise OSError("the wire is cut")
-                return super().send_newest()
-
-        pacer = ByHand()
-        sender = Cut(pacer._clock)
-        pacer.mark(sender)
-        pacer.run(10)
-        assert sender.times == pytest.approx([1000.0, 1000.0 + AGAIN])
 
     @pytest.mark.parametrize("count", [4, 5, 10, 50])
     def test_all_senders_share_one_budget_evenly_and_use_it(self, count: int) -> None:
@@ -106,6 +92,102 @@ class TestPace:
             pacer.mark(sender)
         pacer.run(1)
         assert MESSAGES_PER_SECOND <= sum(len(sender.sent) for sender in senders) <= MESSAGES_PER_SECOND + 15
+
+
+class TestFailure:
+    def test_what_could_not_be_sent_is_tried_again_after_growing_pauses(self) -> None:
+        pacer = ByHand()
+        sender = Failing(pacer._clock)
+        pacer.mark(sender)
+        pacer.run(125)
+        pauses = [later - earlier for earlier, later in zip(sender.times, sender.times[1:], strict=False)]
+        assert pauses == pytest.approx([FIRST_PAUSE, 2, 4, 8, 16, LONGEST_PAUSE, LONGEST_PAUSE, LONGEST_PAUSE])
+
+    def test_marking_does_not_shorten_a_pause(self) -> None:
+        pacer = ByHand()
+        sender = Failing(pacer._clock)
+        for _ in range(500):
+            pacer.mark(sender)
+            pacer.run(0.01)
+        assert sender.times == pytest.approx([1000.0, 1001.0, 1003.0])
+
+    def test_the_pause_is_short_again_after_a_success(self) -> None:
+        pacer = ByHand()
+        sender = Failing(pacer._clock)
+        pacer.mark(sender)
+        pacer.run(20)
+        sender.error = None
+        pacer.run(20)
+        assert sender.sent == [0]
+        sender.error = OSError("the wire is cut")
+        sender.times.clear()
+        pacer.mark(sender)
+        pacer.run(2.5)
+        assert sender.times[1] - sender.times[0] == pytest.approx(FIRST_PAUSE)
+
+    def test_the_same_error_is_logged_once_however_long_it_lasts(self, caplog: pytest.LogCaptureFixture) -> None:
+        pacer = ByHand()
+        pacer.mark(Failing(pacer._clock))
+        pacer.run(10_000)
+        (record,) = caplog.records
+        assert (record.name, record.levelname) == ("robowidgets", "ERROR")
+        assert record.getMessage() == (
+            "robowidgets: could not send to the page; trying again, and not logging this error again"
+        )
+        assert str(record.exc_info[1]) == "the wire is cut"
+
+    def test_an_error_that_comes_and_goes_is_logged_once(self, caplog: pytest.LogCaptureFixture) -> None:
+        pacer = ByHand()
+        sender = Failing(pacer._clock)
+        for _ in range(1000):
+            sender.error = OSError("the wire is cut") if sender.error is None else None
+            pacer.mark(sender)
+            pacer.run(2)
+        assert len(sender.sent) == 500
+        assert len(caplog.records) == 1
+
+    def test_another_error_is_logged(self, caplog: pytest.LogCaptureFixture) -> None:
+        pacer = ByHand()
+        sender = Failing(pacer._clock)
+        pacer.mark(sender)
+        for error in (OSError("the wire is cut"), OSError("the wire is gone"), ValueError("the wire is gone")):
+            sender.error = error
+            pacer.run(100)
+        assert [str(record.exc_info[1]) for record in caplog.records] == [
+            "the wire is cut",
+            "the wire is gone",
+            "the wire is gone",
+        ]
+
+    def test_the_same_error_is_logged_again_when_sending_worked_for_long(
+        self, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        pacer = ByHand()
+        sender = Failing(pacer._clock)
+        for error in (OSError("the wire is cut"), None, OSError("the wire is cut")):
+            sender.error = error
+            pacer.mark(sender)
+            pacer.run(300)
+        assert len(caplog.records) == 2
+
+    def test_each_sender_has_pauses_of_its_own(self) -> None:
+        pacer = ByHand()
+        broken, other = Failing(pacer._clock), Failing(pacer._clock)
+        pacer.mark(broken)
+        pacer.run(100)
+        pacer.mark(other)
+        pacer.run(1.5)
+        assert other.times[1] - other.times[0] == pytest.approx(FIRST_PAUSE)
+
+    def test_nothing_is_kept_of_a_failure_once_its_sender_is_forgotten(self) -> None:
+        pacer = ByHand()
+        sender = Failing(pacer._clock)
+        pacer.mark(sender)
+        pacer.run(10)
+        pacer.forget(sender)
+        assert not pacer._due
+        assert not pacer._failures
+        assert not pacer._earliest
 
 
 class TestAppointments:
@@ -152,8 +234,7 @@ class TestAppointments:
         assert len(sender.times) == 2
         assert sender.times[1] - sender.times[0] >= INTERVAL - 1e-6
 
-    def test_a_thread_that_waits_for_nothing_wakes_for_one(self) -> None:
-        pacer = Pacer()
+    def test_a_thread_that_waits_for_nothing_wakes_for_one(self, pacer: Pacer) -> None:
         sender = Sender()
         pacer.mark(sender)
         wait_for(lambda: sender.sent == [0], "the thread had nothing left")

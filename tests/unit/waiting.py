@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 
@@ -12,3 +13,8 @@ def wait_for(condition: Callable[[], object], what: str, seconds: float = 20.0) 
     while not condition():
         assert time.monotonic() < deadline, f"waited {seconds:g} s in vain until {what}"
         time.sleep(0.002)
+
+
+def threads_named(name: str) -> int:
+    """How many threads of that name are alive. The count of all threads also falls when one of another test ends."""
+    return sum(thread.name == name for thread in threading.enumerate())

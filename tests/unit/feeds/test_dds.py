@@ -239,6 +239,7 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Recorder) ->
     assert heard.messages[0][1].linear.x == 0.5
 
 
+@pytest.mark.slow
 def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behind(
     dds: Dds, heard: Recorder, robot: Robot
 ) -> None:

@@ -300,6 +300,7 @@ class TestAStepBack:
     def test_is_nowhere_where_there_is_nothing(self) -> None:
         assert steps_back(arrivals()) == []
 
+    @pytest.mark.slow
     def test_is_not_looked_for_without_end(self) -> None:
         count = 60_000
         times = np.tile(np.array([50, 0], np.int64), 10 * count) * 10**9

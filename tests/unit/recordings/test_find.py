@@ -93,10 +93,13 @@ class TestReadyMade:
         assert found(recording, conditions.nearest_below(0.3)) == [(1, 2), (4, 5)]
         assert found(recording, ~conditions.nearest_below(0.3)) == [(3, 4)], "of NaN and of 0.0 alone nothing is known"
 
-    def test_a_limit_is_not_below_itself(self, tmp_path: Path) -> None:
-        scans = ((i, sweeps.scan(START_NS, [row])) for i, row in enumerate((0.3, np.nextafter(np.float32(0.3), 0), 9)))
+    @pytest.mark.parametrize("limit", [0.3, 0.7])  # as float32 one is larger than as float64, the other smaller
+    def test_a_limit_is_not_below_itself(self, tmp_path: Path, limit: float) -> None:
+        # Both arguments are float32: with a Python number, NumPy 1 gives the next float64, which rounds to the limit.
+        below = np.nextafter(np.float32(limit), np.float32(0))
+        scans = ((i, sweeps.scan(START_NS, [row])) for i, row in enumerate((limit, below, 9)))
         recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
-        assert found(recording, conditions.nearest_below(0.3)) == [(1, 2)]
+        assert found(recording, conditions.nearest_below(limit)) == [(1, 2)]
 
     def test_speed_above(self, drive: robowidgets.Recording) -> None:
         assert found(drive, conditions.speed_above(0.905)) == [(9.1, 10)]
@@ -350,6 +353,7 @@ def test_the_pages_name_the_reading_that_the_story_ends_with() -> None:
     assert told in (ROOT / "docs" / "columns.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_nothing_odd_or_damaged_ends_in_an_error_of_another_kind(data: Path) -> None:
     searched = 0
     for path in sorted([*(data / "odd").iterdir(), *(data / "damaged").iterdir()]):

@@ -70,6 +70,7 @@ def zeros(size: int) -> bytes:
     return b"".join(packer.compress(piece) for _ in range(size >> 24)) + packer.flush()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="only Linux tells the peak of a process's memory")
 def test_no_claim_and_no_bomb_takes_memory_or_time(tmp_path: Path) -> None:
     paths = []

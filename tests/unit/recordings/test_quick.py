@@ -52,6 +52,7 @@ def same(one: Scan | Speed, other: Scan | Speed) -> bool:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_every_sample_of_real_files_is_the_same(data: Path, name: str) -> None:
     source = _open_file(data / name)

@@ -96,6 +96,7 @@ FLOODS: dict[str, Callable[[], bytes]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FLOODS)
 def test_a_megabyte_of_decoys_ends_soon_and_costs_no_message_before_it(tmp_path: Path, name: str) -> None:
     path = tmp_path / name

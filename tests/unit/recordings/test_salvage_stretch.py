@@ -35,6 +35,7 @@ def test_a_pattern_is_found_once_wherever_it_lies(at: int) -> None:
     assert list(find(data, PATTERN, 3, at + 1)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("magic", [b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"])
 def test_gigabytes_that_were_never_written_are_passed_over(tmp_path: Path, magic: bytes) -> None:
     class Once:

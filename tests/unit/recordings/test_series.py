@@ -100,6 +100,7 @@ class TestColumns:
         np.testing.assert_allclose(scans.ranges[:, 7], 1 + np.arange(300) / 100, rtol=1e-6)
         np.testing.assert_allclose(scans[250:].ranges[:, 7], 1 + np.arange(250, 300) / 100, rtol=1e-6)
 
+    @pytest.mark.slow
     def test_all_recordings_give_what_their_samples_say(self, data: Path) -> None:
         compared = 0
         for path in sorted([*(data / "good").iterdir(), *(data / "odd").iterdir(), *(data / "damaged").iterdir()]):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import os
 import sys
-import threading
 import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -23,7 +22,7 @@ from robowidgets.recordings.show import Player, _tracks
 from robowidgets.recordings.touch_history import TouchHistory
 from robowidgets.touch_tracker import TouchSensor, TouchTracker
 
-from ..waiting import wait_for
+from ..waiting import threads_named, wait_for
 from . import robot, sweeps
 
 S = 1_000_000_000
@@ -169,11 +168,10 @@ def test_one_who_observes_the_time_may_set_it(player: Player, monkeypatch: pytes
 def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     unseen: list[object] = []
     monkeypatch.setattr(sys, "unraisablehook", unseen.append)
-    threads = threading.active_count()
     with open(path) as recording, pytest.raises(UnknownTopicError):
         recording.show("/nothing")
     gc.collect()
-    assert (threading.active_count(), unseen) == (threads, [])
+    assert (threads_named("robowidgets-player"), unseen) == (0, [])
 
 
 def test_what_was_found_is_marked(player: Player) -> None:
@@ -255,6 +253,7 @@ def test_the_neato_bumps_where_it_bumped(data: Path) -> None:
         assert touched == {"left front", "right front"}
 
 
+@pytest.mark.slow
 def test_a_cell_that_runs_again_and_again_holds_no_more_than_once(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_cells, "_made", {})
     held, players = set(), []
@@ -264,7 +263,7 @@ def test_a_cell_that_runs_again_and_again_holds_no_more_than_once(path: Path, mo
             player = recording.show("/scan")
             players.append(weakref.ref(player))
             files = len(os.listdir("/proc/self/fd"))
-            held.add((threading.active_count(), files, len(get_comm_manager().comms)))
+            held.add((threads_named("robowidgets-player"), files, len(get_comm_manager().comms)))
     assert len(held) == 1, held
     gc.collect()
     assert [made() for made in players] == [None] * 49 + [player]

@@ -113,6 +113,7 @@ def test_it_drives_through_three_rooms(shipped):
     assert [bool(seen.any()) for seen in (~east, east & ~south, east & south)] == [True, True, True]
 
 
+@pytest.mark.slow
 def test_the_script_writes_the_same_file_every_time(script, tmp_path, capsys):
     first, second = tmp_path / "first.mcap", tmp_path / "second.mcap"
     script.main(first)
@@ -122,6 +123,7 @@ def test_the_script_writes_the_same_file_every_time(script, tmp_path, capsys):
     assert "first.mcap: " in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_shipped_file_is_what_the_script_writes(script, shipped):
     """Message by message, not byte by byte: another processor may round the last bit of a sine in another way."""
     made = {}

@@ -39,11 +39,19 @@ class TestFreezing:
         widget.paused = True
         assert held[-1] == 2
 
-    def test_the_page_is_told_that_it_is_frozen_and_what_is_held_at_once(
+    def test_the_page_is_not_told_that_it_is_frozen_before_it_has_what_is_held(
         self, widget: NumberWidget, page: Page
     ) -> None:
         widget.update(2)
         widget.paused = True
+        pacer.flush()
+        (state,) = (state for message, state in zip(page.messages, page.history, strict=True) if "paused" in message)
+        assert number_in(state["_held"]) == 2
+
+    def test_what_is_held_and_that_it_is_frozen_travel_together(self, widget: NumberWidget, page: Page) -> None:
+        with pacer._turn:
+            widget.update(2)
+            widget.paused = True
         pacer.flush()
         (told,) = (message for message in page.messages if "paused" in message)
         assert number_in(told["_held"]) == 2

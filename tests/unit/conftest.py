@@ -1,0 +1,40 @@
+"""What every unit test may ask for, and what none may leave behind."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from robowidgets import _pacer
+from robowidgets._pacer import Pacer
+
+KEPT = {"robowidgets-pacer", "robowidgets-rerun"}
+"""Threads that a process has once, to its end."""
+
+
+@pytest.fixture
+def pacer() -> Iterator[Pacer]:
+    """A pacer of the test's own, with a thread; when the test is over, it sends for nobody any more."""
+    pacer = Pacer()
+    yield pacer
+    with pacer._turn:
+        for sender in {*pacer._due, *pacer._timers}:
+            pacer.forget(sender)
+
+
+@pytest.fixture(autouse=True)
+def _ends_what_it_starts() -> Iterator[None]:
+    """Fail a test that leaves behind what would log into another test: a sender that fails, a thread of a feed."""
+    before = {*threading.enumerate()}
+    yield
+    failing = [sender for sender in list(_pacer.pacer._due) if id(sender) in _pacer.pacer._failures]
+    for sender in failing:
+        _pacer.pacer.forget(sender)
+    assert not failing, "these go on failing to be sent after the test"
+    started = [thread for thread in threading.enumerate() if thread not in before and thread.name not in KEPT]
+    for thread in started:
+        if thread.name.startswith("robowidgets"):
+            thread.join(10)
+            assert not thread.is_alive(), f"the test leaves a thread of ours: {thread.name}"
