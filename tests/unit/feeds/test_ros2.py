@@ -147,7 +147,7 @@ def test_other_nodes_that_publish_are_named_as_far_as_their_names_are_known(
 
 def test_a_topic_that_nobody_publishes_any_more_is_not_offered(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
     lonely, shared = offer(graph, "/lonely", SCAN), offer(graph, "/shared", SCAN)
-    graph.node("viewer").create_subscription(get_message(SCAN), "/shared", print, 1)
+    graph.node("viewer").create_subscription(get_message(SCAN), "/shared", lambda _message: None, 1)
     for topic in ("/lonely", "/shared"):
         subscribed(ros2, graph, topic)
     lonely.node.destroy_node()
@@ -445,7 +445,10 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told_until_it_is_gone
     ros2.publish("/cmd_vel", TWIST, ZERO)
     wait_for(lambda: robot.speeds, "the robot received it")
     picky = graph.node("picky").create_subscription(
-        get_message(TWIST), "/cmd_vel", print, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        get_message(TWIST),
+        "/cmd_vel",
+        lambda _message: None,
+        QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL),
     )
     wait_for(lambda: heard.troubles, "it is told")
     assert heard.troubles == [
