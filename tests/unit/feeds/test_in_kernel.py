@@ -118,7 +118,7 @@ def test_a_cell_that_raises_after_it_drove_sends_zero_at_once_one_that_ends_well
     assert kernel.heard[-1][0] - kernel.heard[-2][0] > 0.4
     assert kernel.run("badly", "feed.drive(0.2); 1 / 0")["ename"] == "ZeroDivisionError"
     wait_for(lambda: len(kernel.heard) == 4, "zero is sent")
-    assert kernel.heard[-1][0] - kernel.heard[-2][0] < 0.25
+    assert kernel.heard[-1][0] - kernel.heard[-2][0] < 0.4, "only the traceback was waited for, not the hold"
 
 
 BEHAVE = """
