@@ -43,12 +43,12 @@ def order(recording: Recording, topic: str = SCAN) -> list[int]:
     ]
 
 
-@pytest.mark.parametrize("kind", KINDS)
 def without_arrival(frame: bytes) -> bytes:
     """A frame without the time at which its sample was read."""
     return frame[:24] + frame[HEAD.size :]
 
 
+@pytest.mark.parametrize("kind", KINDS)
 class TestAClockThatIsSetBackByThreeSeconds:
     @pytest.fixture
     def recording(self, tmp_path: Path, kind: str) -> Recording:
