@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import columns, feeds, measure, memory, player, recordings, scanograms, table
+from . import columns, feeds, measure, memory, player, recordings, scanograms, stopping, table
 from .rivals import NAMES
 from .stage import Stage, open_stage, versions
 
@@ -40,6 +40,11 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   same topics; rounds as above. Making a widget, and reading the first message of each type, counts in recordings of a
   few hundred scans.
 - Memory is the most that a process takes above what it takes with the file open, `memory` at 64 MB.
+- A program drives at 30 Hz in a real kernel, beside a connected function that never comes back, and a robot in another
+  process that has no watchdog of its own logs each command with its time. Zero counts from its cause: the last speed
+  (`hold`, half a second), `feed.stop()`, the release of a pad, `feed.close()`, the kernel's interrupt, its shutdown. A
+  zero after which something moves again does not count. ros2 is a stand-in that waits and wakes as rclpy does, and its
+  robot is in the kernel's process.
 - A player shows a recording whose scans carry their numbers, and its page reads them back. A click on scanogram or
   slider counts from its event to the end of the frame that shows the new moment; a bare round trip is one message of a
   widget that only answers, from page to kernel and back, in the same page, in turn with the clicks; to the end of the
@@ -66,6 +71,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one short repeat, to see that all works; writes nothing")
     parser.add_argument("--feeds", action="store_true", help="feeds only; writes nothing")
+    parser.add_argument("--stopping", action="store_true", help="how soon a robot stops only; writes nothing")
     parser.add_argument("--recordings", action="store_true", help="recordings only; writes nothing")
     parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
     parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="libraries; writes nothing")
@@ -74,6 +80,9 @@ def main() -> None:
     if options.feeds:
         with open_stage() as stage:
             print("\n".join(feed_parts(stage, 2 * seconds, repeats, long)))
+        return
+    if options.stopping:
+        print("\n".join(stopping_parts(2 if options.quick else stopping.TIMES)))
         return
     if options.recordings:
         print("\n".join(recording_parts(repeats, quick=options.quick)))
@@ -107,6 +116,7 @@ def main() -> None:
             parts += [f"\nIts newest scan was shown late by {late:.0f} ms."]
             parts += feed_parts(stage, 2 * seconds, repeats, long)
             parts += player_parts(stage, repeats, seconds, quick=options.quick)
+            parts += stopping_parts(2 if options.quick else stopping.TIMES)
         about = {"Chromium": stage.chromium, "Python": platform.python_version(), **versions()}
     if OURS in names:
         parts += recording_parts(repeats, quick=options.quick)
@@ -135,6 +145,17 @@ def feed_parts(stage: Stage, seconds: float, repeats: int, long: float) -> list[
         *[f"\n{name} was not measured: its Python package is not here." for name in absent],
         f"\n## A feed at 1000 Hz for {long:.0f} s\n",
         table.feed_endurance({"first sixth": first, "last sixth": last}),
+    ]
+
+
+def stopping_parts(times: int) -> list[str]:
+    """What is said of how soon a robot stops."""
+    print("stopping", flush=True)
+    found = [stopped for name in stopping.available() for stopped in stopping.measured(name, times)]
+    return [
+        "\n## From a cause to zero at the robot\n",
+        table.stops(found),
+        f"\nSeconds, of {times} tries each, of a third as many ends of a kernel.",
     ]
 
 

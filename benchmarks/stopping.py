@@ -6,13 +6,12 @@ The program runs in a real kernel, beside a function that is connected to the ro
 from __future__ import annotations
 
 import math
-import os
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 from jupyter_client.blocking.client import BlockingKernelClient
 from jupyter_client.manager import KernelManager
 
+from .feed_kernel import start_master
 from .middleware import DOMAIN, SYSTEM
 
 TIMES = 10
@@ -34,7 +34,28 @@ OPEN = {
     "foxglove": "feeds.foxglove({where!r})",
     "rosbridge": "feeds.rosbridge({where!r})",
     "ros1": "feeds.ros1()",
+    "ros2": "feeds.ros2()",
 }
+STAND_IN = """
+import pytest, threading, time
+from tests.unit.feeds.fake_rclpy import SingleThreadedExecutor, get_message, install
+graph = install(pytest.MonkeyPatch())
+def note(message):
+    with open({path!r}, "a") as log:
+        print(time.monotonic(), message.linear.x, message.angular.z, file=log)
+def scans():
+    while True:
+        scanner.publish(get_message("sensor_msgs/msg/LaserScan")())
+        time.sleep(0.1)
+base = graph.node("base")
+base.create_subscription(get_message("geometry_msgs/msg/Twist"), "/cmd_vel", note, 10)
+scanner = base.create_publisher(get_message("sensor_msgs/msg/LaserScan"), "/scan", 10)
+executor = SingleThreadedExecutor(context=base.context)
+executor.add_node(base)
+for task in (executor.spin, scans):
+    threading.Thread(target=task, daemon=True).start()
+"""
+"""rclpy is in no registry: a stand-in waits and wakes as it does, with the robot in the same process."""
 SETUP = """
 import sys, time
 sys.path.append({system!r}) if {ros1} else None
@@ -121,13 +142,17 @@ class Program:
 @contextmanager
 def robot(name: str, path: Path) -> Iterator[str]:
     """A robot in a process of its own; where it can be reached."""
-    command = [sys.executable, "-m", "benchmarks.middleware", "obey", name, str(path)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+    with ExitStack() as ends:
+        if name == "ros1":
+            ends.callback(start_master().kill)
+        if name == "ros2":
+            yield ""
+            return
+        command = [sys.executable, "-m", "benchmarks.middleware", "obey", name, str(path)]
+        process = ends.enter_context(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
+        ends.callback(process.kill)
         assert process.stdout is not None
-        try:
-            yield process.stdout.readline().strip()
-        finally:
-            process.kill()
+        yield process.stdout.readline().strip()
 
 
 def measured(name: str, times: int = TIMES) -> list[Stopped]:
@@ -136,8 +161,9 @@ def measured(name: str, times: int = TIMES) -> list[Stopped]:
         path = Path(folder, "heard.txt")
         path.touch()
         with robot(name, path) as where:
-            opened = OPEN[name].format(where=where)
-            setup = SETUP.format(system=SYSTEM, ros1=name == "ros1", opened=opened)
+            setup = SETUP.format(system=SYSTEM, ros1=name == "ros1", opened=OPEN[name].format(where=where))
+            if name == "ros2":
+                setup = STAND_IN.format(path=str(path)) + setup
             program = Program()
             try:
                 program.run(setup)
@@ -146,6 +172,11 @@ def measured(name: str, times: int = TIMES) -> list[Stopped]:
                 program.close()
             tries[CAUSES[-1]] = [_end(setup, path) for _ in range(max(1, times // 3))]
     return [Stopped(name, cause, seconds) for cause, seconds in tries.items()]
+
+
+def available() -> list[str]:
+    """The feeds that can be measured here."""
+    return [name for name in OPEN if name != "ros1" or Path(SYSTEM, "rospy").is_dir()]
 
 
 def _try(program: Program, cause: str, path: Path) -> float:
@@ -179,11 +210,3 @@ def _until_zero(path: Path, cause: float, hold: float = 0.0) -> float:
     since = [(at, is_zero) for at, is_zero in heard if cause <= at < end]
     zero = next((at for at, is_zero in since if is_zero), math.inf)
     return zero - cause if all(is_zero for at, is_zero in since if at > zero) else math.inf
-
-
-if __name__ == "__main__":
-    os.environ.setdefault("PYTHONPATH", os.getcwd())
-    for feed in sys.argv[1:] or list(OPEN):
-        for stopped in measured(feed):
-            ordered = sorted(stopped.seconds)
-            print(f"{feed:10} {stopped.cause:18} worst {ordered[-1]:.3f} s, median {ordered[len(ordered) // 2]:.3f} s")

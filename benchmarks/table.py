@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isinf
+from statistics import median
 
 from .columns import Decoding
 from .feeds import Endurance as FeedEndurance
@@ -12,6 +13,7 @@ from .measure import Endurance, Four
 from .player import FRAMED, ROUND_TRIP, Playing, Waiting
 from .recordings import Reading
 from .scanograms import Drawing
+from .stopping import Stopped
 
 COLUMNS = {
     "first_paint": "cell to first paint, ms",
@@ -46,6 +48,20 @@ def figures(rows: Mapping[str, dict[str, float]]) -> str:
     """What was measured, one line per library."""
     body = [[name, *(say(row[column]) for column in COLUMNS)] for name, row in rows.items()]
     return markdown(["", *COLUMNS.values()], body)
+
+
+def stops(found: Iterable[Stopped]) -> str:
+    """Seconds from a cause to zero, the worst and the median, one line per feed."""
+    by_feed: dict[str, dict[str, list[float]]] = {}
+    for stopped in found:
+        by_feed.setdefault(stopped.feed, {})[stopped.cause] = stopped.seconds
+    causes = list(next(iter(by_feed.values()), {}))
+    heads = [head for cause in causes for head in (f"{cause}, worst", "median")]
+    body = [
+        [name, *(f"{figure(tries[cause]):.3f}" for cause in causes for figure in (max, median))]
+        for name, tries in by_feed.items()
+    ]
+    return markdown(["", *heads], body)
 
 
 def ratios(rows: Mapping[str, dict[str, float]], ours: str) -> str:

@@ -390,7 +390,8 @@ def test_a_zero_right_before_closing_arrives(heard: Recorder, robot: Robot) -> N
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": number}})
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
         dds.close()
-        assert [robot.heard()["linear"]["x"] for _ in range(2)] == [number, 0.0]
+        while robot.heard()["linear"]["x"]:  # zero may take the place of the speed before it
+            pass
 
 
 def test_closing_does_not_wait_for_long_for_a_robot_that_does_nothing_any_more(
