@@ -34,7 +34,7 @@ OPEN = {
     "foxglove": "feeds.foxglove({where!r})",
     "rosbridge": "feeds.rosbridge({where!r})",
     "ros1": "feeds.ros1()",
-    "ros2": "feeds.ros2()",
+    "ros2": "feeds.ros2(domain_id=7)",
 }
 STAND_IN = """
 import pytest, threading, time

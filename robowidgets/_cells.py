@@ -60,9 +60,15 @@ def on_failed_cell(call: Callable[[], None]) -> None:
             shell.events.register("post_run_cell", _after_cell)
         _on_failed.append(call)
     # The event comes after the traceback was made, and not at all where the cell catches the interrupt. ipykernel sets
-    # the handler for each cell anew. rclpy has one of its own in C, which Python does not tell and would replace.
-    if hasattr(shell, "kernel") and "rclpy" not in sys.modules and signal.getsignal(SIGINT) is default_int_handler:
+    # the handler for each cell anew.
+    if hasattr(shell, "kernel") and not _has_rclpy_handler() and signal.getsignal(SIGINT) is default_int_handler:
         signal.signal(SIGINT, _on_interrupt)
+
+
+def _has_rclpy_handler() -> bool:
+    """Whether rclpy handles signals: by a handler in C, which Python does not tell of and would replace."""
+    signals = sys.modules.get("rclpy.signals")
+    return signals is not None and signals.get_current_signal_handlers_options() != signals.SignalHandlerOptions.NO
 
 
 def _on_interrupt(number: int, frame: Any) -> None:

@@ -68,6 +68,7 @@ class Feed:
         self._driven: str | None = None
         """The topic on which a speed was sent that nobody else knows."""
         self._page_at = float("-inf")
+        self._by_hand = False
         self._twists = TwistPublisher(middleware)
         self._opened = time.monotonic()
         self._drive_words = DriveWords()
@@ -255,6 +256,7 @@ class Feed:
 
     def drive_by_hand(self, linear: float, angular: float, press: str) -> None:
         """Publish the speed of a press on a pad; waits for nothing. Raises as `drive`."""
+        self._by_hand = True
         self._request(self._within(linear, angular), press)
 
     def stop(self) -> None:
@@ -498,6 +500,10 @@ class Feed:
     def _show_sent(self) -> None:
         """Show what was sent as commanded, unless the middleware hands it on itself as it does what others publish."""
         topic, velocity = self.driving.topic, self.watchdog.sent
+        if (
+            self._by_hand and velocity == ZERO and not self.watchdog.driver
+        ):  # what a hand was told of its speed ends with its press
+            self._by_hand, self._drive_words.cut = False, ""
         link = self._links.by_topic.get(topic)
         known = (self._links.there or {}).get(topic)
         if link is not None and known is not None and not known.offered and self.watchdog.error is None:

@@ -643,7 +643,10 @@ def install(monkeypatch: pytest.MonkeyPatch, *, events: str = "event_handler") -
         "rclpy.context": {"Context": Context},
         "rclpy.duration": {"Duration": Duration},
         "rclpy.exceptions": {"InvalidHandle": InvalidHandle, "NameValidationException": NameValidationException},
-        "rclpy.signals": {"SignalHandlerOptions": SimpleNamespace(NO="no")},
+        "rclpy.signals": {
+            "SignalHandlerOptions": SimpleNamespace(NO="no"),
+            "get_current_signal_handlers_options": lambda: "no",
+        },
         "rclpy.executors": {
             "ExternalShutdownException": ExternalShutdownException,
             "SingleThreadedExecutor": SingleThreadedExecutor,

@@ -482,6 +482,7 @@ def test_a_hand_on_a_pad_outranks_a_program_which_is_told(driven: Driven) -> Non
     )
     assert feed.drive_words == "5 m/s is cut to 0.5"
     feed.watchdog.let_go("press")
+    wait_for(lambda: feed.drive_words == "", "what was said of the hand's speed ends with it")
     with pytest.raises(FeedError, match="cannot drive: the press on the pad is over"):
         feed.drive_by_hand(0.1, 0.0, "press")
     feed.drive(0.2)
