@@ -83,6 +83,7 @@ def kernel(tmp_path: Path) -> Iterator[Kernel]:
     made.close()
 
 
+HOLD = "feed.driving = feeds.Driving(hold=60.0)\n"
 LOOP = """
 while True:
     feed.drive(0.3)
@@ -91,13 +92,11 @@ while True:
 
 
 def test_an_interrupt_sends_zero_at_once(kernel: Kernel) -> None:
-    loop = kernel.start("loop", LOOP)
+    loop = kernel.start("loop", HOLD + LOOP)
     wait_for(lambda: len(kernel.heard) > 5, "it drives")
     kernel.manager.interrupt_kernel()
     assert kernel.end_of(loop)["ename"] == "KeyboardInterrupt"
-    wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero is sent")
-    pause = kernel.heard[-1][0] - kernel.heard[-2][0]
-    assert pause < 0.25, "the hold of half a second was not waited for"
+    wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero is sent long before the hold ends")
 
 
 def test_an_interrupt_that_the_cell_catches_sends_zero_at_once(kernel: Kernel) -> None:
@@ -108,17 +107,18 @@ def test_an_interrupt_that_the_cell_catches_sends_zero_at_once(kernel: Kernel) -
     at = time.monotonic()
     kernel.manager.interrupt_kernel()
     assert kernel.end_of(loop)["status"] == "ok"
-    zero = next(when for when, linear, _ in kernel.heard if when > at and linear == 0.0)
-    assert zero - at < 0.25, "the hold of half a second was not waited for"
+    assert any(when > at and linear == 0.0 for when, linear, _ in kernel.heard), (
+        "zero is sent before the cell has ended"
+    )
 
 
 def test_a_cell_that_raises_after_it_drove_sends_zero_at_once_one_that_ends_well_does_not(kernel: Kernel) -> None:
     assert kernel.run("well", "feed.drive(0.2)")["status"] == "ok"
     wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero follows")
     assert kernel.heard[-1][0] - kernel.heard[-2][0] > 0.4
-    assert kernel.run("badly", "feed.drive(0.2); 1 / 0")["ename"] == "ZeroDivisionError"
-    wait_for(lambda: len(kernel.heard) == 4, "zero is sent")
-    assert kernel.heard[-1][0] - kernel.heard[-2][0] < 0.4, "only the traceback was waited for, not the hold"
+    badly = "feed.driving = feeds.Driving(hold=60.0); feed.drive(0.2); 1 / 0"
+    assert kernel.run("badly", badly)["ename"] == "ZeroDivisionError"
+    wait_for(lambda: len(kernel.heard) == 4, "zero is sent long before the hold ends")
 
 
 BEHAVE = """
