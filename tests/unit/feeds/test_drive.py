@@ -388,11 +388,14 @@ def test_words_for_what_cannot_be_driven(driven: Driven) -> None:
 
 
 def test_a_zero_that_cannot_be_sent_is_logged(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
-    feed, script = driven(CMD_VEL, hold=0.05)
+    feed, script = driven(CMD_VEL, hold=60.0)
     feed.drive(0.1)
     script.broken = "the script is read only"
-    wait_for(lambda: caplog.records, "it is logged")
-    assert caplog.records[0].message == "the robot could not be told to stop: the script is read only"
+    with pytest.raises(FeedError, match="cannot stop: the script is read only; zero follows when it can be sent"):
+        feed.stop()
+    assert [record.message for record in caplog.records] == [
+        "the robot could not be told to stop: the script is read only"
+    ]
 
 
 def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:

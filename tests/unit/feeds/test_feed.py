@@ -460,6 +460,7 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_memory() -> None:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
 def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_locks(opened: Opened) -> None:
     feed, script = opened(SCAN, CMD_VEL)
+    feed.driving = feeds.Driving(hold=60.0)
     feed.drive(0.1)
     reading, writing = os.pipe()
     with in_other_hands(feed._changed), in_other_hands(feed.watchdog._changed):
