@@ -15,10 +15,15 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def real_recordings() -> Path:
+    """The folder of real recordings, named by ROBOWIDGETS_DATA or lying in ../shared/data beside the checkout."""
+    return Path(os.environ.get("ROBOWIDGETS_DATA") or ROOT.parent / "shared" / "data")
+
+
 @pytest.fixture(scope="session")
 def data() -> Path:
-    """The folder of real recordings, named by ROBOWIDGETS_DATA or lying in ../shared/data beside the checkout."""
-    folder = Path(os.environ.get("ROBOWIDGETS_DATA") or ROOT.parent / "shared" / "data")
+    """The folder of real recordings; a test that asks for it is skipped where there is none."""
+    folder = real_recordings()
     if not folder.is_dir():
         pytest.skip(f"no real recordings here: {folder} is missing; ROBOWIDGETS_DATA may name another folder")
     return folder

@@ -1,0 +1,21 @@
+"""Every real recording gives the samples, columns and problems that it always gave."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.unit.recordings.digest import DIGESTS, digest, recordings
+
+TOLD = json.loads(DIGESTS.read_text())
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_a_real_recording_says_what_it_always_said(data: Path, name: str) -> None:
+    assert digest(data / name) == TOLD[name]
+
+
+def test_no_real_recording_is_left_out(data: Path) -> None:
+    assert {f"{path.parent.name}/{path.name}" for path in recordings(data)} == TOLD.keys()
