@@ -44,7 +44,7 @@ def draw(path: Path, topic: str, repeats: int) -> Drawing:
     return Drawing(count, 1000 * median(ours[1:]), 1000 * median(theirs[1:]))
 
 
-def _looked_at(recording: robowidgets.recordings.Recording, topic: str) -> set[str]:
+def _looked_at(recording: robowidgets.recording.Recording, topic: str) -> set[str]:
     """The topics in its picture: the scans, one speed, and all touches."""
     speeds = sorted((t for t in recording.topics if t.widget == "speed" and t.count), key=lambda t: t.commanded)
     return {topic, *(t.name for t in speeds[:1]), *(t.name for t in recording.topics if t.widget == "touch")}

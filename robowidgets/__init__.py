@@ -15,8 +15,10 @@ from .touch_widget import TouchWidget
 
 if TYPE_CHECKING:
     from . import feeds, simulator
-    from .recordings import Recording, RecordingError, conditions
-    from .recordings import open as open
+    from .find import conditions
+    from .recording import Recording
+    from .recording import open as open
+    from .recordings import RecordingError
 
 __version__ = "0.1.0"
 
@@ -45,7 +47,7 @@ __all__ = [
     "simulator",
 ]
 
-_LATER = {"Recording": ".recordings", "RecordingError": ".recordings", "open": ".recordings"}
+_LATER = {"Recording": ".recording", "RecordingError": ".recordings", "open": ".recording"}
 
 
 def __getattr__(name: str) -> Any:
@@ -53,7 +55,7 @@ def __getattr__(name: str) -> Any:
     if name in ("feeds", "simulator"):
         return import_module(f".{name}", __name__)
     if name == "conditions":
-        return import_module(".recordings.conditions", __name__)
+        return import_module(".find.conditions", __name__)
     if name in _LATER:
         return getattr(import_module(_LATER[name], __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

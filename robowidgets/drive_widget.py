@@ -9,12 +9,12 @@ from typing import Any
 
 import traitlets
 
-from ._command_watchdog import HOLD, PROGRAM, ZERO, CommandWatchdog
-from ._driving_widget import DrivingWidget
-from ._limits import LARGEST
-from ._named_widget import bundle
-from ._press import PadMessage, PressLease
-from ._traits import Flag
+from ._core.command_watchdog import HOLD, PROGRAM, ZERO, CommandWatchdog
+from ._core.driving_widget import DrivingWidget
+from ._core.limits import LARGEST
+from ._core.named_widget import bundle
+from ._core.press import PadMessage, PressLease
+from ._core.traits import Flag
 from .samples import Speed
 
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from ._named_widget import bundle, nearest_name
-from ._traits import Flag
-from ._widget import HEAD, RobotWidget
+from ._core.named_widget import bundle, nearest_name
+from ._core.robot_widget import HEAD, RobotWidget
+from ._core.traits import Flag
 from .messages import ScanReader
 from .messages.fields import unwrap
 from .samples import Scan, Validity

@@ -8,9 +8,9 @@ from typing import Any
 import anywidget
 import traitlets
 
-from ._named_widget import bundle
-from ._spans import Marks, Seconds, TimeSpan
-from ._traits import Flag
+from ._core.named_widget import bundle
+from ._core.time_spans import Marks, Seconds, TimeSpan
+from ._core.traits import Flag
 
 Span = tuple[float, float]
 

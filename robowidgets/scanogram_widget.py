@@ -11,12 +11,12 @@ import numpy as np
 import traitlets
 from numpy.typing import ArrayLike, NDArray
 
-from ._cells import take_the_place
-from ._limits import Pair
-from ._named_widget import NamedWidget, bundle
-from ._png import SavesPng
-from ._spans import Marks, TimeSpan
-from ._traits import Flag, bytes_trait
+from ._core.cells import take_the_place
+from ._core.limits import Pair
+from ._core.named_widget import NamedWidget, bundle
+from ._core.png import SavesPng
+from ._core.time_spans import Marks, TimeSpan
+from ._core.traits import Flag, bytes_trait
 from .samples import AXES, Scan
 from .scanogram.clock import Clock
 from .scanogram.levels import BUDGET, Levels
@@ -25,7 +25,7 @@ from .scanogram.scans import Held, Scans, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 
 if TYPE_CHECKING:
-    from .recordings import Recording
+    from .recording import Recording
 
 _LIMITS: dict[str, Pair] = dict.fromkeys(AXES, (-1.0, 1.0))
 
@@ -127,7 +127,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
             UnknownTopicError: it has no such topic, or one without scans.
             RecordingError: the file is not there any more, or holds no scan.
         """
-        from .recordings.scanogram import fill
+        from .player._scanogram import fill
 
         widget = cls(**options)
         take_the_place(widget)

@@ -9,10 +9,10 @@ from typing import Any
 
 import traitlets
 
-from ._limits import AxisLimits, Limits, Pair, is_past
-from ._named_widget import bundle
-from ._traits import Flag
-from ._widget import HEAD, RobotWidget
+from ._core.limits import AxisLimits, Limits, Pair, is_past
+from ._core.named_widget import bundle
+from ._core.robot_widget import HEAD, RobotWidget
+from ._core.traits import Flag
 from .messages import to_speed
 from .samples import AXES, Speed
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import traitlets
 
-from ._named_widget import bundle
-from ._pacer import pacer
-from ._widget import HEAD, LONGEST_SILENCE, RobotWidget
+from ._core.named_widget import bundle
+from ._core.pacer import pacer
+from ._core.robot_widget import HEAD, LONGEST_SILENCE, RobotWidget
 from .messages import to_touch
 from .samples import Touch, TouchMode, TouchState
 from .samples.numbers import in_radians
-from .touch_tracker import TouchSensor, TouchTracker
+from .samples.touch_tracker import TouchSensor, TouchTracker
 
 
 class TouchWidget(RobotWidget[Touch]):

@@ -20,7 +20,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.enums import CompressionFormat
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from robowidgets.recordings.definitions import definitions
+from robowidgets.messages.definitions import definitions
 from robowidgets.samples import Scan, Speed
 from robowidgets.simulator import Pose, Robot, Scanner, World, wander
 

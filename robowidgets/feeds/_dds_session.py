@@ -17,8 +17,8 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from ..recordings.ros_types import Decode
-from ..recordings.source import RecordingError
+from ..messages.decoding import Decode
+from ..repair.source import RecordingError
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
 from .middleware import EVENTS, Advert, FeedError, Listener, is_event
 

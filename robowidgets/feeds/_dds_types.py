@@ -14,8 +14,8 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from ..recordings.ros_types import Decode, decoder_of, store_of
-from ..recordings.source import Channel, RecordingError
+from ..messages.decoding import Decode, decoder_of, store_of
+from ..repair.source import Channel, RecordingError
 
 NODES = "ros_discovery_info"
 """The DDS topic on which ROS 2 announces nodes and the endpoints that belong to them. It is no topic of ROS."""

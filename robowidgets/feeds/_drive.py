@@ -8,8 +8,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from typing import Any
 
-from .._command_watchdog import HOLD, RECENT
-from .._limits import is_past
+from .._core.command_watchdog import HOLD, RECENT
+from .._core.limits import is_past
 from ..samples.numbers import OF_DEGREES, finite, is_angle
 from .middleware import Advert, FeedError, Middleware
 

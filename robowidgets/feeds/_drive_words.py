@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 
-from .._kinds import is_command, widget_by_type
+from ..kinds import is_command, widget_by_type
 from .middleware import Advert
 
 log = logging.getLogger("robowidgets")

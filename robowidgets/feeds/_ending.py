@@ -8,7 +8,7 @@ import os
 import time
 from typing import Protocol
 
-from .._command_watchdog import stop_all
+from .._core.command_watchdog import stop_all
 
 log = logging.getLogger("robowidgets")
 

@@ -6,8 +6,8 @@ import json
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
-from ..recordings.source import Channel as RosChannel
-from ..recordings.source import RecordingError
+from ..repair.source import Channel as RosChannel
+from ..repair.source import RecordingError
 from ._bridge import UnreadableError, full_type, other_nodes, strings
 from ._websocket import one_line
 from .middleware import Advert
@@ -52,7 +52,7 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
             "which is not read; what foxglove_bridge sends is (cdr, ros1, json)"
         )
     # Here, so that who hears JSON alone waits for none of it.
-    from ..recordings.ros_types import decoder_of
+    from ..messages.decoding import decoder_of
 
     asked = RosChannel(channel.id, channel.topic, channel.type, channel.encoding, channel.definition, 0)
     try:

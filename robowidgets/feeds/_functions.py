@@ -13,10 +13,10 @@ from types import FrameType, FunctionType
 from typing import Any
 from weakref import WeakSet
 
-from .._cells import running_cell
-from .._named_widget import MOST_LOGGED
-from .._pacer import pacer
-from .._table import many
+from .._core.cells import running_cell
+from .._core.named_widget import MOST_LOGGED
+from .._core.pacer import pacer
+from .._core.text import many
 from ..messages import ScanReader, to_speed, to_touch
 from ._probe import decided, is_open
 from ._topics import Table, Topic

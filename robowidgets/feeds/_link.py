@@ -6,8 +6,8 @@ import logging
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from .._named_widget import MOST_LOGGED
-from .._widget import RobotWidget
+from .._core.named_widget import MOST_LOGGED
+from .._core.robot_widget import RobotWidget
 from ..drive_widget import DriveWidget
 from ..laser_widget import LaserWidget
 from ._geometry import Geometry

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from .._widget import RobotWidget
+from .._core.robot_widget import RobotWidget
 from ..speed_widget import SpeedWidget
 from ._functions import FunctionCaller
 from ._link import Link, Target

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from .._kinds import Widget, is_command, is_standard
+from ..kinds import Widget, is_command, is_standard
 from ..messages import to_scan, to_speed, to_touch
 from ..samples import Touch
 from ._topics import RANGE, Topic

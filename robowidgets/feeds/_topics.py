@@ -6,8 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from .._kinds import Widget, is_command, widget_by_type
-from .._table import many
+from .._core.text import many
+from ..kinds import Widget, is_command, widget_by_type
 from .middleware import Advert
 
 _HEADS = ("topic", "type", "published", "heard", "widget")

@@ -11,8 +11,8 @@ from typing import Any
 import ipywidgets
 
 from .._layout import WIDE, columns
-from .._picks import Pick, picks
-from .._stop_widget import StopWidget
+from .._widget_choice import Pick, picks
+from ..stop_widget import StopWidget
 from ._link import Target
 from ._probe import decided, is_open
 from ._topics import Topic

@@ -9,9 +9,9 @@ import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .._cells import running_cell, take_the_place
-from .._command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request
-from .._table import as_html, as_text
+from .._core.cells import running_cell, take_the_place
+from .._core.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request
+from .._core.text import as_html, as_text
 from ..samples import Scan, Speed
 from ..samples.numbers import finite
 from ._drive import TWIST, Driving, TwistPublisher

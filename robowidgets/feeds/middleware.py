@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
-from .._kinds import widget_by_type
+from ..kinds import widget_by_type
 
 EVENTS = 100
 """Messages of a touch sensor that may wait to be handed on."""

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..recordings import Recording
-from ..recordings import open as open_recording
+from ..recording import Recording
+from ..recording import open as open_recording
 from ..samples.numbers import finite
 from .feed import Feed
 from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener

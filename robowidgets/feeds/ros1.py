@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
-from ..recordings.ros_types import Decode, decoder_of, one_line
-from ..recordings.source import Channel, RecordingError
+from ..messages.decoding import Decode, decoder_of, one_line
+from ..repair.source import Channel, RecordingError
 from ._backoff import Backoff
 from ._ros1_master import Master, MasterError, State
 from ._ros1_publications import SHUT_DOWN, Publications

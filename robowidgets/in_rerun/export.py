@@ -6,8 +6,8 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._cells import take_the_place
-from ..recordings.recording import Recording
+from .._core.cells import take_the_place
+from ..recording import Recording
 from .log import Log
 from .widget import RerunWidget
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..poses.tracks import Poses
+from ..recording import Recording
 from ..recordings.chunks import ScanChunk
-from ..recordings.frames import Poses
-from ..recordings.recording import Recording
 from ..samples import AXES, Scan, TouchState
 from .sdk import library
 from .world import World

@@ -14,10 +14,10 @@ from typing import Any
 
 import ipywidgets
 
-from .._pacer import pacer
-from .._spans import Seconds
-from ..recordings.progress import one_bar
-from ..recordings.recording import Recording, open
+from .._core.pacer import pacer
+from .._core.progress import one_bar
+from .._core.time_spans import Seconds
+from ..recording import Recording, open
 from .log import CLOCK, SECONDS, Log
 from .sdk import library
 from .server import kept_here, read, server

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..recordings.frames import Frames, Poses
-from ..recordings.recording import Recording
+from ..poses.tracks import Frames, Poses
+from ..recording import Recording
 
 _BASES = ("base_footprint", "base_link")
 

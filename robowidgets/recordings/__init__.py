@@ -1,7 +1,6 @@
 """Recordings of robots: files of messages, opened for reading as samples."""
 
-from .recording import Recording, open
-from .source import RecordingError, UnknownTopicError
+from ..repair.source import RecordingError, UnknownTopicError
 from .timeline import Moment, Topic
 
-__all__ = ["Moment", "Recording", "RecordingError", "Topic", "UnknownTopicError", "open"]
+__all__ = ["Moment", "RecordingError", "Topic", "UnknownTopicError"]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-from .._kinds import Widget
+from ..kinds import Widget
+from ..repair.source import UnknownTopicError
 from .clocks import Clock, about_clocks, clock_of
 from .kinds import WORDS, named, only
 from .memory import Memory
 from .scan_series import Scans
-from .source import UnknownTopicError
 from .speed_series import Speeds
 from .store import Store
 from .timeline import Timeline, Topic

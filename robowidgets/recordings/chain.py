@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..repair.source import Arrivals, Channel, RecordingError, SavedSource, Source, joined, latest
 from .pages import Held, Page, pages_of
-from .source import Arrivals, Channel, RecordingError, SavedSource, Source, joined, latest
 
 
 class Chain:

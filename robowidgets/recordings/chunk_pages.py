@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..repair._inflate import COMPRESSIONS, MAX_CHUNK, inflate
+from ..repair.source import Channel, RecordingError
 from .pages import Buffer, ChunkPage, Raws, Unpacked
-from .salvage.inflate import COMPRESSIONS, MAX_CHUNK, inflate
-from .source import Channel, RecordingError
 
 _CHUNK_HEAD = Struct("<BQQQQII")
 _RECORD_HEAD = Struct("<BQ")

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._table import listed
-from .held_clock import often
-from .one_clock import JITTER_NS
+from .._core.text import listed
+from ..repair._held_clock import often
+from ..repair._one_clock import JITTER_NS
 
 _STILL_SHARE = 0.5
 _STILL_LEAST = 10

@@ -12,11 +12,11 @@ from typing import Any, Generic
 import numpy as np
 from numpy.typing import NDArray
 
+from ..repair.source import RecordingError
 from ..samples import Touch
 from .chunks import Chunk, ScanChunk, SpeedChunk, TouchChunk, merged, single_scan, single_speed
 from .pages import Raws
 from .quick import Alike, ScanReader, SpeedReader
-from .source import RecordingError
 
 Note = Callable[[Raws, int, Exception], None]
 """Is told of a message that cannot be shown: its number among the raw ones, and why."""

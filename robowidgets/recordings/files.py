@@ -9,17 +9,17 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path, PurePath
 
-from .._table import listed
+from .._core.text import listed
+from ..repair import find_files, open_file
+from ..repair._carmen import CarmenLog
+from ..repair._carmen_lines import word_of
+from ..repair._one_clock import in_order, was_set
+from ..repair._report import kind
+from ..repair.source import RecordingError, Source
 from . import ros_files
-from .carmen import CarmenLog
-from .carmen_lines import word_of
 from .chain import Chain, open_chain
 from .message_timeline import MessageTimeline
-from .one_clock import in_order, was_set
 from .relay import Relay
-from .salvage import find_files, open_file
-from .salvage.report import kind
-from .source import RecordingError, Source
 from .timeline import Timeline
 
 _EXPECTED = "a ROS bag (.bag), a rosbag2 folder, a .db3, an .mcap or a CARMEN log (.log, .clf, gzipped or not)"

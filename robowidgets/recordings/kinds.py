@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from .._kinds import Widget
-from .source import UnknownTopicError, UnnamedTopicError
+from ..kinds import Widget
+from ..repair.source import UnknownTopicError, UnnamedTopicError
 from .timeline import Topic
 
 WORDS: Mapping[Widget | None, str] = {"laser": "laser scans", "speed": "speeds", "touch": "touch sensors"}

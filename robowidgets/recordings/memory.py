@@ -9,7 +9,7 @@ from operator import index
 from threading import Lock
 from typing import Any
 
-from .source import RecordingError
+from ..repair.source import RecordingError
 
 DEFAULT = 1 << 30
 

@@ -6,17 +6,17 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
-from .._kinds import Widget, is_command, is_standard, widget_by_shape, widget_by_type
-from .._table import listed
+from .._core.progress import Progress
+from .._core.text import listed
+from ..kinds import Widget, is_command, is_standard, widget_by_shape, widget_by_type
+from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
 from ..messages.touch import to_touch
+from ..poses.transforms import ODOMETRY, TRANSFORMS, Joint, joints_of
+from ..repair.source import Channel, RecordingError, Source, latest
 from .columns import TouchColumns, scan_columns, speed_columns
 from .endings import LEAST, about_end
-from .joints import ODOMETRY, TRANSFORMS, Joint, joints_of
-from .progress import Progress
 from .quick import ScanReader, SpeedReader
 from .raw_feed import RawFeed
-from .ros_types import ENCODINGS, decoder_of, one_line, shape_of
-from .source import Channel, RecordingError, Source, latest
 from .timeline import Moment, Sample, Topic
 
 Read = Callable[[bytes], Sample]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from .source import Channel, Source
+from ..repair.source import Channel, Source
 
 PAGE_BYTES = 1 << 22
 """About how many bytes of messages make a page where the file itself has no such parts."""

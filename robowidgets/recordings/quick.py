@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._kinds import Shape
+from ..kinds import Shape
 from ..messages import to_scan, to_speed
+from ..repair._inflate import plain
 from ..samples import Scan, Speed
-from .salvage.inflate import plain
 
 Decode = Callable[[bytes], Any]
 

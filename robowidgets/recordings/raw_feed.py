@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Generic, Protocol
 
+from ..repair.source import Channel, RecordingError, Source
 from .chunks import Chunk, merged
 from .columns import Note
 from .pages import Held, Page, Raws, by_time, pages_of
-from .source import Channel, RecordingError, Source
 
 
 class Reader(Protocol[Chunk]):

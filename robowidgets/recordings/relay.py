@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
 
+from ..repair.source import Arrivals, Channel, Source
 from .pages import Page, Paged
-from .source import Arrivals, Channel, Source
 
 
 class Relay:

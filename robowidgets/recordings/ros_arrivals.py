@@ -17,9 +17,9 @@ from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.storage_mcap import ChunkInfo, McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
+from ..repair._one_clock import JITTER_NS, LEAP_NS
+from ..repair.source import Arrivals, RecordingError, joined
 from .chunk_pages import ENTRY, INDEX_HEAD, index_records
-from .one_clock import JITTER_NS, LEAP_NS
-from .source import Arrivals, RecordingError, joined
 
 _MOST_CHUNKS = 1000
 """Of an MCAP file: of more than these, a look into the index of each may take seconds where a disk is slow."""

@@ -12,9 +12,9 @@ from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
+from ..repair.source import latest
 from .chunk_pages import ENTRY, INDEX_HEAD
 from .ros_arrivals import read_index
-from .source import latest
 
 
 def bag_last(reader: BagReader, number: int) -> int | None:

@@ -17,12 +17,12 @@ from rosbags.rosbag2.reader import DirectoryReader
 from rosbags.rosbag2.storage_mcap import DECOMPRESSORS, McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
+from ..repair._inflate import MAX_CHUNK, inflate
+from ..repair.source import Arrivals, Channel, RecordingError
 from .chunk_pages import BagPage, McapPage
 from .pages import Page
 from .ros_arrivals import bag_arrivals, folder_arrivals, mcap_arrivals, sqlite_arrivals
 from .ros_ends import bag_last, folder_last, mcap_last, sqlite_last
-from .salvage.inflate import MAX_CHUNK, inflate
-from .source import Arrivals, Channel, RecordingError
 
 ById = dict[int, Channel]
 Pages = list[Page] | None

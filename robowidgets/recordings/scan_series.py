@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..repair.source import RecordingError
 from ..samples import Scan
 from ..samples.scan import distances, ray_distances
 from ..samples.sector import Sector
 from .chunks import ScanChunk
 from .rows import chunks_of, filled, whole
 from .series import Rows, Series
-from .source import RecordingError
 from .store import Store
 
 if TYPE_CHECKING:

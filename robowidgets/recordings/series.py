@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from ..repair.source import RecordingError
 from . import tables
 from .clocks import about_clock
-from .source import RecordingError
 from .timeline import Moment, Sample
 from .times import to_ns
 

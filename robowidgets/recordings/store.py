@@ -12,11 +12,11 @@ from typing import Any, Generic, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from .._core.progress import Progress
 from .ahead import read_ahead
 from .chunks import Chunk, ScanChunk, compact
 from .memory import Memory
 from .pages import ChunkPage
-from .progress import Progress
 
 _numbers = count()
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import traitlets
 
-from .._spans import TimeSpan
+from .._core.time_spans import TimeSpan
 from .scan_series import Scans
 from .spans import Span
 from .speed_series import Speeds
@@ -16,7 +16,7 @@ from .times import to_ns
 from .touch_series import Touches
 
 if TYPE_CHECKING:
-    from .recording import Recording
+    from ..recording import Recording
 
 _SPAN = TimeSpan(rays=True)
 _SPAN.name = "recording[...]"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from .. import _table
-from .._table import many
+from .._core import text as _table
+from .._core.text import many
 from .timeline import Topic
 from .times import as_date, has_date
 

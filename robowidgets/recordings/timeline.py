@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from .._kinds import Widget
+from ..kinds import Widget
 from ..samples import Scan, Speed, Touch
 
 if TYPE_CHECKING:
-    from .joints import Joint
+    from ..poses.transforms import Joint
     from .store import Feed
 
 Sample = Scan | Speed | Touch

@@ -8,8 +8,8 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
-from .held_clock import REAL_FROM
-from .source import RecordingError
+from ..repair._held_clock import REAL_FROM
+from ..repair.source import RecordingError
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 _LONGEST = 2**62 / 1e9

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .source import UnknownTopicError
+from ..repair.source import UnknownTopicError
 from .timeline import Topic
 
 

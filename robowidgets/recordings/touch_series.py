@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Touch, TouchState
-from ..touch_tracker import TouchTracker
+from ..samples.touch_tracker import TouchTracker
 from .chunks import TouchChunk
 from .memory import Memory
 from .series import Rows, Series

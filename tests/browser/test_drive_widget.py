@@ -37,7 +37,7 @@ def pad_of(nb: Notebook, cell: int = 0) -> Locator:
 
 
 UNHURRIED = """
-import robowidgets._command_watchdog as watchdog, robowidgets._press as press
+import robowidgets._core.command_watchdog as watchdog, robowidgets._core.press as press
 watchdog.HOLD = press.HOLD = 10
 watchdog.CommandWatchdog.drive.__defaults__ = (10, watchdog.PROGRAM)
 """

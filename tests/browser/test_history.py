@@ -21,7 +21,7 @@ BOXES = """(card) => {
     return [[inner.x - outer.x, inner.y - outer.y, inner.width, inner.height], outer.height];
 }"""
 # Sample n has its nearest reading at n centimetres more than 0.6 m.
-TWENTY = f"{SETUP}\nfrom robowidgets._pacer import pacer\n" + (
+TWENTY = f"{SETUP}\nfrom robowidgets._core.pacer import pacer\n" + (
     "def feed(*numbers):\n"
     "    for n in numbers:\n"
     "        laser.update(**fan({9: 0.6 + n / 100}))\n"
@@ -137,7 +137,7 @@ def test_python_a_second_view_and_a_reload_have_the_sample_stepped_to(notebook: 
 def test_speeds_and_touches_of_an_earlier_sample_are_right(notebook: Callable[..., Notebook]) -> None:
     nb = notebook(
         [
-            "from robowidgets import SpeedWidget, TouchWidget\nfrom robowidgets._pacer import pacer\n"
+            "from robowidgets import SpeedWidget, TouchWidget\nfrom robowidgets._core.pacer import pacer\n"
             "speed, touch = SpeedWidget(hold_peaks=True), TouchWidget()\nspeed",
             "touch",
             "for n in range(1, 5):\n"

@@ -16,7 +16,7 @@ from .notebook import CellError, Notebook
 
 TABLE = "import robowidgets\nrecording = robowidgets.open({path!r})\nrecording"
 SHOW = "player = recording.show()\nplayer"
-SMALL = "from robowidgets.recordings import sender\nsender.KEPT_BYTES = 100_000\n"
+SMALL = "from robowidgets.player import _prefetcher\n_prefetcher.KEPT_BYTES = 100_000\n"
 BUSY = "import time\nend = time.time() + 30\nwhile time.time() < end:\n    pass"
 SLEEP = "import time\nfor _ in range(300):\n    time.sleep(0.1)"
 
@@ -183,7 +183,7 @@ def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
 
 
 def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(notebook: Open, tmp_path: Path) -> None:
-    fewer = "from robowidgets.recordings import whole_drive\nwhole_drive.MOST_READINGS = 10\n"
+    fewer = "from robowidgets.player import _whole_drive\n_whole_drive.MOST_READINGS = 10\n"
     nb = opened(notebook, robot.write(tmp_path / "drive"), fewer + SHOW)
     note = bar(nb).locator(".rw-play-note")
     words = "no scanogram: 100 scans of 1 ray take a while; recording.show(scanogram=True) has it made"

@@ -18,7 +18,7 @@ from .test_drive_widget import ALONE
 FEED = """
 import threading, time
 from robowidgets import feeds
-from robowidgets._stop_widget import StopWidget
+from robowidgets.stop_widget import StopWidget
 
 feed = feeds.simulator(wander=False)
 heard, refused = [], ""

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from robowidgets import _pacer
-from robowidgets._pacer import Pacer
+from robowidgets._core import pacer as _pacer
+from robowidgets._core.pacer import Pacer
 
 KEPT = {"robowidgets-pacer", "robowidgets-rerun"}
 """Threads that a process has once, to its end."""

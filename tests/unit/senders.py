@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 
-from robowidgets._pacer import Pacer
+from robowidgets._core.pacer import Pacer
 
 MOST_IN_A_SECOND = 300
 

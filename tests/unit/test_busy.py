@@ -11,7 +11,7 @@ pytestmark = pytest.mark.slow
 
 STARVING = """
 import os, sys, threading, time
-from robowidgets._pacer import Pacer
+from robowidgets._core.pacer import Pacer
 
 class Sender:
     sent = 0

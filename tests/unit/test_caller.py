@@ -56,7 +56,7 @@ thread.join()
 assert refused()
 """,
     "a thread that asks whether a cell runs": """
-from robowidgets._caller import a_cell_runs
+from robowidgets._core.caller import a_cell_runs
 def ask():
     thread = threading.Thread(target=lambda: told.append(a_cell_runs()))
     thread.start()

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from robowidgets import _cells, feeds
+from robowidgets import feeds
+from robowidgets._core import cells as _cells
 
 Run = Callable[[str, str], "Made"]
 

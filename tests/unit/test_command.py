@@ -12,8 +12,7 @@ import nbformat
 import pytest
 
 import robowidgets
-from robowidgets import _lab, _notebooks
-from robowidgets.command import main
+from robowidgets.command import _lab, _notebooks, main
 
 from ..conftest import ROOT
 
@@ -286,7 +285,7 @@ def test_find_prints_spans_and_0(capsys):
 
 
 def test_find_prints_json(capsys, monkeypatch):
-    monkeypatch.setattr("robowidgets.recordings.progress.SHOWN_AFTER", 0)
+    monkeypatch.setattr("robowidgets._core.progress.SHOWN_AFTER", 0)
     arguments = ["--speed-above", "0.1", "--gap", "1", "--any", "--speed", "/odom", "--json"]
     assert main(["find", str(robowidgets.SAMPLE), *arguments]) == 0
     said = capsys.readouterr()

@@ -28,7 +28,7 @@ import json, sys
 from pathlib import Path
 import nbformat
 from jupyterlab.labapp import LabApp
-from robowidgets import _first_run, _lab
+from robowidgets.command import _first_run, _lab
 
 folder = Path(sys.argv[1])
 server = LabApp.initialize_server(_lab.arguments(folder / "whole.ipynb", 0, False))
@@ -58,7 +58,7 @@ server.io_loop.run_sync(run_all)
 OPEN = """
 import sys
 from pathlib import Path
-from robowidgets import _lab
+from robowidgets.command import _lab
 _lab.run(Path(sys.argv[1]), 0, False, print)
 """
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robowidgets._kinds import is_command, is_standard, widget_by_shape, widget_by_type
+from robowidgets.kinds import is_command, is_standard, widget_by_shape, widget_by_type
 
 VECTOR = {"x": "float64", "y": "float64", "z": "float64"}
 SCAN = {

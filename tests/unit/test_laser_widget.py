@@ -15,8 +15,8 @@ from traitlets import TraitError
 
 import robowidgets
 from robowidgets import LaserWidget, Scan, Validity
-from robowidgets._pacer import pacer
-from robowidgets._widget import HEAD
+from robowidgets._core.pacer import pacer
+from robowidgets._core.robot_widget import HEAD
 
 from .pages import Page
 

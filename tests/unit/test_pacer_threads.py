@@ -12,8 +12,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from robowidgets._pacer import Pacer
-from robowidgets._pacer import pacer as global_pacer
+from robowidgets._core.pacer import Pacer
+from robowidgets._core.pacer import pacer as global_pacer
 
 from .senders import MOST_IN_A_SECOND, ByHand, Failing, Gated, Restless, Sender, most_in_a_second
 from .waiting import wait_for

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from robowidgets._kinds import is_command
-from robowidgets._picks import picks
+from robowidgets._widget_choice import picks
 from robowidgets.feeds._topics import Topic
+from robowidgets.kinds import is_command
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,9 @@ from typing import Any, TypeVar
 
 import pytest
 
-from robowidgets import LaserWidget, ScanogramWidget, _png
-from robowidgets._png import SavesPng
+from robowidgets import LaserWidget, ScanogramWidget
+from robowidgets._core import png as _png
+from robowidgets._core.png import SavesPng
 
 T = TypeVar("T")
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import robowidgets
-from robowidgets import LaserWidget, Scan, Speed, SpeedWidget, Touch, _widget
+from robowidgets import LaserWidget, Scan, Speed, SpeedWidget, Touch
+from robowidgets._core import robot_widget as _widget
 from robowidgets.samples import _age
 from robowidgets.samples import scan as scan_module
 

@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 from traitlets import TraitError
 
 from robowidgets import Speed
-from robowidgets._widget import HEAD
+from robowidgets._core.robot_widget import HEAD
 from robowidgets.samples import AXES
 from robowidgets.speed_widget import SpeedWidget
 

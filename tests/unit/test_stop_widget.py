@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from robowidgets._command_watchdog import PROGRAM, ZERO, CommandWatchdog
-from robowidgets._driving_widget import answer_beside_cells
-from robowidgets._stop_widget import StopWidget
+from robowidgets._core.command_watchdog import PROGRAM, ZERO, CommandWatchdog
+from robowidgets._core.driving_widget import answer_beside_cells
 from robowidgets.feeds import Driving, Feed, FeedError
+from robowidgets.stop_widget import StopWidget
 
 from .feeds.scripted import CMD_VEL, SCAN, Scripted
 from .pages import Page

@@ -9,7 +9,7 @@ import pytest
 
 from robowidgets.messages import to_touch
 from robowidgets.samples import Touch, TouchMode, TouchState
-from robowidgets.touch_tracker import TouchSensor, TouchTracker
+from robowidgets.samples.touch_tracker import TouchSensor, TouchTracker
 
 MS = 1_000_000
 S = 1_000 * MS

@@ -14,9 +14,9 @@ from comm.base_comm import BaseComm
 from traitlets import TraitError
 
 from robowidgets import Touch, TouchMode, TouchState, TouchWidget
-from robowidgets._pacer import pacer
-from robowidgets._widget import HEAD
-from robowidgets.touch_tracker import TouchTracker
+from robowidgets._core.pacer import pacer
+from robowidgets._core.robot_widget import HEAD
+from robowidgets.samples.touch_tracker import TouchTracker
 
 FREE, TOUCHED, UNKNOWN = TouchState.FREE, TouchState.TOUCHED, TouchState.UNKNOWN
 S = 1_000_000_000

@@ -28,7 +28,7 @@ from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
 from robowidgets.feeds._encode import Encoder
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
-from robowidgets.recordings.source import RecordingError
+from robowidgets.repair.source import RecordingError
 
 from ..waiting import wait_for
 from .recorder import Recorder

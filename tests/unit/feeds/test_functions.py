@@ -247,9 +247,9 @@ def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_drop
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     cell = ["feed", "run 1"]
-    for module in ("_cells", "feeds._functions", "feeds.feed"):
+    for module in ("_core.cells", "feeds._functions", "feeds.feed"):
         monkeypatch.setattr(f"robowidgets.{module}.running_cell", lambda: tuple(cell))
-    monkeypatch.setattr("robowidgets._cells._made", {})
+    monkeypatch.setattr("robowidgets._core.cells._made", {})
     first = Feed(Scripted(SCAN))
     first.connect("/scan", in_notebook(lambda _: None, "of_the_same_cell"))
     cell[:] = "behavior", "run 2"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget
-from robowidgets._picks import picks
+from robowidgets._widget_choice import picks
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._view import FeedView
 

@@ -12,8 +12,9 @@ import pytest
 
 import robowidgets
 from robowidgets.in_rerun.widget import _pieces
-from robowidgets.recordings import Recording, RecordingError, UnknownTopicError
-from robowidgets.recordings.frames import Poses, _turned
+from robowidgets.poses.tracks import Poses, _turned
+from robowidgets.recording import Recording
+from robowidgets.recordings import RecordingError, UnknownTopicError
 from robowidgets.simulator import World
 
 chunk = pytest.importorskip("rerun.chunk", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")

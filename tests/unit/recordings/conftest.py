@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from robowidgets import Recording
-from robowidgets.recordings.salvage.saved import SavedFile
-from robowidgets.recordings.salvage.sqlite import SavedDatabase
+from robowidgets.repair._saved import SavedFile
+from robowidgets.repair._sqlite import SavedDatabase
 
 
 @pytest.fixture(autouse=True)

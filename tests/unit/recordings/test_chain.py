@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from robowidgets.recordings.chain import Chain, open_chain
-from robowidgets.recordings.salvage import open_file
-from robowidgets.recordings.source import RecordingError
+from robowidgets.repair import open_file
+from robowidgets.repair.source import RecordingError
 
 from .written import START_NS, STEP_NS, messages, read, write_bag
 

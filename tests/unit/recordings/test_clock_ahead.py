@@ -10,12 +10,12 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
+from robowidgets.player._frames import LaserTrack
+from robowidgets.player._prefetcher import stretch
 from robowidgets.recordings import ros_arrivals
-from robowidgets.recordings.carmen import CarmenLog
-from robowidgets.recordings.held_clock import LEAP, hold
-from robowidgets.recordings.one_clock import leaps
-from robowidgets.recordings.sender import stretch
-from robowidgets.recordings.stills import LaserTrack
+from robowidgets.repair._carmen import CarmenLog
+from robowidgets.repair._held_clock import LEAP, hold
+from robowidgets.repair._one_clock import leaps
 
 from .clock_back import KINDS, SCAN, SPEED, START_NS, Message, cut, drive, long_mcap, mcap, step
 

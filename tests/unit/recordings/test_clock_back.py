@@ -14,16 +14,16 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
-from robowidgets._widget import HEAD
+from robowidgets._core.robot_widget import HEAD
+from robowidgets.player._frames import LaserTrack
+from robowidgets.player._prefetcher import stretch
 from robowidgets.recordings import ros_arrivals, ros_files
 from robowidgets.recordings.chunk_pages import ENTRY, INDEX_HEAD
 from robowidgets.recordings.files import open_timeline
-from robowidgets.recordings.one_clock import steps_back, was_set
 from robowidgets.recordings.relay import Relay
-from robowidgets.recordings.salvage.inflate import zstd
-from robowidgets.recordings.sender import stretch
-from robowidgets.recordings.source import Arrivals
-from robowidgets.recordings.stills import LaserTrack
+from robowidgets.repair._inflate import zstd
+from robowidgets.repair._one_clock import steps_back, was_set
+from robowidgets.repair.source import Arrivals
 
 from .clock_back import KINDS, SCAN, SPEED, START_NS, cut, db3, drive, long_mcap, mcap, step
 

@@ -6,8 +6,8 @@ import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from robowidgets.messages.definitions import SAME_AS, definitions
 from robowidgets.messages.touch import TOUCH_TYPES
-from robowidgets.recordings.definitions import SAME_AS, definitions
 
 PACKAGES = (
     *("kobuki_msgs", "create_msgs", "irobot_create_msgs", "turtlebot3_msgs", "neato2_interfaces", "gazebo_msgs"),

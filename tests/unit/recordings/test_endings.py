@@ -10,9 +10,9 @@ import pytest
 
 import robowidgets
 from robowidgets.recordings import ros_files
-from robowidgets.recordings.carmen import CarmenLog
 from robowidgets.recordings.chunk_pages import INDEX_HEAD
 from robowidgets.recordings.endings import about_end
+from robowidgets.repair._carmen import CarmenLog
 
 from .clock_back import KINDS, SCAN, SPEED, Message, cut, drive, long_mcap, mcap, step
 

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from robowidgets import SAMPLE
-from robowidgets.recordings import RecordingError, open
-from robowidgets.recordings.salvage.inflate import zstd
+from robowidgets.recording import open
+from robowidgets.recordings import RecordingError
+from robowidgets.repair._inflate import zstd
 
 from .written import Message, messages, write_bag, write_db3, write_indexed_mcap
 

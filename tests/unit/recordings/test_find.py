@@ -11,10 +11,10 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError, conditions
+from robowidgets.find._function import Function
+from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.recordings.function import Function
 from robowidgets.recordings.spans import Span, Spans
-from robowidgets.recordings.steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
 
 from ...conftest import ROOT
 from . import hazards, robot, sweeps

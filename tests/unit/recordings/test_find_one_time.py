@@ -11,8 +11,8 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets.recordings.function import _together
-from robowidgets.recordings.steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
+from robowidgets.find._function import _together
+from robowidgets.find._steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
 
 from . import sweeps
 

@@ -12,9 +12,9 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from robowidgets.recordings import open
-from robowidgets.recordings.frames import Frames, Poses
-from robowidgets.recordings.joints import Joint, Pose, joints_of
+from robowidgets.poses.tracks import Frames, Poses
+from robowidgets.poses.transforms import Joint, Pose, joints_of
+from robowidgets.recording import open
 
 S = 1_000_000_000
 STILL = np.zeros(1, np.int64)

@@ -15,8 +15,8 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError
-from robowidgets.recordings.ros_types import shape_of
-from robowidgets.recordings.source import Channel
+from robowidgets.messages.decoding import shape_of
+from robowidgets.repair.source import Channel
 
 if sys.version_info >= (3, 14):
     from compression import zstd

@@ -18,8 +18,8 @@ from robowidgets.recordings.ahead import read_ahead
 from robowidgets.recordings.chunk_pages import BagPage
 from robowidgets.recordings.files import open_timeline
 from robowidgets.recordings.pages import pages_of
-from robowidgets.recordings.salvage import open_file
-from robowidgets.recordings.source import Source
+from robowidgets.repair import open_file
+from robowidgets.repair.source import Source
 
 from . import clock_back, sweeps
 from .written import messages, write_bag, write_db3, write_indexed_mcap

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robowidgets.recordings.pauses import longest_pause, until_old, usual_step
-from robowidgets.recordings.steps import NO, UNKNOWN, YES, Steps, steps
+from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, steps
+from robowidgets.recordings._silence import longest_pause, until_old, usual_step
 
 S = 1_000_000_000
 

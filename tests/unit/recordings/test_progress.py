@@ -10,7 +10,7 @@ from tqdm.notebook import tqdm_notebook
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets.recordings import progress
+from robowidgets._core import progress
 
 from . import sweeps
 

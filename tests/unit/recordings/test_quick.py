@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from robowidgets import Scan, Speed
-from robowidgets._kinds import widget_by_type
+from robowidgets.kinds import widget_by_type
 from robowidgets.messages import to_scan, to_speed
+from robowidgets.messages.decoding import Decode, decoder_of, shape_of
 from robowidgets.recordings.files import _open_file
 from robowidgets.recordings.quick import ScanReader, SpeedReader
-from robowidgets.recordings.ros_types import Decode, decoder_of, shape_of
-from robowidgets.recordings.source import Channel, RecordingError
+from robowidgets.repair.source import Channel, RecordingError
 
 SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"

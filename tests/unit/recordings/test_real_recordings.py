@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from robowidgets import Scan, Speed, Touch, Validity
-from robowidgets.recordings import Recording, RecordingError, open
+from robowidgets.recording import Recording, open
+from robowidgets.recordings import RecordingError
 
 GOOD = {
     "turtlebot3_gazebo.bag": {"/scan": 457, "/odom": 2741, "/cmd_vel": 2335},

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from robowidgets import Scan, Speed, Touch
-from robowidgets.recordings import Moment, Recording, RecordingError, Topic, UnknownTopicError, open
+from robowidgets.recording import Recording, open
+from robowidgets.recordings import Moment, RecordingError, Topic, UnknownTopicError
 from robowidgets.recordings.timeline import Timeline
 
 from . import robot
@@ -238,8 +239,8 @@ class TestItsTable:
 
 def test_reading_a_recording_needs_no_page_and_importing_robowidgets_no_reader(path: Path) -> None:
     code = (
-        "import sys; from robowidgets.recordings import open; assert 'rosbags' not in sys.modules; "
+        "import sys; from robowidgets import open; assert 'rosbags' not in sys.modules; "
         f"recording = open({str(path)!r}); assert len(list(recording.samples())) == 254; "
-        "assert 'rosbags' in sys.modules and 'robowidgets.recordings.show' not in sys.modules"
+        "assert 'rosbags' in sys.modules and 'robowidgets.player.player' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 import pytest
 
 from robowidgets.recordings.relay import Relay
-from robowidgets.recordings.source import Channel, RecordingError
+from robowidgets.repair.source import Channel, RecordingError
 
 SCAN = Channel(7, "/scan", "sensor_msgs/msg/LaserScan", "cdr", "", 5)
 SPEED = Channel(8, "/odom", "nav_msgs/msg/Odometry", "cdr", "", 5)

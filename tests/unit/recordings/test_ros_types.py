@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from robowidgets.recordings.ros_types import decoder_of, shape_of
-from robowidgets.recordings.source import Channel, RecordingError
+from robowidgets.messages.decoding import decoder_of, shape_of
+from robowidgets.repair.source import Channel, RecordingError
 
 
 def channel(name: str, definition: str = "", encoding: str = "cdr") -> Channel:
@@ -72,7 +72,7 @@ def test_a_type_that_no_file_defines_is_read_as_its_encoding_has_it() -> None:
 
 
 def test_a_message_that_was_compressed_by_itself_is_read() -> None:
-    from robowidgets.recordings.salvage.inflate import zstd
+    from robowidgets.repair._inflate import zstd
 
     assert read(zstd.compress(b"\0\1\0\0\x01"), "std_msgs/msg/Bool").data is True
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets.recordings.salvage.bag import open_bag
-from robowidgets.recordings.salvage.stretch import FileStretch
-from robowidgets.recordings.source import RecordingError
+from robowidgets.repair._bag import open_bag
+from robowidgets.repair._stretch import FileStretch
+from robowidgets.repair.source import RecordingError
 
 from .written import START_NS, STEP_NS, messages, read, write_bag
 

@@ -10,9 +10,9 @@ from rosbags.rosbag1 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from robowidgets.recordings.chain import open_chain
-from robowidgets.recordings.salvage import find_files, open_file
-from robowidgets.recordings.salvage.inflate import plain
-from robowidgets.recordings.source import RecordingError, Source
+from robowidgets.repair import find_files, open_file
+from robowidgets.repair._inflate import plain
+from robowidgets.repair.source import RecordingError, Source
 
 from .written import read
 

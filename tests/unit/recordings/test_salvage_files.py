@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets.recordings.salvage import find_files, open_file
-from robowidgets.recordings.salvage.inflate import plain, zstd
-from robowidgets.recordings.source import RecordingError
+from robowidgets.repair import find_files, open_file
+from robowidgets.repair._inflate import plain, zstd
+from robowidgets.repair.source import RecordingError
 
 from .written import messages, read, write_bag, write_db3, write_indexed_mcap
 
@@ -94,7 +94,7 @@ def test_zstd_of_anything_else_is_named_and_leaves_nothing_behind(
 def test_zstd_that_unpacks_to_more_than_a_disk_is_stopped(
     tmp_path: Path, temporary: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.recordings.salvage.files._MOST_UNPACKED", 1 << 21)
+    monkeypatch.setattr("robowidgets.repair._files._MOST_UNPACKED", 1 << 21)
     path = tmp_path / "bomb.bag.zstd"
     held = messages(30)
     path.write_bytes(zstd.compress(write_bag(tmp_path / "bomb.bag", held).read_bytes() + bytes(1 << 28)))

@@ -11,8 +11,9 @@ from time import process_time
 
 import pytest
 
-from robowidgets.recordings.salvage import inflate, open_file
-from robowidgets.recordings.source import RecordingError
+from robowidgets.repair import _inflate as inflate
+from robowidgets.repair import open_file
+from robowidgets.repair.source import RecordingError
 
 from .written import MCAP_END, MCAP_MAGIC, mcap_head, mcap_messages, messages, record, write_bag
 
@@ -114,7 +115,7 @@ def test_a_megabyte_of_decoys_ends_soon_and_costs_no_message_before_it(tmp_path:
 
 
 def test_many_damaged_places_are_given_up_at_some_point(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.recordings.salvage.records.MAX_PLACES", 5)
+    monkeypatch.setattr("robowidgets.repair._records.MAX_PLACES", 5)
     held = messages(60)
     parts = [mcap_messages(held[i : i + 4]) for i in range(0, 60, 4)]
     path = tmp_path / "x.mcap"

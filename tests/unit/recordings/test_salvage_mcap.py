@@ -10,9 +10,9 @@ from pathlib import Path
 import lz4.frame
 import pytest
 
-from robowidgets.recordings.salvage.inflate import zstd
-from robowidgets.recordings.salvage.mcap import open_mcap
-from robowidgets.recordings.source import RecordingError
+from robowidgets.repair._inflate import zstd
+from robowidgets.repair._mcap import open_mcap
+from robowidgets.repair.source import RecordingError
 
 from .written import (
     MCAP_END,

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets.recordings.salvage.sqlite import open_sqlite
-from robowidgets.recordings.source import RecordingError
+from robowidgets.repair._sqlite import open_sqlite
+from robowidgets.repair.source import RecordingError
 
 from .written import START_NS, STEP_NS, Message, messages, read, write_db3
 

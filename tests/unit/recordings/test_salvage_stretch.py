@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets.recordings.salvage.stretch import WINDOW, FileStretch, MemoryStretch, find
-from robowidgets.recordings.salvage.times import Times
+from robowidgets.repair._stretch import WINDOW, FileStretch, MemoryStretch, find
+from robowidgets.repair._times import Times
 
 PATTERN = re.compile(rb"(?=abc)")
 

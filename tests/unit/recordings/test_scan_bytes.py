@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from robowidgets.messages.decoding import shape_of, store_of
 from robowidgets.recordings import scan_bytes
 from robowidgets.recordings.files import _open_file
-from robowidgets.recordings.ros_types import shape_of, store_of
-from robowidgets.recordings.source import Channel
+from robowidgets.repair.source import Channel
 
 SCAN = "sensor_msgs/msg/LaserScan"
 FILES = ("good/turtlebot3_gazebo.bag", "good/neato_fsm/fsm_0.db3", "good/urg_681.bag", "odd/lz4_stage_90_rays.bag")

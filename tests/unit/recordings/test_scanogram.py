@@ -8,8 +8,8 @@ import pytest
 
 import robowidgets
 from robowidgets import ScanogramWidget
+from robowidgets.player import _scanogram as source
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.recordings import scanogram as source
 from robowidgets.samples import Scan
 from robowidgets.scanogram.codes import fold
 

@@ -9,10 +9,11 @@ from contextlib import contextmanager
 
 import pytest
 
-from robowidgets.recordings import RecordingError, progress
-from robowidgets.recordings import sender as module
-from robowidgets.recordings.sender import Cursor, Sender
-from robowidgets.recordings.stills import Still
+from robowidgets._core import progress
+from robowidgets.player import _prefetcher as module
+from robowidgets.player._frames import Still
+from robowidgets.player._prefetcher import Cursor, Sender
+from robowidgets.recordings import RecordingError
 
 from ..waiting import threads_named, wait_for
 

@@ -17,7 +17,7 @@ from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.chunks import TouchChunk
 from robowidgets.recordings.memory import Memory
 from robowidgets.recordings.touch_series import Table
-from robowidgets.touch_tracker import TouchTracker
+from robowidgets.samples.touch_tracker import TouchTracker
 
 from . import hazards, robot, sweeps
 from .sweeps import START_NS

@@ -15,12 +15,15 @@ import pytest
 from comm import get_comm_manager
 from traitlets import TraitError
 
-from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget, _cells
-from robowidgets.recordings import Recording, UnknownTopicError, open, sender
-from robowidgets.recordings.sender import stretch
-from robowidgets.recordings.show import Player, _tracks
-from robowidgets.recordings.touch_history import TouchHistory
-from robowidgets.touch_tracker import TouchSensor, TouchTracker
+from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
+from robowidgets._core import cells as _cells
+from robowidgets.player import _prefetcher as sender
+from robowidgets.player._prefetcher import stretch
+from robowidgets.player._touch_history import TouchHistory
+from robowidgets.player.player import Player, _tracks
+from robowidgets.recording import Recording, open
+from robowidgets.recordings import UnknownTopicError
+from robowidgets.samples.touch_tracker import TouchSensor, TouchTracker
 
 from ..waiting import threads_named, wait_for
 from . import robot, sweeps
@@ -321,7 +324,7 @@ class TestATouchHistory:
     def test_is_at_every_time_what_listening_from_the_start_gives(
         self, data: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("robowidgets.recordings.touch_history._KEPT_EVERY", 20)
+        monkeypatch.setattr("robowidgets.player._touch_history._KEPT_EVERY", 20)
         with open(data / "good" / "neato_fsm") as recording:
             history = TouchHistory(recording, "/bump")
             start_ns = recording.start_ns or 0
@@ -332,7 +335,7 @@ class TestATouchHistory:
                 assert history.at(time_ns).states(time_ns) == self.expected(recording, time_ns), seconds
 
     def test_does_not_begin_anew_each_time(self, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("robowidgets.recordings.touch_history._KEPT_EVERY", 20)
+        monkeypatch.setattr("robowidgets.player._touch_history._KEPT_EVERY", 20)
         with open(data / "good" / "neato_fsm") as recording:
             history = TouchHistory(recording, "/bump")
             start_ns = recording.start_ns or 0
@@ -357,7 +360,7 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
     assert has_one()
     assert not has_one(scanogram=False)
     assert not has_one("/odom")
-    monkeypatch.setattr("robowidgets.recordings.whole_drive.MOST_READINGS", 99)
+    monkeypatch.setattr("robowidgets.player._whole_drive.MOST_READINGS", 99)
     assert not has_one()
     assert has_one(scanogram=True)
 
@@ -367,12 +370,12 @@ def test_a_scanogram_that_takes_long_is_left_out_by_its_readings_and_a_line_says
 ) -> None:
     empty = [(0.0, sweeps.scan(sweeps.START_NS, []))]
     path = sweeps.write(tmp_path / "long", empty + sweeps.numbered(1200, rays=40)[1:])
-    monkeypatch.setattr("robowidgets.recordings.whole_drive.MOST_READINGS", 47_999)
+    monkeypatch.setattr("robowidgets.player._whole_drive.MOST_READINGS", 47_999)
     words = "no scanogram: 1,200 scans of 40 rays take a while; recording.show(scanogram=True) has it made"
     for wanted, there, told in ((None, False, words), (False, False, ""), (True, True, "")):
         with shown(path, scanogram=wanted) as player:
             assert (player.scanogram is not None, player.bar._note) == (there, told)
-    monkeypatch.setattr("robowidgets.recordings.whole_drive.MOST_READINGS", 48_000)
+    monkeypatch.setattr("robowidgets.player._whole_drive.MOST_READINGS", 48_000)
     with shown(path) as player:
         assert (player.scanogram is not None, player.bar._note) == (True, "")
 

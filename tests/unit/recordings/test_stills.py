@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from robowidgets import SpeedWidget
-from robowidgets._widget import HEAD
-from robowidgets.recordings import open
-from robowidgets.recordings.show import Player, _tracks
-from robowidgets.recordings.stills import TICK, Still, pack
+from robowidgets._core.robot_widget import HEAD
+from robowidgets.player._frames import TICK, Still, pack
+from robowidgets.player.player import Player, _tracks
+from robowidgets.recording import open
 
 from . import robot
 

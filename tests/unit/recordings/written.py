@@ -12,7 +12,7 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as FolderWriter
 from rosbags.typesys import Stores, get_typestore
 
-from robowidgets.recordings.source import Source
+from robowidgets.repair.source import Source
 
 START_NS = 1_700_000_000_000_000_000
 STEP_NS = 50_000_000

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import traitlets
 
-from robowidgets._widget import HEAD, RobotWidget
+from robowidgets._core.robot_widget import HEAD, RobotWidget
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ from typing import Any
 
 import pytest
 
-from robowidgets import LaserWidget, SpeedWidget, Touch, TouchMode, TouchWidget, _widget
+from robowidgets import LaserWidget, SpeedWidget, Touch, TouchMode, TouchWidget
+from robowidgets._core import robot_widget as _widget
 from robowidgets.feeds import Feed
 
 from ..feeds.scripted import ODOM, SCAN, Scripted, scan, twist

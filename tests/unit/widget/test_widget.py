@@ -18,10 +18,11 @@ import traitlets
 from IPython.core.formatters import DisplayFormatter
 from ipywidgets.embed import dependency_state
 
-from robowidgets import _named_widget, _widget
-from robowidgets._named_widget import MOST_LOGGED, bundle
-from robowidgets._pacer import pacer
-from robowidgets._widget import RETELL, RETOLD
+from robowidgets._core import named_widget as _named_widget
+from robowidgets._core import robot_widget as _widget
+from robowidgets._core.named_widget import MOST_LOGGED, bundle
+from robowidgets._core.pacer import pacer
+from robowidgets._core.robot_widget import RETELL, RETOLD
 
 from ..pages import Page
 from ..waiting import wait_for

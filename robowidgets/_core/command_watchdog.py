@@ -1,0 +1,378 @@
+"""Sending speeds to a robot, and zero as soon as none holds any more."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import os
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, wait
+from weakref import WeakSet
+
+from .cells import on_failed_cell
+
+log = logging.getLogger("robowidgets")
+
+Velocity = tuple[float, float]
+"""Linear in m/s and angular in rad/s."""
+
+ZERO: Velocity = (0.0, 0.0)
+
+HOLD = 0.5
+"""Seconds that a speed holds unless it is renewed."""
+
+INTERVAL = 0.02
+"""Seconds between two speeds at least; zero goes out at once."""
+
+RETRY = 1.0
+"""Seconds after which a zero that could not be sent is sent again."""
+
+SEND_TIMEOUT = 1.0
+"""Seconds that a caller waits until its speed is sent."""
+
+RECENT = 30.0
+"""Seconds for which a connection may be dead before that is noticed, generously."""
+
+Request = Future[None]
+"""Done when a speed is sent; it holds what the sink raised."""
+
+PROGRAM = "program"
+"""The driver that is no hand."""
+
+
+class RefusedError(Exception):
+    """A speed that is not sent because of somebody else: a latched stop, or a hand on a pad. The text says who."""
+
+
+class CommandWatchdog:
+    """Sends speeds to a sink from a thread of its own: 50 a second at most, the newest wins, zero at once.
+
+    Zero follows a speed that is not renewed in time. No caller's code runs in the thread but the sink. The thread lives
+    as long as a zero is owed. Every method may be called from any thread, and waits for nothing unless it says so.
+
+    Args:
+        send: the sink, of linear m/s and angular rad/s.
+        not_sent: what the sink raises when nothing reached the robot. After any other error zero is due at once.
+    """
+
+    def __init__(self, send: Callable[[float, float], object], *, not_sent: type[Exception] | tuple[()] = ()) -> None:
+        self._send, self._not_sent = send, not_sent
+        self._changed = threading.Condition()
+        self._watchers: tuple[Callable[[], None], ...] = ()
+        self._thread: threading.Thread | None = None
+        self._wanted: Velocity | None = None
+        """The newest speed that is not sent yet."""
+        self._speeds: list[Request] = []
+        self._zeros: list[Request] = []
+        """Who waits for a speed, and for zero, to be sent."""
+        self._expires = 0.0
+        """When the newest speed is no longer valid."""
+        self._zero_at: float | None = None
+        """When zero is due; None while nothing moves."""
+        self._next_speed_at = self._next_zero_at = 0.0
+        self._moved_at = float("-inf")
+        self._lost = self._stopped = self._closed = self._from_cell = False
+        self._hand, self._hand_until = "", 0.0
+        self._driver = ""
+        self._entered: float | None = None
+        self._logged = ""
+        self.sent: Velocity = ZERO
+        """The speed that the sink took last."""
+        self.error: BaseException | None = None
+        """What the sink raised last; None when it took the speed."""
+        self.failed: Velocity = ZERO
+        """The speed at which it did."""
+
+    # -- who drives ----------------------------------------------------------------------------------------------------
+
+    @property
+    def driver(self) -> str:
+        """Who drives now: `PROGRAM`, the name of a hand's press, or nobody, empty."""
+        with self._changed:
+            return self._hand_now() or (self._driver if time.monotonic() < self._expires else "")
+
+    @property
+    def stopped(self) -> bool:
+        """Whether stop is latched: all speeds are refused until it is released. Setting it to True sends zero."""
+        return self._stopped
+
+    @stopped.setter
+    def stopped(self, stopped: bool) -> None:
+        self._stopped = stopped
+        if stopped:
+            with self._changed:
+                self._hand = ""  # released, it needs a new press
+            self.stop()
+        self._tell()
+
+    def take(self, hand: str) -> None:
+        """Let a press of a pad drive in place of everybody else, as long as it is renewed; what drove before ends.
+
+        Raises:
+            RefusedError: stop is latched.
+        """
+        with self._changed:
+            self._check(hand, taking=True)
+            self._hand, self._hand_until = hand, time.monotonic() + HOLD
+            if self._zero_at is not None or self._wanted is not None:
+                self._ask_for_zero()
+        self._tell()
+
+    def let_go(self, hand: str = "") -> None:
+        """End this press, or whichever there is, by zero."""
+        with self._changed:
+            if not self._hand or hand not in ("", self._hand):
+                return
+            self._hand = ""
+            self._ask_for_zero()
+        self._tell()
+
+    # -- speeds --------------------------------------------------------------------------------------------------------
+
+    def drive(self, velocity: Velocity, hold: float = HOLD, driver: str = PROGRAM) -> Request:
+        """Send a speed, which holds for some seconds, or renew it.
+
+        Returns:
+            What `sent_in_time` waits for. It is done already where the speed is sent later, because one was sent just
+            before.
+
+        Raises:
+            RefusedError: a hand drives, or stop is latched, which takes zero.
+        """
+        if velocity == ZERO and driver == PROGRAM and not self._hand_now():
+            return self.stop()
+        is_main = threading.current_thread() is threading.main_thread()
+        with self._changed:
+            self._check(driver)
+            now = time.monotonic()
+            self._wanted, self._expires, self._driver = velocity, now + hold, driver
+            if driver == PROGRAM:
+                self._from_cell = is_main
+            else:
+                self._hand_until = self._expires
+            request = Request()
+            if self._next_speed_at > now:
+                request.set_result(None)
+            else:
+                self._speeds.append(request)
+            self._wake()
+        if is_main:
+            on_failed_cell(_stop_driven_by_cell)
+        return request
+
+    def stop(self) -> Request:
+        """Send zero now, in place of any speed; what `sent_in_time` waits for. A hand keeps its press."""
+        with self._changed:
+            return self._ask_for_zero()
+
+    @property
+    def busy_for(self) -> float:
+        """Seconds for which the sink has not come back; 0 while it is not at work."""
+        entered = self._entered
+        return time.monotonic() - entered if entered is not None else 0.0
+
+    @property
+    def owes_zero(self) -> bool:
+        """Whether zero is still to follow, or the sink is at work."""
+        return self._zero_at is not None or bool(self._zeros) or self._entered is not None
+
+    def on_lost(self) -> None:
+        """Note that the connection was lost: a zero that was sent lately may not have arrived, and is sent again."""
+        with self._changed:
+            self._lost = self._lost or time.monotonic() - self._moved_at < RECENT
+
+    def on_connected(self) -> None:
+        """Send at once what is owed to a robot that can be reached again."""
+        with self._changed:
+            if self._wanted is None and (self._lost or self._zero_at is not None):
+                self._ask_for_zero()
+            self._lost = False
+
+    def close(self, timeout: float = SEND_TIMEOUT) -> None:
+        """Send zero if one is owed, wait for it, and refuse every speed from now on.
+
+        Raises:
+            As `sent_in_time`, when zero could not be sent.
+        """
+        with self._changed:
+            self._closed, self._wanted, self._hand = True, None, ""
+            zero = self._ask_for_zero() if self.owes_zero else None
+        try:
+            if zero is not None:
+                self.sent_in_time(zero, timeout)
+        finally:
+            with self._changed:
+                self._zero_at = None
+                self._changed.notify_all()
+
+    def sent_in_time(self, request: Request, timeout: float = SEND_TIMEOUT) -> None:
+        """Wait until what `drive` or `stop` asked for is sent.
+
+        Raises:
+            TimeoutError: the sink does not come back. Whatever the sink raised otherwise.
+        """
+        if threading.current_thread() is self._thread:
+            return
+        if not wait([request], timeout).done:
+            raise TimeoutError(f"what sends speeds has not come back for {self.busy_for:.1f} s")
+        request.result()
+
+    # -- who is told ---------------------------------------------------------------------------------------------------
+
+    def watch(self, tell: Callable[[], None]) -> None:
+        """Call a function whenever what is sent, who drives, or an error changes. It returns at once."""
+        with self._changed:
+            self._watchers += (tell,)
+
+    def forget(self, tell: Callable[[], None]) -> None:
+        """Call a function of `watch` no more."""
+        with self._changed:
+            self._watchers = tuple(other for other in self._watchers if other != tell)
+
+    def _tell(self) -> None:
+        try:
+            for tell in self._watchers:
+                tell()
+        except Exception:  # no watcher may keep zero from being sent
+            log.exception("a change of what is driven could not be told")
+
+    # -- within --------------------------------------------------------------------------------------------------------
+
+    def _hand_now(self) -> str:
+        return self._hand if time.monotonic() < self._hand_until else ""
+
+    def _check(self, driver: str, *, taking: bool = False) -> None:
+        if self._closed:
+            raise RefusedError("it is closed")
+        if self._stopped:
+            raise RefusedError("stop is latched until somebody releases it")
+        hand = self._hand_now()
+        if driver != hand and not taking and (hand or driver != PROGRAM):
+            raise RefusedError("a hand drives from a pad" if hand else "the press on the pad is over")
+
+    def _wake(self) -> None:
+        if self._thread is None:
+            thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
+            thread.start()
+            self._thread = thread
+            _running.add(self)
+        self._changed.notify_all()
+
+    def _ask_for_zero(self) -> Request:
+        self._wanted, self._expires = None, 0.0
+        request = Request()
+        self._zeros.append(request)
+        self._wake()
+        return request
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                velocity, requests = self._next()
+                if velocity is None:
+                    return
+                self._entered = time.monotonic()
+            error = self._call(velocity)
+            with self._changed:
+                self._entered = None
+                self._note(velocity, error)
+            _resolve(requests, error)
+            self._tell()
+
+    def _next(self) -> tuple[Velocity | None, list[Request]]:
+        """Wait for what is to be sent next, until its time comes; None when nothing is owed any more."""
+        while True:
+            now = time.monotonic()
+            if self._wanted is not None and now >= self._expires:  # a slow sink kept it waiting
+                self._wanted = None
+                self._resolve(TimeoutError("what sends speeds was busy for longer than the speed holds"))
+            elif self._wanted is None:  # zero came in its place
+                self._resolve(None)
+            moves = self._zero_at is not None
+            if self._zeros and (moves or self._next_zero_at <= now):
+                requests, self._zeros = self._zeros, []
+                return ZERO, requests
+            if self._zeros:
+                due = self._next_zero_at
+            elif self._wanted is not None:
+                due = self._next_speed_at
+            elif self._zero_at is not None:
+                due = self._zero_at
+            else:
+                self._thread = None
+                _running.discard(self)
+                return None, []
+            if due > now:
+                self._changed.wait(due - now)
+                continue
+            velocity, self._wanted = self._wanted or ZERO, None
+            requests, self._speeds = self._speeds, []
+            return velocity, requests
+
+    def _resolve(self, error: BaseException | None) -> None:
+        requests, self._speeds = self._speeds, []
+        _resolve(requests, error)
+
+    def _call(self, velocity: Velocity) -> BaseException | None:
+        try:
+            self._send(*velocity)
+        except BaseException as error:  # a SystemExit of the sink must not end the thread either
+            return error
+        return None
+
+    def _note(self, velocity: Velocity, error: BaseException | None) -> None:
+        """Note what became of a speed, and when zero is due now; the lock is held."""
+        now = time.monotonic()
+        self.error = error
+        if error is not None:
+            self.failed = velocity
+        else:
+            self.sent = velocity
+        if velocity == ZERO:
+            self._next_zero_at = now + INTERVAL
+            self._zero_at = now + RETRY if error is not None and not self._closed else None
+            if error is None:
+                self._logged = ""
+            elif str(error) != self._logged:
+                self._logged = str(error)
+                log.error("the robot could not be told to stop: %s", error)
+        elif error is None:
+            self._moved_at, self._zero_at, self._next_speed_at = now, self._expires, now + INTERVAL
+        elif not isinstance(error, self._not_sent):
+            self._zero_at = 0.0
+
+
+def _resolve(requests: list[Request], error: BaseException | None) -> None:
+    for request in requests:
+        if error is None:
+            request.set_result(None)
+        else:
+            request.set_exception(error)
+
+
+_running: WeakSet[CommandWatchdog] = WeakSet()
+"""Those that owe a zero."""
+
+
+def stop_all(timeout: float = SEND_TIMEOUT) -> None:
+    """Send zero wherever one is owed, and wait for all of them together."""
+    zeros = [(watchdog, watchdog.stop()) for watchdog in list(_running) if watchdog.owes_zero]
+    wait([zero for _, zero in zeros], timeout)
+    for watchdog, zero in zeros:
+        if not zero.done():
+            log.error(
+                "a robot could not be told to stop: what sends speeds does not come back (%.1f s)", watchdog.busy_for
+            )
+
+
+def _stop_driven_by_cell() -> None:
+    for watchdog in list(_running):
+        if watchdog._from_cell:
+            watchdog.stop()
+
+
+atexit.register(stop_all)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_running.clear)

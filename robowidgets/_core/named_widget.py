@@ -1,0 +1,126 @@
+"""What is named: a widget's front end, its title, and the traits and keywords that it knows."""
+
+from __future__ import annotations
+
+import difflib
+import logging
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import traitlets
+
+from .traits import Flag
+
+log = logging.getLogger("robowidgets")
+
+STATIC = Path(__file__).parents[1] / "static"
+
+MOST_LOGGED = 50
+"""Different errors of one widget that the log tells; a source gone mad must not fill it."""
+
+_HOST_TRAITS = ("layout", "tooltip", "tabbable")
+
+
+def bundle(name: str) -> Any:
+    """The text of a built front-end file; its path, for hot reload, when ROBOWIDGETS_DEV is set."""
+    path = STATIC / name
+    if not path.is_file():
+        raise ImportError(
+            f"robowidgets was installed without its front end ({name} is missing); "
+            "in a checkout run `make build`, else install it again"
+        )
+    return path if os.environ.get("ROBOWIDGETS_DEV") else path.read_text(encoding="utf-8")
+
+
+_with_front_end: dict[type, type] = {}
+"""Classes of widgets, and for each the one that has its front end as traits."""
+
+
+class NamedWidget(anywidget.AnyWidget):
+    """A widget with a title, that refuses what it has no name for and logs each error once."""
+
+    title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
+    header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
+
+    _css = bundle("robowidgets.css")
+    _keywords: tuple[str, ...] = ()
+    """Keywords that are no traits."""
+    _closed = False
+
+    def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
+        """Refuse what has no name before there is anything to clean up."""
+        if unnamed:
+            raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
+        return super().__new__(cls, **kwargs)
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._logged: set[str] = set()
+        self._named_after: dict[str, str] = {}
+        settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
+        for name in kwargs:
+            if name not in settable:
+                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable))
+        super().__init__(**kwargs)
+
+    def add_traits(self, **traits: Any) -> None:
+        """As anywidget asks for with every widget: give it the front end as traits, by a class that has them.
+
+        The class is made once, not for every widget: that takes as long as all the rest of making one.
+        """
+        known = _with_front_end.get(type(self))
+        if known is not None and traits.keys() <= vars(known).keys():
+            self.__class__ = known
+            return
+        plain = type(self)
+        super().add_traits(**traits)
+        if isinstance(getattr(plain, "_esm", None), str):  # one that is reloaded differs from widget to widget
+            _with_front_end[plain] = type(self)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            settable = [n for n in self.trait_names() if self._is_ours(n)]
+            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable))
+        super().__setattr__(name, value)
+
+    def close(self) -> None:
+        """Take the widget off the page."""
+        super().close()
+        self._closed = True
+
+    def __repr__(self) -> str:
+        text: str = super().__repr__()
+        return "this widget is closed: make a new one" if self._closed else text
+
+    @classmethod
+    def _is_ours(cls, name: str) -> bool:
+        if name in _HOST_TRAITS:
+            return True
+        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, NamedWidget))
+
+    def _name_after(self, topic: str, trait: str = "title") -> None:
+        """Be titled after a topic, in place of the one before, unless a person gave a title."""
+        before = self._named_after.get(trait)
+        if topic != before and getattr(self, trait) in ("", before):
+            self._named_after[trait] = topic
+            setattr(self, trait, topic)
+
+    def _log_once(self, text: str) -> None:
+        if text not in self._logged and len(self._logged) < MOST_LOGGED:
+            self._logged.add(text)
+            log.error("%s %s: %s", type(self).__name__, self.title, text)
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
+    """The name that was meant, most likely: one that begins so, else one spelt nearly so; None when there is none."""
+    names = list(known)
+    longer = [other for other in names if other.startswith(name)]
+    return next(iter(difflib.get_close_matches(name, longer or names, n=1)), None)
+
+
+def _unknown(of: str, what: str, name: str, known: list[str]) -> str:
+    near = nearest_name(name, known)
+    hint = f"; did you mean {near!r}?" if near else "."
+    return f"{of} has no {what} {name!r}{hint} It takes: {', '.join(sorted(known))}"

@@ -1,0 +1,166 @@
+"""The PNG of what a widget shows: Python asks, a page draws and answers, and the file is written."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import itertools
+import logging
+import os
+import threading
+from collections.abc import Generator
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+import anywidget
+from comm import DummyComm
+
+from .caller import a_cell_runs
+
+log = logging.getLogger("robowidgets")
+
+PATIENCE = 10.0
+"""Seconds without an answer after which nothing seems to show the widget. While a cell runs, none is to be expected."""
+
+_URL = "data:image/png;base64,"
+
+
+class Saving:
+    """A picture on its way into a file. It comes by itself; a cell that needs it there can ``await`` it.
+
+    Awaiting gives the path, or raises what kept the file from being written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._written: Future[Path] = Future()
+
+    def __await__(self) -> Generator[Any, None, Path]:
+        return asyncio.shield(asyncio.wrap_future(self._written)).__await__()
+
+    def __repr__(self) -> str:
+        if not self._written.done():
+            return f"<{self.path}: asked for, not written yet>"
+        error = self._written.exception()
+        return f"<{error}>" if error else f"<{self.path}: written>"
+
+    def _end(self, error: Exception | None = None) -> None:
+        if self._written.done():
+            return
+        if error is None:
+            self._written.set_result(self.path)
+        else:
+            self._written.set_exception(error)
+
+
+class SavesPng(anywidget.AnyWidget):
+    """A widget of which a page can make a picture. For subclasses: `_say` and `_catch_up`."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._asked: dict[int, Saving] = {}
+        self._numbers = itertools.count(1)
+        self._patience: threading.Timer | None = None
+        super().__init__(**kwargs)
+        self.on_msg(self._on_answer)
+
+    def save_png(self, path: str | os.PathLike[str]) -> Saving:
+        """Write what the widget shows now into a PNG file, at least twice as fine as on the screen.
+
+        A page must show the widget, for a page draws the picture. The call returns at once; the file is there a moment
+        later, or once the cell has ended, because many kernels hear no page before. Where it must be there within the
+        cell, ``await laser.save_png("corner.png")``. What goes wrong later is said on the widget and in the log.
+
+        Args:
+            path: where to; a file that is there already is replaced.
+
+        Raises:
+            TypeError: no path. ValueError: a name that does not end in .png. OSError: a folder that is not there, or
+                where nothing may be written. RuntimeError: no notebook, or the widget is closed.
+        """
+        target = _checked(path)
+        if self.comm is None:
+            raise RuntimeError("save_png(): this widget is closed; show a new one")
+        if isinstance(self.comm, DummyComm):
+            raise RuntimeError("save_png() needs a notebook: a page that shows the widget draws the picture")
+        number, saving = next(self._numbers), Saving(target)
+        self._asked[number] = saving
+        self._say("")
+        self._catch_up()
+        self.send({"png": number})
+        self._wait()
+        return saving
+
+    def _say(self, words: str) -> None:
+        """Say on the widget what went wrong; nothing, when there is nothing to say any more."""
+        raise NotImplementedError
+
+    def _catch_up(self) -> None:
+        """Send whatever the page does not show yet."""
+
+    def _on_answer(self, _widget: Any, content: dict[str, Any], _buffers: Any) -> None:
+        # The first page that answers takes the question away: there may be several.
+        saving = self._asked.pop(content.get("png", 0), None)
+        if saving is None:
+            return
+        try:
+            _write(saving.path, content.get("url", ""))
+        except OSError as error:
+            self._fail(saving, error)
+        else:
+            self._say("")
+            saving._end()
+
+    def _wait(self) -> None:
+        """Lose patience with all that is asked for, some seconds after the last was."""
+        if self._patience is not None:
+            self._patience.cancel()
+        self._patience = threading.Timer(PATIENCE, self._on_silence)
+        self._patience.daemon = True
+        self._patience.start()
+
+    def _on_silence(self) -> None:
+        if a_cell_runs():
+            self._wait()
+            return
+        for saving in list(self._asked.values()):
+            words = (
+                f"no page that shows this widget has answered for {PATIENCE:g} s; have it in view and call save_png() "
+                "again. If a cell is still awaiting something, the kernel may hear the page only when it ends"
+            )
+            self._fail(saving, TimeoutError(words))
+
+    def _fail(self, saving: Saving, error: Exception) -> None:
+        words = f"{saving.path} was not written: {error}"
+        log.error("%s: %s", type(self).__name__, words)
+        self._say(words)
+        saving._end(type(error)(words))
+
+
+def _checked(path: str | os.PathLike[str]) -> Path:
+    """Where to write, if that can be done."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"save_png(): expected the path of a file, got {path!r}")
+    target = Path(path).resolve()
+    if target.suffix.lower() != ".png":
+        raise ValueError(f"save_png(): expected a name that ends in .png, got {str(path)!r}")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"save_png(): there is no folder {str(target.parent)!r} for {target.name!r}; make it")
+    if target.is_dir():
+        raise IsADirectoryError(f"save_png(): {str(target)!r} is a folder; expected the name of a file")
+    if not os.access(target if target.exists() else target.parent, os.W_OK):
+        raise PermissionError(f"save_png(): {str(target)!r} may not be written; choose another folder or name")
+    return target
+
+
+def _write(target: Path, url: str) -> None:
+    """Put the picture of a data URL where it belongs, whole or not at all."""
+    if not url.startswith(_URL):
+        raise OSError(f"the page could not draw the picture; it answered {url[:40]!r}")
+    part = target.with_name(f"{target.name}.part")
+    try:
+        part.write_bytes(base64.b64decode(url[len(_URL) :]))
+        part.replace(target)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,113 @@
+"""Messages of a page that drives or stops a robot: what they say, who holds a pad, and whether they are fresh."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from .command_watchdog import HOLD, PROGRAM
+
+_ACTS = ("press", "hold", "release", "stop", "allow", "beat")
+_LONGEST_NAME = 64
+
+
+class PadMessage(NamedTuple):
+    """A message of the page: what was done in which press (or in which view), and where the knob is."""
+
+    act: str
+    press: str
+    token: int = 0
+    forward: float = 0.0
+    turn: float = 0.0
+
+
+def to_pad_message(content: Any) -> PadMessage:
+    """Check a message of the page, which is not trusted.
+
+    ``act`` is press, hold or release; or stop, allow (driving again) or beat (the page is there), which need no press.
+    ``forward`` (ahead above 0) and ``turn`` (to the left above 0) are shares of the limits, within +-1.
+
+    Raises:
+        ValueError: anything else.
+    """
+    try:
+        message = PadMessage(**content)
+    except TypeError:
+        raise ValueError(f"expected a message of the pad, got {repr(content)[:200]}") from None
+    if message.act not in _ACTS:
+        raise ValueError(f"act: expected {', '.join(_ACTS[:-1])} or {_ACTS[-1]}, got {message.act!r}")
+    name = message.press
+    if not isinstance(name, str) or name in ("", PROGRAM) or len(name) > _LONGEST_NAME:
+        raise ValueError(f"press: expected the name of a press, got {name!r}")
+    if type(message.token) is not int:
+        raise ValueError(f"token: expected a whole number, got {message.token!r}")
+    for field in ("forward", "turn"):
+        share = getattr(message, field)
+        if type(share) not in (int, float) or not -1 <= share <= 1:
+            raise ValueError(f"{field}: expected a share of the limit within -1 and 1, got {share!r}")
+    return message
+
+
+class Tokens:
+    """Numbers that are given to the page and come back with a message: proof that the message did not wait.
+
+    No clock of the page is needed: a message is as fresh as the token in it.
+    """
+
+    def __init__(self, lifetime: float, clock: Callable[[], float] = time.monotonic) -> None:
+        self._lifetime, self._clock = lifetime, clock
+        self._lock = threading.Lock()
+        self._issued: dict[int, float] = {}
+        self._last = 0
+
+    def issue(self) -> int:
+        """A new token."""
+        with self._lock:
+            self._last += 1
+            self._issued[self._last] = self._clock()
+            return self._last
+
+    def is_fresh(self, token: int) -> bool:
+        """Whether a token was issued within its lifetime."""
+        with self._lock:
+            oldest = self._clock() - self._lifetime
+            self._issued = {token: at for token, at in self._issued.items() if at > oldest}
+            return token in self._issued
+
+
+class PressLease:
+    """The press that holds a pad, and why the one before ended. Each speed of a press must carry a fresh token.
+
+    So no speed is older than a speed holds, however long messages waited.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._tokens = Tokens(HOLD, clock)
+        self._ended = ("", "")
+        self.press = ""
+        """The press that holds the pad; empty when nobody does."""
+
+    def take(self, press: str) -> int:
+        """Let a press hold the pad instead of any other; its first token."""
+        self.press, self._tokens = press, Tokens(HOLD, self._clock)
+        return self._tokens.issue()
+
+    def renew(self, press: str, token: int) -> int | None:
+        """The next token for a fresh one of the press that holds the pad; None for any other."""
+        return self._tokens.issue() if press == self.press and self._tokens.is_fresh(token) else None
+
+    def end(self, why: str) -> str:
+        """End the press that holds the pad, for a reason; its name, empty when there is none."""
+        press, self.press = self.press, ""
+        if press:
+            self._ended = (press, why)
+        return press
+
+    def why_over(self, press: str) -> str:
+        """Why a press holds the pad no more."""
+        if press == self._ended[0]:
+            return self._ended[1]
+        return "taken" if self.press not in ("", press) else "late"

@@ -1,0 +1,73 @@
+"""A bar for what takes longer than a second, in a notebook and in a terminal."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
+
+from .cells import close_all
+
+SHOWN_AFTER = 1.0
+"""Seconds."""
+
+
+_hidden: ContextVar[bool] = ContextVar("hidden", default=False)
+
+
+@contextmanager
+def one_bar() -> Iterator[None]:
+    """Within it no more bars are shown: one tells of the whole."""
+    before = _hidden.set(True)
+    try:
+        yield
+    finally:
+        _hidden.reset(before)
+
+
+class Progress:
+    """A tqdm bar that is made when something has taken a second, and goes away at the end; to be used in a ``with``.
+
+    A notebook's bar is ten widgets, which ipywidgets keeps until they are closed: most of what is asked of a recording
+    needs none, nor the time that it takes to load tqdm.
+    """
+
+    def __init__(self, total: int | None, what: str, unit: str = " messages") -> None:
+        self._options = {"total": total, "desc": what, "unit": unit}
+        self._is_hidden = _hidden.get()
+        self._began = time.monotonic()
+        self._done = 0
+        self._bar: Any = None
+
+    def update(self, count: int) -> None:
+        """So many more are done."""
+        self._done += count
+        taken = time.monotonic() - self._began
+        if self._bar is not None:
+            self._bar.update(count)
+        elif taken >= SHOWN_AFTER and not self._is_hidden:
+            from tqdm.auto import tqdm
+
+            self._bar = tqdm(**self._options, unit_scale=True, leave=False)
+            if not self._bar.disable:
+                # Its pace is reckoned from the beginning.
+                self._bar.start_t -= taken
+                self._bar.last_print_t -= taken
+            self._bar.update(self._done)
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
+        bar = self._bar
+        if bar is None:
+            return
+        if not isinstance(error, Exception):
+            # A notebook's bar that did not come to its end would stay, in red.
+            bar.total = bar.n
+        bar.close()
+        box = getattr(bar, "container", None)
+        if box is not None and box.comm is None:
+            close_all(box)

@@ -1,0 +1,373 @@
+"""What the widgets share: the way of a sample to the page, freezing, words when something is wrong."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import struct
+import threading
+import time
+import weakref
+from collections import deque
+from collections.abc import Iterable
+from typing import Any, Generic, TypeVar
+
+import traitlets
+
+from ..samples.numbers import finite
+from .caller import is_a_person
+from .named_widget import NamedWidget
+from .pacer import pacer
+from .png import SavesPng
+from .rate import RateMeter
+from .traits import Flag, bytes_trait
+
+HEAD = struct.Struct("<ddqd")
+"""Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and when
+its sample arrived, in seconds of Python's monotonic clock, which the page has no use for."""
+
+SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
+"""Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
+where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
+
+LONGEST_HISTORY = 600
+"""Seconds; what is kept longer is a recording."""
+
+MOST_ABOUTS = 12_000
+"""Different words about samples that are remembered: one for each that the page keeps."""
+
+RETOLD = ("title", "_about", "_source")
+"""Traits that only Python writes, and that go along with a frame again and again: a server that is flooded with prints
+drops messages and tells nobody, and a page may take a state that it asked for earlier for a newer one."""
+
+RETELL = 5.0
+"""Seconds from one time to the next."""
+
+_PADS = itertools.cycle([" " * width for width in range(63, -1, -1)])
+"""What makes each message on the wire shorter than the last one. Two of the same length Linux takes for full segments,
+and puts off the receipt of each by 40 ms for the next one to come; Jupyter's server, which has Nagle's algorithm on,
+puts off the next one for the receipt. So every third frame of the display would be missing."""
+
+S = TypeVar("S")
+
+
+class RobotWidget(SavesPng, NamedWidget, Generic[S]):
+    """A widget that shows the newest sample of type S.
+
+    Subclasses pack samples to bytes and back, and hand new ones to `_show`. A sample is only stored by the caller; it
+    is packed and sent by the pacer, so that any thread may update a widget at any rate. So are the traits that a
+    program sets, because a loop may set them at any rate too.
+    """
+
+    footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
+    paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
+    history = traitlets.Float(
+        30.0,
+        help="Seconds for which the page keeps samples to step back through, 0 (none) to 600; 20 a second and 8 MB at "
+        "most.",
+    ).tag(sync=True)
+
+    live = True
+    """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
+
+    led = False
+    """Whether something in the page, a player, puts the samples on show there: then none are sent."""
+
+    _frame = bytes_trait(echo_update=False)
+    _held = bytes_trait(echo_update=False)
+    _about = traitlets.Dict().tag(sync=True, echo_update=False)
+    _source = traitlets.Dict(
+        help="What a feed says of its topic: topic, type and words, plain text; whether the connection is lost."
+    ).tag(sync=True, echo_update=False)
+    _silence = traitlets.Float(0.0, help="Seconds; how old the newest sample is in a state that a page asks for.").tag(
+        sync=True
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._process = os.getpid()
+        self._newest: S | None = None
+        self._newest_about: dict[str, Any] = {}
+        self._unsaved = ""
+        self._sequence = 0
+        self._arrived = 0.0
+        self._meter = RateMeter()
+        self._changed = False
+        self._waiting = 0
+        self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
+        """From which sample on what was said."""
+        self._held_about: dict[str, Any] = {}
+        self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
+        """Of the two traits that only the pacer sends, what it sent last."""
+        self._unsent: set[str] = set()
+        self._retell_at = time.monotonic() + RETELL
+        self._make_locks()
+        _made.add(self)
+        super().__init__(**kwargs)
+
+    def _make_locks(self) -> None:
+        """Have locks that nobody holds; called again in a forked process, where who held them may not be."""
+        self._storing = threading.RLock()
+        self._sending = threading.RLock()
+        self._came = threading.Condition(self._storing)
+        self._given = threading.local()
+        """By thread, the sequence number of the sample that `wait` gave it last."""
+
+    # -- what a person uses --------------------------------------------------------------------------------------------
+
+    def wait(self, timeout: float | None = None) -> Any:
+        """The next sample, frozen or not, so that a loop never acts on an old one.
+
+        It never gives one twice to the same thread. The newest one is given at once if this thread has not had it, and
+        if it is no older than the default time-out; else the call waits. Of speeds it is the measured one. In the
+        player of a recording it is what is shown, at once. Any thread may wait. A sample that the waiting thread itself
+        would hand to the widget cannot come meanwhile.
+
+        Args:
+            timeout: seconds that it waits, 0 or more. None: three periods of the source, at least 1 s and at most 10 s;
+                10 s for a source without a rate: one that has just begun, or that speaks in events.
+
+        Raises:
+            TimeoutError: none came; the text says how old the last one is, and what is known of why.
+            TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
+        """
+        limit = self._longest_silence()
+        seconds = limit if timeout is None else finite("timeout", timeout, "seconds")
+        if seconds < 0:
+            raise ValueError(f"timeout: expected seconds, 0 or more, got {timeout!r}")
+        given = getattr(self._given, "sequence", 0)
+
+        def has_next() -> bool:
+            if self._newest_sample() is None:
+                return False
+            return not self.live or (self._sequence > given and time.monotonic() - self._arrived <= limit)
+
+        with self._came:
+            self._waiting += 1
+            try:
+                came = self._came.wait_for(has_next, min(seconds, threading.TIMEOUT_MAX))
+            finally:
+                self._waiting -= 1
+            if not came:
+                raise TimeoutError(self._why_none(seconds))
+            self._given.sequence = self._sequence
+            return self._newest_sample()
+
+    # -- for subclasses ------------------------------------------------------------------------------------------------
+
+    def _pack(self, sample: S) -> bytes:
+        """The bytes of a frame after its head."""
+        raise NotImplementedError
+
+    def _newest_sample(self) -> Any:
+        """What `wait` gives; None before the first."""
+        return self._newest
+
+    def _longest_silence(self) -> float:
+        """Seconds without a sample after which the source is silent."""
+        rate = self.rate
+        return min(max(SHORTEST_SILENCE, 3 / rate), LONGEST_SILENCE) if rate > 0 else LONGEST_SILENCE
+
+    def _show(self, sample: S, about: dict[str, Any], *, counts: bool = True) -> None:
+        """Store the newest sample, with what is to be said of it in words, for the page to show.
+
+        Unless it counts, it stays the sample that came before, only known better.
+        """
+        with self._storing:
+            # Past __setattr__, which takes longer than all the rest.
+            mine = self.__dict__
+            mine["_newest"], mine["_newest_about"], mine["_changed"] = sample, about, True
+            if counts:
+                mine["_sequence"] += 1
+                mine["_arrived"] = time.monotonic()
+            if mine["_waiting"]:
+                mine["_came"].notify_all()
+        pacer.mark(self)
+
+    def _refuse(self, error: Exception) -> None:
+        """Say on the widget why a message could not be shown; raise where a person calls, log in a callback."""
+        text = str(error)
+        with self._storing:
+            self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
+            self._changed = True
+        pacer.mark(self)
+        if is_a_person():
+            raise error from None
+        self._log_once(f"a message could not be shown: {text}")
+
+    def _why_none(self, seconds: float) -> str:
+        error = self._newest_about.get("error", "")
+        words = [self._source.get("words", ""), f"what came could not be shown: {error}" if error else ""]
+        sample = self._newest_sample()
+        if not self._source and not error and sample is None:
+            words.append("no feed is connected to it; feed.connect(topic, widget) does that")
+        why = "; ".join(filter(None, words))
+        none = f"nothing to show in {seconds:g} s"
+        if sample is not None:
+            age = time.monotonic() - self._arrived
+            none = f"no new {type(sample).__name__.lower()} for {age:.{'1f' if age >= 1 else '2g'}} s"
+        return f"{type(self).__name__} {self.title}".rstrip() + f" had {none}" + f": {why}" * bool(why)
+
+    def _say(self, words: str) -> None:
+        if words != self._unsaved:
+            with self._storing:
+                self._unsaved = words
+                self._changed = True
+            pacer.mark(self)
+
+    def _catch_up(self) -> None:
+        self.send_newest()
+
+    # -- to the page ---------------------------------------------------------------------------------------------------
+
+    @property
+    def rate(self) -> float:
+        """Samples per second over the last seconds in which some came; NaN while none can be said."""
+        if not self.live:
+            return float("nan")
+        with self._storing:
+            return self._meter.rate(self._sequence, self._arrived)
+
+    def send_newest(self) -> int:
+        """Send the newest sample to the page; the pacer's call. Returns the bytes sent."""
+        if os.getpid() != self._process:
+            self._log_once(
+                "nothing reaches the page from a forked process; hand messages to the notebook's own, "
+                "through a multiprocessing.Queue, and update there"
+            )
+            return 0
+        with self._sending:
+            values = self._trait_values  # past the descriptors of traits, which take longer than all the rest
+            comm = values.get("comm")
+            if comm is None:
+                return 0
+            self._bring_up_to_date()
+            frame, about = newest = values["_frame"], values["_about"]
+            keys = []
+            if not self.led:
+                keys += ["_frame"] if frame != self._sent[0] else []
+                keys += ["_about"] if about != self._sent[1] else []
+            unsent: tuple[str, ...] = ()
+            if self._unsent:
+                with self._storing:
+                    unsent = tuple(self._unsent)
+                    self._unsent.clear()
+                keys += unsent
+            if keys and time.monotonic() >= self._retell_at:
+                keys = [*dict.fromkeys((*keys, *RETOLD))]
+                self._retell_at = time.monotonic() + RETELL
+            try:
+                if keys == ["_frame"]:
+                    # As ipywidgets would pack it, many times a second.
+                    update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]], "pad": next(_PADS)}
+                    comm.send(data=update, buffers=[frame])
+                elif keys:
+                    super().send_state(keys)
+            except BaseException:
+                with self._storing:
+                    self._unsent.update(unsent)
+                raise
+            self._sent = newest
+            return len(frame) if "_frame" in keys else 0
+
+    def send_state(self, key: str | Iterable[str] | None = None) -> None:
+        """Send traits to the page, with the next sample; all of them, which a page asks for, at once."""
+        if key is None or self.comm is None:
+            super().send_state(key)
+            return
+        with self._storing:
+            self._unsent.update((key,) if isinstance(key, str) else key)
+        pacer.mark(self)
+
+    def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:  # noqa: ARG002
+        """The synced state, with the newest sample in it: what a new view, a reload and a saved notebook get.
+
+        Defaults are never dropped: the front end, which knows none, is itself the default of a trait.
+        """
+        if key is None:
+            self._bring_up_to_date()
+        state: dict[str, Any] = super().get_state(key)
+        if key is None and self._sequence and (self.rate > 0 or self._source):
+            # A page that is loaded has not seen it come, and cannot know how old it is.
+            state["_silence"] = time.monotonic() - self._arrived
+        return state
+
+    def _get_embed_state(self, drop_defaults: bool = False) -> dict[str, Any]:
+        """What an exported page gets, which shows the picture as it was then, and not its age."""
+        state: dict[str, Any] = super()._get_embed_state(drop_defaults)
+        state["state"]["_silence"] = 0.0
+        return state
+
+    def close(self) -> None:
+        """Take the widget off the page."""
+        with self._sending:
+            super().close()
+            pacer.forget(self)
+
+    def _bring_up_to_date(self) -> None:
+        """Pack the newest sample into the state, without a message: these two travel at the pacer's pace."""
+        with self._sending:
+            with self._storing:
+                if not self._changed:
+                    return
+                self._changed = False
+                sample, about, sequence, rate = self._newest, self._newest_about, self._sequence, self.rate
+                arrived = self._arrived
+                if self._unsaved:
+                    about = {**about, "notes": [*about.get("notes", ()), self._unsaved]}
+            self._trait_values["_about"] = about
+            if about != self._abouts[-1][1]:
+                self._abouts.append((sequence, about))
+            if sample is not None:
+                stamp = getattr(sample, "stamp_ns", None) or 0
+                self._trait_values["_frame"] = HEAD.pack(sequence, rate, stamp, arrived) + self._pack(sample)
+
+    @traitlets.validate("history")
+    def _kept(self, proposal: Any) -> float:
+        seconds = float(proposal["value"])
+        if not 0 <= seconds <= LONGEST_HISTORY:
+            raise traitlets.TraitError(
+                f"history: expected seconds from 0 (none) to {LONGEST_HISTORY}, got {seconds!r}; "
+                "the page keeps 20 samples for each of them"
+            )
+        return seconds
+
+    @traitlets.validate("paused")
+    def _before_paused(self, proposal: Any) -> Any:
+        """Hold the sample on show before the widget counts as frozen: another thread may read it at any moment."""
+        if proposal["value"] and not self.paused:
+            self._hold()
+        return proposal["value"]
+
+    @traitlets.observe("paused")
+    def _after_paused(self, _change: Any) -> None:
+        if self.paused:
+            self._hold()
+        elif self._held:
+            self._held = b""
+
+    def _hold(self) -> None:
+        """Hold the sample on show; the page does so itself when a person freezes it."""
+        with self._sending:
+            if not self._held:
+                self._bring_up_to_date()
+                self._held = self._frame
+
+    @traitlets.observe("_held")
+    def _after_held(self, _change: Any) -> None:
+        self._held_about = self._about
+        if self._held and not self.led:
+            number, *_ = HEAD.unpack_from(self._held)
+            said = (about for first, about in reversed(self._abouts) if first <= number)
+            self._held_about = next(said, self._about)
+
+
+_made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()
+
+
+def _after_fork() -> None:
+    for widget in _made:
+        widget._make_locks()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)

@@ -1,0 +1,129 @@
+"""The command ``robowidgets``: a tour, a recording in JupyterLab, what is in a recording and when it happened."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import robowidgets
+
+from . import _find as _questions
+from . import _lab, _notebooks
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Do what the arguments say.
+
+    Returns:
+        0 when it is done; 1 when it could not be done, after one line on stderr that says why. ``find`` is as grep: 1
+        when nothing was found, 2 when it could not look. Arguments that make no sense exit with 2.
+    """
+    arguments = _parser().parse_args(argv)
+    try:
+        return int(arguments.do(arguments) or 0)
+    except (robowidgets.RecordingError, _questions.QuestionError, NoLabError, OSError) as error:
+        _warn(f"robowidgets: {error}")
+        return int(arguments.failed)
+    except KeyboardInterrupt:
+        return 130
+
+
+class NoLabError(Exception):
+    """JupyterLab is not installed."""
+
+    def __str__(self) -> str:
+        return 'JupyterLab is not installed here; type: pip install "robowidgets[lab]"'
+
+
+def _demo(arguments: argparse.Namespace) -> None:
+    _in_lab(_notebooks.copy_shipped, arguments)
+
+
+def _open(arguments: argparse.Namespace) -> None:
+    file = arguments.file.absolute()
+    with robowidgets.open(file):
+        pass
+    _in_lab(lambda folder: _notebooks.write_for(file, folder), arguments)
+
+
+def _info(arguments: argparse.Namespace) -> None:
+    _say(_questions.info(arguments))
+
+
+def _find(arguments: argparse.Namespace) -> int:
+    text, code = _questions.find(arguments, _warn)
+    _say(text)
+    return code
+
+
+def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace) -> None:
+    if not _lab.is_installed():
+        raise NoLabError
+    notebook = make_notebook(Path(tempfile.mkdtemp(prefix="robowidgets-")))
+    _say(f"Opening {notebook} in JupyterLab. It is yours to change; save it elsewhere to keep it. Ctrl-C ends it.")
+    _say("First its cells are run, so that their widgets are there and live when the page opens ...")
+    _lab.run(notebook, arguments.port, arguments.browser, _say)
+
+
+def _say(text: str) -> None:
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        # Nobody reads on, as `head` does. What is left must not be written again at the end of Python.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _warn(line: str) -> None:
+    print(line, file=sys.stderr)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="robowidgets", description="The hard data of a robot's sensors, live in the notebook."
+    )
+    parser.add_argument("--version", action="version", version=f"robowidgets {robowidgets.__version__}")
+    parser.set_defaults(failed=1)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    demo = commands.add_parser("demo", help="open a tour in JupyterLab", description="Open a tour in JupyterLab.")
+    demo.set_defaults(do=_demo)
+    of_file = "a .bag, .db3, .mcap, a rosbag2 folder, or a CARMEN log (.log, .clf, gzipped too)"
+    show = commands.add_parser(
+        "open", help="open a recording in JupyterLab", description="Open a recording in JupyterLab."
+    )
+    show.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    show.set_defaults(do=_open)
+    info = commands.add_parser(
+        "info", help="print what a recording holds", description="Print the topics, types, counts and rates."
+    )
+    info.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    info.add_argument("--json", action="store_true", help="print it as JSON")
+    info.set_defaults(do=_info)
+    find = commands.add_parser(
+        "find",
+        help="print when something held in a recording",
+        description="Print from when to when conditions held, in seconds from the start of the recording.",
+        epilog="Exits with 0 when something was found, 1 when nothing was, 2 when it could not look.",
+    )
+    find.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    _questions.add_find(find)
+    find.set_defaults(do=_find, failed=2)
+
+    for command in (demo, show):
+        command.add_argument(
+            "--port", type=_port, help="port on 127.0.0.1, 0 for any free one (default: the first free one from 8888)"
+        )
+        command.add_argument(
+            "--no-browser", dest="browser", action="store_false", help="only print the address, open no browser"
+        )
+    return parser
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"expected a number from 0 to 65535, got {text!r}")
+    return int(text)

@@ -1,0 +1,180 @@
+"""What the command asks a recording: what it holds, and when something held."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from functools import reduce
+from operator import and_, or_
+from typing import Any
+
+import robowidgets
+
+from ..find import conditions
+from ..find.conditions import Condition
+from ..recording import Recording
+from ..recordings.spans import Spans
+from ..repair.source import UnnamedTopicError
+from ..samples.numbers import OF_DEGREES
+
+FOUND, NONE, INTERRUPTED = 0, 1, 130
+
+_USED_BY = {
+    "sector": "nearest_below",
+    "scan": "nearest_below",
+    "axis": "speed_above",
+    "speed": "speed_above",
+    "touch": "touched",
+    "silent": "gap",
+}
+"""Which condition an option belongs to."""
+
+_GIVES = {
+    "--touched": "label",
+    "--nearest-below": "distance",
+    "--sector": "sector",
+    "--speed-above": "limit",
+    "--axis": "axis",
+    "--gap": "seconds",
+}
+"""The argument of a condition that an option gives."""
+
+_NAMED_BY = {"laser": "--scan", "speed": "--speed", "touch": "--touch", None: "--silent"}
+"""Which option names a topic of a kind; of no kind: the topic with a gap."""
+
+
+class QuestionError(Exception):
+    """The conditions make no sense, or not for this recording."""
+
+
+def add_find(parser: argparse.ArgumentParser) -> None:
+    """The arguments of ``robowidgets find``, but for its file."""
+    asked = parser.add_argument_group("conditions, of which all must hold")
+    asked.add_argument(
+        "--touched",
+        nargs="?",
+        const="",
+        action="append",
+        default=[],
+        metavar="SENSOR",
+        help="it is touched; none named: any; may be given again for another",
+    )
+    asked.add_argument("--nearest-below", type=float, metavar="METRES", help="a ray meets something nearer than that")
+    asked.add_argument("--speed-above", type=float, metavar="SPEED", help="it is faster than that, either way")
+    asked.add_argument("--gap", type=float, metavar="SECONDS", help="nothing came for longer than that")
+    asked.add_argument("--any", action="store_true", help="one of the conditions is enough")
+    how = parser.add_argument_group("where to look")
+    how.add_argument(
+        "--sector",
+        type=float,
+        nargs=2,
+        metavar=("FROM", "TO"),
+        help="only rays between these angles, in radians counter-clockwise (default: all)",
+    )
+    how.add_argument("--axis", help="of the speed (default: linear.x; angular.z is yaw)")
+    for kind in ("scan", "speed", "touch"):
+        how.add_argument(f"--{kind}", metavar="TOPIC", help=f"the topic of the {kind} (default: the only one)")
+    how.add_argument(
+        "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans or measured speeds)"
+    )
+    parser.add_argument("--json", action="store_true", help="print a list of spans as JSON, times in seconds")
+
+
+def condition(arguments: argparse.Namespace) -> Condition:
+    """The condition that the arguments name.
+
+    Raises:
+        QuestionError: they name none, or something that it does not use.
+        ValueError: one makes no sense.
+    """
+    asked: list[Condition] = [conditions.touched(label or None, arguments.touch) for label in arguments.touched]
+    if arguments.nearest_below is not None:
+        asked.append(conditions.nearest_below(arguments.nearest_below, arguments.sector, arguments.scan))
+    if arguments.speed_above is not None:
+        asked.append(conditions.speed_above(arguments.speed_above, arguments.axis or "linear.x", arguments.speed))
+    if arguments.gap is not None:
+        asked.append(conditions.gap(arguments.gap, arguments.silent))
+    if not asked:
+        raise QuestionError("find: expected a condition: --touched, --nearest-below, --speed-above or --gap")
+    _check_used(arguments)
+    return reduce(or_ if arguments.any else and_, asked)
+
+
+def _check_used(arguments: argparse.Namespace) -> None:
+    for name, user in _USED_BY.items():
+        unused = getattr(arguments, name) is not None and getattr(arguments, user) in (None, [])
+        if unused:
+            raise QuestionError(f"find: --{name} says where to look for --{user.replace('_', '-')}, which is not asked")
+
+
+def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
+    """What to print of ``robowidgets find``, and its exit code: 0 when something was found, 1 when nothing was.
+
+    ``warn`` is told what is wrong with the recording, line by line, as ``robowidgets info`` words it.
+
+    Raises:
+        QuestionError: the condition makes no sense.
+        RecordingError: the recording cannot be read, or has no such topic.
+    """
+    with robowidgets.open(arguments.file) as recording:
+        try:
+            spans = recording.find(condition(arguments))
+        except ValueError as error:
+            raise QuestionError(_in_options(str(error))) from None
+        except UnnamedTopicError as error:
+            option = _NAMED_BY[error.widget]
+            raise QuestionError(f"{error.there}: name the topic, as in {option} {error.topics[0]}") from None
+        finally:
+            # Also where it failed: damage may be why.
+            for line in recording.problems:
+                warn(f"! {line}")
+    code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED
+    if arguments.json:
+        return _spans_as_json(spans), code
+    return _spans_as_text(spans, tells_silent=arguments.gap is not None), code
+
+
+def _in_options(error: str) -> str:
+    """What is wrong with an argument of a condition, said of the option that gave it."""
+    argument, colon, what = error.partition(":")
+    option = next((option for option, gives in _GIVES.items() if gives == argument), argument)
+    return f"find: {option}{colon}{what.replace(OF_DEGREES, 'a degree is 0.01745 radians')}"
+
+
+def info(arguments: argparse.Namespace) -> str:
+    """What to print of ``robowidgets info``."""
+    with robowidgets.open(arguments.file) as recording:
+        return _info_as_json(recording) if arguments.json else recording.info()
+
+
+def _spans_as_text(spans: Spans, tells_silent: bool) -> str:
+    width = 4 if tells_silent else 3
+    head = "\t".join(("# start", "end", "seconds", "silent")[:width])
+    rows = ((*(f"{time:.3f}" for time in span[:3]), ", ".join(span.silent)) for span in spans)
+    lines = ["\t".join(row[:width]) for row in rows]
+    stopped = [] if spans.is_complete else [f"# stopped at {spans.until:.3f}: nothing after that was looked at"]
+    return "\n".join([head, *lines, *stopped])
+
+
+def _spans_as_json(spans: Spans) -> str:
+    return json.dumps(
+        {
+            "condition": spans.condition,
+            "complete": spans.is_complete,
+            "spans": [span._asdict() for span in spans],
+            "problems": list(spans.problems),
+        },
+        indent=2,
+    )
+
+
+def _info_as_json(recording: Recording) -> str:
+    told: dict[str, Any] = {
+        "path": str(recording.path),
+        "start_ns": recording.start_ns,
+        "seconds": recording.duration,
+        "topics": [topic._asdict() for topic in recording.topics],
+        "problems": list(recording.problems),
+    }
+    return json.dumps(told, indent=2)

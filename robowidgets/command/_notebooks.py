@@ -1,0 +1,53 @@
+"""The notebooks that the package ships, and one made for a recording."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+_PACKAGE = Path(__file__).parents[1]
+TOUR = "tour.ipynb"
+
+
+def shipped() -> Path:
+    """The folder of the notebooks: inside the package where it is installed, beside it in a checkout.
+
+    Raises:
+        FileNotFoundError: there is none.
+    """
+    for folder in (_PACKAGE / "notebooks", _PACKAGE.parent / "notebooks"):
+        if (folder / TOUR).is_file():
+            return folder
+    raise FileNotFoundError("robowidgets was installed without its notebooks; install it again")
+
+
+def copy_shipped(folder: Path) -> Path:
+    """The tour in a folder, with the other notebooks beside it, all of them free to change."""
+    for notebook in shipped().glob("*.ipynb"):
+        shutil.copyfile(notebook, folder / notebook.name)
+    return folder / TOUR
+
+
+def write_for(recording: Path, folder: Path) -> Path:
+    """A notebook in a folder that opens a recording and shows it."""
+    name = re.sub(r"[^\w-]+", "-", recording.stem, flags=re.ASCII).strip("-") or "recording"
+    opened = f"recording = robowidgets.open({str(recording)!r})"
+    cells = [
+        _cell("markdown", "look", "# A recording\n\nThe widgets that fit its topics, with a player for its time:"),
+        _cell("code", "show", f"import robowidgets\n\n{opened}\nrecording.show()"),
+        _cell("markdown", "topics", "All its topics:"),
+        _cell("code", "table", "recording"),
+    ]
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    notebook = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    file = folder / f"{name}.ipynb"
+    file.write_text(json.dumps(notebook, indent=1), encoding="utf-8")
+    return file
+
+
+def _cell(kind: str, cell_id: str, source: str) -> dict[str, Any]:
+    of_code: dict[str, Any] = {"execution_count": None, "outputs": []} if kind == "code" else {}
+    return {"cell_type": kind, "id": cell_id, "metadata": {}, "source": source, **of_code}

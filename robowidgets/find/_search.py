@@ -1,0 +1,119 @@
+"""The search for the moments at which a condition holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core.progress import Progress, one_bar
+from ..recordings._silence import until_old
+from ..recordings.spans import Span, Spans
+from ._steps import NO, Steps, spans, steps
+from .conditions import condition
+
+if TYPE_CHECKING:
+    from ..recording import Recording
+    from ..recordings.scan_series import Scans
+    from ..recordings.speed_series import Speeds
+
+
+class Search:
+    """One search through a recording.
+
+    It may be interrupted: then conditions are known up to ``end_ns``, and the search goes no further than that.
+
+    Args:
+        recording: where to look.
+        topics: see `Recording.find`.
+        bar: is told how many samples were looked at.
+    """
+
+    def __init__(self, recording: Recording, topics: str | Iterable[str] | None, bar: Any) -> None:
+        self.recording = recording
+        self.topics = topics
+        self.end_ns = recording.end_ns or 0
+        self.is_cut = False
+        self.silences: list[tuple[str, Steps]] = []
+        """Topics, and when they were silent for longer than was asked."""
+        self._bar = bar
+
+    def over(self, series: Scans | Speeds, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
+        """Whether something holds from each sample on until it is old, found for whole chunks at a time."""
+        held = self._tested(series, test)
+        return until_old(held, [(held.times, np.ones(len(held.times), bool))], self.end_ns)
+
+    def times(self, series: Scans | Speeds) -> NDArray[np.int64]:
+        """When the samples of a series came."""
+        return self._tested(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
+
+    def _tested(self, series: Scans | Speeds, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
+        times: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
+        values: list[NDArray[np.int8]] = [np.empty(0, np.int8)]
+        try:
+            for chunk in series.chunks():
+                if self.is_cut and chunk.times_ns[0] > self.end_ns:
+                    break
+                values.append(test(chunk))
+                times.append(chunk.times_ns)
+                self.looked_at(len(chunk))
+        except KeyboardInterrupt:
+            # What was tested last may not have been taken in.
+            del values[len(times) :]
+            self.cut(int(times[-1][-1]) if len(times) > 1 else self.recording.start_ns or 0)
+        return steps(np.concatenate(times), np.concatenate(values))
+
+    def looked_at(self, count: int) -> None:
+        """Tell of progress."""
+        self._bar.update(count)
+
+    def cut(self, time_ns: int) -> None:
+        """Go no further than a time."""
+        self.end_ns = min(self.end_ns, time_ns)
+        self.is_cut = True
+
+    def found(self, held: Steps) -> list[Span]:
+        """From when to when something held, and what was silent meanwhile."""
+        inside = held.times <= self.end_ns
+        found = spans(Steps(held.times[inside], held.values[inside]), self.end_ns)
+        silences = [
+            (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
+        ]
+        start_ns = self.recording.start_ns or 0
+        return [
+            Span((a - start_ns) / 1e9, (b - start_ns) / 1e9, (b - a) / 1e9, a, b, tuple(_silent(silences, a, b)))
+            for a, b in found
+        ]
+
+
+def find(recording: Recording, given: Any, topics: str | Iterable[str] | None) -> Spans:
+    """See `Recording.find`."""
+    wanted = condition(given)
+    total = sum(topic.count for topic in recording.topics if topic.widget)
+    start_ns = recording.start_ns or 0
+    with Progress(total, "Finding", " samples") as bar, one_bar():
+        search = Search(recording, topics, bar)
+        try:
+            held = wanted.steps(search)
+        except KeyboardInterrupt:
+            # Where a condition does not look from sample to sample, nothing is known of any time.
+            search.cut(start_ns)
+            held = steps([], [])
+    return Spans(
+        str(wanted),
+        search.found(held),
+        (search.end_ns - start_ns) / 1e9 if search.is_cut else None,
+        recording.problems,
+    )
+
+
+def _silent(silences: list[tuple[str, NDArray[np.int64]]], start_ns: int, end_ns: int) -> dict[str, None]:
+    """The topics with a silence in a stretch of time, each once, in order."""
+    names: dict[str, None] = {}
+    for topic, when in silences:
+        next_one = np.searchsorted(when[:, 1], start_ns, side="right")
+        if next_one < len(when) and when[next_one, 0] < max(end_ns, start_ns + 1):
+            names[topic] = None
+    return names

@@ -1,0 +1,155 @@
+"""Messages from bytes: the definitions of their types, and the readers made of them.
+
+This module and `ros_files` are the only ones that know rosbags.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from typing import Any
+
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from ..kinds import Shape
+from ..recordings import scan_bytes
+from ..repair._inflate import plain
+from ..repair.source import Channel, RecordingError
+from .definitions import definitions
+
+Decode = Callable[[bytes], Any]
+Types = dict[str, Any]
+"""Type names to their constants and fields, as rosbags holds them."""
+
+_DEFAULTS = {"cdr": Stores.ROS2_HUMBLE, "ros1": Stores.ROS1_NOETIC}
+ENCODINGS = tuple(_DEFAULTS)
+_MOST_FIELDS = 10_000
+_MOST_KEPT = 256
+"""Types that the process keeps ready: to parse a definition and make code of it takes rosbags milliseconds."""
+_LONGEST_KEPT = 1 << 16
+"""Characters of a definition that is kept."""
+_IDL_HEAD = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
+
+# Comments and constants say nothing about bytes and cost time; and a constant whose name is not in capitals (Button0 of
+# kobuki_msgs/ButtonEvent) rosbags takes for a field.
+_NEEDLESS = re.compile(r"^[ \t]*(#.*|[a-z0-9]+(<=\d+)?[ \t]+\w+[ \t]*=.*)?\n", re.MULTILINE)
+
+
+def shape_of(channel: Channel) -> Shape:
+    """The fields of a channel's messages; RecordingError when they are not known."""
+    return _shape(store_of(channel).fielddefs, channel.type)
+
+
+def decoder_of(channel: Channel) -> Decode:
+    """What makes messages of a channel's bytes.
+
+    Raises:
+        RecordingError: the type or the encoding is not known; what is returned raises it for bytes that are no such
+            message.
+    """
+    store, type_name, encoding = store_of(channel), channel.type, channel.encoding
+    read = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
+    is_scan = scan_bytes.is_usual(shape_of(channel), encoding)
+
+    def decode(raw: bytes) -> Any:
+        raw = plain(raw)
+        if is_scan and (scan := scan_bytes.read(raw, encoding)) is not None:
+            return scan
+        try:
+            return read(memoryview(raw), type_name)
+        except Exception as error:  # whatever rosbags stumbles over: its own errors, KeyError, IndexError
+            raise RecordingError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
+
+    return decode
+
+
+def store_of(channel: Channel) -> Typestore:
+    """What knows the type of a channel; RecordingError when nothing does."""
+    find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__
+    return find(channel.type, channel.definition, channel.encoding)
+
+
+@lru_cache(_MOST_KEPT)
+def _find(type_name: str, definition: str, encoding: str) -> Typestore:
+    """A store of its own for what a file defines: another file may define a type of the same name in another way."""
+    why = "no definition of its messages in the file"
+    if definition.strip():
+        try:
+            types = _complete(_parse(type_name, definition), encoding)
+            _shape(types, type_name)
+            store = get_typestore(Stores.EMPTY)
+            store.register(types)
+            return store
+        except Exception:  # whatever rosbags stumbles over; what follows tells it
+            why = "the definition of its messages in the file is not one that can be understood"
+    known = _default(encoding)
+    if type_name not in known.fielddefs:
+        _add_ours(known, type_name)
+    if type_name not in known.fielddefs:
+        raise RecordingError(f"{why}, nor among those that are known")
+    return known
+
+
+@lru_cache
+def _default(encoding: str) -> Typestore:
+    return get_typestore(_DEFAULTS[encoding])
+
+
+def _complete(types: Types, encoding: str) -> Types:
+    """With what the definition uses and leaves out."""
+    missing = {used for name in types for used in _used(types[name]) if used not in types}
+    missing -= {"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"}
+    if not missing:
+        return types
+    known = _default(encoding).fielddefs
+    return _complete(types | {name: known[name] for name in missing}, encoding)
+
+
+def _add_ours(store: Typestore, type_name: str) -> None:
+    types: Types = {}
+    for name, text in definitions(type_name.split("/")[0]).items():
+        types.update(get_types_from_msg(text, name))
+    store.register(types)
+
+
+def one_line(error: Exception) -> str:
+    """What an error says, in one line for a person."""
+    text = next((line.strip() for line in str(error).splitlines() if line.strip()), "")
+    return (text if len(text) <= 120 else f"{text[:119]}…") or type(error).__name__
+
+
+def _parse(type_name: str, definition: str) -> Types:
+    if not _IDL_HEAD.match(definition):
+        return dict(get_types_from_msg(_NEEDLESS.sub("", definition.replace("\r", "") + "\n"), type_name))
+    types: Types = {}
+    for part in _IDL_HEAD.split(definition)[1:]:
+        types.update(get_types_from_idl(part))
+    return types
+
+
+def _used(definition: Any) -> Iterator[str]:
+    """The types that the fields of a definition name."""
+    for _, (kind, what) in definition[1]:
+        inner, name = (kind, what) if kind in (Nodetype.BASE, Nodetype.NAME) else what[0]
+        if inner == Nodetype.NAME:
+            yield name
+
+
+def _shape(types: Types, type_name: str, room: Iterator[int] | None = None) -> dict[str, Any]:
+    # Types within types double with every level: few lines can say more fields than fit in any memory.
+    room = iter(range(_MOST_FIELDS)) if room is None else room
+    return {name: _kind(types, kind, what, room) for name, (kind, what) in types[type_name][1]}
+
+
+def _kind(types: Types, kind: int, what: Any, room: Iterator[int]) -> Any:
+    if next(room, None) is None:
+        raise RecordingError(f"the definition of its messages has more than {_MOST_FIELDS:,} fields")
+    if kind == Nodetype.BASE:
+        return what[0]
+    if kind == Nodetype.NAME:
+        return what.rpartition("/")[2] if what.startswith("builtin_interfaces/") else _shape(types, what, room)
+    (inner, name), count = what
+    return f"{name[0] if inner == Nodetype.BASE else name}[{count if kind == Nodetype.ARRAY else ''}]"

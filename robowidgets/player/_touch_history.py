@@ -1,0 +1,57 @@
+"""What is known of the touch sensors of a recording at any of its times."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from copy import copy
+from dataclasses import replace
+
+from ..recording import Recording
+from ..samples import Touch, TouchMode
+from ..samples.touch_tracker import TouchTracker
+
+_KEPT_EVERY = 200
+
+
+class TouchHistory:
+    """Keeps track of a topic's touches, and of the way there, so that going back is quick.
+
+    Args:
+        recording: where the touches are.
+        topic: a topic of it that a touch widget shows.
+    """
+
+    def __init__(self, recording: Recording, topic: str) -> None:
+        self._recording = recording
+        self._topic = topic
+        self._start_ns = recording.start_ns or 0
+        # Each knows all that was said before its time. The last is where the last look ended.
+        self._times = [self._start_ns]
+        self._trackers = [TouchTracker()]
+        first = next(recording.samples(topic), None)
+        if first and isinstance(first.sample, Touch) and first.sample.mode is not TouchMode.PRESENCE:
+            # Which sensors there are is known before they speak.
+            self._trackers[0].apply(replace(first.sample, touched={}), self._start_ns)
+        self._here = (self._start_ns, self._trackers[0])
+
+    def at(self, time_ns: int) -> TouchTracker:
+        """A tracker that was told all up to a time of the recording, that time included."""
+        kept = max(bisect_right(self._times, time_ns) - 1, 0)
+        since_ns, tracker = self._times[kept], self._trackers[kept]
+        if since_ns < self._here[0] <= time_ns:
+            since_ns, tracker = self._here
+        tracker = copy(tracker)
+        latest = since_ns
+        moments = self._recording.samples(self._topic, self._seconds(since_ns), self._seconds(time_ns + 1))
+        for number, moment in enumerate(moments, start=1):
+            if number >= _KEPT_EVERY and number % _KEPT_EVERY == 0 and moment.time_ns > max(latest, self._times[-1]):
+                self._times.append(moment.time_ns)
+                self._trackers.append(copy(tracker))
+            latest = moment.time_ns
+            if isinstance(moment.sample, Touch):
+                tracker.apply(moment.sample, moment.time_ns)
+        self._here = (time_ns + 1, copy(tracker))
+        return tracker
+
+    def _seconds(self, time_ns: int) -> float:
+        return (time_ns - self._start_ns) / 1e9

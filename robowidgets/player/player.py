@@ -1,0 +1,306 @@
+"""A recording on the page: the widgets that fit its topics, and a player for its time."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from html import escape
+from itertools import islice
+from typing import Any, NamedTuple
+
+import ipywidgets
+import numpy as np
+import traitlets
+
+from .._core.cells import close_all, take_the_place
+from .._core.time_spans import Marks, Seconds, TimeSpan
+from .._core.traits import Flag
+from .._layout import WIDE, columns
+from .._widget_choice import Pick, picks
+from ..in_rerun.widget import RerunWidget
+from ..player_widget import PlayerWidget
+from ..recording import Recording, open
+from ..recordings._silence import longest_pause, usual_step
+from ..recordings.times import has_date
+from ..scanogram_widget import ScanogramWidget
+from ..touch_widget import TouchWidget
+from ._frames import NO_SCAN, NO_SPEED, LaserTrack, SpeedTrack, TouchTrack, Track
+from ._prefetcher import STRETCH, Sender, stretch
+from ._touch_history import TouchHistory
+from ._whole_drive import whole_drive
+
+_EARLY = 0.1
+_TINY = 1e-7
+_LOOKED_AT = 20
+_BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
+_VIEWER = "660px"
+"""With less, Rerun hides its time."""
+
+Seek = Callable[[float], None]
+"""Makes a widget show a topic at a time, in seconds from the start."""
+
+
+class View(NamedTuple):
+    """A widget, what it shows, and by the name of each topic what makes it show a time of that."""
+
+    widget: Any
+    pick: Pick
+    seeks: dict[str, Seek]
+
+
+class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """What `Recording.show` gives: the widgets for topics of a recording, and one time that all of them show.
+
+    Each widget shows the last sample at that time or before it; a commanded speed is a tick on the bars of the measured
+    one, and has bars of its own where none was measured. Playing, stepping and dragging happen in the page, from what
+    was sent ahead, also while a cell runs. `close` takes all of it off the page and closes the recording. So does
+    running the cell again that made it.
+
+    Args:
+        recording: what is shown. Nothing else may read it meanwhile.
+        topics: names of topics in it; none: all that have a widget.
+        scanogram: whether the whole drive stands above them as one picture, of the first topic with scans; None: if
+            that is ready in a few seconds. Where it is not, a line says so.
+        rerun: whether the Rerun viewer stands beside them, on the same time.
+
+    Raises:
+        UnknownTopicError: it has no such topic, or one that no widget shows.
+        ImportError: Rerun is asked for, and is not installed.
+    """
+
+    time = Seconds(help="Seconds from the start of the recording, on show now. Settable.")
+    playing = Flag(False, help="Whether it plays. Settable.")
+    speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording in one on the wall. Settable.")
+    loop = Flag(False, help="Whether it begins again at the end; of the selection, if there is one. Settable.")
+    selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None. Settable.")
+    marks = Marks(help="What is marked on slider and picture: (start, end, text), in seconds from the start. Settable.")
+
+    _sender: Sender | None = None
+    scanogram: ScanogramWidget | None = None
+
+    def __init__(
+        self, recording: Recording, topics: Sequence[str] = (), scanogram: bool | None = None, rerun: bool = False
+    ) -> None:
+        take_the_place(self)
+        self.recording = recording
+        self.views: tuple[View, ...] = ()
+        recording.samples(topics or None)
+        self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
+        shown = picks(t for t in recording.topics if not topics or t.name in topics)
+        self.views = tuple(_view(recording, pick) for pick in shown)
+        self._seeking = threading.Lock()
+        self._problems = ipywidgets.HTML()
+        for view in self.views:
+            view.widget.live, view.widget.led, view.widget.history = False, True, 0
+        moves = recording.duration and self.views
+        scanned = next((view.pick.topic for view in self.views if view.pick.widget == "laser"), "") if moves else ""
+        beside = [name for view in self.views for name in view.seeks]
+        self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
+        self.bar = self._make_bar(note)
+        above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
+        super().__init__([self._problems, *above, self._widgets()])
+        self.add_class("rw-recording")  # by which the bar knows whose keys it takes
+        for name in ("time", "playing", "speed", "loop", "selection", "marks"):
+            setattr(self, name, getattr(self.bar, name))
+            self.observe(self._to_bar, name)
+            self.bar.observe(self._from_bar, name)
+        self._sender = sender = Sender(self._open_tracks, self._send_ahead, recording.duration, self._complain)
+        self.bar.when_asked(sender.start)
+        self.bar.when_pointed(sender.point)
+        self.bar.when_stepped(self._step)
+        self.bar.observe(partial(self._on_time, sender), ["time", "playing", "speed", "loop", "selection"])
+        for view in self.views:
+            if view.pick.widget == "laser":
+                view.widget.observe(lambda _: sender.start(), "angle_offset")
+        if self.scanogram:
+            self.bar.observe(partial(_select, self.scanogram), "selection")
+            traitlets.link((self.bar, "marks"), (self.scanogram, "marks"))
+        if self.rerun:
+            traitlets.link((self, "time"), (self.rerun, "time"))
+        self._on_time(sender, None)
+
+    @property
+    def duration(self) -> float:
+        """Seconds of the recording."""
+        return self.recording.duration
+
+    def seek(self, seconds: float) -> None:
+        """Show a time, in seconds from the start of the recording.
+
+        Raises:
+            traitlets.TraitError: it is no time.
+        """
+        self.time = seconds
+
+    def close(self) -> None:
+        """Take it off the page and close the recording."""
+        if self._sender:
+            self._sender.close()
+            close_all(self.bar)
+        if self.scanogram:
+            close_all(self.scanogram)
+        for widget in (*self.children, *(view.widget for view in self.views)):
+            close_all(widget)
+        if self.comm is not None:
+            self.layout.close()
+        super().close()
+        self.recording.close()
+
+    def _make_bar(self, note: str) -> PlayerWidget:
+        """The bar, with the first look in its state: there at once, however busy the kernel is."""
+        seconds = _first_look(self.recording, self.views)
+        index = int(seconds // STRETCH)
+        packed = stretch(_tracks(self.recording, self.views), index)
+        start_ns = self.recording.start_ns or 0
+        return PlayerWidget(
+            duration=self.recording.duration,
+            time=seconds,
+            _stretch=STRETCH,
+            _targets=[view.widget.model_id for view in self.views],
+            _pauses=[_pause(self.recording, view.pick) for view in self.views],
+            _followers=[self.scanogram.model_id] if self.scanogram else [],
+            _start=start_ns / 1e9 if has_date(start_ns) else None,
+            _note=note,
+            _first={
+                "stretch": index,
+                "drop": [],
+                "abouts": [abouts for abouts, _ in packed],
+                "tracks": [raw for _, raw in packed],
+            },
+        )
+
+    @contextmanager
+    def _open_tracks(self) -> Iterator[Sequence[Track]]:
+        """Of a recording opened anew: one thread at a time may read one."""
+        with open(self.recording.path) as recording:
+            yield _tracks(recording, self.views)
+
+    def _send_ahead(self, content: dict[str, Any], buffers: list[bytes]) -> None:
+        self.bar.send(content, buffers)
+
+    def _complain(self, words: str) -> None:
+        self.bar._words = words
+
+    def _widgets(self) -> ipywidgets.Box:
+        widgets = ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
+        if not self.rerun:
+            return widgets
+        beside = ipywidgets.Box([widgets], layout={**_BESIDE, "flex": "2 1 380px"})
+        return ipywidgets.Box([self.rerun, beside], layout=WIDE)
+
+    def _from_bar(self, change: Any) -> None:
+        setattr(self, change["name"], change["new"])
+
+    def _to_bar(self, change: Any) -> None:
+        name, value = change["name"], change["new"]
+        if getattr(self.bar, name) != value:
+            setattr(self.bar, name, value)
+            if name == "time":
+                # While it plays, a page takes a time that it is told for that of another page.
+                self.bar.send({"seek": value})
+
+    def _step(self, seconds: float, direction: int) -> None:
+        """Go from a time to the next sample of the first widget, or to the one before: it may be an hour away."""
+        topic = self.views[0].pick.topic
+        with self._seeking:
+            if direction > 0:
+                found = next((m for m in self.recording.samples(topic, seconds) if m.seconds > seconds), None)
+            else:
+                found = self.recording.at(topic, seconds - _TINY)
+        if found:
+            self.bar.send({"seek": found.seconds})
+
+    def _on_time(self, sender: Sender, change: Any) -> None:
+        bar = self.bar
+        # What the page told of the time is old where something else changed.
+        seconds = bar.time if change is None or change["name"] == "time" else None
+        sender.tell(seconds, bar.speed if bar.playing else 0.0, bar.span, loops=bar.loop)
+        if seconds is None:
+            return
+        # What the page tells may come in a thread of its own while a cell runs.
+        with self._seeking:
+            for view in self.views:
+                for seek in view.seeks.values():
+                    seek(self.bar.time)
+            self._tell_problems()
+
+    def _tell_problems(self) -> None:
+        """Some are found only where they lie, on the way through the recording."""
+        lines = [f"⚠ {escape(line)}" for line in self.recording.problems]
+        self._problems.value = "<br>".join(lines)
+        self._problems.layout.display = None if lines else "none"
+
+
+def _select(scanogram: ScanogramWidget, change: Any) -> None:
+    """The page tells the bar what was selected on the picture; the picture may know rays besides."""
+    known = scanogram.selection
+    if change["new"] != (known and known[:2]):
+        scanogram.selection = change["new"]
+
+
+def _view(recording: Recording, pick: Pick) -> View:
+    widget, name = pick.make(), pick.topic
+    if pick.widget == "laser":
+        return View(widget, pick, {name: _newest(recording, name, widget.update, NO_SCAN)})
+    if pick.widget == "touch":
+        return View(widget, pick, {name: _replay(recording, name, widget)})
+    seeks = {name: _newest(recording, name, widget.update, NO_SPEED)}
+    if pick.command:
+        seeks[pick.command] = _newest(recording, pick.command, widget.command, NO_SPEED)
+    return View(widget, pick, seeks)
+
+
+def _tracks(recording: Recording, views: Iterable[View]) -> list[Track]:
+    return [_track(recording, view) for view in views]
+
+
+def _track(recording: Recording, view: View) -> Track:
+    name = view.pick.topic
+    if view.pick.widget == "laser":
+        return LaserTrack(recording, name, view.widget)
+    if view.pick.widget == "touch":
+        return TouchTrack(recording, name)
+    return SpeedTrack(recording, name, view.pick.command, view.widget)
+
+
+def _newest(recording: Recording, topic: str, update: Callable[[Any], None], nothing: Any) -> Seek:
+    """Hands on the sample of a time, when it is another one than before."""
+    before: list[int | None] = [-1]
+
+    def seek(seconds: float) -> None:
+        moment = recording.at(topic, seconds)
+        time_ns = moment.time_ns if moment else None
+        if time_ns != before[0]:
+            before[0] = time_ns
+            update(moment.sample if moment else nothing)
+
+    return seek
+
+
+def _replay(recording: Recording, topic: str, widget: TouchWidget) -> Seek:
+    history = TouchHistory(recording, topic)
+
+    def seek(seconds: float) -> None:
+        time_ns = (recording.start_ns or 0) + round(seconds * 1e9)
+        widget.show(history.at(time_ns), time_ns)
+
+    return seek
+
+
+def _pause(recording: Recording, pick: Pick) -> float:
+    """Seconds after which what a widget shows of a topic is old; 0: never."""
+    if pick.widget == "touch":
+        # What is said of touches holds until a message says otherwise.
+        return 0.0
+    # Of the first, because silences make the rate of all a poor guess.
+    times = [moment.time_ns for moment in islice(recording.samples(pick.topic), _LOOKED_AT)]
+    return longest_pause(usual_step(np.array(times, np.int64))) / 1e9 if len(times) > 1 else 0.0
+
+
+def _first_look(recording: Recording, views: Iterable[View]) -> float:
+    """The earliest time at which every topic that starts early has something to show."""
+    firsts = (next(recording.samples(topic), None) for view in views for topic in view.seeks)
+    seconds = [first.seconds for first in firsts if first]
+    return max((s for s in seconds if s <= _EARLY * recording.duration), default=min(seconds, default=0.0))

@@ -1,0 +1,208 @@
+"""ROS 1 bags (format 2.0), read record by record without trust in their index."""
+
+from __future__ import annotations
+
+import re
+import struct
+from pathlib import Path
+
+from ._inflate import COMPRESSIONS, MAX_CHUNK, inflate
+from ._records import MAX_TEXT, Damage, Format, Frame, walk, with_bar
+from ._report import foreign
+from ._saved import Chunk, Findings, SavedFile
+from ._stretch import FileStretch, MemoryStretch, Stretch, find
+from .source import Channel, RecordingError
+
+MAGIC = b"#ROSBAG V2.0\n"
+_MESSAGE, _FILE, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = range(2, 8)
+_NEEDED: dict[int, dict[str, int | None]] = {
+    _MESSAGE: {"conn": 4, "time": 8},
+    _FILE: {"index_pos": 8},
+    _INDEX: {"conn": 4, "count": 4},
+    _CHUNK: {"compression": None, "size": 4},
+    _CHUNK_INFO: {"chunk_pos": 8, "count": 4},
+    _CONNECTION: {"conn": 4, "topic": None},
+}
+_PLAIN = b"none"
+_MAX_HEADER = 1 << 12
+_MAX_FIELDS = 16
+_HEADER = re.compile(
+    rb"(?=..\0\0..\0\0(?:op|conn|time|topic|compression|size|ver|count|chunk_pos|start_time|end_time|latching|callerid)=)",
+    re.DOTALL,
+)
+_HEADER_LENGTH = 20
+_VERSION = re.compile(rb"#ROS(?:BAG|RECORD|LOG) V(\d+\.\d+)")
+
+
+def open_bag(path: Path) -> SavedFile:
+    """Every message that can be read from a ROS 1 bag, indexed or not, whole or not.
+
+    Args:
+        path: the file, whatever its name ends in.
+
+    Raises:
+        RecordingError: it cannot be opened, is no ROS 1 bag of format 2.0, is encrypted, or nothing of it can be saved.
+
+    Source: http://wiki.ros.org/Bags/Format/2.0
+    """
+    file = FileStretch(path)
+    try:
+        _check_format(file)
+        return _Scan(file).source()
+    except BaseException:
+        file.close()
+        raise
+
+
+class _Scan:
+    """One walk through a bag."""
+
+    def __init__(self, file: FileStretch) -> None:
+        self.file = file
+        self.damage = Damage(unfinished=True)
+        self.found = Findings()
+        self.channels: dict[int, Channel] = {}
+
+    def source(self) -> SavedFile:
+        """What the whole file holds."""
+        try:
+            self.records(self.file, -1, self.damage, start=len(MAGIC))
+        except OSError as error:
+            self.damage.disk = error.strerror or str(error)
+        return SavedFile(self.file, self.channels.values(), self.found, self.damage)
+
+    def records(self, data: Stretch, chunk: int, damage: Damage, start: int = 0) -> None:
+        """Take in the records of the file (chunk -1) or of a chunk."""
+        frames = walk(data, _LAYOUT, damage, start)
+        for frame in with_bar(frames, self.file) if chunk < 0 else frames:
+            if frame.op == _MESSAGE and frame.whole:
+                seconds, nanoseconds = struct.unpack("<II", frame.fields["time"])
+                time_ns = seconds * 10**9 + nanoseconds
+                self.found.add(_uint(frame.fields["conn"]), time_ns, frame.body, frame.end - frame.body, chunk)
+            elif frame.op == _CONNECTION:
+                self.connection(data, frame, damage)
+            elif frame.op == _CHUNK and frame.fields["compression"] != _PLAIN and chunk < 0:
+                self.chunk(frame)
+            elif frame.op == _FILE and chunk < 0:
+                self.header(frame)
+
+    def header(self, frame: Frame) -> None:
+        """Take in what the start of the file says about its end."""
+        if encryptor := frame.fields.get("encryptor"):
+            raise RecordingError(
+                f"{self.file.name}: the bag is encrypted ({_text(encryptor)}): expected a plain one; "
+                f"decrypt it with 'rosbag decrypt {self.file.name}'"
+            )
+        index_pos = _uint(frame.fields["index_pos"])
+        self.damage.unfinished = index_pos == 0
+        self.damage.cut |= index_pos >= self.file.size
+
+    def connection(self, data: Stretch, frame: Frame, damage: Damage) -> None:
+        """Take in a topic; the first that comes with an id holds."""
+        fields = _fields(data.read(frame.body, min(frame.end - frame.body, MAX_TEXT)))
+        if fields is None or "type" not in fields:
+            damage.places += 1
+            return
+        package, slash, message = _text(fields["type"]).partition("/")
+        channel = Channel(
+            id=_uint(frame.fields["conn"]),
+            topic=_text(frame.fields["topic"]),
+            type=f"{package}/msg/{message}" if slash else package,
+            encoding="ros1",
+            definition=_text(fields.get("message_definition", b"")),
+            count=0,
+        )
+        self.channels.setdefault(channel.id, channel)
+
+    def chunk(self, frame: Frame) -> None:
+        """Take in the records of a compressed chunk, as far as it decompresses."""
+        compression = _text(frame.fields["compression"])
+        if compression not in COMPRESSIONS:
+            self.damage.compressions.add(compression)
+            return
+        place = Chunk(frame.body, min(frame.end - frame.body, MAX_CHUNK), compression)
+        raw, whole = inflate(compression, self.file.read(place.offset, place.size))
+        self.found.chunks.append(place)
+        inside = Damage()
+        self.records(MemoryStretch(raw), len(self.found.chunks) - 1, inside)
+        self.damage.places += inside.places + (frame.whole and (inside.cut or not whole))
+
+
+def _check_format(file: FileStretch) -> None:
+    head = file.read(0, 64)
+    if head.startswith(MAGIC):
+        return
+    if version := _VERSION.match(head):
+        raise RecordingError(
+            f"{file.name}: a bag of format {version[1].decode()}: only ROS 1 bags of format 2.0 can be read; "
+            f"with ROS 1 installed, 'rosbag filter {file.name} new.bag True' writes it as 2.0"
+        )
+    raise foreign(file.name, "a ROS 1 bag of format 2.0", head)
+
+
+def _frame_at(data: Stretch, pos: int) -> Frame | None:
+    raw = data.read(pos, 4)
+    if len(raw) < 4:
+        return None
+    size = _uint(raw)
+    if size > _MAX_HEADER:
+        return None
+    raw = data.read(pos + 4, size + 4)
+    if len(raw) < size + 4:
+        return None
+    fields = _fields(raw[:size])
+    if fields is None or len(fields.get("op", b"")) != 1:
+        return None
+    op = fields["op"][0]
+    needed = _NEEDED.get(op)
+    if needed is None or any(
+        name not in fields or length not in (None, len(fields[name])) for name, length in needed.items()
+    ):
+        return None
+    body = pos + 4 + size + 4
+    plain_chunk = op == _CHUNK and fields["compression"] == _PLAIN
+    end = body if plain_chunk else body + _uint(raw[size:])
+    return Frame(op, pos, body, end, fields)
+
+
+def _next_frame(data: Stretch, start: int, barred: frozenset[int]) -> int | None:
+    """The next record that has the fields its kind needs."""
+    for pos in find(data, _HEADER, _HEADER_LENGTH, start):
+        frame = _frame_at(data, pos)
+        if frame and frame.op not in barred:
+            return pos
+    return None
+
+
+def _fields(raw: bytes) -> dict[str, bytes] | None:
+    """The ``name=value`` fields of a header; None when it is not made up of a few such fields."""
+    fields: dict[str, bytes] = {}
+    pos = 0
+    for _ in range(_MAX_FIELDS):
+        if pos >= len(raw):
+            break
+        size = _uint(raw[pos : pos + 4])
+        name, equals, value = raw[pos + 4 : pos + 4 + size].partition(b"=")
+        if not equals:
+            return None
+        fields[_text(name)] = value
+        pos += 4 + size
+    return fields if pos == len(raw) else None
+
+
+def _uint(raw: bytes) -> int:
+    return int.from_bytes(raw, "little")
+
+
+def _text(raw: bytes) -> str:
+    return raw.decode("utf-8", errors="replace")
+
+
+_LAYOUT = Format(
+    _frame_at,
+    _next_frame,
+    last_op=None,
+    index_ops=frozenset((_INDEX, _CHUNK_INFO)),
+    inner_ops=frozenset((_MESSAGE, _CONNECTION)),
+    chunk_op=_CHUNK,
+)

@@ -1,0 +1,236 @@
+"""MCAP files, read record by record without trust in their index."""
+
+from __future__ import annotations
+
+import re
+import struct
+from binascii import crc32
+from pathlib import Path
+from typing import NamedTuple
+
+from ._definition import definition
+from ._inflate import COMPRESSIONS, MAX_CHUNK, inflate
+from ._records import MAX_TEXT, Damage, Format, Frame, walk, with_bar
+from ._report import foreign
+from ._saved import Chunk, Findings, SavedFile
+from ._stretch import FileStretch, MemoryStretch, Stretch, find
+from .source import Channel
+
+MAGIC = b"\x89MCAP0\r\n"
+_FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(2, 7)
+_INDEX_OPS = frozenset((0x07, 0x08, 0x0A, 0x0B, 0x0D, 0x0E))
+# The least number of bytes in a record of each kind, 0x01 (header) to 0x0F (end of data).
+_LEAST = dict(enumerate((8, 20, 14, 16, 22, 40, 6, 68, 36, 40, 46, 8, 20, 17, 4), start=1))
+_PRIVATE = 0x80
+_HEAD = struct.Struct("<BQ")
+_MESSAGE_HEAD = struct.Struct("<HIQQ")
+_CHUNK_HEAD = struct.Struct("<QQQII")
+_MAX_COMPRESSION = 16
+_RECORD = re.compile(rb"(?=[\x01-\x0f].{4}\0{4})", re.DOTALL)
+_IN_A_ROW = 3
+_READ_AT_ONCE = 1 << 20
+
+
+def open_mcap(path: Path) -> SavedFile:
+    """Every message that can be read from an MCAP file, with chunks or without, indexed or not, whole or not.
+
+    Messages of any encoding and channels of any schema are listed as they are named in the file.
+
+    Args:
+        path: the file, whatever its name ends in.
+
+    Raises:
+        RecordingError: it cannot be opened, is no MCAP file, or holds nothing that can be saved.
+
+    Source: https://mcap.dev/spec
+    """
+    file = FileStretch(path)
+    try:
+        head = file.read(0, 64)
+        if not head.startswith(MAGIC):
+            raise foreign(file.name, "an MCAP file", head)
+        return _Scan(file).source()
+    except BaseException:
+        file.close()
+        raise
+
+
+class _Schema(NamedTuple):
+    name: str
+    encoding: str
+    text: str
+
+
+class _NamedChannel(NamedTuple):
+    schema: int
+    topic: str
+    encoding: str
+
+
+class _Scan:
+    """One walk through an MCAP file."""
+
+    def __init__(self, file: FileStretch) -> None:
+        self.file = file
+        self.damage = Damage(unfinished=True)
+        self.found = Findings()
+        self.schemas: dict[int, _Schema] = {}
+        self.named: dict[int, _NamedChannel] = {}
+
+    def source(self) -> SavedFile:
+        """What the whole file holds."""
+        try:
+            self.records(self.file, -1, self.damage, start=len(MAGIC))
+        except OSError as error:
+            self.damage.disk = error.strerror or str(error)
+        return SavedFile(self.file, self.channels(), self.found, self.damage)
+
+    def channels(self) -> list[Channel]:
+        """The channels with what their schemas say, which may stand anywhere in the file."""
+        channels = []
+        for number, (schema_id, topic, encoding) in self.named.items():
+            schema = self.schemas.get(schema_id, _Schema("", "", ""))
+            name = schema.name.replace("/", "/msg/") if schema.encoding == "ros1msg" else schema.name
+            channels.append(Channel(number, topic, name, encoding, schema.text, 0))
+        return channels
+
+    def records(self, data: Stretch, chunk: int, damage: Damage, start: int = 0) -> None:
+        """Take in the records of the file (chunk -1) or of a chunk."""
+        frames = walk(data, _LAYOUT, damage, start)
+        for frame in with_bar(frames, self.file) if chunk < 0 else frames:
+            if frame.op == _MESSAGE and frame.whole:
+                self.message(data, frame, chunk, damage)
+            elif frame.op in (_SCHEMA, _CHANNEL):
+                self.name(data, frame, damage)
+            elif frame.op == _CHUNK and chunk < 0:
+                self.chunk(frame)
+            elif frame.op == _FOOTER:
+                damage.unfinished = False
+
+    def message(self, data: Stretch, frame: Frame, chunk: int, damage: Damage) -> None:
+        """Take in where a message lies."""
+        head = data.read(frame.body, _MESSAGE_HEAD.size)
+        offset = frame.body + len(head)
+        if len(head) == _MESSAGE_HEAD.size and offset <= frame.end:
+            channel, _, time_ns, _ = _MESSAGE_HEAD.unpack(head)
+            if self.found.add(channel, time_ns, offset, frame.end - offset, chunk):
+                return
+        damage.places += 1
+
+    def name(self, data: Stretch, frame: Frame, damage: Damage) -> None:
+        """Take in a schema or a channel; the first that comes with an id holds."""
+        raw = data.read(frame.body, min(frame.end - frame.body, MAX_TEXT))
+        try:
+            if frame.op == _SCHEMA:
+                (number,) = struct.unpack_from("<H", raw)
+                name, encoding, text = _strings(raw[2:], 3)
+                schema = _Schema(name, encoding, definition(encoding, name, text))
+                self.schemas.setdefault(number, schema)
+            else:
+                number, schema_id = struct.unpack_from("<HH", raw)
+                topic, encoding = _strings(raw[4:], 2)
+                self.named.setdefault(number, _NamedChannel(schema_id, topic, encoding))
+        except struct.error:
+            damage.places += 1
+
+    def chunk(self, frame: Frame) -> None:
+        """Take in the records of a compressed chunk, as far as it decompresses; check either kind's checksum."""
+        checksum = int.from_bytes(frame.fields["checksum"], "little")
+        compression = frame.fields["compression"].decode()
+        if not compression:
+            size = int.from_bytes(frame.fields["size"], "little")
+            self.damage.checksums += bool(checksum) and self.checksum(frame.body, size) not in (checksum, None)
+            return
+        if compression not in COMPRESSIONS:
+            self.damage.compressions.add(compression)
+            return
+        place = Chunk(frame.body, min(frame.end - frame.body, MAX_CHUNK), compression)
+        raw, whole = inflate(compression, self.file.read(place.offset, place.size))
+        self.found.chunks.append(place)
+        inside = Damage()
+        self.records(MemoryStretch(raw), len(self.found.chunks) - 1, inside)
+        self.damage.places += inside.places + (frame.whole and (inside.cut or not whole))
+        self.damage.checksums += bool(whole and checksum) and checksum != crc32(raw)
+
+    def checksum(self, offset: int, size: int) -> int | None:
+        """CRC-32 of bytes in the file; None when they are not all there."""
+        end = offset + size
+        if end > self.file.size:
+            return None
+        value = 0
+        for at in range(offset, end, _READ_AT_ONCE):
+            value = crc32(self.file.read(at, min(_READ_AT_ONCE, end - at)), value)
+        return value
+
+
+def _frame_at(data: Stretch, pos: int) -> Frame | None:
+    head = data.read(pos, _HEAD.size)
+    if len(head) < _HEAD.size:
+        return None
+    op, size = _HEAD.unpack(head)
+    if size < _LEAST.get(op, 0) or (op not in _LEAST and op < _PRIVATE):
+        return None
+    body = pos + _HEAD.size
+    if op == _CHUNK:
+        return _chunk_at(data, pos, body + size)
+    return Frame(op, pos, body, body + size) if body + size <= data.size else None
+
+
+def _chunk_at(data: Stretch, pos: int, outer_end: int) -> Frame | None:
+    """A chunk whose own lengths agree, or whose data is at least all there."""
+    body = pos + _HEAD.size + _CHUNK_HEAD.size
+    head = data.read(pos + _HEAD.size, _CHUNK_HEAD.size)
+    if len(head) < _CHUNK_HEAD.size:
+        return None
+    _, _, _, checksum, length = _CHUNK_HEAD.unpack(head)
+    if length > _MAX_COMPRESSION:
+        return None
+    raw = data.read(body, length + 8)
+    body += length + 8
+    compression, size = raw[:length], raw[length:]
+    end = body + int.from_bytes(size, "little")
+    if len(size) < 8 or not compression.isascii() or (end != outer_end and end > data.size):
+        return None
+    fields = {"compression": compression, "checksum": checksum.to_bytes(4, "little"), "size": size}
+    return Frame(_CHUNK, pos, body, end if compression else body, fields)
+
+
+def _next_frame(data: Stretch, start: int, barred: frozenset[int]) -> int | None:
+    """The next record that others follow without a gap, or that is followed by the end."""
+    for pos in find(data, _RECORD, _HEAD.size, start):
+        if data.read(pos, 1)[0] not in barred and _is_chain(data, pos):
+            return pos
+    return None
+
+
+def _is_chain(data: Stretch, pos: int) -> bool:
+    for _ in range(_IN_A_ROW):
+        frame = _frame_at(data, pos)
+        if not frame:
+            return False
+        if frame.op == _FOOTER or frame.end >= data.size:
+            return True
+        pos = frame.end
+    return True
+
+
+def _strings(raw: bytes, count: int) -> list[str]:
+    """The first strings of a record, each after its length; struct.error when they are not all there."""
+    strings = []
+    pos = 0
+    for _ in range(count):
+        (size,) = struct.unpack_from("<I", raw, pos)
+        (value,) = struct.unpack_from(f"{size}s", raw, pos + 4)
+        strings.append(value.decode("utf-8", errors="replace"))
+        pos += 4 + size
+    return strings
+
+
+_LAYOUT = Format(
+    _frame_at,
+    _next_frame,
+    last_op=_FOOTER,
+    index_ops=_INDEX_OPS,
+    inner_ops=frozenset((_SCHEMA, _CHANNEL, _MESSAGE)),
+    chunk_op=_CHUNK,
+)

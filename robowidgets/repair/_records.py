@@ -1,0 +1,121 @@
+"""The walk from record to record through a file that may be damaged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from .._core.progress import Progress
+from ._stretch import FileStretch, Stretch
+
+MAX_PLACES = 10_000
+MAX_TEXT = 1 << 22
+
+
+class Frame(NamedTuple):
+    """Where a record lies: ``start``, first byte of its data (``body``) and the byte after its data (``end``).
+
+    A chunk that is not compressed ends where its data starts: its records are walked as if they stood outside, so a
+    wrong length or a missing end costs nothing. ``whole`` is False when the data ends early.
+    """
+
+    op: int
+    start: int
+    body: int
+    end: int
+    fields: Mapping[str, bytes] = {}
+    whole: bool = True
+
+
+class Format(NamedTuple):
+    """How records are told in one file format.
+
+    ``frame_at`` gives the record at an offset, which may reach past the end of the data, or None when no record stands
+    there. ``next_frame`` searches from an offset for a place where ``frame_at`` gives a record and that is no accident;
+    records of some kinds are passed over. After ``last_op`` nothing follows. Records in ``index_ops`` hold no messages,
+    those in ``inner_ops`` stand in chunks.
+    """
+
+    frame_at: Callable[[Stretch, int], Frame | None]
+    next_frame: Callable[[Stretch, int, frozenset[int]], int | None]
+    last_op: int | None
+    index_ops: frozenset[int]
+    inner_ops: frozenset[int]
+    chunk_op: int
+
+    def search(self, data: Stretch, held: Frame | None, pos: int) -> int | None:
+        """Where the next record stands, after a record that ends in doubt or, with none, after an offset.
+
+        What looks like a message within compressed data is a piece of one, or one that will be read from there.
+        """
+        if held is None:
+            return self.next_frame(data, pos + 1, frozenset())
+        is_packed = held.op == self.chunk_op and held.end > held.body
+        return self.next_frame(data, held.body, self.inner_ops if is_packed else frozenset())
+
+
+@dataclass
+class Damage:
+    """What was wrong with a file.
+
+    ``places`` counts where the walk had to search for the next record or could not use one; ``index``: lengths in the
+    index were wrong; ``cut``: data is missing at the end; ``unfinished``: only the index is missing at the end;
+    ``checksums`` counts chunks that differ from their checksum; ``compressions`` names those that cannot be read;
+    ``unnamed`` counts messages of topics that the file does not name; ``disk`` is what the disk said.
+    """
+
+    places: int = 0
+    index: bool = False
+    cut: bool = False
+    unfinished: bool = False
+    checksums: int = 0
+    compressions: set[str] = field(default_factory=set)
+    unnamed: int = 0
+    disk: str = ""
+
+
+def with_bar(frames: Iterable[Frame], file: FileStretch) -> Iterator[Frame]:
+    """The records of a file, with a bar where they take long."""
+    done = 0
+    with Progress(file.size, f"Reading {file.name}", "B") as bar:
+        for frame in frames:
+            yield frame
+            bar.update(frame.end - done)
+            done = frame.end
+
+
+def walk(data: Stretch, layout: Format, damage: Damage, start: int = 0) -> Iterator[Frame]:
+    """Every record that can be told from damage, in the order of the file; what was wrong is noted in ``damage``.
+
+    A record is given out when the next one is found to stand where it ends. If none does, the next is searched for
+    within the record at hand, because it may be its length that is wrong. So the walk only ever goes forward.
+    """
+    held: Frame | None = None
+    pos = start
+    while pos < data.size:
+        frame = layout.frame_at(data, pos)
+        if frame:
+            if held:
+                yield held
+            held = frame
+            if frame.op == layout.last_op:
+                break
+            pos = frame.end
+            if pos <= data.size:
+                continue
+        found = layout.search(data, held, pos) if damage.places < MAX_PLACES else None
+        if found is None:
+            damage.cut = True
+            break
+        if held and held.op in layout.index_ops:
+            damage.index = True
+        else:
+            damage.places += 1
+        if held and found < held.end:
+            held = held._replace(end=found)
+        pos = found
+    if held and held.end > data.size:
+        held = held._replace(end=data.size, whole=False)
+    if held:
+        yield held

@@ -1,0 +1,79 @@
+"""What is said to a person about a file that is damaged or is something else."""
+
+from __future__ import annotations
+
+from ._records import Damage
+from .source import RecordingError
+
+_KINDS = {
+    b"#ROSBAG V": "a ROS 1 bag",
+    b"\x89MCAP0\r\n": "an MCAP file",
+    b"SQLite format 3\0": "an SQLite database (a rosbag2 .db3)",
+    b"\x28\xb5\x2f\xfd": "zstd data",
+    b"\x1f\x8b": "gzip data",
+    b"PK\x03\x04": "a zip archive",
+    b"\x89HDF": "an HDF5 file",
+}
+
+
+def kind(head: bytes) -> str:
+    """What a file seems to be, by its first bytes."""
+    for magic, name in _KINDS.items():
+        if head.startswith(magic):
+            return name
+    shown = head[:16].split(b"\n")[0]
+    if shown and all(32 <= byte < 127 or byte == 9 for byte in shown):
+        return f"text that starts with {shown.decode()!r}"
+    return f"bytes that start with {head[:8].hex(' ')}"
+
+
+def foreign(name: str, expected: str, head: bytes) -> RecordingError:
+    """The error for a file that is no recording of the kind expected."""
+    return RecordingError(f"{name}: expected {expected}, got {kind(head)}")
+
+
+def nothing(name: str, size: int, damage: Damage, way_out: str = "") -> RecordingError:
+    """The error for a file that holds not one message that can be read, perhaps with another way to try."""
+    if damage.compressions:
+        shown = ", ".join(sorted(damage.compressions))
+        return RecordingError(f"{name}: compressed with {shown}, which cannot be read: expected none, bz2, lz4 or zstd")
+    why = "was cut off before its first message" if damage.cut or damage.unfinished else "is damaged from start to end"
+    return RecordingError(
+        f"{name}: {why} ({size:,} bytes), nothing can be saved; "
+        f"copy it again if the original is whole{way_out}, or record again"
+    )
+
+
+def problems(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
+    """One line for each thing a person has to know about a file that was read in spite of its damage.
+
+    Args:
+        damage: what was wrong.
+        count: how many messages can be read.
+        span_ns: nanoseconds from the first of them to the last.
+    """
+    amount = f"{_number(count, 'message')}, up to {span_ns / 1e9:.1f} s"
+    places = f"damaged in {_number(damage.places, 'place')}" if damage.places else ""
+    lines = []
+    if damage.cut or places:
+        what = " and ".join(filter(None, (f"is {places}" if places else "", "was cut off" if damage.cut else "")))
+        lines.append(f"the recording {what}: read {amount}")
+    elif damage.unfinished:
+        lines.append(f"the recorder was stopped before it closed the file: read all of its {amount}")
+    elif damage.index:
+        lines.append(f"the index of the recording is damaged, so it was read without: {amount}")
+    if damage.disk:
+        lines.append(f"the disk could not read the file to its end ({damage.disk}): read {amount}")
+    if damage.checksums:
+        chunks = "1 chunk differs" if damage.checksums == 1 else f"{damage.checksums:,} chunks differ"
+        lines.append(f"{chunks} from the checksum in the file: some messages may be wrong")
+    if damage.compressions:
+        shown = ", ".join(sorted(damage.compressions))
+        lines.append(f"chunks compressed with {shown} cannot be read: their messages are left out")
+    if damage.unnamed:
+        lines.append(f"left out {_number(damage.unnamed, 'message')} of topics that the file does not name")
+    return tuple(lines)
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count:,} {what}{'' if count == 1 else 's'}"

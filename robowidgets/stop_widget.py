@@ -1,0 +1,45 @@
+"""A bar with Stop, for every view of a feed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ._core.command_watchdog import CommandWatchdog
+from ._core.driving_widget import DrivingWidget
+from ._core.named_widget import bundle
+
+
+class StopWidget(DrivingWidget):
+    """A slim bar: Stop, who drives and how fast, and what keeps the robot from moving as it is told.
+
+    Stop is latched: it sends zero, and all driving is refused until it is released, on the page or by
+    ``stopped = False``.
+
+    Args:
+        robot: a feed, or a watchdog.
+
+    Raises:
+        TypeError: something else.
+
+    Example:
+        >>> bar = StopWidget(CommandWatchdog(print))
+        >>> bar.stopped
+        False
+    """
+
+    _esm = bundle("stop_widget.js")
+
+    def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
+        """The feed has no keyword."""
+        return super().__new__(cls, **kwargs)
+
+    def __init__(self, robot: Any, **kwargs: Any) -> None:
+        watchdog = robot if isinstance(robot, CommandWatchdog) else getattr(robot, "watchdog", None)
+        if not isinstance(watchdog, CommandWatchdog):
+            raise TypeError(f"StopWidget(): expected a feed or a watchdog, got {robot!r}")
+        self._is_bare = robot is watchdog
+        super().__init__(**kwargs)
+        self._attach(watchdog, None if self._is_bare else robot)
+
+    def _is_ready(self) -> bool:
+        return self._is_bare or super()._is_ready()
