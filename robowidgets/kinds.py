@@ -1,27 +1,142 @@
-"""Which widget shows which messages: by the name of their type, and by their fields where nobody knows the name."""
+"""One row for each kind of sensor: its messages, its sample, its columns and its widget.
+
+Recordings, players, searches, feeds, Rerun and the command take from these rows what they can read and show. A row names
+what lies in the layers above it as entry points do, ``"module:name"``: reading a recording imports no widget.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Literal
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
 
+from .messages import ScanReader, to_scan, to_speed, to_touch
+from .messages.fields import Shape
 from .messages.touch import TOUCH_TYPES
+from .samples import Scan, Speed, Touch
 
-Widget = Literal["laser", "speed", "touch"]
 
-Shape = Mapping[str, Any]
-"""Field names to ``"float32"``, ``"float32[]"``, or the shape of the message in them."""
+def _no_shape(_shape: Shape) -> bool:
+    return False
 
-_BY_TYPE: dict[str, Widget] = {
-    "sensor_msgs/msg/LaserScan": "laser",
-    "geometry_msgs/msg/Twist": "speed",
-    "geometry_msgs/msg/TwistStamped": "speed",
-    "geometry_msgs/msg/TwistWithCovariance": "speed",
-    "geometry_msgs/msg/TwistWithCovarianceStamped": "speed",
-    "nav_msgs/msg/Odometry": "speed",
-    **dict.fromkeys(TOUCH_TYPES, "touch"),
-    "robowidgets/msg/Touch": "touch",  # of our own simulator, in no message
-}
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of sensor.
+
+    Args:
+        name: of the kind, its widget and its bundle: ``"laser"``.
+        sample_name: what programs call one sample: ``moment.scan``, ``--scan``.
+        noun: the plural for messages to a person: ``"laser scans"``.
+        sample: the class of a sample.
+        read: makes a sample of a message; TypeError for a message of another kind, ValueError for bad numbers.
+        types: message types as recordings name them, ``sensor_msgs/msg/LaserScan``.
+        widget: the widget class; it takes ``title`` and has ``update(sample)``.
+        has_shape: whether a message of an unknown type with these fields is of this kind.
+        undecided: those of `types` of which some messages only are of this kind: the first message of a topic decides.
+        make_reader: makes a `read` that remembers what stays the same from message to message of one topic.
+        columns: the series class of `Recording.series`.
+        frames: what the player of a recording shows of a topic at each time.
+        rerun: what logs a topic to Rerun; empty: nothing does.
+        goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
+        every_message: whether each message counts, as an event does; of other kinds the newest is enough.
+    """
+
+    name: str
+    sample_name: str
+    noun: str
+    sample: type
+    read: Callable[[Any], Any]
+    types: frozenset[str]
+    widget: str
+    has_shape: Callable[[Shape], bool] = _no_shape
+    undecided: frozenset[str] = frozenset()
+    make_reader: Callable[[], Callable[[Any], Any]] | None = None
+    columns: str = "robowidgets.recordings.columns.series:Samples"
+    frames: str = "robowidgets.player._frames:SampleFrames"
+    rerun: str = ""
+    goes_stale: bool = True
+    every_message: bool = False
+
+    def reader(self) -> Callable[[Any], Any]:
+        """A new reader for the messages of one topic."""
+        return self.make_reader() if self.make_reader else self.read
+
+
+_NUMBERS = ("float32", "float64")
+_SCAN_LIMITS = ("angle_min", "angle_increment", "range_min", "range_max")
+
+
+def _is_scan(shape: Shape) -> bool:
+    limits = all(shape.get(name) in _NUMBERS for name in _SCAN_LIMITS)
+    return limits and shape.get("ranges") in ("float32[]", "float64[]")
+
+
+def _has_twist(shape: Shape) -> bool:
+    twist: Any = shape
+    while isinstance(twist, Mapping):
+        if all(_is_vector(twist.get(part)) for part in ("linear", "angular")):
+            return True
+        twist = twist.get("twist")
+    return False
+
+
+def _is_vector(shape: Any) -> bool:
+    return isinstance(shape, Mapping) and all(shape.get(axis) in _NUMBERS for axis in "xyz")
+
+
+LASER = Kind(
+    name="laser",
+    sample_name="scan",
+    noun="laser scans",
+    sample=Scan,
+    read=to_scan,
+    types=frozenset({"sensor_msgs/msg/LaserScan"}),
+    widget="robowidgets.laser_widget:LaserWidget",
+    has_shape=_is_scan,
+    make_reader=ScanReader,
+    columns="robowidgets.recordings.columns.scans:Scans",
+    rerun="robowidgets.in_rerun.log:log_scans",
+)
+SPEED = Kind(
+    name="speed",
+    sample_name="speed",
+    noun="speeds",
+    sample=Speed,
+    read=to_speed,
+    types=frozenset(
+        (
+            *(f"geometry_msgs/msg/Twist{suffix}" for suffix in ("", "Stamped", "WithCovariance")),
+            "geometry_msgs/msg/TwistWithCovarianceStamped",
+            "nav_msgs/msg/Odometry",
+        )
+    ),
+    widget="robowidgets.speed_widget:SpeedWidget",
+    has_shape=_has_twist,
+    columns="robowidgets.recordings.columns.speeds:Speeds",
+    frames="robowidgets.player._frames:SpeedFrames",
+    rerun="robowidgets.in_rerun.log:log_speeds",
+)
+TOUCH = Kind(
+    name="touch",
+    sample_name="touch",
+    noun="touch sensors",
+    sample=Touch,
+    read=to_touch,
+    # The last is of the simulator, and in no message.
+    types=TOUCH_TYPES | {"robowidgets/msg/Touch"},
+    undecided=frozenset({"sensor_msgs/msg/Range"}),
+    widget="robowidgets.touch_widget:TouchWidget",
+    columns="robowidgets.recordings.columns.touches:Touches",
+    frames="robowidgets.player._frames:TouchFrames",
+    rerun="robowidgets.in_rerun.log:log_touches",
+    goes_stale=False,
+    every_message=True,
+)
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH)}
+"""By name, in the order in which widgets stand on a page. `add` appends another."""
 
 _STANDARD = frozenset(
     (
@@ -31,32 +146,53 @@ _STANDARD = frozenset(
     )
 )
 
-_NUMBERS = ("float32", "float64")
+
+def add(kind: Kind) -> None:
+    """Add a kind of sensor, for all recordings and feeds that are opened from now on; again replaces it."""
+    KINDS[kind.name] = kind
 
 
-def widget_by_type(type_name: str) -> Widget | None:
-    """The widget for a type that we know by name."""
-    return _BY_TYPE.get(type_name)
+def kinds_of_type(type_name: str) -> tuple[Kind, ...]:
+    """The kinds that read messages of a type, in the order of the table."""
+    return tuple(kind for kind in KINDS.values() if type_name in kind.types)
+
+
+def kind_of_type(type_name: str) -> Kind | None:
+    """The kind of all messages of a type; None where none reads it, or only a message tells."""
+    kinds = kinds_of_type(type_name)
+    return kinds[0] if kinds and not is_undecided(type_name) else None
+
+
+def is_undecided(type_name: str) -> bool:
+    """Whether only a message tells the kind of a topic of this type."""
+    return any(type_name in kind.undecided for kind in kinds_of_type(type_name))
 
 
 def is_standard(type_name: str) -> bool:
-    """Whether a type is of a ROS package that we know: if no widget is known for it, its fields need no look.
+    """Whether a type belongs to a ROS package whose types are all known: its fields need no look.
 
     A geometry_msgs/Accel, say, has the fields of a Twist and is no speed.
     """
     return type_name.split("/")[0] in _STANDARD
 
 
-def widget_by_shape(shape: Shape) -> Widget | None:
-    """The widget for a message with these fields: a scan of its own package, or a twist within a larger message."""
-    limits = ("angle_min", "angle_increment", "range_min", "range_max")
-    if all(shape.get(name) in _NUMBERS for name in limits) and shape.get("ranges") in ("float32[]", "float64[]"):
-        return "laser"
-    twist: Any = shape
-    while isinstance(twist, Mapping):
-        if all(_is_vector(twist.get(part)) for part in ("linear", "angular")):
-            return "speed"
-        twist = twist.get("twist")
+def kind_of_shape(shape: Shape) -> Kind | None:
+    """The kind of messages with these fields, of a type that no row names."""
+    return next((kind for kind in KINDS.values() if kind.has_shape(shape)), None)
+
+
+def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
+    """The kind that reads a message: of those that know its type, or of all."""
+    for kind in kinds_of_type(type_name) or KINDS.values():
+        try:
+            kind.read(message)
+        except TypeError:
+            continue
+        except ValueError:
+            # Bad numbers in a message of this kind; of an undecided type, a message of another kind.
+            if type_name in kind.undecided:
+                continue
+        return kind
     return None
 
 
@@ -65,5 +201,23 @@ def is_command(topic: str) -> bool:
     return "cmd" in topic.lower() or "command" in topic.lower()
 
 
-def _is_vector(shape: Any) -> bool:
-    return isinstance(shape, Mapping) and all(shape.get(axis) in _NUMBERS for axis in "xyz")
+def load(reference: str) -> Any:
+    """The object behind ``"module:name"``."""
+    module, _, name = reference.partition(":")
+    return getattr(import_module(module), name)
+
+
+# For callers that take the name of the widget.
+Widget = str
+
+
+def widget_by_type(type_name: str) -> Widget | None:
+    """The name of the kind of a type."""
+    kinds = kinds_of_type(type_name)
+    return kinds[0].name if kinds else None
+
+
+def widget_by_shape(shape: Shape) -> Widget | None:
+    """The name of the kind of a shape."""
+    kind = kind_of_shape(shape)
+    return kind.name if kind else None

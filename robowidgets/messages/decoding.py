@@ -14,11 +14,11 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from ..kinds import Shape
 from ..recordings import scan_bytes
 from ..repair._inflate import plain
 from ..repair.source import Channel, RecordingError
 from .definitions import definitions
+from .fields import Shape
 
 Decode = Callable[[bytes], Any]
 Types = dict[str, Any]

@@ -8,6 +8,9 @@ from typing import Any
 
 from ..samples import Scan, Speed, Touch
 
+Shape = Mapping[str, Any]
+"""Field names to ``"float32"``, ``"float32[]"``, or the shape of the message in them."""
+
 MISSING: Any = object()
 
 # The common one first: to ask an abstract class costs more than to read a field.

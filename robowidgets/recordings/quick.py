@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import Shape
 from ..messages import to_scan, to_speed
+from ..messages.fields import Shape
 from ..repair._inflate import plain
 from ..samples import Scan, Speed
 

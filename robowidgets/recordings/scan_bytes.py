@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ..kinds import Shape
+from ..messages.fields import Shape
 
 _SETTINGS = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
 _FIELDS = [*((name, "float32") for name in _SETTINGS), ("ranges", "float32[]"), ("intensities", "float32[]")]
