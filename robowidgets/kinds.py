@@ -1,7 +1,7 @@
 """One row for each kind of sensor: its messages, its sample, its columns and its widget.
 
-Recordings, players, searches, feeds, Rerun and the command take from these rows what they can read and show. A row names
-what lies in the layers above it as entry points do, ``"module:name"``: reading a recording imports no widget.
+Recordings, players, searches, feeds, Rerun and the command take from these rows what they can read and show. A row
+names what lies in the layers above it as entry points do, ``"module:name"``: reading a recording imports no widget.
 """
 
 from __future__ import annotations
