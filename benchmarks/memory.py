@@ -16,11 +16,11 @@ WORK = {
     "`find` by a condition": "recording.find(robowidgets.conditions.nearest_below(0.2))",
     "`scanogram`": "recording.scanogram()",
     "`show`, and the page's player sent all through it": """
-from robowidgets.player._prefetcher import stretch
+from robowidgets.player._prefetcher import segment
 player = recording.show(scanogram=False)
 with player._open_tracks() as tracks:
     for second in range(int(recording.duration)):
-        stretch(tracks, second)
+        segment(tracks, second)
 """,
 }
 

@@ -46,9 +46,9 @@ BUSY = "import time\nend = time.time() + {seconds}\nwhile time.time() < end:\n  
 SETTLED = """
 import time
 while True:
-    there = len(source.player._sender._sent)
+    there = len(source.player._prefetcher._sent)
     time.sleep(1.0)
-    if len(source.player._sender._sent) == there:
+    if len(source.player._prefetcher._sent) == there:
         break
 """
 

@@ -61,7 +61,7 @@ class Source:
 
     def lacking(self) -> list[int]:
         """The seconds of the recording of which the page has nothing."""
-        sender = self.player._sender
+        sender = self.player._prefetcher
         assert sender is not None
         return [second for second in range(int(self._count / HZ)) if second not in sender._sent]
 

@@ -6,65 +6,70 @@ from collections.abc import Iterable
 from itertools import takewhile
 from typing import Any, NamedTuple, Protocol
 
-from .kinds import Widget
-from .laser_widget import LaserWidget
-from .speed_widget import SpeedWidget
-from .touch_widget import TouchWidget
-
-_ORDER = ("laser", "speed", "touch")
+from .kinds import KINDS, Kind, load
 
 
 class Shown(Protocol):
-    """What is to be known of a topic to pick its widget."""
+    """What a topic tells to choose its widget."""
 
     @property
     def name(self) -> str:
         """Its name."""
 
     @property
-    def widget(self) -> Widget | None:
-        """The widget that shows it; None when none does."""
+    def widget(self) -> str | None:
+        """The name of its kind; None when no widget shows it."""
 
     @property
     def commanded(self) -> bool:
-        """Whether it is a speed that was asked for, not measured."""
+        """Whether its samples were asked for, not measured."""
 
 
-class Pick(NamedTuple):
-    """A widget for a topic; a measured speed goes with the topic of the commanded one, if there is any.
+class WidgetChoice(NamedTuple):
+    """A widget for a topic, and the commanded topic that goes with a measured one, if there is any.
 
-    ``commanded`` marks a commanded speed that has a widget of its own.
+    ``commanded`` marks a commanded topic that has a widget of its own.
     """
 
-    widget: Widget
+    kind: Kind
     topic: str
     command: str = ""
     commanded: bool = False
 
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """The topics that the widget shows, its own first."""
+        return (self.topic, self.command) if self.command else (self.topic,)
+
     def make(self) -> Any:
         """The widget, with its titles."""
-        if self.widget == "laser":
-            return LaserWidget(title=self.topic)
-        if self.widget == "touch":
-            return TouchWidget(title=self.topic)
+        widget = load(self.kind.widget)
+        if not self.kind.commands:
+            return widget(title=self.topic)
         bars = "commanded" if self.commanded else "measured"
-        return SpeedWidget(title=self.topic, command_title=self.command, bars=bars)
+        return widget(title=self.topic, command_title=self.command, bars=bars)
 
 
-def picks(topics: Iterable[Shown]) -> tuple[Pick, ...]:
-    """Lasers, then speeds, then touches. A measured speed gets the first of the commanded ones of its robot."""
-    shown = sorted(((t.widget, t) for t in topics if t.widget), key=lambda pair: _ORDER.index(pair[0]))
-    speeds = [topic for widget, topic in shown if widget == "speed"]
-    command_of = _paired([t.name for t in speeds if not t.commanded], [t.name for t in speeds if t.commanded])
-    return tuple(
-        Pick(widget, topic.name, command_of.get(topic.name, ""), topic.commanded)
-        for widget, topic in shown
-        if topic.name not in command_of.values()
-    )
+def choose_widgets(topics: Iterable[Shown]) -> tuple[WidgetChoice, ...]:
+    """A choice for each topic of a kind, in the order of the kinds, without those that go with a measured topic.
+
+    A measured topic gets the first commanded one of its robot.
+    """
+    chosen: list[WidgetChoice] = []
+    listed = list(topics)
+    for kind in KINDS.values():
+        shown = [topic for topic in listed if topic.widget == kind.name]
+        command_of = _paired([t.name for t in shown if not t.commanded], [t.name for t in shown if t.commanded])
+        chosen.extend(
+            WidgetChoice(kind, topic.name, command_of.get(topic.name, ""), topic.commanded)
+            for topic in shown
+            if topic.name not in command_of.values()
+        )
+    return tuple(chosen)
 
 
 def _paired(measured: list[str], commands: list[str]) -> dict[str, str]:
-    """By measured speed its command: that with which it shares most of its namespace, unless another shares more."""
+    """By measured topic its commanded one: the one that shares most of its namespace, unless another shares more."""
     command_of = {}
     for name in measured:
         best = max(commands, key=lambda command: shared(name, command), default="")

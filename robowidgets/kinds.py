@@ -9,19 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from math import nan
 from typing import Any
 
+import numpy as np
+
 from .messages import ScanReader, to_scan, to_speed, to_touch
-from .messages.fields import Shape
+from .messages.fields import Shape, unwrap
 from .messages.touch import TOUCH_TYPES
 from .samples import Scan, Speed, Touch
 
 
-def _no_shape(_shape: Shape) -> bool:
-    return False
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kind:
     """A kind of sensor.
 
@@ -29,16 +28,19 @@ class Kind:
         name: of the kind, its widget and its bundle: ``"laser"``.
         sample_name: what programs call one sample: ``moment.scan``, ``--scan``.
         noun: the plural for messages to a person: ``"laser scans"``.
-        sample: the class of a sample.
+        sample: the class of a sample, derived from `samples.HasAge`.
         read: makes a sample of a message; TypeError for a message of another kind, ValueError for bad numbers.
         types: message types as recordings name them, ``sensor_msgs/msg/LaserScan``.
         widget: the widget class; it takes ``title`` and has ``update(sample)``.
-        has_shape: whether a message of an unknown type with these fields is of this kind.
+        nothing: the sample that a player shows before the first of a topic.
+        has_shape: whether a message of an unknown type with these fields is of this kind; None: only `types` are.
         undecided: those of `types` of which some messages only are of this kind: the first message of a topic decides.
         make_reader: makes a `read` that remembers what stays the same from message to message of one topic.
         columns: the series class of `Recording.series`.
-        frames: what the player of a recording shows of a topic at each time.
-        rerun: what logs a topic to Rerun; empty: nothing does.
+        frames: what the player of a recording shows of a topic at each time, a `robowidgets.player._frames.Track`.
+        rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.log.TopicLog`; empty: Rerun leaves them out.
+        commands: whether a topic may hold what was asked for, not measured; it goes with a measured topic: the widget
+            has ``command(sample)`` too, and takes ``command_title`` and ``bars``.
         goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
         every_message: whether each message counts, as an event does; of other kinds the newest is enough.
     """
@@ -50,18 +52,24 @@ class Kind:
     read: Callable[[Any], Any]
     types: frozenset[str]
     widget: str
-    has_shape: Callable[[Shape], bool] = _no_shape
+    nothing: Any
+    has_shape: Callable[[Shape], bool] | None = None
     undecided: frozenset[str] = frozenset()
     make_reader: Callable[[], Callable[[Any], Any]] | None = None
     columns: str = "robowidgets.recordings.columns.series:Samples"
     frames: str = "robowidgets.player._frames:SampleFrames"
     rerun: str = ""
+    commands: bool = False
     goes_stale: bool = True
     every_message: bool = False
 
     def reader(self) -> Callable[[Any], Any]:
         """A new reader for the messages of one topic."""
         return self.make_reader() if self.make_reader else self.read
+
+    def is_command(self, topic: str) -> bool:
+        """Whether samples on this topic were asked for, not measured."""
+        return self.commands and is_command(topic)
 
 
 _NUMBERS = ("float32", "float64")
@@ -94,10 +102,11 @@ LASER = Kind(
     read=to_scan,
     types=frozenset({"sensor_msgs/msg/LaserScan"}),
     widget="robowidgets.laser_widget:LaserWidget",
+    nothing=Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 10.0, notes=("no scan up to this time of the recording",)),
     has_shape=_is_scan,
     make_reader=ScanReader,
     columns="robowidgets.recordings.columns.scans:Scans",
-    rerun="robowidgets.in_rerun.log:log_scans",
+    rerun="robowidgets.in_rerun.log:ScanLog",
 )
 SPEED = Kind(
     name="speed",
@@ -113,10 +122,12 @@ SPEED = Kind(
         )
     ),
     widget="robowidgets.speed_widget:SpeedWidget",
+    nothing=Speed((nan, nan, nan), (nan, nan, nan)),
     has_shape=_has_twist,
     columns="robowidgets.recordings.columns.speeds:Speeds",
     frames="robowidgets.player._frames:SpeedFrames",
-    rerun="robowidgets.in_rerun.log:log_speeds",
+    rerun="robowidgets.in_rerun.log:SpeedLog",
+    commands=True,
 )
 TOUCH = Kind(
     name="touch",
@@ -128,9 +139,10 @@ TOUCH = Kind(
     types=TOUCH_TYPES | {"robowidgets/msg/Touch"},
     undecided=frozenset({"sensor_msgs/msg/Range"}),
     widget="robowidgets.touch_widget:TouchWidget",
+    nothing=Touch({}),
     columns="robowidgets.recordings.columns.touches:Touches",
     frames="robowidgets.player._frames:TouchFrames",
-    rerun="robowidgets.in_rerun.log:log_touches",
+    rerun="robowidgets.in_rerun.log:TouchLog",
     goes_stale=False,
     every_message=True,
 )
@@ -178,26 +190,36 @@ def is_standard(type_name: str) -> bool:
 
 def kind_of_shape(shape: Shape) -> Kind | None:
     """The kind of messages with these fields, of a type that no row names."""
-    return next((kind for kind in KINDS.values() if kind.has_shape(shape)), None)
+    return next((kind for kind in KINDS.values() if kind.has_shape and kind.has_shape(shape)), None)
 
 
 def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
-    """The kind that reads a message: of those that know its type, or of all."""
-    for kind in kinds_of_type(type_name) or KINDS.values():
+    """The kind that reads a message: of those that know its type, or, where none does, of those that know its fields.
+
+    It may be a sample, or what holds one.
+    """
+    sample = unwrap(message)
+    of_sample = [kind for kind in KINDS.values() if isinstance(sample, kind.sample)]
+    for kind in of_sample or kinds_of_type(type_name) or [kind for kind in KINDS.values() if kind.has_shape]:
         try:
             kind.read(message)
         except TypeError:
             continue
         except ValueError:
-            # Bad numbers in a message of this kind; of an undecided type, a message of another kind.
+            # Of an undecided type it is a message of another kind; else one of this kind, with bad numbers.
             if type_name in kind.undecided:
                 continue
         return kind
     return None
 
 
+def counts_every_message(type_name: str) -> bool:
+    """Whether each message of a type counts, as an event that no later one repeats; of others the newest is enough."""
+    return any(kind.every_message for kind in kinds_of_type(type_name))
+
+
 def is_command(topic: str) -> bool:
-    """Whether a speed on this topic was asked for, not measured: its name holds ``cmd`` or ``command``."""
+    """Whether a sample on this topic was asked for, not measured: its name holds ``cmd`` or ``command``."""
     return "cmd" in topic.lower() or "command" in topic.lower()
 
 

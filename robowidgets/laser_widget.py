@@ -102,6 +102,8 @@ class LaserWidget(RobotWidget[Scan]):
     """
 
     _esm = bundle("laser_widget.js")
+    wide = True
+    frame_traits = ("angle_offset",)
 
     arc_count = traitlets.Int(4, min=0, max=50, help="Range arcs that divide the view in equal parts.").tag(sync=True)
     arc_distances = Distances((), help="Distances of the range arcs in metres, instead of arc_count.").tag(sync=True)
@@ -169,6 +171,10 @@ class LaserWidget(RobotWidget[Scan]):
     def frozen(self) -> Scan | None:
         """The scan on show while frozen, which may be stepped back to; None while live and before the first."""
         return self.scan if self.paused else None
+
+    def frame_of(self, sample: Scan) -> tuple[dict[str, Any], bytes]:
+        """See `RobotWidget`."""
+        return about_scan(sample), self._pack(sample.turned(self.angle_offset))
 
     def _pack(self, sample: Scan) -> bytes:
         ranges, intensities = sample.ranges, sample.intensities

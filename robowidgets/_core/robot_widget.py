@@ -73,6 +73,12 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     led = False
     """Whether something in the page, a player, puts the samples on show there: then none are sent."""
 
+    wide = False
+    """Whether it stands in the wide column where several widgets are on show."""
+
+    frame_traits: tuple[str, ...] = ()
+    """Names of the traits on which its frames depend, besides the sample."""
+
     _frame = bytes_trait(echo_update=False)
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
@@ -216,6 +222,10 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     def _catch_up(self) -> None:
         self.send_newest()
+
+    def frame_of(self, sample: S) -> tuple[dict[str, Any], bytes]:
+        """The text on a sample, and its frame without the header: what `update` of the sample would show."""
+        return {}, self._pack(sample)
 
     # -- to the page ---------------------------------------------------------------------------------------------------
 

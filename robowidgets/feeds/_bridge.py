@@ -7,8 +7,9 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+from ..kinds import counts_every_message
 from ._websocket import LARGEST, Frame, Line
-from .middleware import EVENTS, Advert, FeedError, Listener, is_event
+from .middleware import EVENTS, Advert, FeedError, Listener
 
 Read = Callable[[Any], Any]
 """Makes a message of a frame, or raises UnreadableError."""
@@ -129,7 +130,7 @@ class Bridge:
     def _keep(self, topic: str, kind: str, read: Read, frame: Any) -> None:
         """Have a frame of a type of messages read, in place of the one before unless that was an event."""
         waiting = self._pending.setdefault(topic, deque(maxlen=EVENTS))
-        if not is_event(kind):
+        if not counts_every_message(kind):
             waiting.clear()
         waiting.append((read, frame))
 

@@ -17,10 +17,11 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
+from ..kinds import counts_every_message
 from ..messages.decoding import Decode
 from ..repair.source import RecordingError
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
-from .middleware import EVENTS, Advert, FeedError, Listener, is_event
+from .middleware import EVENTS, Advert, FeedError, Listener
 
 _MANY = 1000
 _DEPTH = 5
@@ -225,7 +226,7 @@ class Session:
             else (Policy.Reliability.BestEffort, Policy.Durability.Volatile)
         )
         topic = Topic(self._participant, dds_topic(wish.topic), kind)
-        depth = EVENTS if is_event(wish.type) or wish.topic == NODES else _DEPTH
+        depth = EVENTS if counts_every_message(wish.type) or wish.topic == NODES else _DEPTH
         reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(depth), user_data))
         condition = ReadCondition(reader, _NEW)
         self._waitset.attach(condition)

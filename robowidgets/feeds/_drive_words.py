@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 
-from ..kinds import is_command, widget_by_type
+from ..kinds import SPEED, is_command
 from .middleware import Advert
 
 log = logging.getLogger("robowidgets")
@@ -45,9 +45,7 @@ def _unheard(name: str, adverts: Sequence[Advert]) -> str:
     tells = not adverts or any(advert.wanted is not None for advert in adverts)
     if any(wanted is not False for wanted in here) if here else not tells:
         return ""
-    heard = dict.fromkeys(
-        a.name for a in adverts if a.wanted and is_command(a.name) and widget_by_type(a.type) == "speed"
-    )
+    heard = dict.fromkeys(a.name for a in adverts if a.wanted and is_command(a.name) and a.type in SPEED.types)
     return f"nobody listens to {name}" + (f"; speeds go to {', '.join(heard)}" if heard else "")
 
 

@@ -17,10 +17,10 @@ from .._core.cells import running_cell
 from .._core.named_widget import MOST_LOGGED
 from .._core.pacer import pacer
 from .._core.text import many
-from ..messages import ScanReader, to_speed, to_touch
+from ..kinds import KINDS, counts_every_message
 from ._probe import decided, is_open
 from ._topics import Table, Topic
-from .middleware import EVENTS, is_event
+from .middleware import EVENTS
 
 log = logging.getLogger("robowidgets")
 
@@ -69,8 +69,8 @@ class Function:
 class FunctionCaller:
     """Calls functions with the newest message of their topics, one at a time, in a thread of its own.
 
-    Of a touch sensor every message counts. A function that is at work when it is disconnected is abandoned: the others
-    are called by another thread, and `is_abandoned` tells its own.
+    Of some kinds, as of touch sensors, every message counts. A function that is at work when it is disconnected is
+    abandoned: the others are called by another thread, and `is_abandoned` tells its own.
 
     Args:
         changed: called with a topic whose `status_of` has changed.
@@ -81,7 +81,8 @@ class FunctionCaller:
         self._changed = threading.Condition()
         self._functions: list[Function] = []
         self._waiting: dict[str, deque[tuple[Any, Topic]]] = {}
-        self._readers: dict[str, ScanReader] = {}
+        self._readers: dict[str, tuple[str, Callable[[Any], Any]]] = {}
+        """By topic the kind of its messages, and what reads them."""
         self._thread: threading.Thread | None = None
         self._abandoned: WeakSet[threading.Thread] = WeakSet()
         self._current: Function | None = None
@@ -126,7 +127,7 @@ class FunctionCaller:
             if self._closed or not any(function.topic == topic.name for function in self._functions):
                 return
             waiting = self._waiting.setdefault(topic.name, deque(maxlen=EVENTS))
-            if not is_event(topic.type):
+            if not counts_every_message(topic.type):
                 waiting.clear()
             waiting.append((message, topic))
             if self._thread is None:
@@ -242,11 +243,12 @@ class FunctionCaller:
 
     def _sample(self, message: Any, topic: Topic) -> Any:
         widget = topic.widget or (decided(topic, message).widget if is_open(topic) or not topic.type else None)
-        if widget == "laser":
-            return self._readers.setdefault(topic.name, ScanReader())(message)
-        if widget == "speed":
-            return to_speed(message)
-        return to_touch(message) if widget == "touch" else message
+        if widget is None:
+            return message
+        known = self._readers.get(topic.name)
+        if known is None or known[0] != widget:
+            known = self._readers[topic.name] = widget, KINDS[widget].reader()
+        return known[1](message)
 
     def _frames(self) -> list[tuple[FrameType, int]]:
         thread = self._thread

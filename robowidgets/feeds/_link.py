@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 from .._core.named_widget import MOST_LOGGED
 from .._core.robot_widget import RobotWidget
 from ..drive_widget import DriveWidget
-from ..laser_widget import LaserWidget
 from ._geometry import Geometry
 from ._topics import Topic, no_such
 
@@ -69,8 +68,7 @@ class Link:
         for target in self.targets:
             failed = self._hand(target, message) or failed
         before = (self.came, self._failed, self._geometry.words)
-        if any(isinstance(target.widget, LaserWidget) for target in self.targets):
-            self._geometry.see(message)
+        self._geometry.see(message)
         self.came, self.ever, self._failed = True, True, failed
         return before != (True, failed, self._geometry.words)
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from .._core.robot_widget import RobotWidget
-from ..speed_widget import SpeedWidget
 from ._functions import FunctionCaller
 from ._link import Link, Target
 from ._topics import Topic
@@ -138,6 +137,6 @@ def _name(widget: RobotWidget[Any], links: Sequence[tuple[Link, Target]]) -> Non
     first, target = links[0]
     if target.leads:
         widget._name_after(first.topic)
-    if isinstance(widget, SpeedWidget):
-        for link in [link for link, target in links if target.hand == widget.command][:1]:
-            widget._name_after(link.topic, "command_title")
+    command = getattr(widget, "command", None)
+    for link in [link for link, target in links if target.hand == command][:1]:
+        widget._name_after(link.topic, "command_title")

@@ -1,44 +1,23 @@
-"""Which widget shows a message whose type nobody knows by name."""
+"""The kind of a topic, where only a message tells it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from ..kinds import Widget, is_command, is_standard
-from ..messages import to_scan, to_speed, to_touch
-from ..samples import Touch
-from ._topics import RANGE, Topic
+from ..kinds import is_standard, is_undecided, kind_of_message
+from ._topics import Topic
 
 
 def is_open(topic: Topic) -> bool:
     """Whether only a message can tell the widget of a topic."""
     if topic.widget or not topic.offered or not topic.type:
         return False
-    return topic.type == RANGE or not is_standard(topic.type)
+    return is_undecided(topic.type) or not is_standard(topic.type)
 
 
 def decided(topic: Topic, message: Any) -> Topic:
-    """The topic with the widget that shows its messages, if one does.
-
-    A Range is shown that says if something is there; those that measure a distance are not.
-    """
-    kind: Widget | None = None
-    if topic.type == RANGE or isinstance(getattr(message, "sample", message), Touch):
-        kind = "touch" if _reads(to_touch, message, badly=False) else None
-    elif _reads(to_scan, message):
-        kind = "laser"
-    elif _reads(to_speed, message):
-        kind = "speed"
-    return topic._replace(widget=kind, commanded=kind == "speed" and is_command(topic.name))
-
-
-def _reads(read: Callable[[Any], Any], message: Any, *, badly: bool = True) -> bool:
-    """Whether it is such a message; ``badly`` also one whose numbers cannot be shown."""
-    try:
-        read(message)
-    except TypeError:
-        return False
-    except ValueError:
-        return badly
-    return True
+    """The topic with the widget that shows its messages, if one does."""
+    kind = kind_of_message(message, topic.type)
+    if kind is None:
+        return topic
+    return topic._replace(widget=kind.name, commanded=kind.is_command(topic.name))

@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterable
 from contextlib import ExitStack, suppress
 from typing import Any
 
+from ..kinds import counts_every_message
 from ._ros2_messages import message_class
-from .middleware import EVENTS, SEND_TIMEOUT, Advert, FeedError, Listener, is_event
+from .middleware import EVENTS, SEND_TIMEOUT, Advert, FeedError, Listener
 
 _Key = tuple[str, str, bool]
 """A topic, a type, and whether what was published before is asked for."""
@@ -233,7 +234,7 @@ class Session:
         # A best-effort reader hears reliable publishers, too; only what is kept for those who come late needs more.
         qos = QoSProfile(
             history=HistoryPolicy.KEEP_LAST,
-            depth=EVENTS if is_event(kind) else _DEPTH,
+            depth=EVENTS if counts_every_message(kind) else _DEPTH,
             reliability=ReliabilityPolicy.RELIABLE if kept else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
         )

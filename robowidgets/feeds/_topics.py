@@ -7,13 +7,10 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from .._core.text import many
-from ..kinds import Widget, is_command, widget_by_type
+from ..kinds import is_undecided, kind_of_type
 from .middleware import Advert
 
 _HEADS = ("topic", "type", "published", "heard", "widget")
-RANGE = "sensor_msgs/msg/Range"
-"""Some of them say if something is there, others how far it is; only a message tells which."""
-
 _MANY = 12
 
 Table = tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[str]]
@@ -23,14 +20,14 @@ class Topic(NamedTuple):
     """A topic of a running robot.
 
     ``type`` is written as ``sensor_msgs/msg/LaserScan``; where several are used at once they are joined by a comma, and
-    it is empty when it cannot be told. ``widget`` is the widget that shows it, None when none does. ``commanded`` marks
-    a speed that is asked for, not measured. ``offered`` says whether somebody publishes it, ``wanted`` whether somebody
-    else than we listens to it (None: it cannot be told).
+    it is empty when it cannot be told. ``widget`` is the kind of the widget that shows it, None when none does.
+    ``commanded`` marks a speed that is asked for, not measured. ``offered`` says whether somebody publishes it,
+    ``wanted`` whether somebody else than we listens to it (None: it cannot be told).
     """
 
     name: str
     type: str
-    widget: Widget | None
+    widget: str | None
     commanded: bool
     offered: bool
     wanted: bool | None
@@ -46,13 +43,13 @@ def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
 
 def _topic(name: str, adverts: Sequence[Advert]) -> Topic:
     types = list(dict.fromkeys(a.type for a in adverts if a.type and a.offered)) or [a.type for a in adverts][:1]
-    widget = next((kind for kind in map(widget_by_type, types) if kind), None) if RANGE not in types else None
+    kind = None if any(map(is_undecided, types)) else next(filter(None, map(kind_of_type, types)), None)
     told = [a.wanted for a in adverts if a.wanted is not None]
     return Topic(
         name,
         ", ".join(types),
-        widget,
-        widget == "speed" and is_command(name),
+        kind.name if kind else None,
+        kind is not None and kind.is_command(name),
         any(a.offered for a in adverts),
         any(told) if told else None,
     )

@@ -11,7 +11,7 @@ from typing import Any
 import ipywidgets
 
 from .._layout import WIDE, columns
-from .._widget_choice import Pick, picks
+from .._widget_choice import WidgetChoice, choose_widgets
 from ..stop_widget import StopWidget
 from ._link import Target
 from ._probe import decided, is_open
@@ -34,7 +34,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.feed = feed
         self._names = topics
         self._known: dict[str, Topic] = {}
-        self._shown: dict[Pick, Any] = {}
+        self._shown: dict[WidgetChoice, Any] = {}
         self._probes: dict[str, Target] = {}
         self._turn = threading.Lock()
         self._stale = self._busy = self._closed = False
@@ -46,7 +46,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
     @property
     def widgets(self) -> dict[str, Any]:
         """The widgets on show, by topic."""
-        return {pick.topic: widget for pick, widget in self._shown.items()}
+        return {choice.topic: widget for choice, widget in self._shown.items()}
 
     def refresh(self) -> None:
         """Put up widgets for topics that have come, and say what is going on; the feed's call.
@@ -83,7 +83,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._known.update((topic.name, topic) for topic in topics if topic.widget)
         try:
             self._probe(() if self._closed else topics)
-            wanted = () if self._closed else picks(list(self._known.values()))
+            wanted = () if self._closed else choose_widgets(list(self._known.values()))
             if set(wanted) != self._shown.keys():
                 self._put_up(wanted)
         except FeedError:
@@ -107,44 +107,44 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             self._known[topic.name] = found
             self.refresh()
 
-    def _put_up(self, wanted: Sequence[Pick]) -> None:
-        there = {(pick.widget, pick.topic, pick.commanded): pick for pick in self._shown}
+    def _put_up(self, wanted: Sequence[WidgetChoice]) -> None:
+        there = {(choice.kind, choice.topic, choice.commanded): choice for choice in self._shown}
         shown = {}
-        for pick in wanted:
-            before = there.pop((pick.widget, pick.topic, pick.commanded), None)
-            shown[pick] = self._made(pick) if before is None else self._recommanded(before, pick)
-        for pick in there.values():
-            widget = self._shown[pick]
-            self.feed.disconnect(pick.topic, widget)
-            if pick.command:
-                self.feed.disconnect(pick.command, widget.command)
+        for choice in wanted:
+            before = there.pop((choice.kind, choice.topic, choice.commanded), None)
+            shown[choice] = self._made(choice) if before is None else self._with_command_of(before, choice)
+        for choice in there.values():
+            widget = self._shown[choice]
+            self.feed.disconnect(choice.topic, widget)
+            if choice.command:
+                self.feed.disconnect(choice.command, widget.command)
             widget.close()
         self._shown = shown
         old, self._columns.children = self._columns.children, columns(list(self._shown.values()))
         for column in old:
             column.close()
 
-    def _made(self, pick: Pick) -> Any:
-        widget = pick.make()
-        self.feed.connect(pick.topic, widget)
-        if pick.command:
-            self.feed.connect(pick.command, widget.command)
+    def _made(self, choice: WidgetChoice) -> Any:
+        widget = choice.make()
+        self.feed.connect(choice.topic, widget)
+        if choice.command:
+            self.feed.connect(choice.command, widget.command)
         return widget
 
-    def _recommanded(self, before: Pick, pick: Pick) -> Any:
-        """The widget of a pick, with the commanded speed of another one."""
+    def _with_command_of(self, before: WidgetChoice, choice: WidgetChoice) -> Any:
+        """The widget of a choice, with the commanded speed of another one."""
         widget = self._shown[before]
-        if before.command != pick.command:
+        if before.command != choice.command:
             if before.command:
                 self.feed.disconnect(before.command, widget.command)
-            if pick.command:
-                self.feed.connect(pick.command, widget.command)
+            if choice.command:
+                self.feed.connect(choice.command, widget.command)
         return widget
 
     def _say(self) -> None:
         """The widgets speak for themselves; here stands what is said of topics that have none."""
         there = {topic.name: topic for topic in self.feed.topics}
-        shown = {name for pick in self._shown for name in (pick.topic, pick.command)}
+        shown = {name for choice in self._shown for name in choice.topics}
         missing = [name for name in self._names if name not in shown]
         if self.feed.words:
             lines = [self.feed.words] if missing or not shown else []

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
-from ..kinds import widget_by_type
-
 EVENTS = 100
-"""Messages of a touch sensor that may wait to be handed on."""
+"""Messages that may wait to be handed on, of a kind of which every message counts."""
 
 SEND_TIMEOUT = 0.5
 """Seconds within which the network must take a message that is published."""
@@ -19,11 +17,6 @@ CLOSE_TIMEOUT = 2.0
 
 class FeedError(Exception):
     """A feed that cannot be opened or used. The text is one line for a person: what, why, and what to do."""
-
-
-def is_event(type_name: str) -> bool:
-    """Whether each message of a type counts, as an event that no later one repeats; of others the newest is enough."""
-    return widget_by_type(type_name) == "touch"
 
 
 class Advert(NamedTuple):

@@ -10,11 +10,12 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
+from ..kinds import counts_every_message
 from ._bridge import Bridge, UnreadableError, full_type, is_zero, other_nodes, short_type, strings, to_json
 from ._rosbridge_frames import has_cbor, read, topic_of
 from ._websocket import Frame, one_line
 from .feed import Feed
-from .middleware import EVENTS, Advert, is_event
+from .middleware import EVENTS, Advert
 
 _POLL = 3.0
 """Seconds between two questions for the topics."""
@@ -146,7 +147,7 @@ class Rosbridge(Bridge):
             self._call(_TOPICS)  # without its type, a server never begins with a topic that is not there yet
             return
         self._subscribed_as[topic] = kind
-        queue, throttle = (EVENTS, 0) if is_event(kind) else (1, _THROTTLE_MS)
+        queue, throttle = (EVENTS, 0) if counts_every_message(kind) else (1, _THROTTLE_MS)
         compression = "cbor" if self._has_cbor and kind in _IN_CBOR else "none"
         how = {"queue_length": queue, "throttle_rate": throttle, "compression": compression}
         if kind:

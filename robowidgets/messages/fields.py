@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from ..samples import Scan, Speed, Touch
+from ..samples import HasAge
 
 Shape = Mapping[str, Any]
 """Field names to ``"float32"``, ``"float32[]"``, or the shape of the message in them."""
@@ -42,7 +42,7 @@ def unwrap(message: Any) -> Any:
     if isinstance(message, _KEYED) and message.get("op") == "publish" and "msg" in message:
         return message["msg"]
     sample = getattr(message, "sample", None)
-    return sample if isinstance(sample, (Scan, Speed, Touch)) else message
+    return sample if isinstance(sample, HasAge) else message
 
 
 def stamp_ns(message: Any, path: str = "header.stamp") -> int | None:

@@ -1,8 +1,8 @@
-"""What the widgets of a recording show at each of its times, packed as the page takes it."""
+"""The frames of a recording's widgets: what each shows at every time, packed as the page takes it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from math import nan
 from struct import Struct
 from typing import Any, NamedTuple, Protocol
@@ -10,30 +10,30 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from .._core.robot_widget import HEAD
-from ..laser_widget import LaserWidget, about_scan
+from .._widget_choice import WidgetChoice
 from ..recording import Recording
 from ..recordings.timeline import Moment
-from ..samples import Scan, Speed, Touch
+from ..samples import Touch
 from ..speed_widget import Reading, SpeedWidget
-from ..touch_widget import about_touch, pack_states
+from ..touch_widget import TouchWidget, about_touch, pack_states
 from ._touch_history import TouchHistory
 
-NO_SCAN = Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 10.0, notes=("no scan up to this time of the recording",))
-NO_SPEED = Speed((nan, nan, nan), (nan, nan, nan))
-
 TICK = 0.1
-"""Seconds between two stills of touches at most: their durations grow without a message."""
+"""Seconds between two frames of touches at most: their durations grow without a message."""
 
 BEFORE = -1.0
-"""Seconds, of a still that shows that nothing was measured yet."""
+"""Seconds, of a frame that shows that nothing was measured yet."""
 
 _ROW = Struct("<3d")
 
+Seek = Callable[[float], None]
+"""Makes a widget show a topic at a time, in seconds from the start."""
 
-class Still(NamedTuple):
-    """What a widget shows from a time on, in seconds from the start of the recording, and what is said of it.
 
-    Before anything was measured it is `BEFORE` all.
+class TimedFrame(NamedTuple):
+    """What a widget shows from a time on: seconds from the start of the recording, the text on it, and its bytes.
+
+    ``seconds`` is `BEFORE` where nothing was measured yet.
     """
 
     seconds: float
@@ -42,91 +42,131 @@ class Still(NamedTuple):
 
 
 class Track(Protocol):
-    """The stills of one widget."""
+    """What one widget of a player shows through the recording."""
 
-    def stills(self, start: float, end: float) -> Iterator[Still]:
-        """What it shows at a time, which may be from long before, and all that follows up to another time."""
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
+        """The frame at ``start``, whose sample may be much older, and all that follow up to ``end``, in seconds."""
+
+    def seek(self, seconds: float) -> None:
+        """Make the widget show a time, for programs that read its sample."""
 
 
-class LaserTrack:
-    """The scans of a topic."""
+class SampleFrames:
+    """A `Track` of the last sample of a topic at each time.
 
-    def __init__(self, recording: Recording, topic: str, widget: LaserWidget) -> None:
-        self._recording, self._topic, self._widget = recording, topic, widget
+    Args:
+        recording: where the samples are.
+        choice: the topic, and its kind.
+        widget: packs the samples.
+    """
 
-    def stills(self, start: float, end: float) -> Iterator[Still]:
+    def __init__(self, recording: Recording, choice: WidgetChoice, widget: Any) -> None:
+        self._recording, self._topic, self._widget = recording, choice.topic, widget
+        self._nothing = choice.kind.nothing
+        self.seek = _newest(recording, choice.topic, widget.update, self._nothing)
+
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
-        held = self._recording.at(self._topic, start)
-        yield self._still(held.seconds, held.sample) if held else self._still(BEFORE, NO_SCAN)
+        last = self._recording.at(self._topic, start)
+        yield self._frame(last.seconds, last.sample) if last else self._frame(BEFORE, self._nothing)
         for moment in self._recording.samples(self._topic, start, end):
-            yield self._still(moment.seconds, moment.sample)
+            yield self._frame(moment.seconds, moment.sample)
 
-    def _still(self, seconds: float, sample: Any) -> Still:
-        scan = sample.turned(self._widget.angle_offset)
-        return Still(seconds, about_scan(scan), _head(scan) + self._widget._pack(scan))
+    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
+        about, frame = self._widget.frame_of(sample)
+        return TimedFrame(seconds, about, _header(sample) + frame)
 
 
-class SpeedTrack:
-    """The measured speeds of a topic, with those of the commanded one, if there is one."""
+class SpeedFrames:
+    """A `Track` of measured speeds, with those of the commanded topic, if there is one; see `SampleFrames`."""
 
-    def __init__(self, recording: Recording, topic: str, command: str, widget: SpeedWidget) -> None:
-        self._recording, self._topic, self._command, self._widget = recording, topic, command, widget
+    def __init__(self, recording: Recording, choice: WidgetChoice, widget: SpeedWidget) -> None:
+        self._recording, self._topics, self._widget = recording, choice.topics, widget
+        self._nothing = choice.kind.nothing
+        shows = zip(choice.topics, (widget.update, widget.command), strict=False)
+        self._seeks = [_newest(recording, topic, show, self._nothing) for topic, show in shows]
 
-    def stills(self, start: float, end: float) -> Iterator[Still]:
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
-        names = [name for name in (self._topic, self._command) if name]
-        held = {name: self._recording.at(name, start) for name in names}
-        now = {name: moment.sample if moment else NO_SPEED for name, moment in held.items()}
-        yield self._still(max(moment.seconds if moment else BEFORE for moment in held.values()), now)
-        for moment in self._recording.samples(names, start, end):
+        last = {name: self._recording.at(name, start) for name in self._topics}
+        now = {name: moment.sample if moment else self._nothing for name, moment in last.items()}
+        yield self._frame(max(moment.seconds if moment else BEFORE for moment in last.values()), now)
+        for moment in self._recording.samples(self._topics, start, end):
             now[moment.topic] = moment.sample
-            yield self._still(moment.seconds, now)
+            yield self._frame(moment.seconds, now)
 
-    def _still(self, seconds: float, now: Mapping[str, Any]) -> Still:
-        measured = now[self._topic]
-        reading = Reading(commanded=now.get(self._command)).moved(measured)
-        return Still(seconds, {"frame_id": measured.frame_id}, _head(measured) + self._widget._pack(reading))
+    def seek(self, seconds: float) -> None:
+        """See `Track`."""
+        for seek in self._seeks:
+            seek(seconds)
+
+    def _frame(self, seconds: float, now: Mapping[str, Any]) -> TimedFrame:
+        measured, *commanded = (now[name] for name in self._topics)
+        reading = Reading(commanded=commanded[0] if commanded else None).moved(measured)
+        return TimedFrame(seconds, {"frame_id": measured.frame_id}, _header(measured) + self._widget._pack(reading))
 
 
-class TouchTrack:
-    """The touches of a topic, with what becomes of them when no message comes."""
+class TouchFrames:
+    """A `Track` of what is known of touch sensors, which changes without a message too; see `SampleFrames`."""
 
-    def __init__(self, recording: Recording, topic: str) -> None:
-        self._recording, self._topic = recording, topic
-        self._history = TouchHistory(recording, topic)
+    def __init__(self, recording: Recording, choice: WidgetChoice, widget: TouchWidget) -> None:
+        self._recording, self._topic, self._widget = recording, choice.topic, widget
+        self._start_ns = recording.start_ns or 0
+        self._history = TouchHistory(recording, choice.topic)
 
-    def stills(self, start: float, end: float) -> Iterator[Still]:
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
         moments: list[Moment | None] = [*self._recording.samples(self._topic, start, end), None]
-        start_ns = self._recording.start_ns or 0
-        tracker = self._history.at(start_ns + round(start * 1e9) - 1)
+        tracker = self._history.at(self._time_ns(start) - 1)
         seconds = start
         for moment in moments:
             until = end if moment is None else moment.seconds
             while seconds < until:
-                now_ns = start_ns + round(seconds * 1e9)
+                now_ns = self._time_ns(seconds)
                 newest = tracker.newest or Touch({})
-                frame = _head(newest) + pack_states(tracker, now_ns)
-                yield Still(seconds, {**about_touch(newest), "still": True}, frame)
+                frame = _header(newest) + pack_states(tracker, now_ns)
+                yield TimedFrame(seconds, {**about_touch(newest), "still": True}, frame)
                 change_ns = tracker.next_change_ns(now_ns)
-                change = until if change_ns is None else (change_ns - start_ns) / 1e9
+                change = until if change_ns is None else (change_ns - self._start_ns) / 1e9
                 seconds = min(seconds + TICK, max(change, seconds + 1e-3), until)
             if moment is not None and isinstance(moment.sample, Touch):
                 tracker.apply(moment.sample, moment.time_ns)
 
+    def seek(self, seconds: float) -> None:
+        """See `Track`."""
+        time_ns = self._time_ns(seconds)
+        self._widget.show(self._history.at(time_ns), time_ns)
 
-def pack(stills: list[Still]) -> tuple[list[dict[str, Any]], bytes]:
-    """Stills as the page reads them: what is said of them, each once, and a table of times before the frames."""
+    def _time_ns(self, seconds: float) -> int:
+        return self._start_ns + round(seconds * 1e9)
+
+
+def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
+    """Frames as the page reads them: the texts on them, each once, and a table of times before the bytes."""
     abouts: list[dict[str, Any]] = []
     rows, end = [], 0
-    for still in stills:
-        if still.about not in abouts:
-            abouts.append(still.about)
-        end += len(still.frame)
-        rows.append(_ROW.pack(still.seconds, abouts.index(still.about), end))
-    return abouts, b"".join([np.float64(len(stills)).tobytes(), *rows, *(still.frame for still in stills)])
+    for timed in frames:
+        if timed.about not in abouts:
+            abouts.append(timed.about)
+        end += len(timed.frame)
+        rows.append(_ROW.pack(timed.seconds, abouts.index(timed.about), end))
+    return abouts, b"".join([np.float64(len(frames)).tobytes(), *rows, *(timed.frame for timed in frames)])
 
 
-def _head(sample: Any) -> bytes:
+def _newest(recording: Recording, topic: str, show: Callable[[Any], None], nothing: Any) -> Seek:
+    """Hands on the last sample of a topic at a time, unless it is the one that was handed on before."""
+    before: list[int | None] = [-1]
+
+    def seek(seconds: float) -> None:
+        moment = recording.at(topic, seconds)
+        time_ns = moment.time_ns if moment else None
+        if time_ns != before[0]:
+            before[0] = time_ns
+            show(moment.sample if moment else nothing)
+
+    return seek
+
+
+def _header(sample: Any) -> bytes:
     """Of a frame that the page numbers itself, from a source that has no rate."""
     return HEAD.pack(0.0, nan, sample.stamp_ns or 0, sample._arrived)

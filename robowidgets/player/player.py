@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from html import escape
@@ -18,17 +18,16 @@ from .._core.cells import close_all, take_the_place
 from .._core.time_spans import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, columns
-from .._widget_choice import Pick, picks
+from .._widget_choice import WidgetChoice, choose_widgets
 from ..in_rerun.widget import RerunWidget
+from ..kinds import LASER, load
 from ..player_widget import PlayerWidget
 from ..recording import Recording, open
 from ..recordings._silence import longest_pause, usual_step
 from ..recordings.times import has_date
 from ..scanogram_widget import ScanogramWidget
-from ..touch_widget import TouchWidget
-from ._frames import NO_SCAN, NO_SPEED, LaserTrack, SpeedTrack, TouchTrack, Track
-from ._prefetcher import STRETCH, Sender, stretch
-from ._touch_history import TouchHistory
+from ._frames import Track
+from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._whole_drive import whole_drive
 
 _EARLY = 0.1
@@ -38,16 +37,13 @@ _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 _VIEWER = "660px"
 """With less, Rerun hides its time."""
 
-Seek = Callable[[float], None]
-"""Makes a widget show a topic at a time, in seconds from the start."""
-
 
 class View(NamedTuple):
-    """A widget, what it shows, and by the name of each topic what makes it show a time of that."""
+    """A widget, what it was chosen for, and what it shows through the recording that the player reads."""
 
     widget: Any
-    pick: Pick
-    seeks: dict[str, Seek]
+    choice: WidgetChoice
+    track: Track
 
 
 class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -77,7 +73,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None. Settable.")
     marks = Marks(help="What is marked on slider and picture: (start, end, text), in seconds from the start. Settable.")
 
-    _sender: Sender | None = None
+    _prefetcher: Prefetcher | None = None
     scanogram: ScanogramWidget | None = None
 
     def __init__(
@@ -88,15 +84,15 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.views: tuple[View, ...] = ()
         recording.samples(topics or None)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
-        shown = picks(t for t in recording.topics if not topics or t.name in topics)
-        self.views = tuple(_view(recording, pick) for pick in shown)
+        shown = choose_widgets(t for t in recording.topics if not topics or t.name in topics)
+        self.views = tuple(_view(recording, choice) for choice in shown)
         self._seeking = threading.Lock()
         self._problems = ipywidgets.HTML()
         for view in self.views:
             view.widget.live, view.widget.led, view.widget.history = False, True, 0
         moves = recording.duration and self.views
-        scanned = next((view.pick.topic for view in self.views if view.pick.widget == "laser"), "") if moves else ""
-        beside = [name for view in self.views for name in view.seeks]
+        scanned = next((choice.topic for choice in shown if choice.kind.name == LASER.name), "") if moves else ""
+        beside = [name for choice in shown for name in choice.topics]
         self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
         self.bar = self._make_bar(note)
         above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
@@ -106,20 +102,20 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             setattr(self, name, getattr(self.bar, name))
             self.observe(self._to_bar, name)
             self.bar.observe(self._from_bar, name)
-        self._sender = sender = Sender(self._open_tracks, self._send_ahead, recording.duration, self._complain)
-        self.bar.when_asked(sender.start)
-        self.bar.when_pointed(sender.point)
+        self._prefetcher = ahead = Prefetcher(self._open_tracks, self._send_ahead, recording.duration, self._complain)
+        self.bar.when_asked(ahead.start)
+        self.bar.when_pointed(ahead.point)
         self.bar.when_stepped(self._step)
-        self.bar.observe(partial(self._on_time, sender), ["time", "playing", "speed", "loop", "selection"])
+        self.bar.observe(partial(self._on_time, ahead), ["time", "playing", "speed", "loop", "selection"])
         for view in self.views:
-            if view.pick.widget == "laser":
-                view.widget.observe(lambda _: sender.start(), "angle_offset")
+            if view.widget.frame_traits:
+                view.widget.observe(lambda _: ahead.start(), view.widget.frame_traits)
         if self.scanogram:
             self.bar.observe(partial(_select, self.scanogram), "selection")
             traitlets.link((self.bar, "marks"), (self.scanogram, "marks"))
         if self.rerun:
             traitlets.link((self, "time"), (self.rerun, "time"))
-        self._on_time(sender, None)
+        self._on_time(ahead, None)
 
     @property
     def duration(self) -> float:
@@ -136,8 +132,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def close(self) -> None:
         """Take it off the page and close the recording."""
-        if self._sender:
-            self._sender.close()
+        if self._prefetcher:
+            self._prefetcher.close()
             close_all(self.bar)
         if self.scanogram:
             close_all(self.scanogram)
@@ -149,17 +145,17 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.recording.close()
 
     def _make_bar(self, note: str) -> PlayerWidget:
-        """The bar, with the first look in its state: there at once, however busy the kernel is."""
+        """The bar, with the first segment in its state: there at once, however busy the kernel is."""
         seconds = _first_look(self.recording, self.views)
-        index = int(seconds // STRETCH)
-        packed = stretch(_tracks(self.recording, self.views), index)
+        index = int(seconds // SEGMENT)
+        packed = segment([view.track for view in self.views], index)
         start_ns = self.recording.start_ns or 0
         return PlayerWidget(
             duration=self.recording.duration,
             time=seconds,
-            _stretch=STRETCH,
+            _stretch=SEGMENT,
             _targets=[view.widget.model_id for view in self.views],
-            _pauses=[_pause(self.recording, view.pick) for view in self.views],
+            _pauses=[_pause(self.recording, view.choice) for view in self.views],
             _followers=[self.scanogram.model_id] if self.scanogram else [],
             _start=start_ns / 1e9 if has_date(start_ns) else None,
             _note=note,
@@ -173,9 +169,9 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @contextmanager
     def _open_tracks(self) -> Iterator[Sequence[Track]]:
-        """Of a recording opened anew: one thread at a time may read one."""
+        """The tracks of the recording opened anew, because one thread at a time may read a recording."""
         with open(self.recording.path) as recording:
-            yield _tracks(recording, self.views)
+            yield [_track(recording, view.choice, view.widget) for view in self.views]
 
     def _send_ahead(self, content: dict[str, Any], buffers: list[bytes]) -> None:
         self.bar.send(content, buffers)
@@ -203,7 +199,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _step(self, seconds: float, direction: int) -> None:
         """Go from a time to the next sample of the first widget, or to the one before: it may be an hour away."""
-        topic = self.views[0].pick.topic
+        topic = self.views[0].choice.topic
         with self._seeking:
             if direction > 0:
                 found = next((m for m in self.recording.samples(topic, seconds) if m.seconds > seconds), None)
@@ -212,95 +208,54 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         if found:
             self.bar.send({"seek": found.seconds})
 
-    def _on_time(self, sender: Sender, change: Any) -> None:
+    def _on_time(self, ahead: Prefetcher, change: Any) -> None:
         bar = self.bar
-        # What the page told of the time is old where something else changed.
+        # Where something else changed, the time that the page sent last is old.
         seconds = bar.time if change is None or change["name"] == "time" else None
-        sender.tell(seconds, bar.speed if bar.playing else 0.0, bar.span, loops=bar.loop)
+        ahead.set_time(seconds, bar.speed if bar.playing else 0.0, bar.span, loops=bar.loop)
         if seconds is None:
             return
-        # What the page tells may come in a thread of its own while a cell runs.
+        # Messages of the page may arrive in another thread while a cell runs.
         with self._seeking:
             for view in self.views:
-                for seek in view.seeks.values():
-                    seek(self.bar.time)
+                view.track.seek(self.bar.time)
             self._tell_problems()
 
     def _tell_problems(self) -> None:
-        """Some are found only where they lie, on the way through the recording."""
+        """Show the problems of the recording, some of which are found only when it is read."""
         lines = [f"⚠ {escape(line)}" for line in self.recording.problems]
         self._problems.value = "<br>".join(lines)
         self._problems.layout.display = None if lines else "none"
 
 
 def _select(scanogram: ScanogramWidget, change: Any) -> None:
-    """The page tells the bar what was selected on the picture; the picture may know rays besides."""
-    known = scanogram.selection
-    if change["new"] != (known and known[:2]):
+    """Select a time span of the bar in the scanogram, whose own selection may name rays too."""
+    selected = scanogram.selection
+    if change["new"] != (selected and selected[:2]):
         scanogram.selection = change["new"]
 
 
-def _view(recording: Recording, pick: Pick) -> View:
-    widget, name = pick.make(), pick.topic
-    if pick.widget == "laser":
-        return View(widget, pick, {name: _newest(recording, name, widget.update, NO_SCAN)})
-    if pick.widget == "touch":
-        return View(widget, pick, {name: _replay(recording, name, widget)})
-    seeks = {name: _newest(recording, name, widget.update, NO_SPEED)}
-    if pick.command:
-        seeks[pick.command] = _newest(recording, pick.command, widget.command, NO_SPEED)
-    return View(widget, pick, seeks)
+def _view(recording: Recording, choice: WidgetChoice) -> View:
+    widget = choice.make()
+    return View(widget, choice, _track(recording, choice, widget))
 
 
-def _tracks(recording: Recording, views: Iterable[View]) -> list[Track]:
-    return [_track(recording, view) for view in views]
+def _track(recording: Recording, choice: WidgetChoice, widget: Any) -> Track:
+    track: Track = load(choice.kind.frames)(recording, choice, widget)
+    return track
 
 
-def _track(recording: Recording, view: View) -> Track:
-    name = view.pick.topic
-    if view.pick.widget == "laser":
-        return LaserTrack(recording, name, view.widget)
-    if view.pick.widget == "touch":
-        return TouchTrack(recording, name)
-    return SpeedTrack(recording, name, view.pick.command, view.widget)
-
-
-def _newest(recording: Recording, topic: str, update: Callable[[Any], None], nothing: Any) -> Seek:
-    """Hands on the sample of a time, when it is another one than before."""
-    before: list[int | None] = [-1]
-
-    def seek(seconds: float) -> None:
-        moment = recording.at(topic, seconds)
-        time_ns = moment.time_ns if moment else None
-        if time_ns != before[0]:
-            before[0] = time_ns
-            update(moment.sample if moment else nothing)
-
-    return seek
-
-
-def _replay(recording: Recording, topic: str, widget: TouchWidget) -> Seek:
-    history = TouchHistory(recording, topic)
-
-    def seek(seconds: float) -> None:
-        time_ns = (recording.start_ns or 0) + round(seconds * 1e9)
-        widget.show(history.at(time_ns), time_ns)
-
-    return seek
-
-
-def _pause(recording: Recording, pick: Pick) -> float:
-    """Seconds after which what a widget shows of a topic is old; 0: never."""
-    if pick.widget == "touch":
-        # What is said of touches holds until a message says otherwise.
+def _pause(recording: Recording, choice: WidgetChoice) -> float:
+    """Seconds after which a sample on show is stale; 0: never."""
+    if not choice.kind.goes_stale:
         return 0.0
-    # Of the first, because silences make the rate of all a poor guess.
-    times = [moment.time_ns for moment in islice(recording.samples(pick.topic), _LOOKED_AT)]
+    # From the first samples, because silences make the rate of the whole topic a poor guess.
+    times = [moment.time_ns for moment in islice(recording.samples(choice.topic), _LOOKED_AT)]
     return longest_pause(usual_step(np.array(times, np.int64))) / 1e9 if len(times) > 1 else 0.0
 
 
 def _first_look(recording: Recording, views: Iterable[View]) -> float:
     """The earliest time at which every topic that starts early has something to show."""
-    firsts = (next(recording.samples(topic), None) for view in views for topic in view.seeks)
+    firsts = (next(recording.samples(topic), None) for view in views for topic in view.choice.topics)
     seconds = [first.seconds for first in firsts if first]
     return max((s for s in seconds if s <= _EARLY * recording.duration), default=min(seconds, default=0.0))

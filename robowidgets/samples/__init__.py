@@ -4,8 +4,9 @@ A sample is immutable, in SI units and in the body frame of REP-103 (x forward, 
 counter-clockwise). It knows neither ROS nor a page.
 """
 
+from ._age import HasAge
 from .scan import Ray, Scan, Validity
 from .speed import AXES, Speed
 from .touch import Touch, TouchMode, TouchState
 
-__all__ = ["AXES", "Ray", "Scan", "Speed", "Touch", "TouchMode", "TouchState", "Validity"]
+__all__ = ["AXES", "HasAge", "Ray", "Scan", "Speed", "Touch", "TouchMode", "TouchState", "Validity"]

@@ -247,7 +247,7 @@ def test_a_click_on_the_whole_drive_moves_all(notebook: Open, data: Path) -> Non
     nb = opened(notebook, data / "good" / "neato_fsm")
     picture = nb.output(1).locator(".rw-scanogram .rw-picture")
     busy = nb.append(BUSY)
-    nb.python("import time\nwhile len(player._sender._sent) < 33: time.sleep(0.05)")
+    nb.python("import time\nwhile len(player._prefetcher._sent) < 33: time.sleep(0.05)")
     nb.start(busy)
     before = now(nb)
     picture.click(position={"x": 500, "y": 100})
@@ -270,8 +270,8 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
 ) -> None:
     path = sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100))
     nb = opened(notebook, path, SMALL + SHOW, touch=True)
-    nb.python("import time\nwhile sum(player._sender._sent.values()) < 90_000: time.sleep(0.05)")
-    asked, has = "print(player._sender._pointed)", "print(sorted(player._sender._sent))"
+    nb.python("import time\nwhile sum(player._prefetcher._sent.values()) < 90_000: time.sleep(0.05)")
+    asked, has = "print(player._prefetcher._pointed)", "print(sorted(player._prefetcher._sent))"
 
     def fetches(act: Callable[[], object]) -> None:
         before, there = nb.python(asked), json.loads(nb.python(has))
@@ -305,7 +305,7 @@ def test_it_plays_steps_and_seeks_while_a_cell_runs(notebook: Open, data: Path) 
     nb = opened(notebook, data / "good" / "turtlebot3_gazebo.bag")
     nb.python("player.time = 10")
     expect(bar(nb).locator(".rw-play-now")).to_have_text("10.00")
-    nb.python("import time\nwhile len(player._sender._sent) < 91: time.sleep(0.05)")
+    nb.python("import time\nwhile len(player._prefetcher._sent) < 91: time.sleep(0.05)")
     busy = nb.append(BUSY)
     nb.start(busy)
     laser = nb.output(1).locator(".rw-laser .rw-footer")

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget
-from robowidgets._widget_choice import picks
+from robowidgets._widget_choice import choose_widgets
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._view import FeedView
 
@@ -168,7 +168,9 @@ def test_a_feed_that_is_closed_while_its_topics_come_puts_up_nothing(
 ) -> None:
     feed, script = opened()
     view = feed.show()
-    monkeypatch.setattr("robowidgets.feeds._view.picks", lambda topics: (feed.close(), picks(topics))[1])
+    monkeypatch.setattr(
+        "robowidgets.feeds._view.choose_widgets", lambda topics: (feed.close(), choose_widgets(topics))[1]
+    )
     script.listener.on_topics([SCAN])
     assert script.asked == []
     assert words(view) == "the feed is closed"

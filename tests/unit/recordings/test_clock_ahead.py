@@ -10,8 +10,10 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
-from robowidgets.player._frames import LaserTrack
-from robowidgets.player._prefetcher import stretch
+from robowidgets._widget_choice import WidgetChoice
+from robowidgets.kinds import LASER
+from robowidgets.player._frames import SampleFrames
+from robowidgets.player._prefetcher import segment
 from robowidgets.recordings import ros_arrivals
 from robowidgets.repair._carmen import CarmenLog
 from robowidgets.repair._held_clock import LEAP, hold
@@ -58,8 +60,8 @@ class TestAClockThatStartsIn1970AndIsSet:
         assert [topic.rate for topic in recording.topics] == pytest.approx([99 / 9.8] * 2)
 
     def test_plays_across(self, recording: Recording) -> None:
-        track = LaserTrack(recording, SCAN, LaserWidget())
-        assert [len(list(track.stills(second, second + 1.0))) for second in range(10)] == pytest.approx(
+        track = SampleFrames(recording, WidgetChoice(LASER, SCAN), LaserWidget())
+        assert [len(list(track.frames(second, second + 1.0))) for second in range(10)] == pytest.approx(
             [11] * 10, abs=1
         )
 
@@ -84,9 +86,9 @@ def test_a_silence_of_29_days_is_left_as_it_is_and_plays(tmp_path: Path, kind: s
     assert recording.scans().problems == (
         f"nothing was recorded for {days + 0.1:.2f} s from 4.90 s on, or the clock jumped ahead",
     )
-    track = LaserTrack(recording, SCAN, LaserWidget())
-    assert len(list(track.stills(days + 9.0, days + 10.0))) == 11
-    ((_, raw),) = stretch([track], int(days) + 9)
+    track = SampleFrames(recording, WidgetChoice(LASER, SCAN), LaserWidget())
+    assert len(list(track.frames(days + 9.0, days + 10.0))) == 11
+    ((_, raw),) = segment([track], int(days) + 9)
     assert np.frombuffer(raw, np.float64, 1)[0] == 11
 
 

@@ -15,8 +15,10 @@ import pytest
 import robowidgets
 from robowidgets import LaserWidget, Recording
 from robowidgets._core.robot_widget import HEAD
-from robowidgets.player._frames import LaserTrack
-from robowidgets.player._prefetcher import stretch
+from robowidgets._widget_choice import WidgetChoice
+from robowidgets.kinds import LASER
+from robowidgets.player._frames import SampleFrames
+from robowidgets.player._prefetcher import segment
 from robowidgets.recordings import ros_arrivals, ros_files
 from robowidgets.recordings.chunk_pages import ENTRY, INDEX_HEAD
 from robowidgets.recordings.files import open_timeline
@@ -83,13 +85,13 @@ class TestAClockThatIsSetBackByThreeSeconds:
         assert recording.scans().stamps_ns.tolist() == [START_NS + i * 10**8 for i in range(100)]
 
     def test_plays_in_that_order(self, recording: Recording) -> None:
-        track = LaserTrack(recording, SCAN, LaserWidget())
-        stills = [list(track.stills(second, second + 1.0)) for second in range(7)]
-        assert [len(some) for some in stills] == [11, 11, 11, 11, 41, 11, 11]
-        frames = [without_arrival(still.frame) for some in stills for still in some[1:]]
-        expected = [track._still(moment.seconds, moment.sample).frame for moment in recording.samples(SCAN)]
+        track = SampleFrames(recording, WidgetChoice(LASER, SCAN), LaserWidget())
+        timed = [list(track.frames(second, second + 1.0)) for second in range(7)]
+        assert [len(some) for some in timed] == [11, 11, 11, 11, 41, 11, 11]
+        frames = [without_arrival(one.frame) for some in timed for one in some[1:]]
+        expected = [track._frame(moment.seconds, moment.sample).frame for moment in recording.samples(SCAN)]
         assert frames == [without_arrival(frame) for frame in expected]
-        ((_, raw),) = stretch([track], 4)
+        ((_, raw),) = segment([track], 4)
         assert np.frombuffer(raw, np.float64, 1)[0] == 41
 
     def test_is_searched_in_that_order(self, recording: Recording) -> None:

@@ -17,10 +17,10 @@ from traitlets import TraitError
 
 from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
 from robowidgets._core import cells as _cells
-from robowidgets.player import _prefetcher as sender
-from robowidgets.player._prefetcher import stretch
+from robowidgets.player import _prefetcher
+from robowidgets.player._prefetcher import segment
 from robowidgets.player._touch_history import TouchHistory
-from robowidgets.player.player import Player, _tracks
+from robowidgets.player.player import Player
 from robowidgets.recording import Recording, open
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.samples.touch_tracker import TouchSensor, TouchTracker
@@ -51,7 +51,7 @@ def player(path: Path) -> Iterator[Player]:
 
 
 def widgets(player: Player) -> dict[tuple[str, ...], str]:
-    return {tuple(view.seeks): type(view.widget).__name__ for view in player.views}
+    return {view.choice.topics: type(view.widget).__name__ for view in player.views}
 
 
 def widget(player: Player, kind: type) -> object:
@@ -154,7 +154,7 @@ def test_what_is_set_of_playing_reaches_the_bar_and_back(player: Player) -> None
     assert bar.marks == ((1.0, 1.5, "early"), (4.0, 5.0, "late"))
     bar.playing = True
     assert player.playing
-    assert (player._sender.cursor.rate, player._sender.cursor.span) == (2.0, (2.0, 3.0))
+    assert (player._prefetcher.cursor.rate, player._prefetcher.cursor.span) == (2.0, (2.0, 3.0))
     player.selection = (2, 1e6)
     assert bar.span == (2.0, 10.0)
 
@@ -203,15 +203,15 @@ def test_what_cannot_be_is_refused(player: Player, name: str, value: object, err
 
 def test_a_page_that_has_nothing_gets_the_time_on_show_first(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sent: list[tuple[dict, list[bytes]]] = []
-    monkeypatch.setattr(sender, "PATIENCE", 60.0)
+    monkeypatch.setattr(_prefetcher, "PATIENCE", 60.0)
     with shown(path) as player:
         monkeypatch.setattr(player.bar, "send", lambda content, buffers=(): sent.append((content, buffers)))
         player.time = 5.5
         player.bar._handle_custom_msg({"have": "nothing"}, [])
         wait_for(lambda: len(sent) >= 6, "the last five seconds came, and the one before")
-    stretches = [(content, buffers) for content, buffers in sent if "stretch" in content]
-    assert [content["stretch"] for content, _ in stretches] == [5, 6, 4, 7, 8, 9, 10][: len(stretches)]
-    assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in stretches)
+    segments = [(content, buffers) for content, buffers in sent if "stretch" in content]
+    assert [content["stretch"] for content, _ in segments] == [5, 6, 4, 7, 8, 9, 10][: len(segments)]
+    assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in segments)
 
 
 def test_a_step_that_the_page_cannot_take_goes_to_the_next_scan_or_the_one_before(
@@ -233,7 +233,7 @@ def test_the_first_look_is_in_the_state_of_the_bar(player: Player) -> None:
     first = player.bar._first
     assert first["stretch"] == int(player.time)
     assert [len(track) for track in first["tracks"]] == [
-        len(raw) for _, raw in stretch(_tracks(player.recording, player.views), 0)
+        len(raw) for _, raw in segment([view.track for view in player.views], 0)
     ]
 
 

@@ -43,7 +43,7 @@ def test_the_first_type_is_shown_and_the_other_left_out_with_a_line(tmp_path: Pa
         assert len(list(recording.samples("/data"))) == 3
         assert len({type(moment.sample) for moment in recording.samples()}) == 1
         player = recording.show()
-        assert [view.pick.widget for view in player.views] == [widget]
+        assert [view.choice.kind.name for view in player.views] == [widget]
         player.close()
 
 

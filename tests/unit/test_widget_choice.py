@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robowidgets._widget_choice import picks
+from robowidgets._widget_choice import choose_widgets
 from robowidgets.feeds._topics import Topic
 from robowidgets.kinds import is_command
 
@@ -28,9 +28,9 @@ from robowidgets.kinds import is_command
 )
 def test_a_measured_speed_gets_the_command_of_its_own_robot(topics: list[str], command_of: dict[str, str]) -> None:
     shown = [Topic(name, "", "speed", is_command(name), offered=True, wanted=None) for name in topics]
-    picked = picks(shown)
-    assert {pick.topic: pick.command for pick in picked if pick.command} == command_of
-    assert {pick.topic for pick in picked} == set(topics) - set(command_of.values())
+    chosen = choose_widgets(shown)
+    assert {choice.topic: choice.command for choice in chosen if choice.command} == command_of
+    assert {choice.topic for choice in chosen} == set(topics) - set(command_of.values())
 
 
 def test_a_command_alone_is_shown_as_one() -> None:
@@ -39,8 +39,8 @@ def test_a_command_alone_is_shown_as_one() -> None:
         Topic(name, "", widget, widget == "speed" and is_command(name), offered=True, wanted=None)  # type: ignore[arg-type]
         for name, widget in topics
     ]
-    assert [(pick.topic, pick.commanded) for pick in picks(shown)] == [
+    assert [(choice.topic, choice.commanded) for choice in choose_widgets(shown)] == [
         ("/scan", False), ("/odom", False), ("/cmd_vel_mux/input", True)
     ]  # fmt: skip
-    assert [pick.make().bars for pick in picks(shown)[1:]] == ["measured", "commanded"]
-    assert [pick.make().bars for pick in picks(shown[2:])] == ["commanded", "commanded"]
+    assert [choice.make().bars for choice in choose_widgets(shown)[1:]] == ["measured", "commanded"]
+    assert [choice.make().bars for choice in choose_widgets(shown[2:])] == ["commanded", "commanded"]

@@ -12,8 +12,8 @@ import pytest
 
 from robowidgets import SpeedWidget
 from robowidgets._core.robot_widget import HEAD
-from robowidgets.player._frames import TICK, Still, pack
-from robowidgets.player.player import Player, _tracks
+from robowidgets.player._frames import TICK, TimedFrame, pack
+from robowidgets.player.player import Player
 from robowidgets.recording import open
 
 from . import robot
@@ -32,8 +32,8 @@ def player(path: Path) -> Iterator[Player]:
     player.close()
 
 
-def shown_at(stills: list[Still], seconds: float) -> Still:
-    return [still for still in stills if still.seconds <= seconds][-1]
+def shown_at(frames: list[TimedFrame], seconds: float) -> TimedFrame:
+    return [timed for timed in frames if timed.seconds <= seconds][-1]
 
 
 def agree(player: Player, seed: int) -> None:
@@ -42,25 +42,25 @@ def agree(player: Player, seed: int) -> None:
         seconds = times.uniform(0, player.recording.duration)
         start = float(int(seconds))
         player.time = seconds
-        for view, track in zip(player.views, _tracks(player.recording, player.views), strict=True):
-            still = shown_at(list(track.stills(start, start + 1)), seconds)
+        for view in player.views:
+            timed = shown_at(list(view.track.frames(start, start + 1)), seconds)
             frame, about = view.widget.get_state()["_frame"], view.widget.get_state()["_about"]
-            assert about == still.about, (seconds, view.pick.topic)
+            assert about == timed.about, (seconds, view.choice.topic)
             if isinstance(view.widget, SpeedWidget):
-                was, now = view.widget._unpack(frame), view.widget._unpack(still.frame)
+                was, now = view.widget._unpack(frame), view.widget._unpack(timed.frame)
                 assert repr((was.measured, was.commanded)) == repr((now.measured, now.commanded)), seconds
-            elif view.pick.widget == "laser":
-                assert frame[HEAD.size :] == still.frame[HEAD.size :], (seconds, view.pick.topic)
+            elif view.choice.kind.name == "laser":
+                assert frame[HEAD.size :] == timed.frame[HEAD.size :], (seconds, view.choice.topic)
             else:
                 states = view.widget.states
-                assert {row[0]: row[1] for row in rows(still)} == {n: s.name.lower() for n, s in states.items()}
-                ages = {row[0]: row[3] for row in rows(still)}
-                for name, _, _, age in rows(Still(0, {}, frame)):
+                assert {row[0]: row[1] for row in rows(timed)} == {n: s.name.lower() for n, s in states.items()}
+                ages = {row[0]: row[3] for row in rows(timed)}
+                for name, _, _, age in rows(TimedFrame(0, {}, frame)):
                     assert age is None or 0 <= age - ages[name] <= TICK + 1e-6
 
 
-def rows(still: Still) -> list:
-    return json.loads(still.frame[HEAD.size :])
+def rows(timed: TimedFrame) -> list:
+    return json.loads(timed.frame[HEAD.size :])
 
 
 def test_a_robot_that_drives(player: Player) -> None:
@@ -75,10 +75,10 @@ def test_a_real_robot(data: Path, name: str) -> None:
     player.close()
 
 
-def test_each_stretch_begins_with_what_holds_and_goes_on_in_order(player: Player) -> None:
-    for track in _tracks(player.recording, player.views):
+def test_each_segment_begins_with_what_holds_and_goes_on_in_order(player: Player) -> None:
+    for track in [view.track for view in player.views]:
         for start in (0.0, 3.0, 10.0):
-            seconds = [still.seconds for still in track.stills(start, start + 1)]
+            seconds = [timed.seconds for timed in track.frames(start, start + 1)]
             assert seconds[0] <= start
             assert all(start <= later for later in seconds[1:])
             assert seconds == sorted(seconds)
@@ -87,7 +87,7 @@ def test_each_stretch_begins_with_what_holds_and_goes_on_in_order(player: Player
 
 def test_a_page_reads_times_and_frames_by_a_table_before_them() -> None:
     said, more = {"frame_id": "a"}, {"frame_id": "b"}
-    abouts, raw = pack([Still(1.0, said, b"one"), Still(1.5, more, b"three"), Still(1.7, said, b"")])
+    abouts, raw = pack([TimedFrame(1.0, said, b"one"), TimedFrame(1.5, more, b"three"), TimedFrame(1.7, said, b"")])
     assert abouts == [said, more]
     assert struct.unpack_from("<10d", raw) == (3, 1.0, 0, 3, 1.5, 1, 8, 1.7, 0, 8)
     assert raw[80:] == b"onethree"

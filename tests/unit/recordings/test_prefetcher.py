@@ -11,8 +11,8 @@ import pytest
 
 from robowidgets._core import progress
 from robowidgets.player import _prefetcher as module
-from robowidgets.player._frames import Still
-from robowidgets.player._prefetcher import Cursor, Sender
+from robowidgets.player._frames import TimedFrame
+from robowidgets.player._prefetcher import Cursor, Prefetcher
 from robowidgets.recordings import RecordingError
 
 from ..waiting import threads_named, wait_for
@@ -21,15 +21,15 @@ PLAYER = "robowidgets-player"
 
 
 class Track:
-    """Stills of a given size, one at the start of each stretch."""
+    """Frames of a given size, one at the start of each segment."""
 
     def __init__(self, size: int = 10, fails_at: float = 1e9, error: Exception | None = None) -> None:
         self.size, self.fails_at, self.error = size, fails_at, error
 
-    def stills(self, start: float, _end: float) -> Iterator[Still]:
+    def frames(self, start: float, _end: float) -> Iterator[TimedFrame]:
         if start >= self.fails_at and self.error:
             raise self.error
-        yield Still(start, {}, b"x" * self.size)
+        yield TimedFrame(start, {}, b"x" * self.size)
 
 
 class Page:
@@ -48,34 +48,34 @@ class Page:
 
 
 @contextmanager
-def sending(track: Track, duration: float) -> Iterator[tuple[Sender, Page]]:
+def sending(track: Track, duration: float) -> Iterator[tuple[Prefetcher, Page]]:
     page = Page()
 
     @contextmanager
     def tracks() -> Iterator[list[Track]]:
         yield [track]
 
-    sender = Sender(tracks, page.take, duration, page.words.append)
+    prefetcher = Prefetcher(tracks, page.take, duration, page.words.append)
     try:
-        yield sender, page
+        yield prefetcher, page
     finally:
-        sender.close()
+        prefetcher.close()
 
 
 def test_a_page_that_is_not_heard_gets_what_is_on_show_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "PATIENCE", 0.05)
-    with sending(Track(), 100) as (sender, page):
-        sender.tell(40.2, 0.0, (0.0, 100.0))
+    with sending(Track(), 100) as (prefetcher, page):
+        prefetcher.set_time(40.2, 0.0, (0.0, 100.0))
         wait_for(lambda: len(page.has) == 12, "ten seconds ahead came")
-        sender.tell(40.3, 0.0, (0.0, 100.0))
-        sender.close()
+        prefetcher.set_time(40.3, 0.0, (0.0, 100.0))
+        prefetcher.close()
         assert page.has == [40, 41, 39, *range(42, 51)]
 
 
 def test_the_time_on_show_comes_first_then_what_follows_and_one_before() -> None:
-    with sending(Track(), 100) as (sender, page):
-        sender.tell(40.2, 0.0, (0.0, 100.0))
-        sender.start()
+    with sending(Track(), 100) as (prefetcher, page):
+        prefetcher.set_time(40.2, 0.0, (0.0, 100.0))
+        prefetcher.start()
         wait_for(lambda: len(page.has) == 101, "all came")
         assert page.has[:12] == [40, 41, 39, *range(42, 51)]
         assert page.has[12:20] == [38, 37, 51, 52, 36, 53, 54, 55]
@@ -83,30 +83,30 @@ def test_the_time_on_show_comes_first_then_what_follows_and_one_before() -> None
 
 
 def test_a_seek_is_served_before_the_rest() -> None:
-    with sending(Track(), 1000) as (sender, page):
-        sender.start()
+    with sending(Track(), 1000) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: len(page.has) > 11, "the start came")
-        sender.tell(700.5, 0.0, (0.0, 1000.0))
+        prefetcher.set_time(700.5, 0.0, (0.0, 1000.0))
         wait_for(lambda: 710 in page.has, "what was sought came")
         assert page.has[page.has.index(700) :][:4] == [700, 701, 699, 702]
 
 
 def test_what_plays_fast_is_further_ahead_and_goes_on_while_nothing_is_heard() -> None:
-    with sending(Track(), 1000) as (sender, page):
-        sender.start()
-        sender.tell(0.0, 10.0, (0.0, 1000.0))
+    with sending(Track(), 1000) as (prefetcher, page):
+        prefetcher.start()
+        prefetcher.set_time(0.0, 10.0, (0.0, 1000.0))
         wait_for(lambda: max(page.has, default=0) >= 110, "it was reckoned where the page must be")
 
 
 def test_a_page_that_waits_gets_what_it_waits_for_however_fast_it_plays() -> None:
     class Slow(Track):
-        def stills(self, start: float, end: float) -> Iterator[Still]:
+        def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
             time.sleep(0.02)
-            return super().stills(start, end)
+            return super().frames(start, end)
 
-    with sending(Slow(), 1000) as (sender, page):
-        sender.start()
-        sender.tell(50.0, 100.0, (0.0, 1000.0))
+    with sending(Slow(), 1000) as (prefetcher, page):
+        prefetcher.start()
+        prefetcher.set_time(50.0, 100.0, (0.0, 1000.0))
         wait_for(lambda: len(page.has) >= 20, "some came")
         wanted = [index for index in page.has if index >= 50]
         assert wanted == list(range(50, 50 + len(wanted)))
@@ -114,24 +114,24 @@ def test_a_page_that_waits_gets_what_it_waits_for_however_fast_it_plays() -> Non
 
 def test_its_thread_shows_no_bar_in_a_cell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     class Long(Track):
-        def stills(self, start: float, end: float) -> Iterator[Still]:
+        def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
             with progress.Progress(2, "Reading") as bar:
                 bar.update(1)
-            return super().stills(start, end)
+            return super().frames(start, end)
 
     monkeypatch.setattr(progress, "SHOWN_AFTER", 0)
-    with sending(Long(), 3) as (sender, page):
-        sender.start()
+    with sending(Long(), 3) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: len(page.has) == 4, "all came")
     assert capsys.readouterr().err == ""
 
 
 def test_what_is_stale_is_dropped_from_the_page() -> None:
-    with sending(Track(), 1000) as (sender, page):
-        sender.start()
+    with sending(Track(), 1000) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: len(page.bytes) > 20, "the start came")
-        sender.tell(900.0, 0.0, (0.0, 1000.0))
-        sender.start()
+        prefetcher.set_time(900.0, 0.0, (0.0, 1000.0))
+        prefetcher.start()
         wait_for(lambda: any(page.dropped), "something was dropped")
         first = next(i for i, dropped in enumerate(page.dropped) if dropped)
         assert page.has[first] == 900, "the time on show comes anew"
@@ -139,37 +139,37 @@ def test_what_is_stale_is_dropped_from_the_page() -> None:
 
 
 def test_at_the_end_of_what_is_looped_its_start_comes() -> None:
-    with sending(Track(), 1000) as (sender, page):
-        sender.tell(52.0, 1.0, (20.0, 54.0), loops=True)
-        sender.start()
+    with sending(Track(), 1000) as (prefetcher, page):
+        prefetcher.set_time(52.0, 1.0, (20.0, 54.0), loops=True)
+        prefetcher.start()
         wait_for(lambda: {52, 53, 54, 20, 21} <= set(page.has), "the start of the loop came")
 
 
 def test_a_page_that_was_loaded_anew_gets_all_again() -> None:
-    with sending(Track(), 3) as (sender, page):
-        sender.start()
+    with sending(Track(), 3) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: page.has == [0, 1, 2, 3], "all came")
-        sender.start()
+        prefetcher.start()
         wait_for(lambda: page.has == [0, 1, 2, 3] * 2, "all came again")
 
 
 def test_a_full_page_gets_what_lies_around_a_time_and_loses_what_is_far(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
-    with sending(Track(1000), 10_000) as (sender, page):
-        sender.start()
+    with sending(Track(1000), 10_000) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: len(page.bytes) > 35, "the page is full")
-        sender.tell(5000.5, 0.0, (0.0, 10_000.0))
+        prefetcher.set_time(5000.5, 0.0, (0.0, 10_000.0))
         wait_for(lambda: set(range(4995, 5025)) <= page.bytes.keys(), "what lies around came")
-        sender.close()
+        prefetcher.close()
         assert len(page.has) == len(set(page.has))
 
 
 def test_the_page_keeps_no_more_than_it_may(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
-    with sending(Track(1000), 10_000) as (sender, page):
-        sender.start()
+    with sending(Track(1000), 10_000) as (prefetcher, page):
+        prefetcher.start()
         for seconds in (0, 50, 100, 150):
-            sender.tell(seconds, 0.0, (0.0, 10_000.0))
+            prefetcher.set_time(seconds, 0.0, (0.0, 10_000.0))
             wait_for(lambda at=seconds: {at, at + 10} <= page.bytes.keys(), "what was sought came")
             assert sum(page.bytes.values()) <= 40_000
             assert len(page.bytes) < 40
@@ -177,10 +177,10 @@ def test_the_page_keeps_no_more_than_it_may(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_what_a_person_points_at_was_sent_when_who_handed_it_on_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "ANSWER", 30.0)
-    with sending(Track(), 50_000) as (sender, page):
-        sender.start()
+    with sending(Track(), 50_000) as (prefetcher, page):
+        prefetcher.start()
         for seconds, index in ((40_000.5, 40_000), (30_000.0, 30_000), (1e6, 50_000), (-1.0, 0)):
-            sender.point(seconds)
+            prefetcher.point(seconds)
             assert index in page.bytes
         assert not {29_999, 30_001, 39_999, 40_001, 49_999} & page.bytes.keys()
 
@@ -189,11 +189,11 @@ def test_what_plays_comes_before_what_a_person_points_at_and_nobody_waits_for_th
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(module, "ANSWER", 30.0)
-    with sending(Track(), 1000) as (sender, page):
-        sender.tell(50.0, 10.0, (0.0, 1000.0))
-        sender.start()
+    with sending(Track(), 1000) as (prefetcher, page):
+        prefetcher.set_time(50.0, 10.0, (0.0, 1000.0))
+        prefetcher.start()
         began = time.monotonic()
-        sender.point(700.5)
+        prefetcher.point(700.5)
         assert time.monotonic() - began < 10.0
         wait_for(lambda: 700 in page.has, "it came")
         assert set(range(50, 150)) <= set(page.has[: page.has.index(700)])
@@ -201,95 +201,95 @@ def test_what_plays_comes_before_what_a_person_points_at_and_nobody_waits_for_th
 
 def test_a_full_page_keeps_what_a_person_points_at_until_it_is_others(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
-    with sending(Track(1000), 10_000) as (sender, page):
-        sender.start()
+    with sending(Track(1000), 10_000) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: len(page.bytes) > 35, "the page is full")
-        sender.point(5000.5)
+        prefetcher.point(5000.5)
         for seconds in (1000, 2000):
-            sender.tell(seconds, 0.0, (0.0, 10_000.0))
+            prefetcher.set_time(seconds, 0.0, (0.0, 10_000.0))
             wait_for(lambda at=seconds: {*range(at - 4, at + 20)} <= page.bytes.keys(), "what lies around came")
             assert 5000 in page.bytes
             assert sum(page.bytes.values()) <= 40_000
         for seconds in range(6000, 6000 + module.POINTED):
-            sender.point(seconds)
-        sender.tell(9000, 0.0, (0.0, 10_000.0))
+            prefetcher.point(seconds)
+        prefetcher.set_time(9000, 0.0, (0.0, 10_000.0))
         wait_for(lambda: 5000 not in page.bytes, "it made room")
         assert sum(page.bytes.values()) <= 40_000
 
 
-def test_a_page_that_keeps_a_few_stretches_only_is_lent_none(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_that_keeps_a_few_segments_only_keeps_none_that_is_pointed_at(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_BYTES", 4000)
-    with sending(Track(1000), 1000) as (sender, page):
-        sender.start()
+    with sending(Track(1000), 1000) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: page.has, "it began")
-        sender.point(500.0)
-        sender.tell(700.0, 0.0, (0.0, 1000.0))
+        prefetcher.point(500.0)
+        prefetcher.set_time(700.0, 0.0, (0.0, 1000.0))
         wait_for(lambda: {700, 701} <= page.bytes.keys(), "what was sought came")
         assert 500 not in page.has
 
 
 def test_a_clock_that_jumps_by_years_takes_no_more_time_or_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "KEPT_STRETCHES", 40)
-    with sending(Track(), 1e9) as (sender, page):
-        sender.start()
+    monkeypatch.setattr(module, "KEPT_SEGMENTS", 40)
+    with sending(Track(), 1e9) as (prefetcher, page):
+        prefetcher.start()
         for seconds in (5e8, 0.0, 1e9):
             began = time.monotonic()
-            sender.tell(seconds, 0.0, (0.0, 1e9))
+            prefetcher.set_time(seconds, 0.0, (0.0, 1e9))
             assert time.monotonic() - began < 10.0
             wait_for(lambda at=int(seconds): at in page.bytes and len(page.bytes) == 40, "it is there with the others")
 
 
 def test_what_is_soon_shown_takes_half_of_what_a_page_keeps_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
-    with sending(Track(1000), 10_000) as (sender, page):
-        sender.start()
+    with sending(Track(1000), 10_000) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: len(page.bytes) > 5, "it began")
-        sender.tell(50.0, 10.0, (0.0, 10_000.0))
+        prefetcher.set_time(50.0, 10.0, (0.0, 10_000.0))
         wait_for(lambda: 80 in page.has, "it went on")
         assert sum(page.bytes.values()) <= 40_000
 
 
 def test_a_recording_that_cannot_be_read_on_is_told() -> None:
-    with sending(Track(fails_at=2.0, error=RecordingError("drive.bag: cut off")), 100) as (sender, page):
-        sender.start()
-        wait_for(lambda: page.words, "it was told")
+    with sending(Track(fails_at=2.0, error=RecordingError("drive.bag: cut off")), 100) as (prefetcher, page):
+        prefetcher.start()
+        wait_for(lambda: page.words, "it was set_to")
         assert (page.has, page.words) == ([0, 1], ["drive.bag: cut off"])
 
 
 def test_an_unforeseen_error_is_told_and_logged(caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.ERROR), sending(Track(fails_at=0.0, error=KeyError("x")), 10) as (sender, page):
-        sender.start()
-        wait_for(lambda: page.words, "it was told")
+    with caplog.at_level(logging.ERROR), sending(Track(fails_at=0.0, error=KeyError("x")), 10) as (prefetcher, page):
+        prefetcher.start()
+        wait_for(lambda: page.words, "it was set_to")
         assert page.words == ["KeyError: 'x'"]
         assert "can be played no further" in caplog.text
 
 
 def test_closed_it_leaves_no_thread_and_may_be_closed_again() -> None:
-    with sending(Track(), 1e6) as (sender, page):
-        sender.start()
+    with sending(Track(), 1e6) as (prefetcher, page):
+        prefetcher.start()
         wait_for(lambda: len(page.has) >= 11, "some came")
         assert threads_named(PLAYER) == 1
-        sender.close()
-        sender.close()
+        prefetcher.close()
+        prefetcher.close()
         assert threads_named(PLAYER) == 0
 
 
 def test_with_nothing_to_do_it_has_no_thread_and_no_file_until_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "LINGER", 0.01)
-    with sending(Track(), 1000) as (sender, page):
+    with sending(Track(), 1000) as (prefetcher, page):
         monkeypatch.setattr(module, "KEPT_BYTES", 200)
-        sender.start()
+        prefetcher.start()
         wait_for(lambda: threads_named(PLAYER) == 0, "the thread ended")
         assert page.has[:2] == [0, 1]
-        sender.tell(900.5, 0.0, (0.0, 1000.0))
+        prefetcher.set_time(900.5, 0.0, (0.0, 1000.0))
         wait_for(lambda: 900 in page.has, "what was sought came")
         wait_for(lambda: threads_named(PLAYER) == 0, "the thread ended again")
 
 
 def test_its_thread_ends_at_once_when_all_was_sent_and_begins_anew_for_a_page_that_was_loaded_again() -> None:
-    with sending(Track(), 3) as (sender, page):
+    with sending(Track(), 3) as (prefetcher, page):
         for times in (1, 2):
-            sender.start()
+            prefetcher.start()
             wait_for(lambda: threads_named(PLAYER) == 0, "the thread ended")
             assert page.has == [0, 1, 2, 3] * times
 
@@ -297,14 +297,14 @@ def test_its_thread_ends_at_once_when_all_was_sent_and_begins_anew_for_a_page_th
 def test_between_two_words_the_time_is_reckoned_up_to_the_end() -> None:
     now = [100.0]
     cursor = Cursor(lambda: now[0])
-    cursor.tell(5.0, 2.0, (0.0, 9.0))
+    cursor.set_time(5.0, 2.0, (0.0, 9.0))
     now[0] += 1.5
     assert cursor.seconds == 8.0
     now[0] += 60
     assert cursor.seconds == 9.0
-    cursor.tell(8.0, 2.0, (4.0, 9.0), loops=True)
+    cursor.set_time(8.0, 2.0, (4.0, 9.0), loops=True)
     now[0] += 1.5
     assert cursor.seconds == 6.0
-    cursor.tell(3.0, 0.0, (0.0, 9.0))
+    cursor.set_time(3.0, 0.0, (0.0, 9.0))
     now[0] += 60
     assert cursor.seconds == 3.0
