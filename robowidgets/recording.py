@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 from types import TracebackType
@@ -210,12 +210,14 @@ class Recording:
         """
         return self._columns(topic, "touch", Touches)
 
-    def scanogram(self, topic: str | None = None) -> ScanogramWidget:
+    def scanogram(
+        self, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
+    ) -> ScanogramWidget:
         """All its scans in one picture, with speed and touch under them: see `ScanogramWidget.of`."""
-        # Here, so that who only reads recordings needs no page.
-        from .scanogram_widget import ScanogramWidget
+        # Imported lazily: reading recordings needs no widgets.
+        from .player._scanogram import scanogram
 
-        return ScanogramWidget.of(self, topic)
+        return scanogram(self, topic, beside, **options)
 
     def find(self, condition: Condition | Callable[[Instant], Any], topics: str | Iterable[str] | None = None) -> Spans:
         """From when to when a condition holds, as a table.

@@ -11,7 +11,6 @@ import numpy as np
 import traitlets
 from numpy.typing import ArrayLike, NDArray
 
-from ._core.cells import take_the_place
 from ._core.limits import Pair
 from ._core.named_widget import NamedWidget, bundle
 from ._core.png import SavesPng
@@ -107,9 +106,9 @@ class ScanogramWidget(SavesPng, NamedWidget):
         self._unsaved = ""
         super().__init__(**kwargs)
 
-    @classmethod
+    @staticmethod
     def of(
-        cls, recording: Recording, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
+        recording: Recording, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
     ) -> ScanogramWidget:
         """The scanogram of a recording, with the speed and the touches of the same robot.
 
@@ -119,24 +118,15 @@ class ScanogramWidget(SavesPng, NamedWidget):
         Args:
             recording: where the scans are.
             topic: name of the topic with the scans; None: the first one with scans.
-            beside: names of the topics of which the speed and the touches may be; None: any, but for those that share
-                more of their namespace with other scans.
+            beside: names of the topics whose speed and touches may be shown; None: any, but for those that share more
+                of their namespace with other scans.
             **options: keywords of the widget.
 
         Raises:
             UnknownTopicError: it has no such topic, or one without scans.
             RecordingError: the file is not there any more, or holds no scan.
         """
-        from .player._scanogram import fill
-
-        widget = cls(**options)
-        take_the_place(widget)
-        with widget.hold_sync():
-            widget._is_whole = False
-            fill(widget, recording, topic, beside)
-            widget._is_whole = True
-            widget._draw(widget._scans_first("of()"))
-        return widget
+        return recording.scanogram(topic, beside, **options)
 
     def update(
         self,

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._core.cells import take_the_place
 from .._widget_choice import shared
+from ..kinds import LASER, SPEED, TOUCH, Kind
 from ..recording import Recording, open
 from ..recordings import scan_series
 from ..recordings.chunks import ScanChunk
@@ -90,25 +93,32 @@ class Read:
         return np.concatenate([ranges for chunk in self._series[start:stop].chunks() for ranges in self._onto(chunk)])
 
 
-def fill(widget: ScanogramWidget, recording: Recording, topic: str | None, beside: Collection[str] | None) -> None:
-    """Put the scans of a recording into a scanogram, with the measured speed and all touches of the same robot.
+def scanogram(
+    recording: Recording, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
+) -> ScanogramWidget:
+    """See `ScanogramWidget.of`."""
+    widget = ScanogramWidget(**options)
+    take_the_place(widget)
+    with widget.hold_sync():
+        widget._is_whole = False
+        _fill(widget, recording, topic, beside)
+        widget._is_whole = True
+        widget._draw(widget._scans_first("of()"))
+    return widget
 
-    Args:
-        widget: the scanogram.
-        recording: where they are.
-        topic: that of the scans; None: the first.
-        beside: topics of which the speed and the touches may be; None: any.
-    """
-    lasers = [t.name for t in recording.topics if t.widget == "laser"]
+
+def _fill(widget: ScanogramWidget, recording: Recording, topic: str | None, beside: Collection[str] | None) -> None:
+    """Put the scans of a recording into a scanogram, with the measured speed and all touches of the same robot."""
+    lasers = [t.name for t in recording.topics if t.widget == LASER.name]
     scans = recording.scans(lasers[0] if topic is None and lasers else topic)
     _put_scans(widget, recording, scans)
 
-    def of_the_robot(kind: str) -> list[Topic]:
-        topics = [t for t in recording.topics if t.widget == kind and (beside is None or t.name in beside)]
+    def of_the_robot(kind: Kind) -> list[Topic]:
+        topics = [t for t in recording.topics if t.widget == kind.name and (beside is None or t.name in beside)]
         return [t for t in topics if shared(t.name, scans.topic) == max(shared(t.name, name) for name in lasers)]
 
-    _put_speeds(widget, recording, of_the_robot("speed"))
-    _put_touches(widget, recording, [t.name for t in of_the_robot("touch")])
+    _put_speeds(widget, recording, of_the_robot(SPEED))
+    _put_touches(widget, recording, [t.name for t in of_the_robot(TOUCH)])
 
 
 def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series.Scans) -> None:

@@ -12,6 +12,7 @@ from ..recording import Recording
 from ..repair.source import RecordingError
 from ..samples import Scan
 from ..scanogram_widget import ScanogramWidget
+from ._scanogram import scanogram
 
 MOST_READINGS = 100_000_000
 """Of a drive with more a scanogram is made only when it is asked for: it reads them all."""
@@ -40,7 +41,7 @@ def whole_drive(
         return None, words
     layout = ipywidgets.Layout(margin="0 4px", width="calc(100% - 8px)")
     try:
-        return ScanogramWidget.of(recording, topic, beside, layout=layout), ""
+        return scanogram(recording, topic, beside, layout=layout), ""
     except RecordingError:
         if wanted:
             raise
