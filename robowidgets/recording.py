@@ -210,6 +210,13 @@ class Recording:
         """
         return self._columns(topic, "touch", Touches)
 
+    def series(self, topic: str) -> Any:
+        """The samples of a topic, of any kind, as a series."""
+        self.check(topic)
+        return {"laser": self.scans, "speed": self.speeds, "touch": self.touches}[self._shown()[topic].widget or ""](
+            topic
+        )
+
     def scanogram(
         self, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
     ) -> ScanogramWidget:

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._core.progress import Progress, one_bar
-from ..recordings._silence import until_old
 from ..recordings.spans import Span, Spans
 from ._steps import NO, Steps, spans, steps
 from .conditions import condition
+from .stale import mark_stale
 
 if TYPE_CHECKING:
     from ..recording import Recording
-    from ..recordings.scan_series import Scans
-    from ..recordings.speed_series import Speeds
+
+
+class Chunked(Protocol):
+    """A series of samples that is read in chunks."""
+
+    def chunks(self) -> Iterator[Any]:
+        """Pieces of it, each with ``times_ns``."""
 
 
 class Search:
@@ -40,16 +45,16 @@ class Search:
         """Topics, and when they were silent for longer than was asked."""
         self._bar = bar
 
-    def over(self, series: Scans | Speeds, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
-        """Whether something holds from each sample on until it is old, found for whole chunks at a time."""
-        held = self._tested(series, test)
-        return until_old(held, [(held.times, np.ones(len(held.times), bool))], self.end_ns)
+    def over(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
+        """Whether a test holds from each sample on until the sample is stale, found for whole chunks at a time."""
+        found = self._tested(series, test)
+        return mark_stale(found, [(found.times, np.ones(len(found.times), bool))], self.end_ns)
 
-    def times(self, series: Scans | Speeds) -> NDArray[np.int64]:
+    def times(self, series: Chunked) -> NDArray[np.int64]:
         """When the samples of a series came."""
         return self._tested(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
 
-    def _tested(self, series: Scans | Speeds, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
+    def _tested(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
         times: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
         values: list[NDArray[np.int8]] = [np.empty(0, np.int8)]
         try:

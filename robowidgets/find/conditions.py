@@ -1,8 +1,8 @@
 """Ready-made conditions for `Recording.find`, and what combines them: ``&``, ``|`` and ``~``.
 
-Each looks at whole columns at a time, while the next part of the file is read and decompressed on the other core. What
-a scan or a speed said is old one usual step into a silence, a pause of more than 2 s and of more than two such steps.
-What was said of touches holds until a message says otherwise.
+Each looks at whole columns at a time, while the next part of the file is read and decompressed on the other core. The
+last scan or speed before a silence is stale one usual step after its time; a silence is a pause of more than 2 s and
+more than two usual steps. Touches hold until a message says otherwise.
 
 Example:
     >>> from robowidgets import conditions
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kinds import KINDS
 from ..recordings.chunks import ScanChunk, SpeedChunk
 from ..repair.source import UnknownTopicError, UnnamedTopicError
 from ..samples import AXES, TouchState
@@ -238,7 +239,7 @@ class _Gap(Condition):
         if self._topic is not None:
             return [self._topic]
         shown = [topic for topic in search.recording.topics if topic.widget]
-        found = [topic.name for topic in shown if topic.widget != "touch" and not topic.commanded]
+        found = [topic.name for topic in shown if KINDS[topic.widget or ""].goes_stale and not topic.commanded]
         if found:
             return found
         there = f"{search.recording.path.name} has neither laser scans nor measured speeds"
@@ -247,13 +248,10 @@ class _Gap(Condition):
         raise UnnamedTopicError(there, [topic.name for topic in shown], None)
 
     def _of(self, search: Search, topic: str) -> Steps:
-        widget = next((t.widget for t in search.recording.topics if t.name == topic and t.widget), None)
-        if widget == "touch":
-            touches = search.recording.touches(topic)
-            times = touches.times_ns[touches.said]
-        else:
-            series = search.recording.speeds(topic) if widget == "speed" else search.recording.scans(topic)
-            times = search.times(series)
+        series = search.recording.series(topic)
+        times = search.times(series)
+        # Without the rows that no message told.
+        times = times[series.said[: len(times)]]
         # Silence before the first sample and after the last counts too.
         ends = np.array([search.recording.start_ns or 0, search.end_ns], np.int64)
         edges = np.unique(np.concatenate((ends[:1], times, ends[1:])))

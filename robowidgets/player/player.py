@@ -19,11 +19,11 @@ from .._core.time_spans import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, columns
 from .._widget_choice import WidgetChoice, choose_widgets
+from ..find.stale import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
 from ..player_widget import PlayerWidget
 from ..recording import Recording, open
-from ..recordings._silence import longest_pause, usual_step
 from ..recordings.times import has_date
 from ..scanogram_widget import ScanogramWidget
 from ._frames import Track

@@ -75,6 +75,11 @@ class Series(ABC, Generic[Taken]):
         return _frozen(self._picked(self._all_times))
 
     @property
+    def said(self) -> NDArray[np.bool_]:
+        """Shape (N,): True for a message, False for a row that no message told."""
+        return np.ones(len(self), bool)
+
+    @property
     def seconds(self) -> NDArray[np.float64]:
         """The same from the start of the recording, in seconds, shape (N,)."""
         return _frozen((self.times_ns - self._start_ns) / 1e9)

@@ -151,6 +151,10 @@ class Touches(Series[Touch]):
         """The times that the messages bear, in nanoseconds, shape (N,); 0 where they bear none."""
         return self._picked(self._known.stamps_ns)
 
+    def chunks(self) -> Iterator[Self]:
+        """Itself: all of it is one table."""
+        yield self
+
     def sample(self, number: int) -> Touch:
         """What is known of every sensor in a row, by its number."""
         return self._sample(int(self.rows[number]))

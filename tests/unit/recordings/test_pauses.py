@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, steps
-from robowidgets.recordings._silence import longest_pause, until_old, usual_step
+from robowidgets.find.stale import longest_pause, mark_stale, usual_step
 
 S = 1_000_000_000
 
@@ -25,7 +25,7 @@ def test_a_pause_is_two_seconds_or_two_steps() -> None:
 
 def aged(held: Steps, *topics: tuple[list[int], list[bool]], end: int) -> list[tuple[int, int]]:
     told = [(np.array(times, np.int64) * S, np.array(depends, bool)) for times, depends in topics]
-    result = until_old(held, told, end * S)
+    result = mark_stale(held, told, end * S)
     return list(zip((result.times // S).tolist(), result.values.tolist(), strict=True))
 
 

@@ -1,0 +1,52 @@
+"""How long a topic may be silent until its last sample is stale, and what is unknown then."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._steps import UNKNOWN, Steps
+
+_SHORTEST = 2_000_000_000
+
+
+def usual_step(times_ns: NDArray[np.int64]) -> int:
+    """Nanoseconds from one time to the next one that is later, the median; 0 where there is none."""
+    ahead = np.diff(times_ns)
+    ahead = ahead[ahead > 0]
+    return round(float(np.median(ahead))) if ahead.size else 0
+
+
+def longest_pause(usual: int) -> int:
+    """Nanoseconds after which a topic with this usual step is silent."""
+    return max(_SHORTEST, 2 * usual)
+
+
+def mark_stale(result: Steps, topics: Iterable[tuple[NDArray[np.int64], NDArray[np.bool_]]], end_ns: int) -> Steps:
+    """The steps, with UNKNOWN wherever they rest on a stale sample.
+
+    The last sample before a silence is stale one usual step after its time; where a topic has no usual step, at once.
+
+    Args:
+        result: what was found at the samples, N steps.
+        topics: of each topic the times of its samples, ascending, and which of the steps rest on them, shape (N,).
+        end_ns: the end of the recording, before which the last sample may be stale too.
+    """
+    values = result.values.copy()
+    places, ends = [np.empty(0, np.intp)], [np.empty(0, np.int64)]
+    for times, rests_on in topics:
+        usual = usual_step(times)
+        silent = np.flatnonzero(np.append(times[1:], end_ns) - times > longest_pause(usual))
+        stale_from = times[silent] + usual
+        first = np.searchsorted(result.times, stale_from, side="left" if usual else "right")
+        last = np.append(np.searchsorted(result.times, times[1:]), len(result.times))[silent]
+        for start, stop in zip(first, last, strict=True):
+            values[start:stop][rests_on[start:stop]] = UNKNOWN
+        known = rests_on[first - 1]
+        places.append(first[known])
+        ends.append(stale_from[known])
+    place, end = np.concatenate(places), np.concatenate(ends)
+    order = np.argsort(end, kind="stable")
+    return Steps(np.insert(result.times, place[order], end[order]), np.insert(values, place[order], UNKNOWN))
