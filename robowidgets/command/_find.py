@@ -13,6 +13,7 @@ import robowidgets
 
 from ..find import conditions
 from ..find.conditions import Condition
+from ..kinds import LASER, SPEED, TOUCH
 from ..recording import Recording
 from ..recordings.spans import Spans
 from ..repair.source import UnnamedTopicError
@@ -20,13 +21,14 @@ from ..samples.numbers import OF_DEGREES
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 
+_LOOKS_AT = {"nearest_below": LASER, "speed_above": SPEED, "touched": TOUCH}
+"""The kind of topic that a condition looks at."""
+
 _USED_BY = {
     "sector": "nearest_below",
-    "scan": "nearest_below",
     "axis": "speed_above",
-    "speed": "speed_above",
-    "touch": "touched",
     "silent": "gap",
+    **{kind.sample_name: condition for condition, kind in _LOOKS_AT.items()},
 }
 """Which condition an option belongs to."""
 
@@ -40,7 +42,7 @@ _GIVES = {
 }
 """The argument of a condition that an option gives."""
 
-_NAMED_BY = {"laser": "--scan", "speed": "--speed", "touch": "--touch", None: "--silent"}
+_NAMED_BY = {None: "--silent", **{kind.name: f"--{kind.sample_name}" for kind in _LOOKS_AT.values()}}
 """Which option names a topic of a kind; of no kind: the topic with a gap."""
 
 
@@ -73,8 +75,8 @@ def add_find(parser: argparse.ArgumentParser) -> None:
         help="only rays between these angles, in radians counter-clockwise (default: all)",
     )
     how.add_argument("--axis", help="of the speed (default: linear.x; angular.z is yaw)")
-    for kind in ("scan", "speed", "touch"):
-        how.add_argument(f"--{kind}", metavar="TOPIC", help=f"the topic of the {kind} (default: the only one)")
+    for name in (kind.sample_name for kind in _LOOKS_AT.values()):
+        how.add_argument(f"--{name}", metavar="TOPIC", help=f"the topic of the {name} (default: the only one)")
     how.add_argument(
         "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans or measured speeds)"
     )
@@ -136,7 +138,7 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
 
 
 def _in_options(error: str) -> str:
-    """What is wrong with an argument of a condition, said of the option that gave it."""
+    """An error about an argument of a condition, with the name of the option that gave it."""
     argument, colon, what = error.partition(":")
     option = next((option for option, gives in _GIVES.items() if gives == argument), argument)
     return f"find: {option}{colon}{what.replace(OF_DEGREES, 'a degree is 0.01745 radians')}"
