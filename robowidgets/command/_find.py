@@ -42,7 +42,10 @@ _GIVES = {
 }
 """The argument of a condition that an option gives."""
 
-_NAMED_BY = {None: "--silent", **{kind.name: f"--{kind.sample_name}" for kind in _LOOKS_AT.values()}}
+_NAMED_BY: dict[str | None, str] = {
+    None: "--silent",
+    **{kind.name: f"--{kind.sample_name}" for kind in _LOOKS_AT.values()},
+}
 """Which option names a topic of a kind; of no kind: the topic with a gap."""
 
 

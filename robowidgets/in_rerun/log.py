@@ -1,40 +1,45 @@
-"""A recording as Rerun takes it: column by column, a piece at a time."""
+"""A recording for Rerun: logged column by column, a piece at a time."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kinds import KINDS, load
 from ..poses.tracks import Poses
 from ..recording import Recording
 from ..recordings.chunks import ScanChunk
+from ..recordings.timeline import Topic
 from ..samples import AXES, Scan, TouchState
 from .sdk import library
 from .world import World
 
 SECONDS, CLOCK = "recording_time", "message_log_time"
-"""The timelines: since the start of the recording, as all widgets tell it; and by the recorder's clock, as Rerun calls
-that when it opens an MCAP by itself."""
+"""The timelines: time since the start of the recording, as the widgets show it; and the recorder's clock, by the name
+that Rerun gives it when it opens an MCAP file by itself."""
 
 _PIECE_BYTES = 1 << 20
 _ROOM = 3.0
-"""Metres round the path."""
+"""Metres around the path."""
 
 _WORLD, _PLOT, _LANE, _MOST_LANES = 300.0, 100.0, 24.0, 5
-"""Heights in the viewer, as they relate to each other."""
+"""Heights of the views, relative to each other."""
 
 _COLOURS = ((0, 140, 149), (180, 83, 9), (88, 80, 176), (190, 24, 93))
-_TOUCHED = {TouchState.FREE: "free", TouchState.TOUCHED: "touched", TouchState.UNKNOWN: ""}
+_STATE_NAMES = {TouchState.FREE: "free", TouchState.TOUCHED: "touched", TouchState.UNKNOWN: ""}
 
 
 class Log:
-    """What of a recording goes to Rerun.
+    """The parts of a recording that go to Rerun.
+
+    Topics of a kind whose row names nothing for Rerun are left out.
 
     Args:
-        recording: whose.
+        recording: what is logged.
         topics: names of topics in it; none: all that have a widget.
 
     Raises:
@@ -43,59 +48,140 @@ class Log:
     """
 
     def __init__(self, recording: Recording, topics: Sequence[str] = ()) -> None:
-        self._rr = library("rerun")
-        self._recording = recording
+        self.rr = library("rerun")
+        self.recording = recording
         recording.samples(topics or None)
-        shown = [t for t in recording.topics if t.widget and (not topics or t.name in topics)]
-        self._topics = {kind: [t.name for t in shown if t.widget == kind] for kind in ("laser", "speed", "touch")}
-        self._commanded = {t.name for t in shown if t.commanded}
         self._start_ns = recording.start_ns or 0
+        self._parts: list[TopicLog] = []
+        for kind in KINDS.values():
+            of_kind = [t for t in recording.topics if t.widget == kind.name and (not topics or t.name in topics)]
+            if of_kind and kind.rerun:
+                self._parts.append(load(kind.rerun)(self, of_kind))
 
     def stream(self) -> Any:
-        """A new `rerun.RecordingStream` for it, that leads nowhere yet."""
-        return self._rr.RecordingStream("robowidgets", send_properties=False)
+        """A new `rerun.RecordingStream` for it, without a sink yet."""
+        return self.rr.RecordingStream("robowidgets", send_properties=False)
 
     def steps(self, stream: Any) -> Iterator[None]:
         """Log all of it, a piece at each step, the large pieces last."""
-        stream.send_recording_name(self._recording.path.name)
-        firsts = (next(self._recording.samples(topic), None) for topic in self._topics["laser"])
-        scanners = [first.sample.frame_id for first in firsts if first and isinstance(first.sample, Scan)]
-        world = World(self._recording, scanners)
+        stream.send_recording_name(self.recording.path.name)
+        world = World(self.recording, [frame for part in self._parts for frame in part.frames()])
         stream.send_blueprint(self._blueprint(world))
         self._log_world(stream, world)
         yield
-        for topic in self._topics["speed"]:
-            self._log_speeds(stream, topic)
-            yield
-        for topic in self._topics["touch"]:
-            self._log_touches(stream, topic)
-            yield
-        for number, topic in enumerate(self._topics["laser"]):
-            yield from self._log_scans(stream, topic, world, _COLOURS[number % len(_COLOURS)])
+        for part in sorted(self._parts, key=lambda part: part.is_large):
+            yield from part.steps(stream, world)
+
+    def send(self, stream: Any, entity: str, times_ns: NDArray[np.int64], columns: Any) -> None:
+        """Log columns with their times, in nanoseconds of the recorder's clock, shape (N,)."""
+        rr = self.rr
+        times = [
+            rr.TimeColumn(SECONDS, duration=(times_ns - self._start_ns).astype("timedelta64[ns]")),
+            rr.TimeColumn(CLOCK, timestamp=times_ns.astype("datetime64[ns]")),
+        ]
+        stream.send_columns(entity, times, columns, strict=True)
+
+    def transforms(self, poses: Poses) -> Any:
+        """Columns of the transforms that put an entity at some poses."""
+        return self.rr.Transform3D.columns(translation=poses.positions, quaternion=poses.orientations)
+
+    def entity(self, *parts: str) -> str:
+        """An entity path with one step for each part, whose slashes are escaped.
+
+        Else a scan of the topic /a/b would inherit the transform of the topic /a.
+        """
+        first, *rest = parts
+        escaped = [self.rr.escape_entity_path_part(part.strip("/").replace(" ", "_")) for part in rest]
+        return "/".join([first, *escaped])
 
     def _log_world(self, stream: Any, world: World) -> None:
-        rr = self._rr
+        rr = self.rr
         stream.log("world", rr.ViewCoordinates.FLU, static=True)
         if path := world.path():
             times_ns, poses = path
             stream.log(
                 "world/path",
-                rr.LineStrips3D([poses.places], colors=[130, 130, 130], radii=rr.Radius.ui_points(1.0)),
+                rr.LineStrips3D([poses.positions], colors=[130, 130, 130], radii=rr.Radius.ui_points(1.0)),
                 static=True,
             )
             stream.log("world/robot", rr.TransformAxes3D(0.5), static=True)
-            self._send(stream, "world/robot", times_ns, self._at(poses))
+            self.send(stream, "world/robot", times_ns, self.transforms(poses))
         if world.notes:
             stream.log("notes", rr.TextDocument("\n\n".join(world.notes)), static=True)
 
+    def _blueprint(self, world: World) -> Any:
+        blueprint = self.rr.blueprint
+        space = blueprint.Spatial3DView(origin="world", name=f"World ({world.name})", eye_controls=self._eye(world))
+        unknown = blueprint.TextDocumentView(origin="notes", name="Not known")
+        first = blueprint.Tabs(space, unknown, active_tab=0) if world.notes else space
+        views = [(first, _WORLD), *(view for part in self._parts for view in part.views())]
+        return blueprint.Blueprint(
+            blueprint.Vertical(*(view for view, _ in views), row_shares=[height for _, height in views]),
+            blueprint.TimePanel(timeline=SECONDS, state="collapsed", play_state="paused"),
+            collapse_panels=True,
+        )
+
+    def _eye(self, world: World) -> Any:
+        """The camera, above and a little behind the whole path, with room around it for what the scans see."""
+        positions = path[1].positions if (path := world.path()) else np.zeros((1, 3))
+        low, high = positions.min(axis=0), positions.max(axis=0)
+        x, y, z = (low + high) / 2
+        far = 0.75 * float((high - low).max()) + _ROOM
+        return self.rr.blueprint.EyeControls3D(
+            position=(x, y - 0.4 * far, z + far), look_target=(x, y, z), eye_up=(0.0, 0.0, 1.0)
+        )
+
+
+class TopicLog(ABC):
+    """Logs the topics of one kind, whose row names its class.
+
+    Args:
+        log: what it is part of.
+        topics: the topics, one or more.
+    """
+
+    is_large = False
+    """Whether it is logged after the others."""
+
+    def __init__(self, log: Log, topics: Sequence[Topic]) -> None:
+        self._log, self._rr, self._recording, self._topics = log, log.rr, log.recording, topics
+
+    def frames(self) -> list[str]:
+        """Names of the frames whose poses in the world it needs."""
+        return []
+
+    def views(self) -> list[tuple[Any, float]]:
+        """Views for the blueprint, and their heights relative to the others."""
+        return []
+
+    @abstractmethod
+    def steps(self, stream: Any, world: World) -> Iterator[None]:
+        """Log all topics, a piece at each step."""
+
+
+class ScanLog(TopicLog):
+    """Logs scans as points in the world."""
+
+    is_large = True
+
+    def frames(self) -> list[str]:
+        """See `TopicLog`."""
+        firsts = (next(self._recording.samples(topic.name), None) for topic in self._topics)
+        return [first.sample.frame_id for first in firsts if first and isinstance(first.sample, Scan)]
+
+    def steps(self, stream: Any, world: World) -> Iterator[None]:
+        """See `TopicLog`."""
+        for number, topic in enumerate(self._topics):
+            yield from self._log_scans(stream, topic.name, world, _COLOURS[number % len(_COLOURS)])
+
     def _log_scans(self, stream: Any, topic: str, world: World, colour: Sequence[int]) -> Iterator[None]:
-        rr, entity = self._rr, self._entity("world/scans", topic)
+        rr, log, entity = self._rr, self._log, self._log.entity("world/scans", topic)
         labelled = 0
         stream.log(entity, rr.Points3D.from_fields(colors=colour, radii=rr.Radius.ui_points(2.0)), static=True)
         for chunk in self._recording.scans(topic).chunks():
             rays = chunk.ranges.shape[1]
             if rays > labelled:
-                # Once for all scans: every ray is logged, also those that read nothing, so each keeps its number.
+                # Once for all scans. Rays without a reading are logged too, so that each ray keeps its number.
                 labels = [f"ranges[{ray}]" for ray in range(rays)]
                 stream.log(entity, rr.Points3D.from_fields(labels=labels, show_labels=False), static=True)
                 labelled = rays
@@ -104,82 +190,72 @@ class Log:
                 piece = chunk.part(slice(first, first + rows))
                 poses = world.poses(chunk.like.frame_id, piece.times_ns, piece.stamps_ns)
                 points = rr.Points3D.columns(positions=_points(piece)).partition([rays] * len(piece))
-                self._send(stream, entity, piece.times_ns, [*points, *self._at(poses)])
+                log.send(stream, entity, piece.times_ns, [*points, *log.transforms(poses)])
                 yield
 
-    def _log_speeds(self, stream: Any, topic: str) -> None:
-        rr, speeds = self._rr, self._recording.speeds(topic)
-        # What was asked for holds until something else is.
-        between = rr.components.InterpolationMode.StepAfter if topic in self._commanded else None
+
+class SpeedLog(TopicLog):
+    """Logs speeds as curves, one for each axis."""
+
+    def views(self) -> list[tuple[Any, float]]:
+        """See `TopicLog`."""
+        views = []
+        for name, axes in (("Speed, m/s", AXES[:3]), ("Turn, rad/s", AXES[3:])):
+            lines = [entity for topic in self._topics for entity in self._moving(topic.name, axes)]
+            if lines:
+                views.append((self._rr.blueprint.TimeSeriesView(origin="speeds", contents=lines, name=name), _PLOT))
+        return views
+
+    def steps(self, stream: Any, world: World) -> Iterator[None]:  # noqa: ARG002  # speeds are in no frame
+        """See `TopicLog`."""
+        for topic in self._topics:
+            self._log_speeds(stream, topic)
+            yield
+
+    def _log_speeds(self, stream: Any, topic: Topic) -> None:
+        rr, speeds = self._rr, self._recording.speeds(topic.name)
+        # A command holds until the next one.
+        between = rr.components.InterpolationMode.StepAfter if topic.commanded else None
         for axis, column in zip(AXES, speeds.values.T, strict=True):
             known = np.isfinite(column)
             if known.any():
-                entity = self._entity("speeds", topic, axis)
-                stream.log(entity, rr.SeriesLines(names=f"{topic} {axis}", interpolation_mode=between), static=True)
-                self._send(stream, entity, speeds.times_ns[known], rr.Scalars.columns(scalars=column[known]))
+                entity = self._log.entity("speeds", topic.name, axis)
+                style = rr.SeriesLines(names=f"{topic.name} {axis}", interpolation_mode=between)
+                stream.log(entity, style, static=True)
+                self._log.send(stream, entity, speeds.times_ns[known], rr.Scalars.columns(scalars=column[known]))
+
+    def _moving(self, topic: str, axes: Sequence[str]) -> list[str]:
+        """The entities of the axes that are not always 0: a robot in the plane moves along three of them."""
+        values = dict(zip(AXES, np.nan_to_num(self._recording.speeds(topic).values).T, strict=True))
+        return [self._log.entity("speeds", topic, axis) for axis in axes if values[axis].any()]
+
+
+class TouchLog(TopicLog):
+    """Logs touch sensors as lanes of states."""
+
+    def views(self) -> list[tuple[Any, float]]:
+        """See `TopicLog`."""
+        sensors = sum(len(self._recording.touches(topic.name).labels) for topic in self._topics)
+        if not sensors:
+            return []
+        height = _PLOT + min(sensors, _MOST_LANES) * _LANE
+        return [(self._rr.blueprint.StateTimelineView(origin="touches", name="Touch"), height)]
+
+    def steps(self, stream: Any, world: World) -> Iterator[None]:  # noqa: ARG002  # touches are in no frame
+        """See `TopicLog`."""
+        for topic in self._topics:
+            self._log_touches(stream, topic.name)
+            yield
 
     def _log_touches(self, stream: Any, topic: str) -> None:
         rr, touches = self._rr, self._recording.touches(topic)
         for label, states in zip(touches.labels, touches.states.T, strict=True):
-            entity = self._entity("touches", topic, label)
+            entity = self._log.entity("touches", topic, label)
             style = rr.StateConfiguration(values=["free", "touched"], colors=[(200, 205, 210), (220, 38, 38)])
             stream.log(entity, style, static=True)
             changed = np.flatnonzero(np.diff(states, prepend=np.uint8(255)))
-            told = [_TOUCHED[TouchState(int(state))] for state in states[changed]]
-            self._send(stream, entity, touches.times_ns[changed], rr.StateChange.columns(state=told))
-
-    def _at(self, poses: Poses) -> Any:
-        return self._rr.Transform3D.columns(translation=poses.places, quaternion=poses.turns)
-
-    def _send(self, stream: Any, entity: str, times_ns: NDArray[np.int64], columns: Any) -> None:
-        rr = self._rr
-        times = [
-            rr.TimeColumn(SECONDS, duration=(times_ns - self._start_ns).astype("timedelta64[ns]")),
-            rr.TimeColumn(CLOCK, timestamp=times_ns.astype("datetime64[ns]")),
-        ]
-        stream.send_columns(entity, times, columns, strict=True)
-
-    def _blueprint(self, world: World) -> Any:
-        blueprint = self._rr.blueprint
-        space = blueprint.Spatial3DView(origin="world", name=f"World ({world.name})", eye_controls=self._eye(world))
-        unknown = blueprint.TextDocumentView(origin="notes", name="Not known")
-        views = [blueprint.Tabs(space, unknown, active_tab=0) if world.notes else space]
-        shares = [_WORLD]
-        for name, axes in (("Speed, m/s", AXES[:3]), ("Turn, rad/s", AXES[3:])):
-            lines = [entity for topic in self._topics["speed"] for entity in self._moving(topic, axes)]
-            if lines:
-                views.append(blueprint.TimeSeriesView(origin="speeds", contents=lines, name=name))
-                shares.append(_PLOT)
-        sensors = sum(len(self._recording.touches(topic).labels) for topic in self._topics["touch"])
-        if sensors:
-            views.append(blueprint.StateTimelineView(origin="touches", name="Touch"))
-            shares.append(_PLOT + min(sensors, _MOST_LANES) * _LANE)
-        return blueprint.Blueprint(
-            blueprint.Vertical(*views, row_shares=shares),
-            blueprint.TimePanel(timeline=SECONDS, state="collapsed", play_state="paused"),
-            collapse_panels=True,
-        )
-
-    def _moving(self, topic: str, axes: Sequence[str]) -> list[str]:
-        """The axes that a robot of this kind moves along: a plane one is always 0 along the others."""
-        values = dict(zip(AXES, np.nan_to_num(self._recording.speeds(topic).values).T, strict=True))
-        return [self._entity("speeds", topic, axis) for axis in axes if values[axis].any()]
-
-    def _eye(self, world: World) -> Any:
-        """From above, a little behind: all of the path, with room for what the scans see round it."""
-        places = path[1].places if (path := world.path()) else np.zeros((1, 3))
-        low, high = places.min(axis=0), places.max(axis=0)
-        x, y, z = (low + high) / 2
-        far = 0.75 * float((high - low).max()) + _ROOM
-        return self._rr.blueprint.EyeControls3D(
-            position=(x, y - 0.4 * far, z + far), look_target=(x, y, z), eye_up=(0.0, 0.0, 1.0)
-        )
-
-    def _entity(self, *parts: str) -> str:
-        """A path of which each part is one step, whatever is in a topic's name: else a scan would ride on another."""
-        first, *rest = parts
-        escaped = [self._rr.escape_entity_path_part(part.strip("/").replace(" ", "_")) for part in rest]
-        return "/".join([first, *escaped])
+            names = [_STATE_NAMES[TouchState(int(state))] for state in states[changed]]
+            self._log.send(stream, entity, touches.times_ns[changed], rr.StateChange.columns(state=names))
 
 
 def _points(chunk: ScanChunk) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""The frames of a robot through a recording, and where one was in another at any time."""
+"""The frames of a robot through a recording, and the pose of one in another at any time."""
 
 from __future__ import annotations
 
@@ -12,43 +12,46 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .transforms import Joint
+from .transforms import Transform
 
 Floats = NDArray[np.float64]
 Times = NDArray[np.int64]
 
 
 class Poses(NamedTuple):
-    """Where a frame is in another: metres, shape (N, 3), and quaternions x, y, z, w of length 1, shape (N, 4)."""
+    """Poses of a frame in another: metres, shape (N, 3), and quaternions x, y, z, w of length 1, shape (N, 4)."""
 
-    places: Floats
-    turns: Floats
+    positions: Floats
+    orientations: Floats
 
     @classmethod
-    def still(cls, count: int) -> Poses:
-        """Those of a frame that is the other one."""
+    def identity(cls, count: int) -> Poses:
+        """The poses of a frame in itself."""
         return cls(np.zeros((count, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)))
 
     def of(self, inner: Poses) -> Poses:
-        """Those in the outer frame of what is at ``inner`` in this one."""
-        return Poses(self.places + _turned(self.turns, inner.places), _product(self.turns, inner.turns))
+        """The poses in the outer frame of something at ``inner`` in the inner one."""
+        return Poses(
+            self.positions + _rotated(self.orientations, inner.positions),
+            _product(self.orientations, inner.orientations),
+        )
 
     def inverse(self) -> Poses:
-        """Those of the other frame in this one."""
-        back = self.turns * [-1.0, -1.0, -1.0, 1.0]
-        return Poses(-_turned(back, self.places), back)
+        """The poses of the outer frame in the inner one."""
+        back = self.orientations * [-1.0, -1.0, -1.0, 1.0]
+        return Poses(-_rotated(back, self.positions), back)
 
 
 @dataclass(frozen=True)
 class Track:
-    """One frame in its parent through all times.
+    """The poses of one frame in its parent through a recording.
 
     Args:
-        parent: the name of that.
-        times_ns: log times of what was said, shape (N,), N > 0.
-        stamps_ns: the messages' own times, shape (N,); 0 where they bear none.
-        poses: what was said.
-        static: whether the last of it holds for all times.
+        parent: the name of the parent.
+        times_ns: log times, shape (N,), N > 0.
+        stamps_ns: stamps of the messages, shape (N,); 0 where they have none.
+        poses: the poses at these times.
+        static: whether the last pose holds at all times.
     """
 
     parent: str
@@ -58,9 +61,9 @@ class Track:
     static: bool = False
 
     def at(self, times_ns: Times, stamps_ns: Times) -> Poses:
-        """Between what was said, and before and after it the nearest.
+        """The poses at some log times and stamps, shape (N,) each: interpolated, and at the ends the nearest.
 
-        By the messages' own times, where both have such, from the same clock; else by when they were recorded.
+        By stamps where both have stamps of the same clock; else by log times.
         """
         if self.static:
             return Poses(*(np.tile(column[-1], (len(times_ns), 1)) for column in self.poses))
@@ -75,11 +78,14 @@ class Track:
         span = np.maximum(known[after] - known[before], 1)
         share = ((asked - known[before]) / span).clip(0.0, 1.0)[:, None]
         one, other = (Poses(*(column[order[rows]] for column in self.poses)) for rows in (before, after))
-        # Of two quaternions for the same turn the near one; between two messages a chord is as good as an arc.
-        near = np.where((one.turns * other.turns).sum(axis=1, keepdims=True) < 0, -1.0, 1.0) * other.turns
-        turns = one.turns + share * (near - one.turns)
+        # q and -q are the same orientation: take the nearer. Between two messages linear interpolation is close enough.
+        near = (
+            np.where((one.orientations * other.orientations).sum(axis=1, keepdims=True) < 0, -1.0, 1.0)
+            * other.orientations
+        )
+        turns = one.orientations + share * (near - one.orientations)
         turns /= np.linalg.norm(turns, axis=1, keepdims=True)
-        return Poses(one.places + share * (other.places - one.places), turns)
+        return Poses(one.positions + share * (other.positions - one.positions), turns)
 
     @cached_property
     def _by_time(self) -> tuple[Times, Times]:
@@ -90,22 +96,22 @@ class Track:
         return _sorted(self.stamps_ns)
 
 
-class _Said:
-    """What was said of a frame in its parent, as it comes."""
+class _Growing:
+    """The poses of a frame in its parent, as they arrive."""
 
     def __init__(self) -> None:
         self._times, self._stamps, self._poses = array("q"), array("q"), array("d")
         self._static = False
 
-    def add(self, joint: Joint) -> None:
-        """Take in what one message says."""
-        self._times.append(joint.time_ns)
-        self._stamps.append(joint.stamp_ns)
-        self._poses.extend(joint.pose)
-        self._static = joint.static
+    def add(self, transform: Transform) -> None:
+        """Append a transform."""
+        self._times.append(transform.time_ns)
+        self._stamps.append(transform.stamp_ns)
+        self._poses.extend(transform.pose)
+        self._static = transform.static
 
     def track(self, parent: str) -> Track:
-        """All of it."""
+        """All of them."""
         poses = np.array(self._poses).reshape(-1, 7)
         times, stamps = (np.array(column, np.int64) for column in (self._times, self._stamps))
         return Track(parent, times, stamps, Poses(poses[:, :3], poses[:, 3:]), self._static)
@@ -114,28 +120,28 @@ class _Said:
 class Frames:
     """All frames of a recording.
 
-    Odometry is one of the joints where tf does not say the same: so robots that record no tf have poses too.
+    Odometry is one of the transforms where tf does not hold the same: so robots that record no tf have poses too.
 
     Args:
-        joints: all that was said, in any order.
+        transforms: all of the recording, in any order.
     """
 
     odometry: tuple[str, str] | None
-    """The frame in which it is expressed and the one that it moves, of the odometry that came first; None without."""
+    """The parent and the child frame of the odometry that came first; None without odometry."""
 
-    def __init__(self, joints: Iterable[Joint]) -> None:
-        told: defaultdict[tuple[str, str], _Said] = defaultdict(_Said)
-        moved: defaultdict[tuple[str, str], _Said] = defaultdict(_Said)
+    def __init__(self, transforms: Iterable[Transform]) -> None:
+        by_tf: defaultdict[tuple[str, str], _Growing] = defaultdict(_Growing)
+        by_odometry: defaultdict[tuple[str, str], _Growing] = defaultdict(_Growing)
         parents: dict[str, str] = {}
-        for joint in joints:
-            (moved if joint.odometry else told)[joint.parent, joint.child].add(joint)
-            if not joint.odometry:
-                parents[joint.child] = joint.parent
-        # Where messages differ on the parent of a frame, those like the last hold.
-        self._tracks = {child: told[parent, child].track(parent) for child, parent in parents.items()}
-        self.odometry = next(iter(moved), None)
+        for transform in transforms:
+            (by_odometry if transform.odometry else by_tf)[transform.parent, transform.child].add(transform)
+            if not transform.odometry:
+                parents[transform.child] = transform.parent
+        # Where messages name different parents of a frame, the parent in the last message counts.
+        self._tracks = {child: by_tf[parent, child].track(parent) for child, parent in parents.items()}
+        self.odometry = next(iter(by_odometry), None)
         if self.odometry:
-            self._join(*self.odometry, moved[self.odometry].track(self.odometry[0]))
+            self._join(*self.odometry, by_odometry[self.odometry].track(self.odometry[0]))
 
     def chain(self, frame: str) -> list[str]:
         """The frame, its parent, the parent of that, up to the root."""
@@ -145,13 +151,13 @@ class Frames:
         return chain
 
     def track(self, frame: str) -> Track | None:
-        """A frame in its parent; None when that is not known."""
+        """The track of a frame; None when its parent is not known."""
         return self._tracks.get(frame)
 
     def poses(self, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses:
-        """Where a frame was in one that is above it in its `chain`, at some times and stamps, shape (N,) each."""
+        """The poses of a frame in one above it in its `chain`, at some log times and stamps, shape (N,) each."""
         chain = self.chain(frame)
-        poses = Poses.still(len(times_ns))
+        poses = Poses.identity(len(times_ns))
         for name in chain[: chain.index(world)]:
             poses = self._tracks[name].at(times_ns, stamps_ns).of(poses)
         return poses
@@ -160,7 +166,7 @@ class Frames:
         chain = self.chain(base)
         if world in chain:
             return
-        # The root of what tf knows is what moves, though odometry may speak of a frame below it.
+        # Odometry may be of a frame that has parents in tf; the root of those is what moves then.
         below = self.poses(base, chain[-1], odometry.times_ns, odometry.stamps_ns)
         poses = odometry.poses.of(below.inverse())
         self._tracks[chain[-1]] = Track(world, odometry.times_ns, odometry.stamps_ns, poses)
@@ -171,13 +177,13 @@ def _sorted(times: Times) -> tuple[Times, Times]:
     return times[order], order
 
 
-def _turned(turns: Floats, places: Floats) -> Floats:
-    axis, real = turns[:, :3], turns[:, 3:]
-    across = 2.0 * np.cross(axis, places)
-    return np.asarray(places + real * across + np.cross(axis, across))
+def _rotated(orientations: Floats, positions: Floats) -> Floats:
+    axis, real = orientations[:, :3], orientations[:, 3:]
+    across = 2.0 * np.cross(axis, positions)
+    return np.asarray(positions + real * across + np.cross(axis, across))
 
 
 def _product(one: Floats, other: Floats) -> Floats:
-    (a, b), (c, d) = ((turns[:, :3], turns[:, 3:]) for turns in (one, other))
+    (a, b), (c, d) = ((part[:, :3], part[:, 3:]) for part in (one, other))
     axis = b * c + d * a + np.cross(a, c)
     return np.hstack([axis, b * d - (a * c).sum(axis=1, keepdims=True)])

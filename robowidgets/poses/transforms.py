@@ -1,10 +1,10 @@
-"""Where one frame of a robot was in another, as odometry, tf and a CARMEN log tell it."""
+"""The transforms between frames of a robot that messages of odometry and tf hold."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from math import hypot, isfinite
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from ..messages.fields import stamp_ns
 
@@ -15,12 +15,12 @@ STATIC = "tf_static"
 Pose = tuple[float, float, float, float, float, float, float]
 
 
-class Joint(NamedTuple):
-    """What one message says of one frame.
+class Transform(NamedTuple):
+    """The pose of one frame in another, at one time.
 
-    ``pose``: where ``child`` is in ``parent``: x, y, z in metres, and a quaternion x, y, z, w of length 1. ``time_ns``
-    is the log time, ``stamp_ns`` the message's own, 0 where it bears none. ``static``: it holds for all times.
-    ``odometry``: it was not told by tf.
+    ``pose`` of ``child`` in ``parent``: x, y, z in metres, and a quaternion x, y, z, w of length 1. ``time_ns`` is the
+    log time, ``stamp_ns`` the stamp of the message, 0 where it has none. ``static``: it holds at all times.
+    ``odometry``: it comes from an odometry message, not from tf.
     """
 
     parent: str
@@ -32,27 +32,35 @@ class Joint(NamedTuple):
     odometry: bool = False
 
 
-def joints_of(message: Any, topic: str, time_ns: int) -> Iterator[Joint]:
-    """What an Odometry or a TFMessage says.
+def transforms_of(message: Any, topic: str, time_ns: int) -> Iterator[Transform]:
+    """The transforms in an Odometry or a TFMessage.
 
     Raises:
-        ValueError: a pose is none: NaN, infinite, or a quaternion of length 0.
+        ValueError: a pose holds NaN or infinity, or a quaternion of length 0.
     """
     if hasattr(message, "transforms"):
         static = topic.rpartition("/")[2] == STATIC
-        for told in message.transforms:
-            at = told.transform
-            yield _joint(told, time_ns, at.translation, at.rotation, static=static)
+        for stamped in message.transforms:
+            at = stamped.transform
+            yield _transform(stamped, time_ns, at.translation, at.rotation, static=static)
     else:
         at = message.pose.pose
-        yield _joint(message, time_ns, at.position, at.orientation, odometry=True)
+        yield _transform(message, time_ns, at.position, at.orientation, odometry=True)
 
 
-def _joint(told: Any, time_ns: int, place: Any, turn: Any, **kind: bool) -> Joint:
-    parent, child = told.header.frame_id, told.child_frame_id
-    length = hypot(turn.x, turn.y, turn.z, turn.w)
-    pose = (place.x, place.y, place.z, *(part / (length or 1.0) for part in (turn.x, turn.y, turn.z, turn.w)))
+def _transform(stamped: Any, time_ns: int, position: Any, orientation: Any, **flags: bool) -> Transform:
+    parent, child = stamped.header.frame_id, stamped.child_frame_id
+    x, y, z = position.x, position.y, position.z
+    quaternion = orientation.x, orientation.y, orientation.z, orientation.w
+    length = hypot(*quaternion)
+    i, j, k, w = (part / (length or 1.0) for part in quaternion)
+    pose = x, y, z, i, j, k, w
     if not length or not all(map(isfinite, pose)):
-        raise ValueError(f"{child!r} in {parent!r} is at no pose: {place.x}, {place.y}, {place.z}, a turn of {length}")
-    # ROS 1 wrote names of frames with a slash before them, or without.
-    return Joint(parent.lstrip("/"), child.lstrip("/"), time_ns, stamp_ns(told) or 0, pose, **kind)
+        raise ValueError(f"{child!r} in {parent!r} is at no pose: {x}, {y}, {z}, a turn of {length}")
+    # ROS 1 wrote the names of frames with a leading slash, or without.
+    return Transform(parent.lstrip("/"), child.lstrip("/"), time_ns, stamp_ns(stamped) or 0, pose, **flags)
+
+
+# The names that recordings use.
+Joint: TypeAlias = Transform
+joints_of = transforms_of

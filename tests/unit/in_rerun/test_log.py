@@ -12,7 +12,7 @@ import pytest
 
 import robowidgets
 from robowidgets.in_rerun.widget import _pieces
-from robowidgets.poses.tracks import Poses, _turned
+from robowidgets.poses.tracks import Poses, _rotated
 from robowidgets.recording import Recording
 from robowidgets.recordings import RecordingError, UnknownTopicError
 from robowidgets.simulator import World
@@ -85,7 +85,7 @@ def test_scans_land_on_the_walls_of_the_house(drive: Read) -> None:
     for _, points, places, turns in drive.rows(SCAN, *names)[::20]:
         known = np.array([point for point in points if np.isfinite(point[0])])
         poses = Poses(np.repeat(places, len(known), axis=0), np.repeat(turns, len(known), axis=0))
-        landed = poses.places + _turned(poses.turns, known)
+        landed = poses.positions + _rotated(poses.orientations, known)
         away = [abs(world.clearance(x, y)) for x, y, _ in landed[::20]]
         assert np.median(away) < 0.03, away
 

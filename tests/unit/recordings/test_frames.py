@@ -13,7 +13,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from robowidgets.poses.tracks import Frames, Poses
-from robowidgets.poses.transforms import Joint, Pose, joints_of
+from robowidgets.poses.transforms import Pose, Transform, transforms_of
 from robowidgets.recording import open
 
 S = 1_000_000_000
@@ -24,8 +24,8 @@ def pose(x: float, y: float, yaw: float = 0.0) -> Pose:
     return x, y, 0.0, 0.0, 0.0, sin(yaw / 2), cos(yaw / 2)
 
 
-def joint(parent: str, child: str, seconds: float, at: Pose, stamp: float = 0.0, **kind: bool) -> Joint:
-    return Joint(parent, child, round(seconds * S), round(stamp * S), at, **kind)
+def joint(parent: str, child: str, seconds: float, at: Pose, stamp: float = 0.0, **kind: bool) -> Transform:
+    return Transform(parent, child, round(seconds * S), round(stamp * S), at, **kind)
 
 
 def at(frames: Frames, frame: str, world: str, seconds: float, stamp: float = 0.0) -> tuple[float, float, float]:
@@ -112,16 +112,16 @@ def message(turn: tuple[float, ...], x: float = 1.0) -> Any:
 
 
 def test_a_transform_is_read_without_slashes_and_its_turn_made_one() -> None:
-    (told,) = joints_of(message((0.0, 0.0, 2.0, 0.0)), "/robot/tf_static", 7)
-    assert told == Joint("base_link", "laser", 7, 3 * S + 5, (1, 2, 0, 0, 0, 1, 0), static=True)
-    (told,) = joints_of(message((0.0, 0.0, 0.0, 1.0)), "/tf", 7)
+    (told,) = transforms_of(message((0.0, 0.0, 2.0, 0.0)), "/robot/tf_static", 7)
+    assert told == Transform("base_link", "laser", 7, 3 * S + 5, (1, 2, 0, 0, 0, 1, 0), static=True)
+    (told,) = transforms_of(message((0.0, 0.0, 0.0, 1.0)), "/tf", 7)
     assert not told.static
 
 
 @pytest.mark.parametrize(("turn", "x"), [((0.0,) * 4, 1.0), ((0.0, 0.0, nan, 1.0), 1.0), ((0.0, 0.0, 0.0, 1.0), nan)])
 def test_a_transform_that_says_no_pose_is_an_error_that_names_the_frames(turn: tuple[float, ...], x: float) -> None:
     with pytest.raises(ValueError, match="'/laser' in '/base_link' is at no pose"):
-        list(joints_of(message(turn, x), "/tf", 7))
+        list(transforms_of(message(turn, x), "/tf", 7))
 
 
 def test_odometry_without_a_pose_is_left_out_and_told(tmp_path: Path) -> None:
@@ -156,11 +156,11 @@ def test_a_real_robot_has_its_scanner_behind_its_middle_and_turned_round(data: P
         assert frames.chain("base_laser_link") == ["base_laser_link", "base_link", "base_footprint", "odom"]
         robot = frames.poses("base_footprint", "odom", scans.times_ns, scans.stamps_ns)
         laser = frames.poses("base_laser_link", "odom", scans.times_ns, scans.stamps_ns)
-    yaw = 2 * np.arctan2(robot.turns[:, 2], robot.turns[:, 3])
+    yaw = 2 * np.arctan2(robot.orientations[:, 2], robot.orientations[:, 3])
     # It is said twice, first 0.1016 m: as in tf, what was said last holds.
-    behind = robot.places[:, :2] - 0.084 * np.stack([np.cos(yaw), np.sin(yaw)], axis=1)
-    assert laser.places[:, :2] == pytest.approx(behind, abs=1e-5)
-    turned = 2 * np.arctan2(laser.turns[:, 2], laser.turns[:, 3]) - yaw
+    behind = robot.positions[:, :2] - 0.084 * np.stack([np.cos(yaw), np.sin(yaw)], axis=1)
+    assert laser.positions[:, :2] == pytest.approx(behind, abs=1e-5)
+    turned = 2 * np.arctan2(laser.orientations[:, 2], laser.orientations[:, 3]) - yaw
     assert np.cos(turned) == pytest.approx(-np.ones(len(yaw)), abs=1e-6)
 
 
