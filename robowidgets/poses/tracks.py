@@ -31,10 +31,8 @@ class Poses(NamedTuple):
 
     def of(self, inner: Poses) -> Poses:
         """The poses in the outer frame of something at ``inner`` in the inner one."""
-        return Poses(
-            self.positions + _rotated(self.orientations, inner.positions),
-            _product(self.orientations, inner.orientations),
-        )
+        positions = self.positions + _rotated(self.orientations, inner.positions)
+        return Poses(positions, _product(self.orientations, inner.orientations))
 
     def inverse(self) -> Poses:
         """The poses of the outer frame in the inner one."""
@@ -78,14 +76,12 @@ class Track:
         span = np.maximum(known[after] - known[before], 1)
         share = ((asked - known[before]) / span).clip(0.0, 1.0)[:, None]
         one, other = (Poses(*(column[order[rows]] for column in self.poses)) for rows in (before, after))
+        start, end = one.orientations, other.orientations
         # q and -q are the same orientation: take the nearer. Between two messages linear interpolation is close enough.
-        near = (
-            np.where((one.orientations * other.orientations).sum(axis=1, keepdims=True) < 0, -1.0, 1.0)
-            * other.orientations
-        )
-        turns = one.orientations + share * (near - one.orientations)
-        turns /= np.linalg.norm(turns, axis=1, keepdims=True)
-        return Poses(one.positions + share * (other.positions - one.positions), turns)
+        end = np.where((start * end).sum(axis=1, keepdims=True) < 0, -1.0, 1.0) * end
+        orientations = start + share * (end - start)
+        orientations /= np.linalg.norm(orientations, axis=1, keepdims=True)
+        return Poses(one.positions + share * (other.positions - one.positions), orientations)
 
     @cached_property
     def _by_time(self) -> tuple[Times, Times]:
