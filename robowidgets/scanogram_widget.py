@@ -25,6 +25,7 @@ from .scanogram.strips import SpeedStrip, TouchStrip
 
 if TYPE_CHECKING:
     from .recording import Recording
+    from .recordings import RecordingData
 
 _LIMITS: dict[str, Pair] = dict.fromkeys(AXES, (-1.0, 1.0))
 
@@ -99,7 +100,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
     _detail = bytes_trait(echo_update=False)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._file: Recording | None = None
+        self._file: RecordingData | None = None
         self._picture: Picture | None = None
         self._is_whole = True
         self._edition = 0

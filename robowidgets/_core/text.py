@@ -47,3 +47,8 @@ def _cells(tag: str, cells: Sequence[str], right: Collection[int]) -> str:
         f'<{tag} style="text-align:{"right" if i in right else "left"}">{escape(cell)}</{tag}>'
         for i, cell in enumerate(cells)
     )
+
+
+def often(count: int) -> str:
+    """A number of times: ``once``, ``12 times``."""
+    return "once" if count == 1 else f"{count:,} times"

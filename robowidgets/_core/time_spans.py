@@ -8,6 +8,8 @@ from typing import Any
 
 import traitlets
 
+from ..samples.time_span import time_span
+
 
 class TimeSpan(traitlets.TraitType[Any, Any]):
     """None, or (start, end) in seconds from the start, 0 <= start < end. A span of `Recording.find` is taken as it is.
@@ -23,25 +25,12 @@ class TimeSpan(traitlets.TraitType[Any, Any]):
 
     def validate(self, _obj: Any, value: Any) -> Any:
         """The span as a tuple, or None; TraitError says what is wrong with it."""
-        expected = "expected None or (start, end) in seconds, 0 <= start < end"
-        if self._rays:
-            expected += ", with rays (start, end, first, stop)"
         if value is None:
             return None
-        parts = value[:2] if isinstance(value, tuple) and hasattr(value, "start_ns") else value
-        if not isinstance(parts, (tuple, list)) or len(parts) not in ((2, 4) if self._rays else (2,)):
-            raise traitlets.TraitError(f"{self.name}: {expected}; got {value!r}")
-        if not all(isinstance(part, Real) and not isinstance(part, bool) and isfinite(part) for part in parts):
-            raise traitlets.TraitError(f"{self.name}: {expected}; got {value!r}")
-        start, end = (float(part) for part in parts[:2])
-        if not 0 <= start < end:
-            raise traitlets.TraitError(f"{self.name}: {expected}; got {value!r}")
-        if len(parts) == 2:
-            return start, end
-        first, stop = (int(part) for part in parts[2:])
-        if (first, stop) != tuple(parts[2:]) or not 0 <= first < stop:
-            raise traitlets.TraitError(f"{self.name}: expected rays as whole numbers, 0 <= first < stop; got {value!r}")
-        return start, end, first, stop
+        try:
+            return time_span(str(self.name), value, rays=self._rays)
+        except ValueError as error:
+            raise traitlets.TraitError(str(error)) from None
 
 
 class Seconds(traitlets.TraitType[Any, Any]):

@@ -16,7 +16,7 @@ from ..find.conditions import Condition
 from ..kinds import LASER, SPEED, TOUCH
 from ..recording import Recording
 from ..recordings.spans import Spans
-from ..repair.source import UnnamedTopicError
+from ..recordings.topics import UnnamedTopicError
 from ..samples.numbers import OF_DEGREES
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130

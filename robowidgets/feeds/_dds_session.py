@@ -18,8 +18,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from ..kinds import counts_every_message
-from ..messages.decoding import Decode
-from ..repair.source import RecordingError
+from ..messages.decoding import Decode, DecodeError
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
 from .middleware import EVENTS, Advert, FeedError, Listener
 
@@ -170,7 +169,7 @@ class Session:
                 continue
             try:
                 message = reader.decode(sample.raw)
-            except RecordingError as error:
+            except DecodeError as error:
                 self._trouble(wish.topic, f"a message of {wish.topic} cannot be read: {error}")
             else:
                 self._trouble(wish.topic, "")
@@ -195,7 +194,7 @@ class Session:
             try:
                 writer = self._writers.get((topic, type_name)) or self._create_writer(topic, type_name)
                 writer.write(writer.data_type(raw))
-            except (DDSException, RecordingError) as error:
+            except (DDSException, DecodeError) as error:
                 raise FeedError(f"cannot publish on {topic}: {error}") from None
 
     def _take(self, builtin: Any, known: dict[UUID, Endpoint]) -> None:
@@ -213,7 +212,7 @@ class Session:
             decode = decoder(wish.type, wish.definition)
             kind = struct(wish.type, wish.definition) if wish.described else opaque(wish.type)
             user_data = Policy.Userdata(type_hash(wish.type, wish.definition))
-        except RecordingError:
+        except DecodeError:
             self._trouble(
                 wish.topic,
                 f"{wish.topic} comes as {wish.type}, a type that is not known here; feeds.ros2 and feeds.foxglove can "

@@ -14,8 +14,8 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from ..messages.decoding import Decode, decoder_of, store_of
-from ..repair.source import Channel, RecordingError
+from ..messages.channel import Channel
+from ..messages.decoding import Decode, DecodeError, decoder_of, store_of
 
 NODES = "ros_discovery_info"
 """The DDS topic on which ROS 2 announces nodes and the endpoints that belong to them. It is no topic of ROS."""
@@ -69,7 +69,7 @@ def decoder(type_name: str, definition: str = "") -> Decode:
     """What makes messages of bytes by a definition of the type; bytes that do not fit it are read by another one.
 
     Raises:
-        RecordingError: nobody defines the type; what is returned raises it for bytes that are no such message.
+        DecodeError: nobody defines the type; what is returned raises it for bytes that are no such message.
     """
     others = [decoder_of(_channel(type_name, text)) for text in _definitions(type_name) if text != definition]
     first = decoder_of(_channel(type_name, definition))
@@ -77,9 +77,9 @@ def decoder(type_name: str, definition: str = "") -> Decode:
     def decode(raw: bytes) -> Any:
         try:
             return first(raw)
-        except RecordingError:
+        except DecodeError:
             for other in others:
-                with suppress(RecordingError):
+                with suppress(DecodeError):
                     return other(raw)
             raise
 
@@ -91,7 +91,7 @@ def struct(type_name: str, definition: str = "") -> Any:
     """The type with its fields: Cyclone DDS compares them with those of a publisher that describes its own.
 
     Raises:
-        RecordingError: nobody defines the type.
+        DecodeError: nobody defines the type.
     """
     store = store_of(_channel(type_name, definition))
     with _making:
@@ -123,7 +123,7 @@ def _definitions(type_name: str) -> tuple[str, ...]:
     texts = [newest.generate_msgdef(type_name, ros_version=2)[0]] if type_name in newest.fielddefs else []
     by_hash: dict[bytes, str] = {}
     for text in (*texts, ""):
-        with suppress(RecordingError):
+        with suppress(DecodeError):
             by_hash[type_hash(type_name, text)] = text
     return tuple(by_hash.values())
 
@@ -154,7 +154,7 @@ def _field(store: Typestore, kind: int, what: Any) -> Any:
         return _struct(store, what)
     if kind == Nodetype.BASE:
         if what[0] not in _BASES:
-            raise RecordingError(f"a field of type {what[0]} cannot be described to DDS")
+            raise DecodeError(f"a field of type {what[0]} cannot be described to DDS")
         return _BASES[what[0]]
     (inner, name), count = what
     items = _field(store, inner, name)

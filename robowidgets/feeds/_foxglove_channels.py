@@ -6,8 +6,8 @@ import json
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
-from ..repair.source import Channel as RosChannel
-from ..repair.source import RecordingError
+from ..messages.channel import Channel as RosChannel
+from ..messages.decoding import DecodeError
 from ._bridge import UnreadableError, full_type, other_nodes, strings
 from ._websocket import one_line
 from .middleware import Advert
@@ -57,7 +57,7 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
     asked = RosChannel(channel.id, channel.topic, channel.type, channel.encoding, channel.definition, 0)
     try:
         decode = decoder_of(asked)
-    except RecordingError:
+    except DecodeError:
         raise UnreadableError(
             f"{channel.topic} comes as {one_line(channel.type)}, which is not a known type, "
             "and the server does not define it in a way that can be understood"
@@ -66,7 +66,7 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
     def read(raw: bytes) -> Any:
         try:
             return decode(raw)
-        except RecordingError as error:
+        except DecodeError as error:
             raise UnreadableError(f"a message of {channel.topic} cannot be read: {error}") from None
 
     return read

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..recording import Recording
-from ..recording import open as open_recording
+from ..recordings import RecordingData
 from ..samples.numbers import finite
 from .feed import Feed
 from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
@@ -31,7 +30,7 @@ class Played:
         loop: whether it starts anew at its end.
     """
 
-    def __init__(self, recording: Recording, speed: float, loop: bool) -> None:
+    def __init__(self, recording: RecordingData, speed: float, loop: bool) -> None:
         self._recording = recording
         self._speed = speed
         self._loop = loop
@@ -142,10 +141,10 @@ def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = 
     """
     if not isinstance(path, (str, bytes, os.PathLike)):
         got = "None" if path is None else f"a {type(path).__name__}"
-        hint = "; one that is open has it: feeds.recording(recording.path)" if isinstance(path, Recording) else ""
+        hint = "; one that is open has it: feeds.recording(recording.path)" if isinstance(path, RecordingData) else ""
         raise TypeError(f"recording(): expected the path of a file or folder, such as 'drive.bag', got {got}{hint}")
     if not isinstance(loop, (bool, np.bool_)):
         raise TypeError(f"loop: expected True or False, got {loop!r}")
     if finite("speed", speed, "seconds of the recording in a second") <= 0:
         raise ValueError(f"speed: expected seconds of the recording in a second, above 0, got {speed!r}")
-    return Feed(Played(open_recording(path), speed, loop))
+    return Feed(Played(RecordingData(path), speed, loop))

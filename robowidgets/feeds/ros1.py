@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
-from ..messages.decoding import Decode, decoder_of, one_line
-from ..repair.source import Channel, RecordingError
+from ..messages.channel import Channel
+from ..messages.decoding import Decode, DecodeError, decoder_of, one_line
 from ._backoff import Backoff
 from ._ros1_master import Master, MasterError, State
 from ._ros1_publications import SHUT_DOWN, Publications
@@ -247,7 +247,7 @@ class Ros1:
         if isinstance(message, self._rospy.AnyMsg):
             try:
                 message = self._decode(topic, message)
-            except RecordingError as error:
+            except DecodeError as error:
                 self._trouble(topic, f"{topic}: a message of it cannot be read: {error}")
                 return
         self._trouble(topic, DATA_COME if self._publications.master_lost else "")

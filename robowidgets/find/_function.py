@@ -10,17 +10,15 @@ import numpy as np
 
 from ..kinds import KINDS, Kind
 from ..messages.decoding import one_line
-from ..recordings.kinds import only
-from ..recordings.timeline import Topic
-from ..recordings.topics import shown
-from ..repair.source import RecordingError, UnknownTopicError, UnnamedTopicError
+from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, only, shown
+from ..repair import RecordingError
 from ..samples import Scan, Speed, Touch
 from ._steps import NO, UNKNOWN, YES, Steps, steps
 from .conditions import Condition
 from .stale import mark_stale
 
 if TYPE_CHECKING:
-    from ..recording import Recording
+    from ..recordings import RecordingData
     from ._search import Search
 
 _TIME = ""
@@ -181,7 +179,7 @@ class Function(Condition):
         return str(getattr(self._function, "__name__", type(self._function).__name__))
 
 
-def _topics(recording: Recording, asked: Any) -> list[Topic]:
+def _topics(recording: RecordingData, asked: Any) -> list[Topic]:
     there = shown(recording.topics)
     if asked is None:
         return list(there.values())
@@ -208,7 +206,7 @@ def _together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[i
                 del heads[topic]
 
 
-def _samples(recording: Recording, topic: str) -> Iterator[tuple[int, Make]]:
+def _samples(recording: RecordingData, topic: str) -> Iterator[tuple[int, Make]]:
     """The times of a topic, held where the clock went back, and what makes the sample of each."""
     latest = 0
     for chunk in recording.series(topic).chunks():

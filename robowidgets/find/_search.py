@@ -15,7 +15,7 @@ from .conditions import condition
 from .stale import mark_stale
 
 if TYPE_CHECKING:
-    from ..recording import Recording
+    from ..recordings import RecordingData
 
 
 class Chunked(Protocol):
@@ -36,7 +36,7 @@ class Search:
         bar: is told how many samples were looked at.
     """
 
-    def __init__(self, recording: Recording, topics: str | Iterable[str] | None, bar: Any) -> None:
+    def __init__(self, recording: RecordingData, topics: str | Iterable[str] | None, bar: Any) -> None:
         self.recording = recording
         self.topics = topics
         self.end_ns = recording.end_ns or 0
@@ -93,7 +93,7 @@ class Search:
         ]
 
 
-def find(recording: Recording, given: Any, topics: str | Iterable[str] | None) -> Spans:
+def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | None) -> Spans:
     """See `Recording.find`."""
     wanted = condition(given)
     total = sum(topic.count for topic in recording.topics if topic.widget)

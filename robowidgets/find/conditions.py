@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kinds import KINDS
-from ..recordings.chunks import ScanChunk, SpeedChunk
-from ..repair.source import UnknownTopicError, UnnamedTopicError
+from ..recordings.columns._chunks import ScanChunk, SpeedChunk
+from ..recordings.topics import UnknownTopicError, UnnamedTopicError
 from ..samples import AXES, TouchState
 from ..samples.numbers import number
 from ..samples.scan import distances

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .._core.cells import take_the_place
-from ..recording import Recording
+from ..recordings import RecordingData
 from .log import Log
 from .widget import RerunWidget
 
@@ -15,7 +15,9 @@ _TOGETHER = 8
 """Pieces that may wait to be written."""
 
 
-def to_rerun(recording: Recording, path: str | os.PathLike[str] | None, topics: Sequence[str]) -> Path | RerunWidget:
+def to_rerun(
+    recording: RecordingData, path: str | os.PathLike[str] | None, topics: Sequence[str]
+) -> Path | RerunWidget:
     """See `Recording.to_rerun`."""
     if path is None:
         viewer = RerunWidget(recording, topics)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..kinds import KINDS, load
 from ..poses.tracks import Poses
-from ..recording import Recording
-from ..recordings.chunks import ScanChunk
-from ..recordings.timeline import Topic
+from ..recordings import RecordingData
+from ..recordings.columns._chunks import ScanChunk
+from ..recordings.topics import Topic
 from ..samples import AXES, Scan, TouchState
 from .sdk import library
 from .world import World
@@ -47,7 +47,7 @@ class Log:
         UnknownTopicError: it has no such topic, or one that no widget shows.
     """
 
-    def __init__(self, recording: Recording, topics: Sequence[str] = ()) -> None:
+    def __init__(self, recording: RecordingData, topics: Sequence[str] = ()) -> None:
         self.rr = library("rerun")
         self.recording = recording
         recording.samples(topics or None)

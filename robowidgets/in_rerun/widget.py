@@ -17,7 +17,7 @@ import ipywidgets
 from .._core.pacer import pacer
 from .._core.progress import one_bar
 from .._core.time_spans import Seconds
-from ..recording import Recording, open
+from ..recordings import RecordingData
 from .log import CLOCK, SECONDS, Log
 from .sdk import library
 from .server import kept_here, read, server
@@ -54,7 +54,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
 
     _viewer: Any = None
 
-    def __init__(self, recording: Recording, topics: Sequence[str] = (), **kwargs: Any) -> None:
+    def __init__(self, recording: RecordingData, topics: Sequence[str] = (), **kwargs: Any) -> None:
         Log(recording, topics)
         viewer = _viewer()
         self.duration = recording.duration
@@ -145,7 +145,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
 
 def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
     # No bars: these are the pieces of a page that is on show already.
-    with one_bar(), open(path) as recording:
+    with one_bar(), RecordingData(path) as recording:
         log = Log(recording, topics)
         stream = log.stream()
         drain = stream.binary_stream()

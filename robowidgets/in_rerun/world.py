@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..poses.tracks import Frames, Poses
-from ..recording import Recording
+from ..recordings import RecordingData
 
 _BASES = ("base_footprint", "base_link")
 
@@ -21,8 +21,8 @@ class World:
         scanners: the frames of its scans.
     """
 
-    def __init__(self, recording: Recording, scanners: Sequence[str]) -> None:
-        self._frames = frames = Frames(recording._timeline.joints())
+    def __init__(self, recording: RecordingData, scanners: Sequence[str]) -> None:
+        self._frames = frames = Frames(recording.transforms())
         chains = [frames.chain(_plain(scanner)) for scanner in scanners]
         if frames.odometry:
             self.name, self.robot = frames.odometry

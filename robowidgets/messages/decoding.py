@@ -1,6 +1,6 @@
 """Messages from bytes: the definitions of their types, and the readers made of them.
 
-This module and `ros_files` are the only ones that know rosbags.
+This module and `recordings.files` are the only ones that know rosbags.
 """
 
 from __future__ import annotations
@@ -14,9 +14,7 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from ..recordings import scan_bytes
-from ..repair._inflate import plain
-from ..repair.source import Channel, RecordingError
+from .channel import Channel
 from .definitions import definitions
 from .fields import Shape
 
@@ -38,8 +36,12 @@ _IDL_HEAD = re.compile(r"^=+\nIDL: .*\n", re.MULTILINE)
 _NEEDLESS = re.compile(r"^[ \t]*(#.*|[a-z0-9]+(<=\d+)?[ \t]+\w+[ \t]*=.*)?\n", re.MULTILINE)
 
 
+class DecodeError(ValueError):
+    """A type that is not known, or bytes that are no message of it. The text is one line for a person."""
+
+
 def shape_of(channel: Channel) -> Shape:
-    """The fields of a channel's messages; RecordingError when they are not known."""
+    """The fields of a channel's messages; DecodeError when they are not known."""
     return _shape(store_of(channel).fielddefs, channel.type)
 
 
@@ -47,27 +49,23 @@ def decoder_of(channel: Channel) -> Decode:
     """What makes messages of a channel's bytes.
 
     Raises:
-        RecordingError: the type or the encoding is not known; what is returned raises it for bytes that are no such
+        DecodeError: the type or the encoding is not known; what is returned raises it for bytes that are no such
             message.
     """
     store, type_name, encoding = store_of(channel), channel.type, channel.encoding
     read = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
-    is_scan = scan_bytes.is_usual(shape_of(channel), encoding)
 
     def decode(raw: bytes) -> Any:
-        raw = plain(raw)
-        if is_scan and (scan := scan_bytes.read(raw, encoding)) is not None:
-            return scan
         try:
             return read(memoryview(raw), type_name)
         except Exception as error:  # whatever rosbags stumbles over: its own errors, KeyError, IndexError
-            raise RecordingError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
+            raise DecodeError(f"{len(raw)} bytes that are no {type_name}: {one_line(error)}") from error
 
     return decode
 
 
 def store_of(channel: Channel) -> Typestore:
-    """What knows the type of a channel; RecordingError when nothing does."""
+    """What knows the type of a channel; DecodeError when nothing does."""
     find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__
     return find(channel.type, channel.definition, channel.encoding)
 
@@ -89,7 +87,7 @@ def _find(type_name: str, definition: str, encoding: str) -> Typestore:
     if type_name not in known.fielddefs:
         _add_ours(known, type_name)
     if type_name not in known.fielddefs:
-        raise RecordingError(f"{why}, nor among those that are known")
+        raise DecodeError(f"{why}, nor among those that are known")
     return known
 
 
@@ -146,7 +144,7 @@ def _shape(types: Types, type_name: str, room: Iterator[int] | None = None) -> d
 
 def _kind(types: Types, kind: int, what: Any, room: Iterator[int]) -> Any:
     if next(room, None) is None:
-        raise RecordingError(f"the definition of its messages has more than {_MOST_FIELDS:,} fields")
+        raise DecodeError(f"the definition of its messages has more than {_MOST_FIELDS:,} fields")
     if kind == Nodetype.BASE:
         return what[0]
     if kind == Nodetype.NAME:

@@ -18,7 +18,8 @@ _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 _SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
 _COMPARED = frozenset((float, int, np.float32, np.float64, type(None)))
 _COPIED = frozenset((np.ndarray, array, list, tuple))
-_LONGEST_SCAN = 60.0
+LONGEST_SCAN = 60.0
+"""Seconds; a scan_time or time_increment above it is noted and not used."""
 _NOTHING: dict[str, Any] = {}
 _ONE_RAY = (
     "; a single distance is one ray: ranges=[message.range], angle_min=0, angle_increment=0, "
@@ -200,6 +201,6 @@ def _about_times(read: Callable[[str, Any], Any]) -> tuple[str, ...]:
         if value is None:
             continue
         seconds = number(name, value)
-        if not isfinite(seconds) or not 0 <= seconds <= _LONGEST_SCAN:
+        if not isfinite(seconds) or not 0 <= seconds <= LONGEST_SCAN:
             notes.append(f"{name} is {seconds:g} s: not used")
     return tuple(notes)

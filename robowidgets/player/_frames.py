@@ -11,8 +11,8 @@ import numpy as np
 
 from .._core.robot_widget import HEAD
 from .._widget_choice import WidgetChoice
-from ..recording import Recording
-from ..recordings.timeline import Moment
+from ..recordings import RecordingData
+from ..recordings.topics import Moment
 from ..samples import Touch
 from ..speed_widget import Reading, SpeedWidget
 from ..touch_widget import TouchWidget, about_touch, pack_states
@@ -60,7 +60,7 @@ class SampleFrames:
         widget: packs the samples.
     """
 
-    def __init__(self, recording: Recording, choice: WidgetChoice, widget: Any) -> None:
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: Any) -> None:
         self._recording, self._topic, self._widget = recording, choice.topic, widget
         self._nothing = choice.kind.nothing
         self.seek = _newest(recording, choice.topic, widget.update, self._nothing)
@@ -80,7 +80,7 @@ class SampleFrames:
 class SpeedFrames:
     """A `Track` of measured speeds, with those of the commanded topic, if there is one; see `SampleFrames`."""
 
-    def __init__(self, recording: Recording, choice: WidgetChoice, widget: SpeedWidget) -> None:
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SpeedWidget) -> None:
         self._recording, self._topics, self._widget = recording, choice.topics, widget
         self._nothing = choice.kind.nothing
         shows = zip(choice.topics, (widget.update, widget.command), strict=False)
@@ -109,7 +109,7 @@ class SpeedFrames:
 class TouchFrames:
     """A `Track` of what is known of touch sensors, which changes without a message too; see `SampleFrames`."""
 
-    def __init__(self, recording: Recording, choice: WidgetChoice, widget: TouchWidget) -> None:
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: TouchWidget) -> None:
         self._recording, self._topic, self._widget = recording, choice.topic, widget
         self._start_ns = recording.start_ns or 0
         self._history = TouchHistory(recording, choice.topic)
@@ -153,7 +153,7 @@ def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
     return abouts, b"".join([np.float64(len(frames)).tobytes(), *rows, *(timed.frame for timed in frames)])
 
 
-def _newest(recording: Recording, topic: str, show: Callable[[Any], None], nothing: Any) -> Seek:
+def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], nothing: Any) -> Seek:
     """Hands on the last sample of a topic at a time, unless it is the one that was handed on before."""
     before: list[int | None] = [-1]
 

@@ -13,7 +13,7 @@ from math import floor
 from typing import Any
 
 from .._core.progress import one_bar
-from ..repair.source import RecordingError
+from ..repair import RecordingError
 from ._frames import Track, pack
 
 log = logging.getLogger("robowidgets")

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from .._core.cells import take_the_place
 from .._widget_choice import shared
 from ..kinds import LASER, SPEED, TOUCH, Kind
-from ..recording import Recording, open
-from ..recordings import scan_series
-from ..recordings.chunks import ScanChunk
-from ..recordings.timeline import Topic
-from ..recordings.touch_series import Touches
-from ..repair.source import RecordingError
+from ..recordings import RecordingData
+from ..recordings.columns._chunks import ScanChunk
+from ..recordings.columns.scans import Scans as ScanSeries
+from ..recordings.columns.touches import Touches
+from ..recordings.topics import Topic
+from ..repair import RecordingError
 from ..samples import Scan, TouchState
 from ..scanogram.by_angle import keeps_indices, on_rays, rays_at
 from ..scanogram.levels import BUDGET
@@ -80,7 +80,7 @@ class Read:
         onto: puts those of a chunk on the rays of the picture.
     """
 
-    def __init__(self, series: scan_series.Scans, onto: Onto) -> None:
+    def __init__(self, series: ScanSeries, onto: Onto) -> None:
         self._series, self._onto = series, onto
         self.times_ns = series.times_ns
 
@@ -94,7 +94,7 @@ class Read:
 
 
 def scanogram(
-    recording: Recording, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
+    recording: RecordingData, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
 ) -> ScanogramWidget:
     """See `ScanogramWidget.of`."""
     widget = ScanogramWidget(**options)
@@ -107,7 +107,7 @@ def scanogram(
     return widget
 
 
-def _fill(widget: ScanogramWidget, recording: Recording, topic: str | None, beside: Collection[str] | None) -> None:
+def _fill(widget: ScanogramWidget, recording: RecordingData, topic: str | None, beside: Collection[str] | None) -> None:
     """Put the scans of a recording into a scanogram, with the measured speed and all touches of the same robot."""
     lasers = [t.name for t in recording.topics if t.widget == LASER.name]
     scans = recording.scans(lasers[0] if topic is None and lasers else topic)
@@ -121,7 +121,7 @@ def _fill(widget: ScanogramWidget, recording: Recording, topic: str | None, besi
     _put_touches(widget, recording, [t.name for t in of_the_robot(TOUCH)])
 
 
-def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series.Scans) -> None:
+def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries) -> None:
     most = min(HELD_BYTES, recording.memory)
     held = _held(scans, most)
     counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
@@ -134,7 +134,7 @@ def _put_scans(widget: ScanogramWidget, recording: Recording, scans: scan_series
         held = None
     if held is None:
         # A file of its own, so that the recording given may be closed.
-        widget._file = open(recording.path)
+        widget._file = RecordingData(recording.path)
         widget._file.memory = min(LOOKED_AT_BYTES, recording.memory)
         series = widget._file.scans(scans.topic)
         likes = [(chunk.like, len(chunk)) for chunk in series.chunks()]
@@ -175,7 +175,7 @@ def _about(likes: list[tuple[Scan, int]], onto: Onto, by_angle: bool) -> Iterato
         yield "range_min and range_max change: those of the first scan count"
 
 
-def _held(scans: scan_series.Scans, most: int) -> list[ScanChunk] | None:
+def _held(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
     """All chunks, on the first way through the file; None where their ranges take more than so many bytes."""
     chunks, size = [], 0
     for chunk in scans.chunks():
@@ -186,7 +186,7 @@ def _held(scans: scan_series.Scans, most: int) -> list[ScanChunk] | None:
     return chunks
 
 
-def _put_speeds(widget: ScanogramWidget, recording: Recording, topics: list[Topic]) -> None:
+def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic]) -> None:
     """The first measured speed; a commanded one where none was measured."""
     for topic in sorted(topics, key=lambda topic: topic.commanded):
         speeds = recording.speeds(topic.name)
@@ -195,7 +195,7 @@ def _put_speeds(widget: ScanogramWidget, recording: Recording, topics: list[Topi
             return
 
 
-def _put_touches(widget: ScanogramWidget, recording: Recording, topics: list[str]) -> None:
+def _put_touches(widget: ScanogramWidget, recording: RecordingData, topics: list[str]) -> None:
     if topics:
         spans = [span for topic in topics for span in touched(recording.touches(topic), recording.duration)]
         widget.set_touches(spans, title=", ".join(topics))

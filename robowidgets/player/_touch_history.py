@@ -6,7 +6,7 @@ from bisect import bisect_right
 from copy import copy
 from dataclasses import replace
 
-from ..recording import Recording
+from ..recordings import RecordingData
 from ..samples import Touch, TouchMode
 from ..samples.touch_tracker import TouchTracker
 
@@ -21,7 +21,7 @@ class TouchHistory:
         topic: a topic of it that a touch widget shows.
     """
 
-    def __init__(self, recording: Recording, topic: str) -> None:
+    def __init__(self, recording: RecordingData, topic: str) -> None:
         self._recording = recording
         self._topic = topic
         self._start_ns = recording.start_ns or 0

@@ -8,8 +8,8 @@ from itertools import islice
 import ipywidgets
 
 from .._core.text import many
-from ..recording import Recording
-from ..repair.source import RecordingError
+from ..recordings import RecordingData
+from ..repair import RecordingError
 from ..samples import Scan
 from ..scanogram_widget import ScanogramWidget
 from ._scanogram import scanogram
@@ -21,7 +21,7 @@ _LOOKED_AT = 20
 
 
 def whole_drive(
-    recording: Recording, topic: str, beside: Collection[str], wanted: bool | None
+    recording: RecordingData, topic: str, beside: Collection[str], wanted: bool | None
 ) -> tuple[ScanogramWidget | None, str]:
     """The scanogram of a topic, if there is one, and words for a person who may miss it.
 
@@ -48,7 +48,7 @@ def whole_drive(
         return None, ""
 
 
-def _too_long(recording: Recording, topic: str) -> str:
+def _too_long(recording: RecordingData, topic: str) -> str:
     """Why a scanogram of a topic would take long to make, and how to have it; empty when it would not."""
     count = sum(t.count for t in recording.topics if t.name == topic)
     # Not of the first alone, which may be empty.

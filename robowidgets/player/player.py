@@ -23,7 +23,7 @@ from ..find.stale import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
 from ..player_widget import PlayerWidget
-from ..recording import Recording, open
+from ..recordings import RecordingData
 from ..recordings.times import has_date
 from ..scanogram_widget import ScanogramWidget
 from ._frames import Track
@@ -77,7 +77,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     scanogram: ScanogramWidget | None = None
 
     def __init__(
-        self, recording: Recording, topics: Sequence[str] = (), scanogram: bool | None = None, rerun: bool = False
+        self, recording: RecordingData, topics: Sequence[str] = (), scanogram: bool | None = None, rerun: bool = False
     ) -> None:
         take_the_place(self)
         self.recording = recording
@@ -170,7 +170,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     @contextmanager
     def _open_tracks(self) -> Iterator[Sequence[Track]]:
         """The tracks of the recording opened anew, because one thread at a time may read a recording."""
-        with open(self.recording.path) as recording:
+        with RecordingData(self.recording.path) as recording:
             yield [_track(recording, view.choice, view.widget) for view in self.views]
 
     def _send_ahead(self, content: dict[str, Any], buffers: list[bytes]) -> None:
@@ -235,17 +235,17 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
         scanogram.selection = change["new"]
 
 
-def _view(recording: Recording, choice: WidgetChoice) -> View:
+def _view(recording: RecordingData, choice: WidgetChoice) -> View:
     widget = choice.make()
     return View(widget, choice, _track(recording, choice, widget))
 
 
-def _track(recording: Recording, choice: WidgetChoice, widget: Any) -> Track:
+def _track(recording: RecordingData, choice: WidgetChoice, widget: Any) -> Track:
     track: Track = load(choice.kind.frames)(recording, choice, widget)
     return track
 
 
-def _pause(recording: Recording, choice: WidgetChoice) -> float:
+def _pause(recording: RecordingData, choice: WidgetChoice) -> float:
     """Seconds after which a sample on show is stale; 0: never."""
     if not choice.kind.goes_stale:
         return 0.0
@@ -254,7 +254,7 @@ def _pause(recording: Recording, choice: WidgetChoice) -> float:
     return longest_pause(usual_step(np.array(times, np.int64))) / 1e9 if len(times) > 1 else 0.0
 
 
-def _first_look(recording: Recording, views: Iterable[View]) -> float:
+def _first_look(recording: RecordingData, views: Iterable[View]) -> float:
     """The earliest time at which every topic that starts early has something to show."""
     firsts = (next(recording.samples(topic), None) for view in views for topic in view.choice.topics)
     seconds = [first.seconds for first in firsts if first]

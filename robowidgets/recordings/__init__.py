@@ -1,6 +1,8 @@
-"""Recordings of robots: files of messages, opened for reading as samples."""
+"""The data of recordings: files of messages, opened for reading as samples. No widget is imported."""
 
-from ..repair.source import RecordingError, UnknownTopicError
-from .timeline import Moment, Topic
+from ..repair import RecordingError
+from .data import RecordingData
+from .time_slice import TimeSlice
+from .topics import Moment, Topic, UnknownTopicError
 
-__all__ = ["Moment", "RecordingError", "Topic", "UnknownTopicError"]
+__all__ = ["Moment", "RecordingData", "RecordingError", "TimeSlice", "Topic", "UnknownTopicError"]

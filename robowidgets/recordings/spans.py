@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any, NamedTuple, overload
 
-from .tables import library
+from .columns._tables import library
 
 _SHOWN = 20
 

@@ -8,8 +8,7 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
-from ..repair._held_clock import REAL_FROM
-from ..repair.source import RecordingError
+from ..repair import REAL_FROM_NS, RecordingError
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 _LONGEST = 2**62 / 1e9
@@ -27,7 +26,7 @@ def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
 
 def has_date(time_ns: int) -> bool:
     """Whether a clock that shows this tells the date."""
-    return time_ns >= REAL_FROM * 1e9
+    return time_ns >= REAL_FROM_NS
 
 
 def as_date(time_ns: int) -> str:

@@ -6,12 +6,13 @@ import re
 import struct
 from pathlib import Path
 
-from ._inflate import COMPRESSIONS, MAX_CHUNK, inflate
+from ..messages.channel import Channel
+from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
+from ._byte_range import ByteRange, FileRange, MemoryRange, find
 from ._records import MAX_TEXT, Damage, Format, Frame, walk, with_bar
 from ._report import foreign
-from ._saved import Chunk, Findings, SavedFile
-from ._stretch import FileStretch, MemoryStretch, Stretch, find
-from .source import Channel, RecordingError
+from ._walk import FoundMessages, Walk
+from .source import RecordingError
 
 MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _FILE, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = range(2, 8)
@@ -34,7 +35,7 @@ _HEADER_LENGTH = 20
 _VERSION = re.compile(rb"#ROS(?:BAG|RECORD|LOG) V(\d+\.\d+)")
 
 
-def open_bag(path: Path) -> SavedFile:
+def walk_bag(path: Path) -> Walk:
     """Every message that can be read from a ROS 1 bag, indexed or not, whole or not.
 
     Args:
@@ -45,10 +46,10 @@ def open_bag(path: Path) -> SavedFile:
 
     Source: http://wiki.ros.org/Bags/Format/2.0
     """
-    file = FileStretch(path)
+    file = FileRange(path)
     try:
         _check_format(file)
-        return _Scan(file).source()
+        return _Scan(file).walk()
     except BaseException:
         file.close()
         raise
@@ -57,21 +58,21 @@ def open_bag(path: Path) -> SavedFile:
 class _Scan:
     """One walk through a bag."""
 
-    def __init__(self, file: FileStretch) -> None:
+    def __init__(self, file: FileRange) -> None:
         self.file = file
         self.damage = Damage(unfinished=True)
-        self.found = Findings()
+        self.found = FoundMessages(file)
         self.channels: dict[int, Channel] = {}
 
-    def source(self) -> SavedFile:
-        """What the whole file holds."""
+    def walk(self) -> Walk:
+        """Read the whole file."""
         try:
             self.records(self.file, -1, self.damage, start=len(MAGIC))
         except OSError as error:
             self.damage.disk = error.strerror or str(error)
-        return SavedFile(self.file, self.channels.values(), self.found, self.damage)
+        return self.found.walk(list(self.channels.values()), self.damage)
 
-    def records(self, data: Stretch, chunk: int, damage: Damage, start: int = 0) -> None:
+    def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
         """Take in the records of the file (chunk -1) or of a chunk."""
         frames = walk(data, _LAYOUT, damage, start)
         for frame in with_bar(frames, self.file) if chunk < 0 else frames:
@@ -97,7 +98,7 @@ class _Scan:
         self.damage.unfinished = index_pos == 0
         self.damage.cut |= index_pos >= self.file.size
 
-    def connection(self, data: Stretch, frame: Frame, damage: Damage) -> None:
+    def connection(self, data: ByteRange, frame: Frame, damage: Damage) -> None:
         """Take in a topic; the first that comes with an id holds."""
         fields = _fields(data.read(frame.body, min(frame.end - frame.body, MAX_TEXT)))
         if fields is None or "type" not in fields:
@@ -120,15 +121,14 @@ class _Scan:
         if compression not in COMPRESSIONS:
             self.damage.compressions.add(compression)
             return
-        place = Chunk(frame.body, min(frame.end - frame.body, MAX_CHUNK), compression)
-        raw, whole = inflate(compression, self.file.read(place.offset, place.size))
-        self.found.chunks.append(place)
+        size = min(frame.end - frame.body, MAX_CHUNK)
+        raw, whole = inflate(compression, self.file.read(frame.body, size))
         inside = Damage()
-        self.records(MemoryStretch(raw), len(self.found.chunks) - 1, inside)
+        self.records(MemoryRange(raw), self.found.add_chunk(frame.body, size, compression), inside)
         self.damage.places += inside.places + (frame.whole and (inside.cut or not whole))
 
 
-def _check_format(file: FileStretch) -> None:
+def _check_format(file: FileRange) -> None:
     head = file.read(0, 64)
     if head.startswith(MAGIC):
         return
@@ -140,7 +140,7 @@ def _check_format(file: FileStretch) -> None:
     raise foreign(file.name, "a ROS 1 bag of format 2.0", head)
 
 
-def _frame_at(data: Stretch, pos: int) -> Frame | None:
+def _frame_at(data: ByteRange, pos: int) -> Frame | None:
     raw = data.read(pos, 4)
     if len(raw) < 4:
         return None
@@ -165,7 +165,7 @@ def _frame_at(data: Stretch, pos: int) -> Frame | None:
     return Frame(op, pos, body, end, fields)
 
 
-def _next_frame(data: Stretch, start: int, barred: frozenset[int]) -> int | None:
+def _next_frame(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
     """The next record that has the fields its kind needs."""
     for pos in find(data, _HEADER, _HEADER_LENGTH, start):
         frame = _frame_at(data, pos)

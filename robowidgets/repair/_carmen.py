@@ -2,132 +2,142 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Collection, Iterator
+import zlib
+from collections.abc import Callable
 from functools import partial
-from heapq import merge
+from pathlib import Path
 
-from ..poses.transforms import Joint
-from ..recordings.endings import LEAST, about_end
-from ..recordings.timeline import Moment, Sample, Topic
-from ._carmen_clock import steady
-from ._carmen_feed import CarmenFeed
+from ..messages.channel import Channel
 from ._carmen_lines import (
     ESTIMATE,
     NEW_SCANS,
     OLD_SCANS,
     SPEEDS,
+    checked,
+    estimate,
     new_scan,
+    odometry,
     old_scan,
-    pose,
     range_max_of,
-    speed,
-    time_of,
+    time_ns_of,
     word_of,
 )
+from ._clock import repaired_log
+from ._records import Damage
+from ._report import kind
+from ._walk import Walk
+from .source import RecordingError
 
-_SHOWN = frozenset((*SPEEDS, *OLD_SCANS, *NEW_SCANS))
+_EXPECTED = "a ROS bag (.bag), a rosbag2 folder, a .db3, an .mcap or a CARMEN log (.log, .clf, gzipped or not)"
+_GZIP = b"\x1f\x8b"
+_BLOCK = 1 << 16
+_LOOKED_AT = 1 << 20
+_SMALL = 1 << 26
+_RATIO = 20
+"""Bytes of text from one of a gzipped log, at most: real ones give ten. Up to `_SMALL` any do."""
+
+_TYPES = {
+    **dict.fromkeys(SPEEDS, "nav_msgs/msg/Odometry"),
+    **dict.fromkeys((*OLD_SCANS, *NEW_SCANS), "sensor_msgs/msg/LaserScan"),
+    ESTIMATE: "geometry_msgs/msg/Pose2D",
+}
 
 
-class CarmenLog:
-    """The `Timeline` of a CARMEN log. Its topics are the names of the messages: FLASER, ROBOTLASER1, ODOM, ...
+def walk_carmen(path: Path) -> Walk:
+    """The messages of a CARMEN log, gzipped or not, as the ROS 1 messages that say the same.
 
-    A program that makes maps writes ODOM lines of its own into a log, each before a line NEFF: poses that it estimates,
-    with a speed of 0 and mostly without a time. They are no measurement, and are counted as NEFF.
+    Its topics are the names of the lines: FLASER, ROBOTLASER1, ODOM, ... A program that makes maps writes ODOM lines of
+    its own into a log, each before a line NEFF: poses that it estimates, with a speed of 0 and mostly without a time.
+    They are no measurement, and are the poses of NEFF.
 
-    Args:
-        text: the whole log.
-        problems: what was wrong with the file that held it, one line each.
+    Raises:
+        RecordingError: it is no such log.
     """
-
-    def __init__(self, text: bytes, problems: Collection[str] = ()) -> None:
-        words: list[str] = []
-        lines: list[bytes] = []
-        estimates = 0
-        for line in text.splitlines():
-            word = word_of(line)
-            if word in _SHOWN:
-                words.append(word)
-                lines.append(line)
-            elif word == ESTIMATE:
-                estimates += 1
-                if words and words[-1] == "ODOM":
-                    del words[-1], lines[-1]
-        self._lines = lines
-        self._times, timed, about_times = steady([time_of(line) for line in lines])
-        self._places: dict[str, list[int]] = {word: [] for word in words}
-        for place, word in enumerate(words):
-            self._places[word].append(place)
-        self._reads: dict[str, Callable[[bytes], Sample]] = {word: self._reader(word) for word in self._places}
-        self._left_out: dict[str, str] = {}
-        self.start_ns = self._times[0] if lines else None
-        self.end_ns = self._times[-1] if lines else None
-        seconds = (self._times[-1] - self._times[0]) / 1e9 if timed and lines else 0.0
-        self.topics = tuple(_topic(word, len(places), seconds) for word, places in self._places.items())
-        ends = (
-            about_end(word, len(places), self._times[places[-1]], self._times[0], self._times[-1])
-            for word, places in self._places.items()
-            if timed and len(places) >= LEAST
-        )
-        self._problems = tuple(filter(None, (*problems, about_times, *ends)))
-        if estimates:
-            self.topics += (Topic(ESTIMATE, f"CARMEN {ESTIMATE}", estimates, None, None, False, ""),)
-
-    @property
-    def problems(self) -> tuple[str, ...]:
-        """See `Timeline`."""
-        return (*self._problems, *self._left_out.values())
-
-    def moments(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[Moment]:
-        """See `Timeline`."""
-        first = 0 if start_ns is None else bisect_left(self._times, start_ns)
-        end = len(self._lines) if stop_ns is None else bisect_left(self._times, stop_ns)
-        asked = [self._part(topic, first, end) for topic in topics if topic in self._places]
-        for place, topic in merge(*asked):
-            moment = self._moment(topic, place)
-            if moment:
-                yield moment
-
-    def last(self, topic: str, time_ns: int) -> Moment | None:
-        """See `Timeline`."""
-        places = self._places.get(topic, [])
-        end = bisect_left(places, bisect_right(self._times, time_ns))
-        return next(filter(None, (self._moment(topic, place) for place in reversed(places[:end]))), None)
-
-    def feed(self, topic: str) -> CarmenFeed:
-        """See `Timeline`."""
-        return CarmenFeed(topic, self._places.get(topic, []), lambda place: self._moment(topic, place))
-
-    def joints(self) -> Iterator[Joint]:
-        """See `Timeline`. Its scans stand at the robot: a log does not tell where its scanners are on it."""
-        for topic in SPEEDS:
-            for place in self._places.get(topic, []):
-                if (moment := self._moment(topic, place)) and (at := pose(self._lines[place])):
-                    yield Joint("odom", "base_link", moment.time_ns, moment.sample.stamp_ns or 0, at, odometry=True)
-
-    def close(self) -> None:
-        """See `Timeline`: the file is closed already."""
-
-    def _part(self, topic: str, first: int, end: int) -> list[tuple[int, str]]:
-        places = self._places[topic]
-        return [(place, topic) for place in places[bisect_left(places, first) : bisect_left(places, end)]]
-
-    def _reader(self, word: str) -> Callable[[bytes], Sample]:
-        if word in SPEEDS:
-            return speed
-        if word in NEW_SCANS:
-            return new_scan
-        return partial(old_scan, range_max=range_max_of([self._lines[place] for place in self._places[word]]))
-
-    def _moment(self, topic: str, place: int) -> Moment | None:
-        time_ns = self._times[place]
-        try:
-            return Moment(topic, time_ns, self._reads[topic](self._lines[place]), (time_ns - self._times[0]) / 1e9)
-        except (TypeError, ValueError) as error:
-            self._left_out.setdefault(topic, f"{topic}: lines that cannot be shown are left out, such as: {error}")
-            return None
+    text, problems = _text(path)
+    words: list[str] = []
+    lines: list[bytes] = []
+    left_out: dict[str, str] = {}
+    for line in text.splitlines():
+        word = word_of(line)
+        if word == ESTIMATE and words and words[-1] == "ODOM":
+            words[-1] = ESTIMATE
+        elif word in _TYPES and word != ESTIMATE:
+            try:
+                checked(line)
+            except ValueError as error:
+                left_out.setdefault(word, f"{word}: lines that cannot be read are left out, such as: {error}")
+                continue
+            words.append(word)
+            lines.append(line)
+    timed = [i for i, word in enumerate(words) if word != ESTIMATE]
+    monotonic, about_times = repaired_log([time_ns_of(lines[i]) for i in timed])
+    times = [monotonic[0] if monotonic else 0] * len(lines)
+    for time_ns, i in zip(monotonic, timed, strict=True):
+        times[i] = time_ns
+    for i in range(1, len(lines)):
+        times[i] = max(times[i - 1], times[i]) if words[i] == ESTIMATE else times[i]
+    names = list(dict.fromkeys(words))
+    numbers = {name: i for i, name in enumerate(names)}
+    by_name: dict[str, list[bytes]] = {name: [] for name in names}
+    for word, line in zip(words, lines, strict=True):
+        by_name[word].append(line)
+    encoders = {name: _encoder(name, own) for name, own in by_name.items()}
+    return Walk(
+        name=path.name,
+        size=len(text),
+        channels=[Channel(i, name, _TYPES[name], "ros1", "", 0) for i, name in enumerate(names)],
+        times=times,
+        ids=[numbers[word] for word in words],
+        read=lambda number: encoders[words[number]](lines[number]),
+        close=lambda: None,
+        damage=Damage(),
+        problems=tuple(filter(None, (*problems, about_times, *left_out.values()))),
+    )
 
 
-def _topic(word: str, count: int, seconds: float) -> Topic:
-    rate = (count - 1) / seconds if seconds and count > 1 else None
-    return Topic(word, f"CARMEN {word}", count, rate, "speed" if word in SPEEDS else "laser", False, "")
+def _encoder(word: str, lines: list[bytes]) -> Callable[[bytes], bytes]:
+    if word in SPEEDS:
+        return odometry
+    if word in NEW_SCANS:
+        return new_scan
+    return estimate if word == ESTIMATE else partial(old_scan, range_max=range_max_of(lines))
+
+
+def _text(path: Path) -> tuple[bytes, list[str]]:
+    with path.open("rb") as file:
+        head = file.read(64)
+        if not head:
+            raise RecordingError(f"{path.name}: the file is empty: expected {_EXPECTED}")
+        packed = head.startswith(_GZIP)
+        file.seek(0)
+        start = file.read(_LOOKED_AT)
+        start = _gunzip(start, _LOOKED_AT)[0] if packed else start
+        if not any(word_of(line) for line in start.splitlines()):
+            is_foreign = not packed or not start
+            got = kind(head) if is_foreign else f"{kind(start[:64])} in gzip: unpack it with gunzip"
+            raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {got}")
+        file.seek(0)
+        text = file.read()
+    if not packed:
+        return text, []
+    limit = max(_SMALL, _RATIO * len(text))
+    text, whole = _gunzip(text, limit)
+    if whole:
+        return text, []
+    if len(text) == limit:
+        return text, [f"more than {_RATIO} times its size comes out of the file: read the first {limit:,} bytes"]
+    return text, ["the file was cut off or is damaged: read what could be decompressed"]
+
+
+def _gunzip(data: bytes, limit: int) -> tuple[bytes, bool]:
+    """What can be decompressed, up to a limit, and whether that is all of it."""
+    text = bytearray()
+    stream = zlib.decompressobj(wbits=31)
+    try:
+        for start in range(0, len(data), _BLOCK):
+            text += stream.decompress(data[start : start + _BLOCK], limit - len(text) + 1)
+            if len(text) > limit:
+                return bytes(text[:limit]), False
+    except zlib.error:
+        return bytes(text), False
+    return bytes(text), stream.eof

@@ -1,4 +1,4 @@
-"""What the lines of a CARMEN log say.
+"""The lines of a CARMEN log, and the ROS 1 messages that say the same.
 
 Source: the Carnegie Mellon Robot Navigation Toolkit, http://carmen.sourceforge.net/logger_playback.html
 """
@@ -7,18 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, isfinite, nan, radians, sin
+from struct import pack
 
 import numpy as np
 from numpy.typing import NDArray
-
-from ..poses.transforms import Pose
-from ..samples import Scan, Speed
 
 SPEEDS = ("ODOM",)
 OLD_SCANS = ("FLASER", "RLASER")
 NEW_SCANS = tuple(f"{word}{number}" for word in ("RAWLASER", "ROBOTLASER") for number in range(1, 6))
 ESTIMATE = "NEFF"
-WORDS = frozenset((*SPEEDS, *OLD_SCANS, *NEW_SCANS, ESTIMATE, "PARAM", "SYNC", "TRUEPOS"))
+_WORDS = frozenset((*SPEEDS, *OLD_SCANS, *NEW_SCANS, ESTIMATE, "PARAM", "SYNC", "TRUEPOS"))
 
 LONGEST = 80.0
 _SHORTEST = 0.01
@@ -28,82 +26,86 @@ _NEAR = 0.02
 _SHARE = 1 / 200
 _LINES_LOOKED_AT = 100
 _LATEST = 2**62 / 1e9
+_LATEST_STAMP = 2**32
+"""Seconds that a ROS 1 stamp can hold."""
 
 
 def word_of(line: bytes) -> str:
     """The name of a line's message; empty when it is none of CARMEN's."""
     word = line.partition(b" ")[0].decode("ascii", "replace")
-    return word if word in WORDS else ""
+    return word if word in _WORDS else ""
 
 
-def time_of(line: bytes) -> float:
-    """When a line was logged, in seconds: its last word. NaN when that is no number, or more than clocks have."""
+def time_ns_of(line: bytes) -> int | None:
+    """When a line was logged, in nanoseconds: its last word. None when that is no number, or more than clocks have."""
     try:
         seconds = float(line.rsplit(None, 1)[-1])
     except ValueError:
-        return nan
-    return seconds if abs(seconds) < _LATEST else nan
-
-
-def speed(line: bytes) -> Speed:
-    """The speed in ``ODOM x y theta tv rv accel time host logged``; ValueError when it is no such line."""
-    words = _words(line, 10)
-    forward, turn = float(words[4]), float(words[5])
-    return Speed((forward, 0.0, 0.0), (0.0, 0.0, turn), _stamp_ns(words), "base_link")
-
-
-def pose(line: bytes) -> Pose | None:
-    """Where odometry has the robot, from a line that `speed` reads; None when it says no place."""
-    try:
-        x, y, turn = (float(word) for word in line.split()[1:4])
-    except ValueError:
         return None
-    return (x, y, 0.0, 0.0, 0.0, sin(turn / 2), cos(turn / 2)) if isfinite(x + y + turn) else None
+    return round(seconds * 1e9) if abs(seconds) < _LATEST else None
 
 
-def old_scan(line: bytes, range_max: float) -> Scan:
-    """The scan in ``FLASER count ranges… x y theta odom_x odom_y odom_theta time host logged``, or in an RLASER line.
+def checked(line: bytes) -> None:
+    """Nothing, if a line has as many words as it says; else ValueError."""
+    words = line.split()
+    name = word_of(line)
+    least = 10 if name in SPEEDS else 11 if name in OLD_SCANS else 13
+    if len(words) < least:
+        raise ValueError(f"expected {least} words or more in a line {name}, got {len(words)}: it is cut")
+    if name in OLD_SCANS:
+        _check_count(words, 2, int(words[1]))
+    elif name in NEW_SCANS:
+        count = int(words[8])
+        _check_count(words, 9, count)
+        _check_count(words, 10 + count, int(words[9 + count]))
+
+
+def odometry(line: bytes) -> bytes:
+    """The nav_msgs/Odometry in ``ODOM x y theta tv rv accel time host logged``."""
+    words = line.split()
+    x, y, turn = (_float(word) for word in words[1:4])
+    if not isfinite(x + y + turn):
+        x = y = turn = nan
+    pose = (x, y, 0.0, 0.0, 0.0, sin(turn / 2), cos(turn / 2))
+    twist = (_float(words[4]), 0.0, 0.0, 0.0, 0.0, _float(words[5]))
+    unknown = bytes(36 * 8)
+    return b"".join(
+        (_header(words, "odom"), _string("base_link"), pack("<7d", *pose), unknown, pack("<6d", *twist), unknown)
+    )
+
+
+def estimate(line: bytes) -> bytes:
+    """The geometry_msgs/Pose2D in such a line."""
+    return pack("<3d", *(_float(word) for word in line.split()[1:4]))
+
+
+def old_scan(line: bytes, range_max: float) -> bytes:
+    """The LaserScan in an FLASER or RLASER line.
+
+    ``name count ranges… x y theta odom_x odom_y odom_theta time host logged``
 
     Such lines tell no angles. As in CARMEN, 180 or 181 readings are 1 degree apart, 360 or 361 half a degree, 400 or
     401 a quarter, others fill 180 degrees; ray 0 is at the right.
-
-    Raises:
-        ValueError: it is no such line.
     """
-    words = _words(line, 11)
+    words = line.split()
     count = int(words[1])
-    ranges = _floats(words, 2, count)
     step = _STEPS.get(count) or 180.0 / max(count - 1, 1)
-    return Scan(
-        ranges=ranges,
-        angle_min=radians(-50.0 if step == 0.25 else -90.0),
-        angle_increment=radians(step),
-        range_min=_SHORTEST,
-        range_max=range_max,
-        stamp_ns=_stamp_ns(words),
-        frame_id="rear_laser" if words[0] == b"RLASER" else "front_laser",
-    )
+    start = radians(-50.0 if step == 0.25 else -90.0)
+    frame_id = "rear_laser" if words[0] == b"RLASER" else "front_laser"
+    return _scan(words, frame_id, start, radians(step), range_max, _floats(words, 2, count))
 
 
-def new_scan(line: bytes) -> Scan:
-    """The scan in a RAWLASER or ROBOTLASER line; ValueError when it is no such line.
+def new_scan(line: bytes) -> bytes:
+    """The LaserScan in a RAWLASER or ROBOTLASER line.
 
     ``name type start_angle field_of_view step range_max accuracy mode count ranges… count remissions… … time host log``
     """
-    words = _words(line, 13)
-    start, sweep, step, range_max = (float(word) for word in words[2:6])
+    words = line.split()
+    start, sweep, step, range_max = (_float(word) for word in words[2:6])
     count = int(words[8])
-    ranges = _floats(words, 9, count)
-    return Scan(
-        ranges=ranges,
-        angle_min=start,
-        angle_increment=step or sweep / max(count - 1, 1),
-        range_min=_SHORTEST,
-        range_max=range_max,
-        intensities=_floats(words, 10 + count, int(words[9 + count])),
-        stamp_ns=_stamp_ns(words),
-        frame_id=word_of(line).lower(),
-    )
+    remissions = _floats(words, 10 + count, int(words[9 + count]))
+    step = step or sweep / max(count - 1, 1)
+    return _scan(words, word_of(line).lower(), start, step, range_max, _floats(words, 9, count), remissions)
 
 
 def range_max_of(lines: Sequence[bytes]) -> float:
@@ -124,27 +126,48 @@ def _some_ranges(lines: Sequence[bytes]) -> NDArray[np.float32]:
     looked_at = [np.empty(0, np.float32)]
     for line in lines[:: max(len(lines) // _LINES_LOOKED_AT, 1)]:
         words = line.split()
-        try:
-            looked_at.append(_floats(words, 2, int(words[1])))
-        except (ValueError, IndexError):
-            continue
+        looked_at.append(_floats(words, 2, int(words[1])))
     seen = np.concatenate(looked_at)
     return seen[np.isfinite(seen)]
 
 
-def _words(line: bytes, least: int) -> list[bytes]:
-    words = line.split()
-    if len(words) < least:
-        raise ValueError(f"expected {least} words or more in a line {word_of(line)}, got {len(words)}: it is cut")
-    return words
+def _scan(
+    words: list[bytes],
+    frame_id: str,
+    start: float,
+    step: float,
+    range_max: float,
+    ranges: NDArray[np.float32],
+    intensities: Sequence[float] | NDArray[np.float32] = (),
+) -> bytes:
+    end = start + step * max(len(ranges) - 1, 0)
+    settings = pack("<7f", start, end, step, 0.0, 0.0, _SHORTEST, range_max)
+    columns = (pack("<I", len(column)) + np.asarray(column, "<f4").tobytes() for column in (ranges, intensities))
+    return b"".join((_header(words, frame_id), settings, *columns))
+
+
+def _header(words: list[bytes], frame_id: str) -> bytes:
+    seconds = _float(words[-3])
+    stamp_ns = round(seconds * 1e9) if 0 < seconds < _LATEST_STAMP else 0
+    return pack("<III", 0, *divmod(stamp_ns, 1_000_000_000)) + _string(frame_id)
+
+
+def _string(text: str) -> bytes:
+    return pack("<I", len(text)) + text.encode()
+
+
+def _check_count(words: list[bytes], first: int, count: int) -> None:
+    if not 0 <= count <= len(words) - 3 - first:
+        raise ValueError(f"expected {count} numbers, got {max(len(words) - 3 - first, 0)}: the line is cut")
 
 
 def _floats(words: list[bytes], first: int, count: int) -> NDArray[np.float32]:
-    if not 0 <= count <= len(words) - 3 - first:
-        raise ValueError(f"expected {count} numbers, got {max(len(words) - 3 - first, 0)}: the line is cut")
-    return np.array([float(word) for word in words[first : first + count]], np.float32)
+    return np.array([_float(word) for word in words[first : first + count]], np.float32)
 
 
-def _stamp_ns(words: list[bytes]) -> int | None:
-    seconds = float(words[-3])
-    return round(seconds * 1e9) if 0 < seconds < _LATEST else None
+def _float(word: bytes) -> float:
+    """A number; NaN where a word is damaged."""
+    try:
+        return float(word)
+    except ValueError:
+        return nan

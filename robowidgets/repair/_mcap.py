@@ -8,13 +8,12 @@ from binascii import crc32
 from pathlib import Path
 from typing import NamedTuple
 
-from ._definition import definition
-from ._inflate import COMPRESSIONS, MAX_CHUNK, inflate
+from ..messages.channel import Channel, definition_text
+from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
+from ._byte_range import ByteRange, FileRange, MemoryRange, find
 from ._records import MAX_TEXT, Damage, Format, Frame, walk, with_bar
 from ._report import foreign
-from ._saved import Chunk, Findings, SavedFile
-from ._stretch import FileStretch, MemoryStretch, Stretch, find
-from .source import Channel
+from ._walk import FoundMessages, Walk
 
 MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(2, 7)
@@ -31,7 +30,7 @@ _IN_A_ROW = 3
 _READ_AT_ONCE = 1 << 20
 
 
-def open_mcap(path: Path) -> SavedFile:
+def walk_mcap(path: Path) -> Walk:
     """Every message that can be read from an MCAP file, with chunks or without, indexed or not, whole or not.
 
     Messages of any encoding and channels of any schema are listed as they are named in the file.
@@ -44,12 +43,12 @@ def open_mcap(path: Path) -> SavedFile:
 
     Source: https://mcap.dev/spec
     """
-    file = FileStretch(path)
+    file = FileRange(path)
     try:
         head = file.read(0, 64)
         if not head.startswith(MAGIC):
             raise foreign(file.name, "an MCAP file", head)
-        return _Scan(file).source()
+        return _Scan(file).walk()
     except BaseException:
         file.close()
         raise
@@ -70,20 +69,20 @@ class _NamedChannel(NamedTuple):
 class _Scan:
     """One walk through an MCAP file."""
 
-    def __init__(self, file: FileStretch) -> None:
+    def __init__(self, file: FileRange) -> None:
         self.file = file
         self.damage = Damage(unfinished=True)
-        self.found = Findings()
+        self.found = FoundMessages(file)
         self.schemas: dict[int, _Schema] = {}
         self.named: dict[int, _NamedChannel] = {}
 
-    def source(self) -> SavedFile:
-        """What the whole file holds."""
+    def walk(self) -> Walk:
+        """Read the whole file."""
         try:
             self.records(self.file, -1, self.damage, start=len(MAGIC))
         except OSError as error:
             self.damage.disk = error.strerror or str(error)
-        return SavedFile(self.file, self.channels(), self.found, self.damage)
+        return self.found.walk(self.channels(), self.damage)
 
     def channels(self) -> list[Channel]:
         """The channels with what their schemas say, which may stand anywhere in the file."""
@@ -94,7 +93,7 @@ class _Scan:
             channels.append(Channel(number, topic, name, encoding, schema.text, 0))
         return channels
 
-    def records(self, data: Stretch, chunk: int, damage: Damage, start: int = 0) -> None:
+    def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
         """Take in the records of the file (chunk -1) or of a chunk."""
         frames = walk(data, _LAYOUT, damage, start)
         for frame in with_bar(frames, self.file) if chunk < 0 else frames:
@@ -107,7 +106,7 @@ class _Scan:
             elif frame.op == _FOOTER:
                 damage.unfinished = False
 
-    def message(self, data: Stretch, frame: Frame, chunk: int, damage: Damage) -> None:
+    def message(self, data: ByteRange, frame: Frame, chunk: int, damage: Damage) -> None:
         """Take in where a message lies."""
         head = data.read(frame.body, _MESSAGE_HEAD.size)
         offset = frame.body + len(head)
@@ -117,14 +116,14 @@ class _Scan:
                 return
         damage.places += 1
 
-    def name(self, data: Stretch, frame: Frame, damage: Damage) -> None:
+    def name(self, data: ByteRange, frame: Frame, damage: Damage) -> None:
         """Take in a schema or a channel; the first that comes with an id holds."""
         raw = data.read(frame.body, min(frame.end - frame.body, MAX_TEXT))
         try:
             if frame.op == _SCHEMA:
                 (number,) = struct.unpack_from("<H", raw)
                 name, encoding, text = _strings(raw[2:], 3)
-                schema = _Schema(name, encoding, definition(encoding, name, text))
+                schema = _Schema(name, encoding, definition_text(encoding, name, text))
                 self.schemas.setdefault(number, schema)
             else:
                 number, schema_id = struct.unpack_from("<HH", raw)
@@ -144,11 +143,10 @@ class _Scan:
         if compression not in COMPRESSIONS:
             self.damage.compressions.add(compression)
             return
-        place = Chunk(frame.body, min(frame.end - frame.body, MAX_CHUNK), compression)
-        raw, whole = inflate(compression, self.file.read(place.offset, place.size))
-        self.found.chunks.append(place)
+        size = min(frame.end - frame.body, MAX_CHUNK)
+        raw, whole = inflate(compression, self.file.read(frame.body, size))
         inside = Damage()
-        self.records(MemoryStretch(raw), len(self.found.chunks) - 1, inside)
+        self.records(MemoryRange(raw), self.found.add_chunk(frame.body, size, compression), inside)
         self.damage.places += inside.places + (frame.whole and (inside.cut or not whole))
         self.damage.checksums += bool(whole and checksum) and checksum != crc32(raw)
 
@@ -163,7 +161,7 @@ class _Scan:
         return value
 
 
-def _frame_at(data: Stretch, pos: int) -> Frame | None:
+def _frame_at(data: ByteRange, pos: int) -> Frame | None:
     head = data.read(pos, _HEAD.size)
     if len(head) < _HEAD.size:
         return None
@@ -176,7 +174,7 @@ def _frame_at(data: Stretch, pos: int) -> Frame | None:
     return Frame(op, pos, body, body + size) if body + size <= data.size else None
 
 
-def _chunk_at(data: Stretch, pos: int, outer_end: int) -> Frame | None:
+def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Frame | None:
     """A chunk whose own lengths agree, or whose data is at least all there."""
     body = pos + _HEAD.size + _CHUNK_HEAD.size
     head = data.read(pos + _HEAD.size, _CHUNK_HEAD.size)
@@ -195,7 +193,7 @@ def _chunk_at(data: Stretch, pos: int, outer_end: int) -> Frame | None:
     return Frame(_CHUNK, pos, body, end if compression else body, fields)
 
 
-def _next_frame(data: Stretch, start: int, barred: frozenset[int]) -> int | None:
+def _next_frame(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
     """The next record that others follow without a gap, or that is followed by the end."""
     for pos in find(data, _RECORD, _HEAD.size, start):
         if data.read(pos, 1)[0] not in barred and _is_chain(data, pos):
@@ -203,7 +201,7 @@ def _next_frame(data: Stretch, start: int, barred: frozenset[int]) -> int | None
     return None
 
 
-def _is_chain(data: Stretch, pos: int) -> bool:
+def _is_chain(data: ByteRange, pos: int) -> bool:
     for _ in range(_IN_A_ROW):
         frame = _frame_at(data, pos)
         if not frame:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from .._core.progress import Progress
-from ._stretch import FileStretch, Stretch
+from ._byte_range import ByteRange, FileRange
 
 MAX_PLACES = 10_000
 MAX_TEXT = 1 << 22
@@ -37,14 +37,14 @@ class Format(NamedTuple):
     those in ``inner_ops`` stand in chunks.
     """
 
-    frame_at: Callable[[Stretch, int], Frame | None]
-    next_frame: Callable[[Stretch, int, frozenset[int]], int | None]
+    frame_at: Callable[[ByteRange, int], Frame | None]
+    next_frame: Callable[[ByteRange, int, frozenset[int]], int | None]
     last_op: int | None
     index_ops: frozenset[int]
     inner_ops: frozenset[int]
     chunk_op: int
 
-    def search(self, data: Stretch, held: Frame | None, pos: int) -> int | None:
+    def search(self, data: ByteRange, held: Frame | None, pos: int) -> int | None:
         """Where the next record stands, after a record that ends in doubt or, with none, after an offset.
 
         What looks like a message within compressed data is a piece of one, or one that will be read from there.
@@ -75,7 +75,7 @@ class Damage:
     disk: str = ""
 
 
-def with_bar(frames: Iterable[Frame], file: FileStretch) -> Iterator[Frame]:
+def with_bar(frames: Iterable[Frame], file: FileRange) -> Iterator[Frame]:
     """The records of a file, with a bar where they take long."""
     done = 0
     with Progress(file.size, f"Reading {file.name}", "B") as bar:
@@ -85,7 +85,7 @@ def with_bar(frames: Iterable[Frame], file: FileStretch) -> Iterator[Frame]:
             done = frame.end
 
 
-def walk(data: Stretch, layout: Format, damage: Damage, start: int = 0) -> Iterator[Frame]:
+def walk(data: ByteRange, layout: Format, damage: Damage, start: int = 0) -> Iterator[Frame]:
     """Every record that can be told from damage, in the order of the file; what was wrong is noted in ``damage``.
 
     A record is given out when the next one is found to stand where it ends. If none does, the next is searched for

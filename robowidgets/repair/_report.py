@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from .._core.text import many
 from ._records import Damage
+from ._walk import Walk
 from .source import RecordingError
 
 _KINDS = {
@@ -32,19 +34,20 @@ def foreign(name: str, expected: str, head: bytes) -> RecordingError:
     return RecordingError(f"{name}: expected {expected}, got {kind(head)}")
 
 
-def nothing(name: str, size: int, damage: Damage, way_out: str = "") -> RecordingError:
-    """The error for a file that holds not one message that can be read, perhaps with another way to try."""
+def nothing_readable(walk: Walk) -> RecordingError:
+    """The error for a file that holds not one message that can be read."""
+    name, damage = walk.name, walk.damage
     if damage.compressions:
         shown = ", ".join(sorted(damage.compressions))
         return RecordingError(f"{name}: compressed with {shown}, which cannot be read: expected none, bz2, lz4 or zstd")
     why = "was cut off before its first message" if damage.cut or damage.unfinished else "is damaged from start to end"
     return RecordingError(
-        f"{name}: {why} ({size:,} bytes), nothing can be saved; "
-        f"copy it again if the original is whole{way_out}, or record again"
+        f"{name}: {why} ({walk.size:,} bytes), nothing can be saved; "
+        f"copy it again if the original is whole{walk.hint}, or record again"
     )
 
 
-def problems(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
+def damage_lines(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
     """One line for each thing a person has to know about a file that was read in spite of its damage.
 
     Args:
@@ -52,8 +55,8 @@ def problems(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
         count: how many messages can be read.
         span_ns: nanoseconds from the first of them to the last.
     """
-    amount = f"{_number(count, 'message')}, up to {span_ns / 1e9:.1f} s"
-    places = f"damaged in {_number(damage.places, 'place')}" if damage.places else ""
+    amount = f"{many(count, 'message')}, up to {span_ns / 1e9:.1f} s"
+    places = f"damaged in {many(damage.places, 'place')}" if damage.places else ""
     lines = []
     if damage.cut or places:
         what = " and ".join(filter(None, (f"is {places}" if places else "", "was cut off" if damage.cut else "")))
@@ -71,9 +74,5 @@ def problems(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
         shown = ", ".join(sorted(damage.compressions))
         lines.append(f"chunks compressed with {shown} cannot be read: their messages are left out")
     if damage.unnamed:
-        lines.append(f"left out {_number(damage.unnamed, 'message')} of topics that the file does not name")
+        lines.append(f"left out {many(damage.unnamed, 'message')} of topics that the file does not name")
     return tuple(lines)
-
-
-def _number(count: int, what: str) -> str:
-    return f"{count:,} {what}{'' if count == 1 else 's'}"

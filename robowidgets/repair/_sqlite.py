@@ -2,105 +2,147 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
 from array import array
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import NamedTuple
 
 from .._core.progress import Progress
-from ._definition import definition
-from ._known import Known
+from ..messages.channel import Channel, definition_text
+from ._byte_range import FileRange
 from ._records import MAX_PLACES, Damage
-from ._report import nothing
-from ._sqlite_file import connect
-from .source import Channel, RecordingError
+from ._report import foreign
+from ._walk import Walk
+from .source import RecordingError
 
+MAGIC = b"SQLite format 3\0"
 _WALK = "SELECT rowid FROM messages WHERE rowid >= ? ORDER BY rowid"
 _LOOK_UP = "SELECT topic_id, timestamp, data FROM messages WHERE rowid = ?"
 _MAX_ROW = 2**62
 
 
-def open_sqlite(path: Path) -> SavedDatabase:
+def walk_sqlite(path: Path) -> Walk:
     """Every message that can be read from a rosbag2 database, whole or not.
 
-    What a recorder that was killed left beside the file (``-wal``, ``-journal``) is taken in.
+    The files that a killed recorder left beside it (``-wal``, ``-journal``) are taken in.
 
     Args:
         path: the file, whatever its name ends in.
 
     Raises:
-        RecordingError: it cannot be opened, is no rosbag2 database, or holds nothing that can be saved.
+        RecordingError: it cannot be opened, or is no rosbag2 database.
 
     Source: the tables topics, messages and (since ROS 2 Iron) message_definitions of rosbag2_storage_sqlite3.
     """
     with ExitStack() as stack:
         try:
-            connection, damage = connect(path, stack)
+            connection, damage = _connect(path, stack)
             _check_tables(connection, path.name)
-            source = SavedDatabase(path, connection, damage)
+            walk = _walk(path, connection, damage)
         except sqlite3.Error as error:
             raise RecordingError(
                 f"{path.name}: the database cannot be read ({error}): expected a rosbag2 .db3; "
                 f"'sqlite3 {path.name} .recover' may save some of it"
             ) from None
-        source.closing = stack.pop_all()
-        return source
+        walk.close = stack.pop_all().close
+        return walk
 
 
-class SavedDatabase(Known):
-    """A `SavedSource` over the rows of a rosbag2 database that can be read.
+def _walk(path: Path, connection: sqlite3.Connection, damage: Damage) -> Walk:
+    rows, times, topics = array("q"), array("q"), array("q")
+    with Progress(None, f"Reading {path.name}") as bar:
+        for row in _rows(connection, damage):
+            if message := _look_up(connection, row):
+                rows.append(row)
+                times.append(message.time_ns)
+                topics.append(message.topic)
+            else:
+                damage.places += 1
+            bar.update(1)
+    channels = _channels(connection, damage)
+    if damage.cut:
+        damage.places = 0
+    lock = Lock()
+
+    def read(number: int) -> bytes:
+        with lock:
+            message = _look_up(connection, rows[number])
+        if not message:
+            raise RecordingError(f"{path.name}: is closed, or has changed since it was opened; open it again")
+        return message.data
+
+    hint = f", try 'sqlite3 {path.name} .recover'"
+    return Walk(path.name, path.stat().st_size, channels, times, topics, read, connection.close, damage, hint=hint)
+
+
+def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
+    """A connection, and what is known to be wrong with the file.
+
+    The file is opened read-only and as one that nobody changes, so that no file appears beside it. Where it has to be
+    changed, a temporary copy is opened: to take in what a killed recorder left beside it (``-wal``, ``-journal``), or
+    to drop the piece of a page with which a file ends that was cut off: sqlite takes what is missing of it for zeros.
 
     Args:
-        path: the file, to name it in errors.
-        connection: the open database.
-        damage: what is known to be wrong so far.
+        path: the file.
+        stack: takes in what has to be closed.
 
     Raises:
-        RecordingError: the database is damaged and holds no message.
+        RecordingError: the file cannot be opened or copied, or is no database.
+        sqlite3.Error: sqlite cannot open it.
     """
+    beside = [path.with_name(path.name + ending) for ending in ("-wal", "-journal")]
+    beside = [file for file in beside if file.is_file() and file.stat().st_size]
+    if beside:
+        damage = Damage(unfinished=True)
+        opened = _copy(path, beside, stack)
+    else:
+        size, page_size, pages = _sizes(path)
+        damage = Damage(cut=size < pages * page_size)
+        opened = path.absolute()
+        if damage.cut and size % page_size:
+            opened = _copy(path, [], stack)
+            with opened.open("r+b") as copy:
+                copy.truncate(size - size % page_size)
+    connection = sqlite3.connect(
+        f"{opened.as_uri()}{'?mode=ro&immutable=1' if not beside else ''}", uri=True, check_same_thread=False
+    )
+    stack.callback(connection.close)
+    connection.text_factory = lambda raw: raw.decode("utf-8", errors="replace")
+    # Without the first, sqlite refuses a file with pages missing; the others guard against a hostile one.
+    for pragma in ("writable_schema = ON", "cell_size_check = ON", "trusted_schema = OFF"):
+        connection.execute(f"PRAGMA {pragma}")
+    return connection, damage
 
-    def __init__(self, path: Path, connection: sqlite3.Connection, damage: Damage) -> None:
-        self.closing = ExitStack()
-        self._name = path.name
-        self._connection = connection
-        self._lock = Lock()
-        self._rows, times, topics = array("q"), array("q"), array("q")
-        with Progress(None, f"Reading {path.name}") as bar:
-            for row in _walk(connection, damage):
-                if message := _look_up(connection, row):
-                    self._rows.append(row)
-                    times.append(message.time_ns)
-                    topics.append(message.topic)
-                else:
-                    damage.places += 1
-                bar.update(1)
-        super().__init__(times, topics, _channels(connection, damage), damage)
-        if damage.cut:
-            damage.places = 0
-        if self.problems and not len(self._times):
-            raise nothing(path.name, path.stat().st_size, damage, f", try 'sqlite3 {path.name} .recover'")
 
-    def messages(
-        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
-    ) -> Iterator[tuple[Channel, int, bytes]]:
-        """Channel, log time and bytes of the messages of these channels, by log time."""
-        wanted = {channel.id: channel for channel in channels}
-        for row, channel, time_ns in self._times.rows(wanted, start_ns, stop_ns):
-            yield wanted[channel], time_ns, self._read(self._rows[row])
+def _sizes(path: Path) -> tuple[int, int, int]:
+    """Size of the file, size of a page, and the number of pages that the file says it has."""
+    file = FileRange(path)
+    try:
+        head = file.read(0, 64)
+        if not head.startswith(MAGIC):
+            raise foreign(file.name, "a rosbag2 database (.db3)", head)
+        page_size = int.from_bytes(head[16:18], "big")
+        return file.size, page_size if page_size > 1 else 1 << 16, int.from_bytes(head[28:32], "big")
+    finally:
+        file.close()
 
-    def close(self) -> None:
-        """Close the database; doing it again does nothing."""
-        self.closing.close()
 
-    def _read(self, row: int) -> bytes:
-        with self._lock:
-            message = _look_up(self._connection, row)
-        if not message:
-            raise RecordingError(f"{self._name}: is closed, or has changed since it was opened; open it again")
-        return message.data
+def _copy(path: Path, beside: list[Path], stack: ExitStack) -> Path:
+    """A copy with what lies beside it."""
+    folder = Path(stack.enter_context(TemporaryDirectory(prefix="robowidgets-")))
+    try:
+        for file in (path, *beside):
+            shutil.copyfile(file, folder / file.name)
+    except OSError as error:
+        raise RecordingError(
+            f"{path.name}: is not whole, and cannot be copied to be read: {error.strerror or error}"
+        ) from None
+    return folder / path.name
 
 
 def _check_tables(connection: sqlite3.Connection, name: str) -> None:
@@ -118,7 +160,7 @@ def _channels(connection: sqlite3.Connection, damage: Damage) -> list[Channel]:
     with suppress(sqlite3.OperationalError):  # no such table before ROS 2 Iron
         rows = connection.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
         definitions = {
-            name: definition(encoding, name, text) for name, encoding, text in (map(str, row) for row in rows)
+            name: definition_text(encoding, name, text) for name, encoding, text in (map(str, row) for row in rows)
         }
     channels = []
     try:
@@ -146,7 +188,7 @@ def _look_up(connection: sqlite3.Connection, row: int) -> _Message | None:
     return _Message(*found) if is_message else None
 
 
-def _walk(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
+def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
     """The numbers of the rows in their order, past places where the walk breaks off.
 
     A row met on the walk may still not be found when it is looked up.

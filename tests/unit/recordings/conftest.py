@@ -7,16 +7,15 @@ from typing import Any
 
 import pytest
 
-from robowidgets import Recording
-from robowidgets.repair._saved import SavedFile
-from robowidgets.repair._sqlite import SavedDatabase
+from robowidgets.recordings import RecordingData
+from robowidgets.repair._indexed import IndexedSource
 
 
 @pytest.fixture(autouse=True)
 def _close_what_was_opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Every recording, and every source of the readers for damaged files, is closed when its test ends."""
-    opened: list[SavedFile | SavedDatabase | Recording] = []
-    for kind in (SavedFile, SavedDatabase, Recording):
+    """Every recording, and every source over damaged files, is closed when its test ends."""
+    opened: list[IndexedSource | RecordingData] = []
+    for kind in (IndexedSource, RecordingData):
 
         def init(self: Any, *args: Any, _init: Any = kind.__init__) -> None:
             _init(self, *args)

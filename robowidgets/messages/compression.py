@@ -1,0 +1,95 @@
+"""Decompression within a limit of memory, up to the first error."""
+
+from __future__ import annotations
+
+import sys
+from bz2 import BZ2Decompressor
+from collections.abc import Callable, Iterator
+from io import BytesIO
+from typing import Any, NamedTuple
+
+from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
+
+if sys.version_info >= (3, 14):
+    from compression import zstd
+else:
+    from backports import zstd
+
+MAX_CHUNK = 1 << 28
+ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_STEP = 1 << 20
+
+_DECOMPRESSORS: dict[str, Callable[[], Any]] = {
+    "bz2": BZ2Decompressor,
+    "lz4": LZ4FrameDecompressor,
+    "zstd": zstd.ZstdDecompressor,
+}
+COMPRESSIONS = frozenset(_DECOMPRESSORS)
+
+
+class Inflated(NamedTuple):
+    """What came out, and whether that is all of it."""
+
+    raw: bytes
+    whole: bool
+
+
+def inflate(compression: str, data: bytes, limit: int = MAX_CHUNK) -> Inflated:
+    """Decompress what can be decompressed.
+
+    Args:
+        compression: "bz2", "lz4" or "zstd".
+        data: compressed bytes, whole or not.
+        limit: where to stop, in bytes.
+    """
+    out = BytesIO()
+    whole = inflate_to(out.write, compression, iter((data,)), limit)
+    return Inflated(out.getvalue(), whole)
+
+
+def inflate_to(write: Callable[[bytes], object], compression: str, blocks: Iterator[bytes], limit: int) -> bool:
+    """Decompress block by block into ``write``; True when that was all of it, in at most ``limit`` bytes."""
+    size = 0
+    try:
+        for piece in _pieces(compression, blocks):
+            write(piece[: limit - size])
+            size += len(piece)
+            if size > limit:
+                return False
+    except _BrokenError:
+        return False
+    return True
+
+
+def plain(data: bytes) -> bytes:
+    """A message as it was sent: decompressed, when a recorder compressed it by itself.
+
+    No CDR message starts with the bytes that start zstd data. What does not decompress is given back as it is.
+    """
+    if not data.startswith(ZSTD_MAGIC):
+        return data
+    raw, whole = inflate("zstd", data)
+    return raw if whole else data
+
+
+class _BrokenError(Exception):
+    """The compressed data is damaged or ends early."""
+
+
+def _pieces(compression: str, blocks: Iterator[bytes]) -> Iterator[bytes]:
+    data = next(blocks, b"")
+    while data:
+        stream = _DECOMPRESSORS[compression]()
+        while not stream.eof:
+            try:
+                piece = stream.decompress(data, _STEP)
+            except (OSError, EOFError, RuntimeError, ValueError, zstd.ZstdError):
+                raise _BrokenError from None
+            data = b""
+            if piece:
+                yield piece
+            elif stream.needs_input and not stream.eof:
+                data = next(blocks, b"")
+                if not data:
+                    raise _BrokenError
+        data = stream.unused_data or next(blocks, b"")

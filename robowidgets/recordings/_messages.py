@@ -1,0 +1,225 @@
+"""The samples in a source of messages."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from typing import Any
+
+from .._core.progress import Progress
+from .._core.text import listed
+from ..kinds import Kind, is_command, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
+from ..messages.channel import Channel
+from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
+from ..poses.transforms import ODOMETRY, TRANSFORMS, Transform, transforms_of
+from ..repair import Message, RecordingError, Source
+from .columns._decoders import Decoder
+from .columns._memory import Memory
+from .columns._store import Store
+from .columns.series import Series
+from .topics import Moment, Topic
+
+_SHORTEST = 1e-3
+_SHORTEST_LOOK_NS = 1_000_000
+_MOST_AT_ONCE = 64
+"""Messages that are decoded together while samples are iterated over."""
+
+_LEAST_FOR_END = 20
+"""Messages of a topic; what fewer say of its pace is little."""
+_LONG_END = 5.0
+_END_STEPS = 10
+
+
+class Messages:
+    """The samples of a recording in the order of their times. Every message is decoded when it is asked for.
+
+    Args:
+        source: where the messages are; closed with this.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self.start_ns, self.end_ns = source.start_ns, source.end_ns
+        self._decoders: dict[int, Decoder[Any]] = {}
+        self._shown: defaultdict[str, list[Channel]] = defaultdict(list)
+        self._kinds: dict[str, tuple[Kind, str]] = {}
+        """By topic its kind, and the message type that it has it from."""
+        self._left_out: dict[str, str] = {}
+        self._stopped: list[str] = []
+        # Those without a message last: of several types of a topic, the first that came is shown.
+        by_count = sorted(source.channels, key=lambda channel: not channel.count)
+        found = {channel.id: self._understand(channel) for channel in by_count}
+        self.topics = self._list([(channel, *found[channel.id]) for channel in source.channels])
+        self._early_ends = self._about_ends()
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What could not be read so far, one line each, for a person."""
+        alike: defaultdict[str, list[str]] = defaultdict(list)
+        for topic in self.topics:
+            if topic.problem and topic.count:
+                alike[topic.problem].append(topic.name)
+        unread = [f"{listed(names)}: {problem}" for problem, names in alike.items()]
+        return (*self._source.problems, *unread, *self._early_ends, *self._stopped, *self._left_out.values())
+
+    def moments(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[Moment]:
+        """The samples of these topics from ``start_ns`` up to, not including, ``stop_ns``; None means no limit."""
+        channels = [channel for topic in topics for channel in self._shown[topic]]
+        batch: list[Message] = []
+        most = 1
+        try:
+            for message in self._source.messages(channels, start_ns, stop_ns):
+                batch.append(message)
+                if len(batch) == most:
+                    yield from self._moments(batch)
+                    batch, most = [], min(2 * most, _MOST_AT_ONCE)
+        except RecordingError as error:
+            self._stop(error)
+        yield from self._moments(batch)
+
+    def last(self, topic: str, time_ns: int) -> Moment | None:
+        """The last sample of a topic at or before a time; None when there is none."""
+        channels = self._shown[topic]
+        count = sum(channel.count for channel in channels)
+        if not count or self.start_ns is None or self.end_ns is None:
+            return None
+        stop = min(time_ns, self.end_ns) + 1
+        look = max(2 * (self.end_ns - self.start_ns) // count, _SHORTEST_LOOK_NS)
+        while stop > self.start_ns:
+            begin = max(stop - look, self.start_ns)
+            try:
+                found = list(self._source.messages(channels, begin, stop))
+            except RecordingError as error:
+                self._stop(error)
+                return None
+            for message in reversed(found):
+                for moment in self._moments([message]):
+                    return moment
+            stop, look = begin, 4 * look
+        return None
+
+    def series(self, topic: str, memory: Memory) -> Series[Any]:
+        """The samples of a topic as columns."""
+        channels = self._shown[topic]
+        store: Store[Any] = Store(self._source, channels, self._decoders, memory, self._note, self._stop)
+        series: Series[Any] = load(self._kinds[topic][0].columns)(store, self.start_ns or 0)
+        return series
+
+    def transforms(self) -> Iterator[Transform]:
+        """Where frames were in each other, as far as odometry and tf tell, in the order of time."""
+        channels = [c for c in self._source.channels if c.type in (ODOMETRY, *TRANSFORMS) and c.encoding in ENCODINGS]
+        try:
+            decoders = {channel.id: decoder_of(channel) for channel in channels}
+            with Progress(sum(channel.count for channel in channels), "Reading where the robot was") as bar:
+                for channel, time_ns, raw in self._source.messages(channels):
+                    try:
+                        yield from transforms_of(decoders[channel.id](raw), channel.topic, time_ns)
+                    except ValueError as error:
+                        self._note(channel, time_ns, error)
+                    bar.update(1)
+        except (RecordingError, ValueError) as error:
+            self._stop(error)
+
+    def close(self) -> None:
+        """Close the file; doing it again does nothing."""
+        self._source.close()
+
+    def _understand(self, channel: Channel) -> tuple[Kind | None, str]:
+        """The kind of a channel, whose decoder is made, and why it cannot be read."""
+        if channel.encoding not in ENCODINGS:
+            return None, f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
+        kinds = kinds_of_type(channel.type)
+        if not kinds and is_standard(channel.type):
+            return None, ""
+        try:
+            shape = shape_of(channel)
+            kind = self._decided(channel) if is_undecided(channel.type) else next(iter(kinds), kind_of_shape(shape))
+            if kind is None:
+                return None, ""
+            self._decoders[channel.id] = load(kind.columns).decoder(channel, kind)
+        except ValueError as error:
+            return None, str(error)
+        first, type_name = self._kinds.setdefault(channel.topic, (kind, channel.type))
+        if first is not kind:
+            return None, f"its messages of {type_name} are shown, those of {channel.type} are left out"
+        self._shown[channel.topic].append(channel)
+        return kind, ""
+
+    def _decided(self, channel: Channel) -> Kind | None:
+        """The kind of a channel of which only a message tells it."""
+        decode = decoder_of(channel)
+        try:
+            first = next(self._source.messages([channel]), None)
+            return kind_of_message(decode(first[2]), channel.type) if first else None
+        except (RecordingError, ValueError):
+            return None
+
+    def _list(self, found: list[tuple[Channel, Kind | None, str]]) -> tuple[Topic, ...]:
+        topics: dict[tuple[str, str], Topic] = {}
+        for channel, kind, problem in found:
+            key = (channel.topic, channel.type)
+            widget = kind.name if kind else None
+            topic = topics.get(key) or Topic(*key, 0, None, widget, widget == "speed" and is_command(channel.topic), "")
+            topics[key] = topic._replace(
+                count=topic.count + channel.count, widget=topic.widget or widget, problem=topic.problem or problem
+            )
+        seconds = ((self.end_ns or 0) - (self.start_ns or 0)) / 1e9
+        if seconds < _SHORTEST:
+            return tuple(topics.values())
+        return tuple(t._replace(rate=(t.count - 1) / seconds) if t.count > 1 else t for t in topics.values())
+
+    def _about_ends(self) -> list[str]:
+        """Lines about topics that end long before the recording: touches and commands may be silent for long.
+
+        That is more than 5 s before, and more than ten times the mean time between two of its messages.
+        """
+        lines: list[str] = []
+        if self.start_ns is None or self.end_ns is None:
+            return lines
+        length = (self.end_ns - self.start_ns) / 1e9
+        for topic, channels in self._shown.items():
+            count = sum(channel.count for channel in channels)
+            if count < _LEAST_FOR_END or not self._kinds[topic][0].goes_stale or is_command(topic):
+                continue
+            times = [self._source.last_ns(channel) for channel in channels if channel.count]
+            last = max((time for time in times if time is not None), default=None)
+            at = length if last is None or None in times else (last - self.start_ns) / 1e9
+            if length - at > max(_LONG_END, _END_STEPS * length / (count - 1)):
+                lines.append(f"{topic}: nothing after {at:.2f} s of {length:.2f} s")
+        return lines
+
+    def _moments(self, messages: Sequence[Message]) -> Iterator[Moment]:
+        """The samples in some messages, in their order."""
+        by_channel: defaultdict[int, list[int]] = defaultdict(list)
+        for place, message in enumerate(messages):
+            by_channel[message[0].id].append(place)
+        samples: dict[int, Any] = {}
+        for number, places in by_channel.items():
+            left_out: set[int] = set()
+
+            def note(i: int, error: Exception, places: list[int] = places, left_out: set[int] = left_out) -> None:
+                left_out.add(places[i])
+                self._note(*messages[places[i]][:2], error)
+
+            raws, times = [messages[i][2] for i in places], [messages[i][1] for i in places]
+            chunks = self._decoders[number].decode(raws, times, note)
+            decoded = (chunk.sample(row) for chunk in chunks for row in range(len(chunk)))
+            samples.update(zip((place for place in places if place not in left_out), decoded, strict=True))
+        for place, sample in sorted(samples.items()):
+            channel, time_ns, _ = messages[place]
+            yield Moment(channel.topic, time_ns, sample, self._seconds(time_ns))
+
+    def _note(self, channel: Channel, time_ns: int, error: Exception) -> None:
+        if channel.topic not in self._left_out:
+            self._left_out[channel.topic] = (
+                f"{channel.topic}: messages that cannot be shown are left out, the first at "
+                f"{self._seconds(time_ns):.2f} s: {one_line(error)}"
+            )
+
+    def _seconds(self, time_ns: int) -> float:
+        return (time_ns - (self.start_ns or 0)) / 1e9
+
+    def _stop(self, error: Exception) -> None:
+        line = f"the file can be read no further: {one_line(error)}"
+        if line not in self._stopped:
+            self._stopped.append(line)

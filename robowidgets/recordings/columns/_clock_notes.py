@@ -1,0 +1,91 @@
+"""What is wrong with the clock behind the times of a topic."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..._core.text import listed, often
+
+_STILL_SHARE = 0.5
+_STILL_LEAST = 10
+_SILENCE = 60.0
+_SILENT_STEPS = 100
+_SAME_SHARE = 0.9
+
+
+class Clock(NamedTuple):
+    """What is wrong with a topic's clock: lines, and start and end of its silences in seconds, shape (K, 2)."""
+
+    lines: tuple[str, ...]
+    silences: NDArray[np.float64]
+
+
+def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> Clock:
+    """Whether a clock stands still, and where nothing comes for long.
+
+    It stands still when every other message, and ten at least, bears the time of the one before. A silence is where
+    nothing comes for a minute and for a hundred times the usual pause: what was recorded does not tell it from a clock
+    that jumps ahead.
+
+    Args:
+        times_ns: nanoseconds, shape (N,), ascending.
+        start_ns: start of the recording.
+    """
+    steps = np.diff(times_ns)
+    lines = []
+    still = int(np.count_nonzero(steps == 0))
+    if still >= max(_STILL_SHARE * steps.size, _STILL_LEAST):
+        lines.append(f"the clock stands still: {still:,} of {len(times_ns):,} samples bear the time of the one before")
+    forward = steps[steps > 0]
+    usual = float(np.median(forward)) if forward.size else 0.0
+    silent = np.flatnonzero(steps > max(_SILENCE * 1e9, _SILENT_STEPS * usual))
+    return Clock(tuple(lines), (np.stack((times_ns[silent], times_ns[silent + 1]), 1) - start_ns) / 1e9)
+
+
+def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
+    """Lines about a clock, by the arguments of `clock_of`; none about one that is sound."""
+    clock = clock_of(times_ns, start_ns)
+    return (*clock.lines, *_about(clock.silences))
+
+
+def about_clocks(clocks: Mapping[str, Clock]) -> tuple[str, ...]:
+    """Lines about the clocks of topics, by their names; what several are silent for is told once."""
+    shared: list[tuple[list[str], NDArray[np.float64]]] = []
+    for name, clock in clocks.items():
+        for i, (names, silences) in enumerate(shared):
+            if _is_same(silences, clock.silences):
+                shared[i] = ([*names, name], _common(silences, clock.silences))
+                break
+        else:
+            shared.append(([name], clock.silences))
+    told = (f"{name}: {line}" for name, clock in clocks.items() for line in clock.lines)
+    return (*told, *(f"{listed(names)}: {line}" for names, silences in shared for line in _about(silences)))
+
+
+def _about(silences: NDArray[np.float64]) -> tuple[str, ...]:
+    if not len(silences):
+        return ()
+    longest = (silences[:, 1] - silences[:, 0]).max()
+    start = silences[0, 0]
+    if len(silences) == 1:
+        return (f"nothing was recorded for {longest:.2f} s from {start:.2f} s on, or the clock jumped ahead",)
+    return (
+        f"nothing was recorded {often(len(silences))}, first from {start:.2f} s on, for up to {longest:.2f} s, "
+        "or the clock jumped ahead",
+    )
+
+
+def _common(some: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+    """When both are silent."""
+    return np.stack((np.maximum(some[:, 0], others[:, 0]), np.minimum(some[:, 1], others[:, 1])), 1)
+
+
+def _is_same(some: NDArray[np.float64], others: NDArray[np.float64]) -> bool:
+    if len(some) != len(others):
+        return False
+    both, *each = (silences[:, 1] - silences[:, 0] for silences in (_common(some, others), some, others))
+    return all((both >= _SAME_SHARE * length).all() for length in each)

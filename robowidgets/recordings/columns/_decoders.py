@@ -1,0 +1,147 @@
+"""Raw messages of one channel to chunks of columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import takewhile
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...messages import to_scan, to_speed
+from ...messages.channel import Channel
+from ...messages.decoding import decoder_of, shape_of
+from ._chunks import Chunk, SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
+from ._template import MessageTemplate, Rows, scan_template, speed_template
+
+Note = Callable[[int, Exception], None]
+"""Is told of a message that cannot be shown: its number among those given, and why."""
+
+_FIRST_LOOK, _CAREFUL_LOOK = 1024, 32
+
+
+class Decoder(Protocol[Chunk]):
+    """Makes chunks of the messages of one channel."""
+
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Chunk]:
+        """The chunks of some messages in their order; those that cannot be shown are noted and left out.
+
+        Args:
+            raws: the messages.
+            times: their log times in nanoseconds.
+            note: is told of those that cannot be shown.
+        """
+
+
+class TemplateDecoder:
+    """Decodes messages alike but for their numbers many at a time, and all others one by one.
+
+    Subclasses read one message in full, and cut the chunk of those that are like it.
+    """
+
+    def __init__(self, channel: Channel) -> None:
+        self.shape, self.encoding = shape_of(channel), channel.encoding
+        self.read = decoder_of(channel)
+        self._template: MessageTemplate | None = None
+        # How many messages are compared at once: fewer where they have proved to differ.
+        self._look = _FIRST_LOOK
+
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
+        """See `Decoder`."""
+        return merged(self._chunks(raws, np.array(times, np.int64), note))
+
+    def _chunks(self, raws: Sequence[bytes], times: NDArray[np.int64], note: Note) -> Iterator[Any]:
+        at = 0
+        while at < len(raws):
+            template = self._template
+            if template and len(raws[at]) == template.size:
+                rows = _rows(raws[at : at + self._look])
+                count = template.count_alike(rows)
+                self._look = 4 * self._look if count == len(rows) else _CAREFUL_LOOK
+                if count:
+                    yield self._cut(template, times[at : at + count], rows[:count])
+                    at += count
+                    continue
+            try:
+                self._template, chunk = self._single(raws[at], int(times[at]))
+                yield chunk
+            except (TypeError, ValueError) as error:
+                note(at, error)
+            at += 1
+
+    def _single(self, raw: bytes, time_ns: int) -> tuple[MessageTemplate | None, Any]:
+        raise NotImplementedError
+
+    def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> Any:
+        raise NotImplementedError
+
+
+class ScanDecoder(TemplateDecoder):
+    """Decodes LaserScan-like messages."""
+
+    def _single(self, raw: bytes, time_ns: int) -> tuple[MessageTemplate | None, ScanChunk]:
+        message = self.read(raw)
+        scan = to_scan(message)
+        return scan_template(raw, message, scan, self.shape, self.encoding), single_scan(scan, time_ns)
+
+    def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> ScanChunk:
+        number = np.dtype("<f4")
+        part = template.intensities
+        intensities = template.cut(rows, part, number) if part else np.empty((len(rows), 0), np.float32)
+        ranges = template.cut(rows, template.numbers, number)
+        return ScanChunk(0, times, template.stamps(rows), ranges, intensities, template.sample)
+
+
+class SpeedDecoder(TemplateDecoder):
+    """Decodes Twist and Odometry-like messages."""
+
+    def _single(self, raw: bytes, time_ns: int) -> tuple[MessageTemplate | None, SpeedChunk]:
+        speed = to_speed(self.read(raw))
+        return speed_template(raw, speed, self.shape, self.encoding), single_speed(speed, time_ns)
+
+    def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> SpeedChunk:
+        values = template.cut(rows, template.numbers, np.dtype("<f8"))
+        return SpeedChunk(0, times, template.stamps(rows), values, template.sample.frame_id)
+
+
+class SampleDecoder:
+    """Decodes messages of any kind, one by one; a message that repeats the one before is not read again.
+
+    Args:
+        channel: whose messages they are.
+        read: makes a sample of a message.
+    """
+
+    def __init__(self, channel: Channel, read: Callable[[Any], Any]) -> None:
+        self._decode, self._read = decoder_of(channel), read
+
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[SampleChunk]:
+        """See `Decoder`."""
+        rows: list[int] = []
+        samples: list[Any] = []
+        before = None
+        for i, raw in enumerate(raws):
+            if raw != before:
+                before = None
+                try:
+                    sample = self._read(self._decode(raw))
+                except (TypeError, ValueError) as error:
+                    note(i, error)
+                    continue
+                before = raw
+            rows.append(i)
+            samples.append(sample)
+        if not rows:
+            return []
+        column = np.empty(len(rows), object)
+        column[:] = samples
+        stamps = np.array([getattr(sample, "stamp_ns", None) or 0 for sample in samples], np.int64)
+        return [SampleChunk(0, np.array([times[i] for i in rows], np.int64), stamps, column)]
+
+
+def _rows(raws: Sequence[bytes]) -> Rows:
+    """The first messages of one size, one under the other."""
+    size = len(raws[0])
+    alike = list(takewhile(lambda raw: len(raw) == size, raws))
+    return np.frombuffer(b"".join(alike), np.uint8).reshape(len(alike), size)

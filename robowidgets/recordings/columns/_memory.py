@@ -1,0 +1,121 @@
+"""How much of a recording is held in memory."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import contextmanager
+from operator import index
+from threading import Lock
+from typing import Any
+
+from ...repair import RecordingError
+
+DEFAULT = 1 << 30
+
+
+class Memory:
+    """Keeps what was decoded last, in no more bytes than a limit.
+
+    Args:
+        limit: bytes.
+
+    Raises:
+        TypeError: it is no whole number.
+        ValueError: it is not above 0.
+    """
+
+    def __init__(self, limit: int = DEFAULT) -> None:
+        self._held: OrderedDict[Hashable, Sequence[Any]] = OrderedDict()
+        self._bytes = self._reserved = 0
+        self._lock = Lock()
+        self.limit = limit
+
+    @property
+    def limit(self) -> int:
+        """Bytes; settable, at once in force."""
+        return self._limit
+
+    @limit.setter
+    def limit(self, limit: int) -> None:
+        try:
+            limit = index(limit)
+        except TypeError:
+            raise TypeError(f"memory: expected a whole number of bytes, got {limit!r}") from None
+        if limit <= 0:
+            raise ValueError(f"memory: expected a number of bytes above 0, got {limit!r}")
+        self._limit = limit
+        self._drop(0)
+
+    @property
+    def held(self) -> int:
+        """Bytes that are held now."""
+        return self._bytes
+
+    def get(self, key: Hashable, make: Callable[[], Sequence[Any]]) -> Sequence[Any]:
+        """What is held under a key, or is made now, and held if there is room: a sequence of things with ``nbytes``."""
+        with self._lock:
+            if key in self._held:
+                self._held.move_to_end(key)
+                return self._held[key]
+        made = make()
+        self.put(key, made)
+        return made
+
+    def put(self, key: Hashable, made: Sequence[Any]) -> None:
+        """Hold it, in place of what was asked for longest ago."""
+        size = _size(made)
+        self._drop(size)
+        with self._lock:
+            if key not in self._held and self._bytes + self._reserved + size <= self._limit:
+                self._held[key] = made
+                self._bytes += size
+
+    @contextmanager
+    def reserved(self, size: int, what: str, instead: str) -> Iterator[None]:
+        """Let go of what is held, so that an array has room while it is filled.
+
+        Raises:
+            RecordingError: it is larger than the limit.
+        """
+        self.take(size, what, instead)
+        try:
+            yield
+        finally:
+            self._reserved -= size
+
+    def take(self, size: int, what: str, instead: str) -> None:
+        """Let go of what is held, so that something has room that stays.
+
+        Raises:
+            RecordingError: it is larger than the limit.
+        """
+        self.check(size, what, instead)
+        self._reserved += size
+        self._drop(0)
+
+    def check(self, size: int, what: str, instead: str) -> None:
+        """Nothing, if something of a size may be made.
+
+        Raises:
+            RecordingError: it is larger than the limit.
+        """
+        if size > self._limit:
+            raise RecordingError(
+                f"{what} would take {megabytes(size)} of memory, and the limit is {megabytes(self._limit)}: {instead}"
+            )
+
+    def _drop(self, size: int) -> None:
+        """Let go of what was asked for longest ago, until so many bytes have room."""
+        with self._lock:
+            while self._held and self._bytes + self._reserved + size > self._limit:
+                self._bytes -= _size(self._held.popitem(last=False)[1])
+
+
+def megabytes(size: int) -> str:
+    """A number of bytes, for a person."""
+    return f"{size / 1e6:,.1f} MB" if size < 1e9 else f"{size / 1e9:,.1f} GB"
+
+
+def _size(made: Sequence[Any]) -> int:
+    return sum(part.nbytes for part in made)

@@ -1,0 +1,155 @@
+"""The fast path from bytes to columns: most messages repeat the one before with other numbers in the same places.
+
+A message that was read in full is a template for those that follow. A later one that is as long, and the same wherever
+nothing but a time or a number may stand, gives its numbers straight from their places; any other is read in full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from struct import Struct
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...messages.fields import Shape
+from ...messages.scan import LONGEST_SCAN
+from ...samples import Scan, Speed
+
+Rows = NDArray[np.uint8]
+"""Messages of one size, one under the other, shape (N, size)."""
+
+# In CDR a stamp at the start follows the four bytes of encapsulation, in ROS 1 the four of `seq`.
+_STAMP = np.dtype([("seconds", "<i4"), ("nanoseconds", "<u4")])
+_STAMP_AT, _STAMP_END = 4, 12
+_SIX = Struct("<6d")
+_FLOAT = np.dtype("<f4")
+_SETTINGS = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
+# Before the ranges stand their count and, of a LaserScan, range_max and range_min, and before these the two times.
+_TIMES_START, _TIMES_END = 20, 12
+
+
+class MessageTemplate(NamedTuple):
+    """What later messages share with the one that was read in full last.
+
+    ``size``: bytes of the message. ``fixed``: the parts that are the same, and their bytes. ``times``: where
+    time_increment and scan_time lie, which may change but must be such as a scanner can have. ``numbers``: where the
+    ranges lie, or the six numbers of a twist. ``intensities``: where these lie, if there are any. ``is_stamped``:
+    whether it starts with a header. ``sample``: the sample in the message.
+    """
+
+    size: int
+    fixed: tuple[tuple[slice, NDArray[np.uint8]], ...]
+    times: slice | None
+    numbers: slice
+    intensities: slice | None
+    is_stamped: bool
+    sample: Any
+
+    def count_alike(self, rows: Rows) -> int:
+        """How many of the rows, from the first on, differ from the template in their numbers alone."""
+        same = np.ones(len(rows), bool)
+        for part, expected in self.fixed:
+            same &= (rows[:, part] == expected).all(axis=1)
+        if self.times:
+            times = self.cut(rows, self.times, _FLOAT)
+            same &= ((times >= 0) & (times <= LONGEST_SCAN)).all(axis=1)
+        return len(rows) if same.all() else int(same.argmin())
+
+    def cut(self, rows: Rows, part: slice, kind: np.dtype[Any]) -> NDArray[Any]:
+        """The numbers in one part of all rows, a view."""
+        return rows[:, part].view(kind)
+
+    def stamps(self, rows: Rows) -> NDArray[np.int64]:
+        """The stamps of all rows in nanoseconds; 0 where the message has none."""
+        if not self.is_stamped:
+            return np.zeros(len(rows), np.int64)
+        stamps = np.ascontiguousarray(rows[:, _STAMP_AT:_STAMP_END]).view(_STAMP)[:, 0]
+        nanoseconds: NDArray[np.int64] = stamps["seconds"].astype(np.int64) * 1_000_000_000 + stamps["nanoseconds"]
+        return nanoseconds
+
+
+def scan_template(raw: bytes, message: Any, scan: Scan, shape: Shape, encoding: str) -> MessageTemplate | None:
+    """The template that a LaserScan-like message makes; None where its numbers have no fixed places."""
+    ranges = _place(raw, message.ranges)
+    intensities = _place(raw, message.intensities) if len(scan.intensities) else None
+    if not _is_stamped(shape) or ranges is None or (intensities is None and len(scan.intensities)):
+        return None
+    names = list(shape)
+    has_times = names[1 : names.index("ranges")] == list(_SETTINGS) and not scan.notes
+    times = slice(ranges.start - _TIMES_START, ranges.start - _TIMES_END) if has_times else None
+    gaps = sorted((part.start, part.stop) for part in (times, ranges, intensities) if part)
+    edges = [_STAMP_END, *(edge for gap in gaps for edge in gap), len(raw)]
+    fixed = [_lead(encoding), *(slice(*pair) for pair in zip(edges[::2], edges[1::2], strict=True))]
+    return MessageTemplate(len(raw), _parts(raw, fixed), times, ranges, intensities, True, scan)
+
+
+def speed_template(raw: bytes, speed: Speed, shape: Shape, encoding: str) -> MessageTemplate | None:
+    """The same of a Twist or Odometry-like message."""
+    places = _doubles(shape)
+    if places is None:
+        return None
+    before, count = places
+    is_stamped, lead = _is_stamped(shape), _lead(encoding)
+    tail = len(raw) - 8 * count
+    start = _STAMP_END if is_stamped else lead.stop
+    six = slice(tail + 8 * before, tail + 8 * before + _SIX.size)
+    if tail < start or (lead.stop and (tail - lead.stop) % 8) or raw[six] != _SIX.pack(*speed.values):
+        return None
+    return MessageTemplate(len(raw), _parts(raw, [lead, slice(start, tail)]), None, six, None, is_stamped, speed)
+
+
+def _lead(encoding: str) -> slice:
+    return slice(0, 4 if encoding == "cdr" else 0)
+
+
+def _parts(raw: bytes, parts: list[slice]) -> tuple[tuple[slice, NDArray[np.uint8]], ...]:
+    return tuple((part, np.frombuffer(raw[part], np.uint8)) for part in parts if raw[part])
+
+
+def _is_stamped(shape: Shape) -> bool:
+    """Whether the message starts with a header, so that its stamp is where we look for it."""
+    first = next(iter(shape), "")
+    header = shape.get(first)
+    names = [name for name in header if name != "seq"] if isinstance(header, Mapping) else []
+    return first == "header" and names == ["stamp", "frame_id"]
+
+
+def _place(raw: bytes, array: NDArray[Any]) -> slice | None:
+    """Where an array lies within the bytes it was read from; None when it is not a view of them."""
+    if array.dtype is not _FLOAT or not array.size:
+        return None
+    start = _address(array) - _address(np.frombuffer(raw, np.uint8))
+    return slice(start, start + array.nbytes) if 0 <= start <= len(raw) - array.nbytes else None
+
+
+def _address(array: NDArray[Any]) -> int:
+    return int(array.__array_interface__["data"][0])
+
+
+def _doubles(shape: Shape) -> tuple[int, int] | None:
+    """Of the float64 values that end a message: how many come before the six of its twist, and how many there are."""
+    names: list[str] = []
+    for name, kind in reversed(list(_leaves(shape))):
+        base, _, count = str(kind).rstrip("]").partition("[")
+        if base != "float64" or str(kind).endswith("[]"):
+            break
+        names[:0] = [name] * int(count or 1)
+    prefix = ""
+    twist: Any = shape
+    while isinstance(twist, Mapping) and "linear" not in twist:
+        prefix, twist = f"{prefix}twist.", twist.get("twist")
+    six = [f"{prefix}{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"]
+    if six[0] not in names:
+        return None
+    before = names.index(six[0])
+    return (before, len(names)) if names[before : before + 6] == six else None
+
+
+def _leaves(shape: Shape, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for name, kind in shape.items():
+        if isinstance(kind, Mapping):
+            yield from _leaves(kind, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", kind

@@ -1,0 +1,179 @@
+"""Scans as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kinds import Kind
+from ...messages.channel import Channel
+from ...repair import RecordingError
+from ...samples import Scan
+from ...samples.scan import distances, ray_distances
+from ...samples.sector import Sector
+from ._chunks import ScanChunk
+from ._decoders import ScanDecoder
+from .series import Series
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class Scans(Series[Scan]):
+    """The scans of a topic as columns; see `Series` for how to pick some of them.
+
+    A scanner may change its number of rays; then ``ranges`` is no one array, and `groups` has one series for each.
+
+    Example:
+        >>> scans = recording.scans("/scan")  # doctest: +SKIP
+        >>> scans.between(20, 25).distances("front").min()  # doctest: +SKIP
+    """
+
+    @staticmethod
+    def decoder(channel: Channel, _kind: Kind) -> ScanDecoder:
+        """See `Series`."""
+        return ScanDecoder(channel)
+
+    @cached_property
+    def ray_counts(self) -> dict[int, int]:
+        """How many rays a scan has, to how many scans have so many, in the order in which they first come."""
+        rays, first, counts = np.unique(self._rays, return_index=True, return_counts=True)
+        return {int(rays[i]): int(counts[i]) for i in np.argsort(first)}
+
+    @property
+    def groups(self) -> tuple[Self, ...]:
+        """A series for each number of rays, in the order in which they first come."""
+        if len(self.ray_counts) < 2:
+            return (self,)
+        rows, rays = np.asarray(self.rows, np.int64), self._rays
+        return tuple(self._with(rows[rays == count]) for count in self.ray_counts)
+
+    @property
+    def ray_count(self) -> int:
+        """R, the number of rays of each scan.
+
+        Raises:
+            RecordingError: it changes.
+        """
+        if len(self.ray_counts) > 1:
+            counts = ", ".join(f"{scans:,} with {rays:,} rays" for rays, scans in self.ray_counts.items())
+            raise RecordingError(
+                f"{self.topic}: its scans are no one array, for their ray count changes: {counts}; "
+                "each kind by itself is in .groups"
+            )
+        return next(iter(self.ray_counts), 0)
+
+    @property
+    def ranges(self) -> NDArray[np.float32]:
+        """Metres as the scanner sent them, shape (N, R), a row for each scan; NaN, infinities and codes such as 0.0.
+
+        The least of them is not how far the nearest thing is: see `distances` and `ray_distances`.
+
+        Raises:
+            RecordingError: the number of rays changes, or the array would be larger than `Recording.memory`.
+        """
+        return self._of_rays("ranges", self.ray_count, lambda chunk: chunk.ranges)
+
+    def distances(self, sector: Sector | str | None = None, *, percentile: float | None = None) -> NDArray[np.float32]:
+        """`Scan.distance` of each, shape (N,): metres, inf where nothing is met, 0 too close, NaN unknown.
+
+        Args:
+            sector: as in `Scan.distance`.
+            percentile: as in `Scan.distance`.
+
+        Raises:
+            TypeError: as by `Scan.distance`.
+            ValueError: as by `Scan.distance`.
+        """
+        parts = [distances(chunk.ranges, chunk.like, sector, percentile) for chunk in self.chunks()]
+        return np.concatenate([np.empty(0, np.float32), *parts])
+
+    @property
+    def ray_distances(self) -> np.ma.MaskedArray[Any, np.dtype[np.float32]]:
+        """What each ray counts as in `Scan.distance`, shape (N, R): masked where it says nothing, as NaN and codes.
+
+        ``ray_distances[:, rays].min(axis=1)`` is the distance among some of the rays.
+
+        Raises:
+            RecordingError: as `ranges`.
+        """
+        away = self._of_rays("ray_distances", self.ray_count, lambda chunk: ray_distances(chunk.ranges, chunk.like))
+        return np.ma.masked_array(away, np.isnan(away), fill_value=np.nan)
+
+    @property
+    def intensities(self) -> NDArray[np.float32]:
+        """In device units, shape (N, R), or (N, 0) where there are none; NaN for scans without, where others have some.
+
+        Raises:
+            RecordingError: as `ranges`.
+        """
+        rays = self.ray_count
+        sent = any(chunk.intensities.shape[1] for chunk in self.chunks())
+        return self._of_rays("intensities", rays if sent else 0, lambda chunk: chunk.intensities)
+
+    @property
+    def angle_min(self) -> NDArray[np.float64]:
+        """Angle of ray 0 in radians, shape (N,), as are the three that follow."""
+        return self._setting("angle_min")
+
+    @property
+    def angle_increment(self) -> NDArray[np.float64]:
+        """Radians from one ray to the next."""
+        return self._setting("angle_increment")
+
+    @property
+    def range_min(self) -> NDArray[np.float64]:
+        """Metres; see `Scan`."""
+        return self._setting("range_min")
+
+    @property
+    def range_max(self) -> NDArray[np.float64]:
+        """Metres; see `Scan`."""
+        return self._setting("range_max")
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Angle of every ray in radians, shape (R,).
+
+        Raises:
+            RecordingError: the geometry changes from scan to scan.
+        """
+        rays = self.ray_count
+        kinds = {(chunk.angle_min, chunk.angle_increment) for chunk in self.chunks()}
+        if len(kinds) > 1:
+            raise RecordingError(
+                f"{self.topic}: its scans share no angles, for their geometry changes ({len(kinds)} kinds): "
+                "see .angle_min and .angle_increment, or the angles of each scan"
+            )
+        angle_min, increment = next(iter(kinds), (0.0, 0.0))
+        return np.asarray(angle_min + np.arange(rays) * increment, np.float64)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Times, ranges and intensities, by name."""
+        return {**super().columns(), "ranges": self.ranges, "intensities": self.intensities}
+
+    @property
+    def _rays(self) -> NDArray[np.int64]:
+        places = self._store.places
+        every = np.repeat([place.rays for place in places], [place.rows for place in places]).astype(np.int64)
+        return self._picked(every)
+
+    def _setting(self, name: str) -> NDArray[np.float64]:
+        parts = [np.full(len(chunk), getattr(chunk, name)) for chunk in self.chunks()]
+        return np.concatenate([np.empty(0), *parts])
+
+    def _of_rays(self, name: str, rays: int, column: Callable[[ScanChunk], NDArray[np.float32]]) -> NDArray[np.float32]:
+        return self._array(
+            name,
+            rays,
+            np.float32,
+            lambda chunk: values if (values := column(chunk)).shape[1] == rays else np.float32(np.nan),
+        )
+
+    def _title(self) -> str:
+        rays = " or ".join(f"{count:,}" for count in self.ray_counts)
+        return f"{super()._title()}{f' of {rays} rays' if rays else ''}"

@@ -1,0 +1,282 @@
+"""The samples of a topic as columns: what the series of all kinds have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from operator import index as as_index
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kinds import Kind
+from ...messages.channel import Channel
+from ...repair import RecordingError
+from ..times import to_ns
+from ..topics import Moment
+from . import _tables
+from ._clock_notes import about_clock
+from ._decoders import Decoder, SampleDecoder
+from ._store import Store
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+Rows = Sequence[int] | NDArray[np.int64]
+Taken = TypeVar("Taken")
+
+_INSTEAD = (
+    "take a part of it (series[a:b], series.between(start, end)), go through .chunks(), "
+    "or set recording.memory higher, in bytes"
+)
+
+
+class Series(Generic[Taken]):
+    """Samples of one topic, each with its time, in the order of time.
+
+    By number: ``series[3]`` is a `Moment` (its ``sample``, ``time_ns`` and ``seconds``), ``series[10:20]`` a shorter
+    series. By time, in seconds from the start of the recording: ``series.at(21.96)`` is the nearest sample,
+    ``series.between(2.0, 5.0)`` a shorter series.
+
+    Nothing is read until it is needed; then the topic is read once from start to end, with a progress bar if that takes
+    longer than a second, and what was decoded last is kept, within `Recording.memory`.
+    """
+
+    def __init__(self, store: Store[Any], start_ns: int, rows: Rows | None = None) -> None:
+        self._store = store
+        self._start_ns = start_ns
+        self._rows = rows
+
+    @staticmethod
+    def decoder(channel: Channel, kind: Kind) -> Decoder[Any]:
+        """What makes chunks of the messages of a channel."""
+        return SampleDecoder(channel, kind.read)
+
+    @property
+    def topic(self) -> str:
+        """The name of the topic."""
+        return self._store.topic
+
+    @property
+    def is_read(self) -> bool:
+        """Whether the topic was read from start to end."""
+        return self._store.is_known
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Its columns by name, as `to_numpy` gives them: here the times."""
+        return {"times_ns": self.times_ns, "seconds": self.seconds, "stamps_ns": self.stamps_ns}
+
+    def chunks(self) -> Iterator[Any]:
+        """The columns piece by piece; ``start`` of a piece counts within this series.
+
+        One piece at a time is held, so that any recording fits.
+        """
+        if self._rows is None:
+            yield from self._store.chunks()
+            return
+        given = 0
+        for start, stop, step in _runs(self._rows):
+            for chunk in self._store.chunks(start, stop):
+                part = chunk if step == 1 else chunk.part(slice((start - chunk.start) % step, None, step))
+                if len(part):
+                    yield replace(part, start=given)
+                    given += len(part)
+
+    @property
+    def stamps_ns(self) -> NDArray[np.int64]:
+        """The times that the messages bear, in nanoseconds, shape (N,); 0 where they bear none."""
+        return self._picked(self._store.stamps_ns)
+
+    @property
+    def rows(self) -> Rows:
+        """The numbers of its samples among all of the topic: a range, or an array."""
+        return range(len(self._all_times)) if self._rows is None else self._rows
+
+    @property
+    def times_ns(self) -> NDArray[np.int64]:
+        """When each was recorded, in nanoseconds since the epoch, shape (N,)."""
+        return _frozen(self._picked(self._all_times))
+
+    @property
+    def said(self) -> NDArray[np.bool_]:
+        """Shape (N,): True for a message, False for a row that no message told."""
+        return np.ones(len(self), bool)
+
+    @property
+    def seconds(self) -> NDArray[np.float64]:
+        """The same from the start of the recording, in seconds, shape (N,)."""
+        return _frozen((self.times_ns - self._start_ns) / 1e9)
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What is wrong with the clock of its times, one line each: standing still, silent for long."""
+        return about_clock(self.times_ns, self._start_ns)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @overload
+    def __getitem__(self, which: slice | NDArray[np.bool_]) -> Self: ...
+    @overload
+    def __getitem__(self, which: int) -> Moment: ...
+    def __getitem__(self, which: int | slice | NDArray[np.bool_]) -> Self | Moment:
+        if isinstance(which, slice):
+            return self._with(self.rows[which])
+        if isinstance(which, np.ndarray) and which.dtype == bool:
+            if which.shape != (len(self),):
+                raise IndexError(f"{self.topic}: expected a mask of {len(self):,} values, got shape {which.shape}")
+            which = np.ma.filled(which, False)
+            return self._with(np.asarray(self.rows, np.int64)[which])
+        try:
+            number = as_index(which)
+        except TypeError:
+            raise TypeError(
+                f"{self.topic}: expected a number, a slice of numbers or a mask, got {repr(which)[:60]}; "
+                "by time there are at(seconds) and between(start, end)"
+            ) from None
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"{self.topic}: number {number}, and there are {len(self):,}")
+        row = int(self.rows[number])
+        return self._moment(int(self._all_times[row]), self._sample(row))
+
+    def __iter__(self) -> Iterator[Moment]:
+        return (self._moment(time_ns, sample) for time_ns, sample in self._samples())
+
+    def at(self, seconds: float) -> Moment:
+        """The sample nearest to a time; of two equally near ones the first.
+
+        Args:
+            seconds: seconds from the start of the recording.
+
+        Raises:
+            TypeError: it is no number.
+            ValueError: it is no time.
+            RecordingError: there is no sample.
+        """
+        time_ns = to_ns(self._start_ns, "seconds", seconds)
+        times = self.times_ns
+        if not times.size:
+            raise RecordingError(f"{self.topic}: there is no sample, so none is nearest to {seconds!r} s")
+        return self[int(np.abs(times - time_ns).argmin())]
+
+    def between(self, start: float | None = None, end: float | None = None) -> Self:
+        """Those recorded from ``start`` up to, not including, ``end``: seconds from the start of the recording.
+
+        Args:
+            start: None for the start of the recording.
+            end: None for its end, included.
+
+        Raises:
+            TypeError: a time is no number.
+            ValueError: a time is infinite or NaN.
+        """
+        times = self.times_ns
+        inside = np.ones(len(times), bool)
+        if start is not None:
+            inside &= times >= to_ns(self._start_ns, "start", start)
+        if end is not None:
+            inside &= times < to_ns(self._start_ns, "end", end)
+        found = np.flatnonzero(inside)
+        if found.size and found[-1] - found[0] == found.size - 1:
+            return self._with(self.rows[int(found[0]) : int(found[-1]) + 1])
+        return self._with(np.asarray(self.rows, np.int64)[found])
+
+    def to_numpy(self) -> dict[str, NDArray[Any]]:
+        """Its columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
+        return dict(self.columns())
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame: a row for each sample, by seconds from the start.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        return _tables.to_pandas(self.columns())
+
+    def to_polars(self) -> Any:
+        """A polars DataFrame: a row for each sample, its ranges as an array.
+
+        Raises:
+            ImportError: polars is not installed.
+        """
+        return _tables.to_polars(self.columns())
+
+    def to_arrow(self) -> Any:
+        """An Arrow table: a row for each sample, its ranges as a list of fixed size.
+
+        Raises:
+            ImportError: pyarrow is not installed.
+        """
+        return _tables.to_arrow(self.columns())
+
+    def __repr__(self) -> str:
+        times = self.seconds
+        span = f", {times.min():.2f} to {times.max():.2f} s" if times.size else ""
+        return "\n".join((f"{self._title()}{span}", *(f"! {line}" for line in self.problems)))
+
+    def _title(self) -> str:
+        return f"{type(self).__name__} of {self.topic}: {len(self):,}"
+
+    @property
+    def _all_times(self) -> NDArray[np.int64]:
+        """Log times of all rows, not only of those in this series."""
+        return self._store.times_ns
+
+    def _with(self, rows: Rows) -> Self:
+        """The same with other rows of all."""
+        return type(self)(self._store, self._start_ns, rows)
+
+    def _sample(self, row: int) -> Taken:
+        """The sample in one row of all."""
+        sample: Taken = next(self._store.chunks(row, row + 1)).sample(0)
+        return sample
+
+    def _samples(self) -> Iterator[tuple[int, Taken]]:
+        """Log time and sample of every row of this series."""
+        for chunk in self.chunks():
+            for i, time_ns in enumerate(chunk.times_ns.tolist()):
+                yield time_ns, chunk.sample(i)
+
+    def _array(self, name: str, width: int, kind: type[np.generic], column: Callable[[Any], Any]) -> NDArray[Any]:
+        """One array of a column of all chunks, shape (N, width)."""
+        dtype = np.dtype(kind)
+        size = len(self) * width * dtype.itemsize
+        with self._store.memory.reserved(size, f"{self.topic}: the array of all {name}", _INSTEAD):
+            array = np.empty((len(self), width), dtype)
+            for chunk in self.chunks():
+                array[chunk.start : chunk.start + len(chunk)] = column(chunk)
+        return array
+
+    def _picked(self, column: NDArray[Any]) -> NDArray[Any]:
+        if self._rows is None:
+            return column
+        if isinstance(self._rows, range):
+            rows = self._rows
+            stop = rows.stop if rows.stop >= 0 else None
+            return np.asarray(column[rows.start : stop : rows.step] if rows else column[:0])
+        return np.asarray(column[np.asarray(self._rows)])
+
+    def _moment(self, time_ns: int, sample: Any) -> Moment:
+        return Moment(self.topic, time_ns, sample, (time_ns - self._start_ns) / 1e9)
+
+
+class Samples(Series[Any]):
+    """The samples of a topic of any kind, with their times; see `Series` for how to pick some of them."""
+
+
+def _runs(rows: Rows) -> Iterator[tuple[int, int, int]]:
+    """Start, stop and step, above 0, of runs that together are the rows, in their order."""
+    if isinstance(rows, range) and rows.step > 0:
+        if rows:
+            yield rows[0], rows[-1] + 1, rows.step
+        return
+    every = np.asarray(rows, np.int64)
+    for part in np.split(every, np.flatnonzero(np.diff(every) != 1) + 1):
+        if part.size:
+            yield int(part[0]), int(part[-1]) + 1, 1
+
+
+def _frozen(column: NDArray[Any]) -> NDArray[Any]:
+    column.flags.writeable = False
+    return column

@@ -1,0 +1,51 @@
+"""Speeds as columns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kinds import Kind
+from ...messages.channel import Channel
+from ...samples import AXES, Speed
+from ._decoders import SpeedDecoder
+from .series import Series
+
+
+class Speeds(Series[Speed]):
+    """The speeds of a topic as columns; see `Series` for how to pick some of them.
+
+    Example:
+        >>> speeds = recording.speeds("/odom")  # doctest: +SKIP
+        >>> speeds.linear[:, 0].max()  # doctest: +SKIP
+    """
+
+    @staticmethod
+    def decoder(channel: Channel, _kind: Kind) -> SpeedDecoder:
+        """See `Series`."""
+        return SpeedDecoder(channel)
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """All six numbers, shape (N, 6), in the order of `AXES`; NaN where there is no value.
+
+        Raises:
+            RecordingError: the array would be larger than `Recording.memory`.
+        """
+        return self._array("speeds", len(AXES), np.float64, lambda chunk: chunk.values)
+
+    @property
+    def linear(self) -> NDArray[np.float64]:
+        """X forward, y left, z up, in m/s, shape (N, 3)."""
+        return self.values[:, :3]
+
+    @property
+    def angular(self) -> NDArray[np.float64]:
+        """About x, y and z (yaw, counter-clockwise), in rad/s, shape (N, 3)."""
+        return self.values[:, 3:]
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Times, and the six numbers by the names in `AXES`."""
+        return {**super().columns(), **dict(zip(AXES, self.values.T, strict=True))}

@@ -1,0 +1,289 @@
+"""The data of a recording: its topics, their samples, and columns of these."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from datetime import datetime
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
+from ..repair import RecordingError
+from ._info import as_html, as_text, heading
+from ._messages import Messages
+from .columns._clock_notes import Clock, about_clocks, clock_of
+from .columns._memory import Memory
+from .columns.scans import Scans
+from .columns.series import Series
+from .columns.speeds import Speeds
+from .columns.touches import Touches
+from .files import open_source
+from .time_slice import TimeSlice
+from .times import seconds_at, to_ns
+from .topics import Moment, Topic, UnknownTopicError, check, named, only, shown
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+    from ..poses.transforms import Transform
+
+AnySeries = TypeVar("AnySeries", Scans, Speeds, Touches)
+
+
+class RecordingData:
+    """The topics of a recording and their samples, without any widget.
+
+    Printed, it is a table of its topics. As a context manager it closes the file. One thread at a time may read it.
+
+    Args:
+        path: the file or folder, as for `robowidgets.open`.
+
+    Raises:
+        RecordingError: nothing of it can be read; the text says why.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        # Absolute: the working directory may be another one when a player opens it again.
+        self._path = Path(os.fsdecode(path)).expanduser().absolute()
+        self._messages = Messages(open_source(self._path))
+        self._closed = False
+        self._memory = Memory()
+        self._series: dict[str, Series[Any]] = {}
+        self._clocks: dict[str, Clock] = {}
+        """Of the topics that were read from start to end, and are not silent for long in a sound recording."""
+
+    @property
+    def path(self) -> Path:
+        """The file or folder it was opened from."""
+        return self._path
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """Every topic in it, in the order of the file, with type, count, rate and the widget that shows it."""
+        return self._messages.topics
+
+    @property
+    def start_ns(self) -> int | None:
+        """Time of the first message in nanoseconds since the epoch; None when there is no message."""
+        return self._messages.start_ns
+
+    @property
+    def end_ns(self) -> int | None:
+        """Time of the last message in nanoseconds since the epoch; None when there is no message."""
+        return self._messages.end_ns
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first message to the last; 0 when there is no message."""
+        return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What was wrong so far, one line each: with the file, with a topic, with messages that could not be shown.
+
+        With the clock of a topic, too, once its `scans` or measured `speeds` were read.
+        """
+        if self.start_ns is None:
+            return (*self._messages.problems, "there is no message in it: nothing was recorded")
+        if not self._by_name():
+            return (*self._messages.problems, "none of its topics has a widget that shows it")
+        return (*self._messages.problems, *about_clocks(self._note_clocks()))
+
+    def samples(
+        self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
+    ) -> Iterator[Moment]:
+        """The samples in the order of their times, each read when its turn comes.
+
+        A message that cannot be shown is left out, and told in `problems`.
+
+        Args:
+            topics: one topic or several; None for all that a widget shows.
+            start: seconds from the start of the recording; None for the start.
+            end: the same, not included; None for the end, included.
+
+        Raises:
+            UnknownTopicError: it has no such topic, or one that no widget shows.
+            RecordingError: it is closed.
+        """
+        names = [topics] if isinstance(topics, str) else list(topics) if topics is not None else list(self._by_name())
+        for name in names:
+            self.check(name)
+        times = (
+            None if seconds is None else to_ns(self.start_ns, name, seconds)
+            for name, seconds in (("start", start), ("end", end))
+        )
+        self._check_open()
+        return self._messages.moments(list(dict.fromkeys(names)), *times)
+
+    def at(self, topic: str, seconds: float) -> Moment | None:
+        """The last sample of a topic at a time, or before it; None when there is none yet.
+
+        Args:
+            topic: the name of the topic.
+            seconds: seconds from the start of the recording.
+
+        Raises:
+            UnknownTopicError: it has no such topic, or one that no widget shows.
+            RecordingError: it is closed.
+        """
+        self.check(topic)
+        self._check_open()
+        return self._messages.last(topic, to_ns(self.start_ns, "seconds", seconds))
+
+    def seconds_at(self, when: datetime | str) -> float:
+        """Seconds from the start of the recording at a date and time of day, as `at` and a player's `seek` take them.
+
+        Args:
+            when: such as ``"2024-05-03T14:32:05"``, or a datetime; in UTC, unless it tells its time zone.
+
+        Raises:
+            ValueError: the recording was not running then; or the text is no date and time.
+            TypeError: it is neither.
+            RecordingError: the recording has no date, because its clock is that of a simulation, say.
+        """
+        return seconds_at(when, self.path.name, self.start_ns, self.end_ns)
+
+    @property
+    def memory(self) -> int:
+        """Bytes that `scans`, `speeds` and `touches` may hold at most of what they decoded; 1 GiB, settable.
+
+        An array that would be larger is refused, with an error that says what to do.
+
+        Raises:
+            TypeError: it is set to what is no whole number.
+            ValueError: it is set to 0 or less.
+        """
+        return self._memory.limit
+
+    @memory.setter
+    def memory(self, limit: int) -> None:
+        self._memory.limit = limit
+
+    def series(self, topic: str) -> Series[Any]:
+        """The samples of a topic of any kind as columns; `scans`, `speeds` and `touches` are such.
+
+        Raises:
+            UnknownTopicError: it has no such topic, or one that no widget shows.
+            RecordingError: it is closed.
+        """
+        self.check(topic)
+        self._check_open()
+        if topic not in self._series:
+            self._series[topic] = self._messages.series(topic, self._memory)
+        return self._series[topic]
+
+    def scans(self, topic: str | None = None) -> Scans:
+        """The scans of a topic as columns: times, ranges (N, R), intensities, geometry.
+
+        Args:
+            topic: may be left out where there is just one of them.
+
+        Raises:
+            UnknownTopicError: there is no such topic with scans; or none was named, and there is not just one.
+            RecordingError: it is closed.
+        """
+        return self._of_kind(topic, LASER, Scans)
+
+    def speeds(self, topic: str | None = None) -> Speeds:
+        """The speeds of a topic as columns: times, linear (N, 3), angular (N, 3).
+
+        Args:
+            topic: may be left out where just one is measured, or there is just one.
+
+        Raises:
+            UnknownTopicError: as `scans`.
+            RecordingError: it is closed.
+        """
+        return self._of_kind(topic, SPEED, Speeds)
+
+    def touches(self, topic: str | None = None) -> Touches:
+        """The touches of a topic as columns: times, and the state of each sensor (N, L).
+
+        Args:
+            topic: may be left out where there is just one of them.
+
+        Raises:
+            UnknownTopicError: as `scans`.
+            RecordingError: it is closed.
+        """
+        return self._of_kind(topic, TOUCH, Touches)
+
+    def transforms(self) -> Iterator[Transform]:
+        """Where frames were in each other, as far as odometry and tf tell, in the order of time."""
+        self._check_open()
+        return self._messages.transforms()
+
+    def info(self) -> str:
+        """The table of its topics, as text."""
+        return as_text(self._heading(), self.topics, self.problems)
+
+    def close(self) -> None:
+        """Close the file; doing it again does nothing."""
+        self._closed = True
+        self._note_clocks()
+        self._series.clear()
+        self._messages.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __getitem__(self, which: slice | Sequence[float]) -> TimeSlice:
+        """The samples of a stretch of time: ``recording[2:5]`` in seconds, a selection, or a span of `find`."""
+        return TimeSlice(self, which)
+
+    def __iter__(self) -> Iterator[Moment]:
+        return self.samples()
+
+    def __repr__(self) -> str:
+        return self.info()
+
+    def _repr_html_(self) -> str:
+        return as_html(self._heading(), self.topics, self.problems)
+
+    def _heading(self) -> str:
+        return heading(str(self.path), self.topics, self.duration, self.start_ns)
+
+    def check(self, name: str) -> None:
+        """Nothing, if it has a topic of this name that a widget shows.
+
+        Raises:
+            UnknownTopicError: it has not.
+            TypeError: the name is no text.
+        """
+        check(name, self.topics, self.path.name)
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise RecordingError(f"{self.path.name} is closed: open it again")
+
+    def _by_name(self) -> dict[str, Topic]:
+        return shown(self.topics)
+
+    def _of_kind(self, topic: str | None, kind: Kind, series: type[AnySeries]) -> AnySeries:
+        name = only(self.path.name, self.topics, kind.name) if topic is None else topic
+        self.check(name)
+        widget = self._by_name()[name].widget
+        if widget != kind.name:
+            there = ", ".join(named(self.topics, kind.name)) or "none"
+            raise UnknownTopicError(
+                f"{self.path.name}: {name!r} is a topic of {KINDS[widget or ''].noun}: those of {kind.noun} are {there}"
+            )
+        found = self.series(name)
+        assert isinstance(found, series)
+        return found
+
+    def _note_clocks(self) -> dict[str, Clock]:
+        """The clocks of topics that were read from start to end, which `close` must not forget."""
+        for name, series in self._series.items():
+            topic = self._by_name()[name]
+            grows_stale = KINDS[topic.widget or ""].goes_stale and not topic.commanded
+            if grows_stale and series.is_read and name not in self._clocks:
+                self._clocks[name] = clock_of(series.times_ns, self.start_ns or 0)
+        return self._clocks

@@ -1,0 +1,68 @@
+"""Several sources as one: the files that a recorder split a recording into."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from heapq import merge
+
+from ...messages.channel import Channel
+from ...repair import Arrivals, Message
+from ._index import joined, renumbered
+from ._rosbags import RosbagsSource
+
+
+class Chain:
+    """A `Source` over other sources.
+
+    Channels of the same topic, type, encoding and definition become one.
+
+    Args:
+        sources: one for each file, in their order; closed with the chain.
+        problems: of all of them.
+    """
+
+    def __init__(self, sources: Sequence[RosbagsSource], problems: Sequence[str] = ()) -> None:
+        self._sources = sources
+        self.problems = tuple(problems)
+        counts: dict[Channel, int] = {}
+        for source in sources:
+            for channel in source.channels:
+                counts[_same(channel)] = counts.get(_same(channel), 0) + channel.count
+        self._ids = {same: number for number, same in enumerate(counts)}
+        self.channels = tuple(same._replace(id=number, count=counts[same]) for same, number in self._ids.items())
+        self.start_ns = min((s.start_ns for s in sources if s.start_ns is not None), default=None)
+        self.end_ns = max((s.end_ns for s in sources if s.end_ns is not None), default=None)
+
+    def messages(
+        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[Message]:
+        """See `Source`."""
+        wanted = {channel.id: channel for channel in channels}
+        each = (self._messages(source, wanted, start_ns, stop_ns) for source in self._sources)
+        return merge(*each, key=lambda message: message[1])
+
+    def arrivals(self) -> Arrivals:
+        """The order of arrival in one file after the other."""
+        return joined(renumbered(s.arrivals(), {c.id: self._ids[_same(c)] for c in s.channels}) for s in self._sources)
+
+    def last_ns(self, channel: Channel) -> int | None:
+        """See `Source`."""
+        times = (s.last_ns(c) for s in self._sources for c in s.channels if c.count and _same(c) == _same(channel))
+        return max((time for time in times if time is not None), default=None)
+
+    def close(self) -> None:
+        """See `Source`."""
+        for source in self._sources:
+            source.close()
+
+    def _messages(
+        self, source: RosbagsSource, wanted: dict[int, Channel], start_ns: int | None, stop_ns: int | None
+    ) -> Iterator[Message]:
+        ours = {c.id: wanted[self._ids[_same(c)]] for c in source.channels if self._ids[_same(c)] in wanted}
+        for channel, time_ns, data in source.messages([c for c in source.channels if c.id in ours], start_ns, stop_ns):
+            yield ours[channel.id], time_ns, data
+
+
+def _same(channel: Channel) -> Channel:
+    """What channels have in common that are one."""
+    return channel._replace(id=0, count=0)

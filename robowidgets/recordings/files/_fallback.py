@@ -1,0 +1,72 @@
+"""A whole file with damage in the middle: met only when it is read, and read on by the reader made for damage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+
+from ...messages.channel import Channel
+from ...repair import Message, Source
+
+
+class FallbackSource:
+    """A `Source` that goes on with a repaired one where the first meets damage.
+
+    Args:
+        first: a source that may raise anything while it reads.
+        open_repaired: opens a source for the same file, when it is needed; RecordingError when it cannot.
+    """
+
+    def __init__(self, first: Source, open_repaired: Callable[[], Source]) -> None:
+        self._first = first
+        self._open_repaired = open_repaired
+        self._repaired: Source | None = None
+        self.channels = first.channels
+        self.start_ns, self.end_ns = first.start_ns, first.end_ns
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """See `Source`."""
+        return (self._repaired or self._first).problems
+
+    def messages(
+        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[Message]:
+        """See `Source`."""
+        latest, given = start_ns, 0
+        if self._repaired is None:
+            try:
+                for message in self._first.messages(channels, start_ns, stop_ns):
+                    if message[1] != latest:
+                        latest, given = message[1], 0
+                    given += 1
+                    yield message
+                return
+            except Exception:  # rosbags raises anything; the reader made for damage finds out and tells
+                self._repaired = self._open_repaired()
+        yield from self._resume(self._repaired, channels, latest, stop_ns, given)
+
+    def last_ns(self, channel: Channel) -> int | None:
+        """See `Source`."""
+        try:
+            return self._first.last_ns(channel)
+        except Exception:  # damage in the index is met again, and told, when the messages are read
+            return None
+
+    def close(self) -> None:
+        """See `Source`."""
+        self._first.close()
+        if self._repaired:
+            self._repaired.close()
+
+    def _resume(
+        self, source: Source, channels: Collection[Channel], latest: int | None, stop_ns: int | None, given: int
+    ) -> Iterator[Message]:
+        """The messages after the last one, of which ``given`` of the same time have gone out already."""
+        ours = {(c.topic, c.type): c for c in channels}
+        theirs = {c.id: ours[c.topic, c.type] for c in source.channels if (c.topic, c.type) in ours}
+        wanted = [c for c in source.channels if c.id in theirs]
+        for channel, time_ns, raw in source.messages(wanted, latest, stop_ns):
+            if given and time_ns == latest:
+                given -= 1
+            else:
+                yield theirs[channel.id], time_ns, raw

@@ -1,0 +1,137 @@
+"""Whole files and folders of messages, as rosbags reads them.
+
+This folder and `messages.decoding` are the only ones that know rosbags.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag1.reader import decompressors
+from rosbags.rosbag2.reader import DirectoryReader
+from rosbags.rosbag2.storage_mcap import DECOMPRESSORS, McapReader
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
+
+from ...messages.channel import Channel, definition_text
+from ...messages.compression import MAX_CHUNK, inflate, plain
+from ...repair import Arrivals, Message, RecordingError
+from ._index import BagIndex, FolderIndex, Index, McapIndex, SqliteIndex
+
+_NEVER = 2**63 - 1
+
+
+def _bounded(compression: str) -> Callable[..., bytes]:
+    """What decompresses a chunk into no more bytes than it claims, or than a chunk may have."""
+
+    def decompress(data: bytes, size: int = MAX_CHUNK) -> bytes:
+        raw, whole = inflate(compression, data, min(size, MAX_CHUNK))
+        if not whole:
+            raise RecordingError(f"a chunk in {compression} is damaged, or larger than it claims")
+        return raw
+
+    return decompress
+
+
+# As it comes, rosbags decompresses for as long as there is memory.
+decompressors.update({name: _bounded(name) for name in ("bz2", "lz4")})
+DECOMPRESSORS.update({name: _bounded(name) for name in ("zstd", "lz4")})
+
+
+def open_bag(path: Path) -> RosbagsSource:
+    """A ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
+    return RosbagsSource(BagReader(path), BagIndex)
+
+
+def open_mcap(path: Path) -> RosbagsSource:
+    """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError when there is no index."""
+    reader = McapReader(path)
+    source = RosbagsSource(reader, McapIndex)
+    if not reader.chunks and source.start_ns is not None:
+        source.close()
+        raise RecordingError("without an index rosbags reads messages in one way only, from the start to the end")
+    return source
+
+
+def open_sqlite(path: Path) -> RosbagsSource:
+    """A ``.db3``. Raises as `open_bag`."""
+    _check(path)
+    return RosbagsSource(Sqlite3Reader(path), SqliteIndex)
+
+
+def open_folder(path: Path) -> RosbagsSource:
+    """A folder with a ``metadata.yaml``. Raises as `open_bag`."""
+    _check(path)
+    return RosbagsSource(DirectoryReader(path), FolderIndex)
+
+
+class RosbagsSource:
+    """A `Source` that rosbags reads.
+
+    Args:
+        reader: not yet open.
+        index: makes of the open reader what tells times without reading messages.
+    """
+
+    problems: tuple[str, ...] = ()
+
+    def __init__(self, reader: Any, index: Callable[[Any], Index]) -> None:
+        reader.open()
+        self._reader = reader
+        self._index = index(reader)
+        self._open = True
+        self._connections = {c.id: c for c in reader.connections}
+        self.channels = tuple(_channel(c) for c in reader.connections)
+        about = reader if isinstance(reader, BagReader) else reader.metadata
+        empty = about.start_time == _NEVER or not any(c.count for c in self.channels)
+        self.start_ns: int | None = None if empty else about.start_time
+        self.end_ns: int | None = None if empty else about.end_time - 1
+
+    def messages(
+        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[Message]:
+        """See `Source`."""
+        asked = {channel.id: channel for channel in channels}
+        if asked:
+            connections = [self._connections[i] for i in asked]
+            for connection, time_ns, raw in self._reader.messages(connections, start_ns, stop_ns):
+                yield asked[connection.id], time_ns, plain(raw)
+
+    def arrivals(self) -> Arrivals:
+        """The order of arrival as the index tells it: of every message, or of some of each part."""
+        return self._index.arrivals()
+
+    def last_ns(self, channel: Channel) -> int | None:
+        """See `Source`."""
+        return self._index.last_ns(channel.id)
+
+    def close(self) -> None:
+        """See `Source`."""
+        if self._open:
+            self._open = False
+            self._reader.close()
+
+
+def _check(path: Path) -> None:
+    # rosbags makes a URI of the path to a database, in which these stand for something else: perhaps another file.
+    if set("%?#") & set(str(path)):
+        raise RecordingError(f"{path}: rosbags opens no database whose path holds %, ? or #")
+
+
+def _channel(connection: Connection) -> Channel:
+    return Channel(
+        id=connection.id,
+        topic=connection.topic,
+        type=connection.msgtype,
+        encoding=getattr(connection.ext, "serialization_format", "ros1"),
+        definition=_text(connection.msgdef, connection.msgtype),
+        count=connection.msgcount,
+    )
+
+
+def _text(definition: MessageDefinition, type_name: str) -> str:
+    language = "ros2idl" if definition.format is MessageDefinitionFormat.IDL else "ros2msg"
+    return definition_text(language, type_name, definition.data)

@@ -1,0 +1,85 @@
+"""The samples between two times of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from ..samples.time_span import time_span
+from .columns.scans import Scans
+from .columns.speeds import Speeds
+from .columns.touches import Touches
+from .spans import Span
+from .times import to_ns
+from .topics import Moment
+
+if TYPE_CHECKING:
+    from .data import RecordingData
+
+_MOMENT = 1e-9
+
+
+class TimeSlice:
+    """What ``recording[start:end]`` gives: the samples between two times, read when their turn comes.
+
+    Iterated over, it gives the same as `samples`, each time anew.
+
+    Args:
+        recording: where they are.
+        which: a slice of seconds from the start, ``recording[2:5]``, what `ScanogramWidget.selection` holds, or a span
+            of `Recording.find`; from one of 0 seconds, what came at that moment.
+
+    ``start`` and ``end`` are seconds from the start, the end not included; None where a slice leaves it open. ``rays``
+    is a slice of the selected rays, all of them where none are selected: ``scan.ranges[part.rays]``. The samples
+    themselves keep all their rays, so that an index always means the same.
+
+    Raises:
+        TypeError: it is neither. ValueError: it is no span of time.
+    """
+
+    def __init__(self, recording: RecordingData, which: Any) -> None:
+        self._recording = recording
+        self.rays = slice(None)
+        self.start: float | None
+        self.end: float | None
+        if isinstance(which, slice) and which.step is None:
+            self.start, self.end = which.start, which.stop
+            for name, seconds in (("start", self.start), ("end", self.end)):
+                if seconds is not None:
+                    to_ns(recording.start_ns, name, seconds)
+            if self.start is not None and self.end is not None and self.start > self.end:
+                raise ValueError(f"recording[{self.start}:{self.end}]: expected a start before the end, in seconds")
+            return
+        if isinstance(which, Span):
+            self.start, self.end = which.start, max(which.end, which.start + _MOMENT)
+            return
+        if not isinstance(which, (tuple, list)):
+            raise TypeError(f"recording[...]: expected seconds, as [2:5], a selection or a span; got {which!r}")
+        span = time_span("recording[...]", which, rays=True)
+        self.start, self.end = span[:2]
+        if len(span) == 4:
+            self.rays = slice(*span[2:])
+
+    def samples(self, topics: str | Iterable[str] | None = None) -> Iterator[Moment]:
+        """The samples in it, as `Recording.samples` gives them."""
+        return self._recording.samples(topics, self.start, self.end)
+
+    def scans(self, topic: str | None = None) -> Scans:
+        """The scans in it as columns, as `Recording.scans` gives them."""
+        return self._recording.scans(topic).between(self.start, self.end)
+
+    def speeds(self, topic: str | None = None) -> Speeds:
+        """The speeds in it as columns, as `Recording.speeds` gives them."""
+        return self._recording.speeds(topic).between(self.start, self.end)
+
+    def touches(self, topic: str | None = None) -> Touches:
+        """The touches in it as columns, as `Recording.touches` gives them."""
+        return self._recording.touches(topic).between(self.start, self.end)
+
+    def __iter__(self) -> Iterator[Moment]:
+        return self.samples()
+
+    def __repr__(self) -> str:
+        start = 0.0 if self.start is None else self.start
+        end = self._recording.duration if self.end is None else self.end
+        return f"{self._recording.path.name} from {start:.2f} to {end:.2f} s"

@@ -1,0 +1,86 @@
+"""A stretch of bytes that records are read from: a file on disk, or a chunk that was decompressed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Lock
+from typing import Protocol
+
+from .source import RecordingError
+
+WINDOW = 1 << 16
+
+
+class ByteRange(Protocol):
+    """Bytes that are read by offset."""
+
+    @property
+    def size(self) -> int:
+        """How many bytes there are."""
+
+    def read(self, offset: int, size: int) -> bytes:
+        """The bytes at an offset, fewer where the stretch ends; no more memory is taken than there is data."""
+
+
+class MemoryRange:
+    """Bytes in memory."""
+
+    def __init__(self, raw: bytes) -> None:
+        self._raw = raw
+        self.size = len(raw)
+
+    def read(self, offset: int, size: int) -> bytes:
+        """The bytes at an offset."""
+        return self._raw[offset : offset + size]
+
+
+class FileRange:
+    """A file, open for reading, that several threads may read.
+
+    Args:
+        path: the file.
+
+    Raises:
+        RecordingError: it cannot be opened, or it is empty.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.name = path.name
+        self._lock = Lock()
+        try:
+            self._file = path.open("rb")
+            self.size = self._file.seek(0, 2)
+        except OSError as error:
+            raise RecordingError(f"{path.name}: cannot be opened: {error.strerror or error}") from None
+        if not self.size:
+            self.close()
+            raise RecordingError(
+                f"{path.name}: the file is empty (0 bytes): expected a recording; copy it again or record again"
+            )
+
+    def read(self, offset: int, size: int) -> bytes:
+        """The bytes at an offset; OSError where the disk fails, ValueError when the file was closed."""
+        with self._lock:
+            self._file.seek(offset)
+            return self._file.read(max(0, min(size, self.size - offset)))
+
+    def close(self) -> None:
+        """Close the file; doing it again does nothing."""
+        self._file.close()
+
+
+def find(data: ByteRange, pattern: re.Pattern[bytes], length: int, start: int) -> Iterator[int]:
+    """Offsets at which a pattern of at most ``length`` bytes matches, from ``start`` on.
+
+    The pattern is a lookahead, so that matches may overlap, and does not match zeros alone. None is found where fewer
+    bytes than that are left.
+    """
+    while start + length <= data.size:
+        raw = data.read(start, WINDOW)
+        if len(raw) < length:
+            return
+        if raw.count(0) < len(raw):  # a file that was given room and never filled is zeros for gigabytes
+            yield from (start + match.start() for match in pattern.finditer(raw))
+        start += len(raw) - length + 1

@@ -1,0 +1,231 @@
+"""Clocks that were set while a recording was written: found, and made monotonic.
+
+A robot's clock is set when it finds the network: it goes back, or leaps years ahead. Times then go on from where they
+were, in the order in which the messages arrived.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core.text import often
+
+Times = NDArray[np.int64]
+
+SECOND = 1_000_000_000
+JITTER_NS = 10_000_000
+"""How far times in a row may go back: threads of a recorder overtake each other by less, clocks are set by more."""
+
+RESET_NS = 10 * SECOND
+"""How far a clock may go back until it counts as set back for good."""
+
+LEAP_NS = 30 * 86_400 * SECOND
+"""Time between two messages, of whatever topics, that is no silence: the clock was set ahead."""
+
+REAL_FROM_NS = 631_152_000 * SECOND
+"""1990: a clock before that was never set, or counts from somewhere else, as in a simulation."""
+
+_STILL_STEP_NS = SECOND // 10
+_STILL_SHARE = 10
+_LATEST = 2**63 - 1
+_HABIT, _RARELY = 10, 100
+"""A topic that goes back more often than the one, and than at every so many messages, has several senders: its times
+are theirs."""
+_SILENT = 10
+_MOST_VOTES = 10_000_000
+"""No clock goes back so often, and to count the votes would take long."""
+
+
+class Arrivals(NamedTuple):
+    """Log times of messages in nanoseconds and the ids of their channels, both of shape (N,), as they were written."""
+
+    times: Times
+    channels: Times
+
+
+def was_set(arrivals: Arrivals) -> bool:
+    """Whether the clock was set back, or far ahead."""
+    return _leaps(arrivals.times) or bool(_steps_back(arrivals))
+
+
+def repaired(arrivals: Arrivals) -> tuple[Times, str]:
+    """Monotonic times of the same messages, and a line on what was wrong; empty where nothing was."""
+    steps = _steps_back(arrivals)
+    if not steps and not _leaps(arrivals.times):
+        return arrivals.times, ""
+    runs = np.zeros(len(arrivals.times), np.int64)
+    runs[steps] = 1
+    # Between two steps the clock ran, and topics overtake each other as they do in any recording.
+    order = np.lexsort((arrivals.times, np.cumsum(runs)))
+    monotonic, oddities = make_monotonic(arrivals.times[order].tolist())
+    times = np.empty_like(arrivals.times)
+    times[order] = [max(-_LATEST, min(time, _LATEST)) for time in monotonic]
+    return times, _about(len(steps), oddities)
+
+
+def repaired_log(times: Sequence[int | None]) -> tuple[list[int], str]:
+    """Monotonic times for the lines of a log, and a line on what was wrong.
+
+    The order of the lines is kept. A clock that hardly moves (fewer than one different time in ten) is of no use: its
+    lines are set 0.1 s apart.
+
+    Args:
+        times: nanoseconds, in the order of the lines; None where a line has no time.
+    """
+    if len(times) > 1 and _STILL_SHARE * len(set(times)) < len(times):
+        different = len(set(times))
+        line = (
+            f"the clock stood still ({different} different time{'s' * (different > 1)} in {len(times):,} lines): "
+            f"the lines are set {_STILL_STEP_NS / SECOND:g} s apart, in their order"
+        )
+        return [i * _STILL_STEP_NS for i in range(len(times))], line
+    known: list[int] = []
+    latest = next((time for time in times if time is not None), 0)
+    for time in times:
+        latest = latest if time is None else time
+        known.append(latest)
+    monotonic, oddities = make_monotonic(known)
+    back = sum(after < before for before, after in pairwise(known))
+    return monotonic, _about(back, oddities)
+
+
+class Oddities(NamedTuple):
+    """What was odd about a clock, in nanoseconds.
+
+    How far it was behind at most, how often it leapt ahead, by how much at most; and the first of the monotonic times.
+    """
+
+    behind: int
+    leaps: int
+    ahead: int
+    start: int
+
+
+def make_monotonic(times: Sequence[int]) -> tuple[list[int], Oddities]:
+    """Times that never go back and never leap, in the same order, and what was odd.
+
+    Time stands still while a clock that went back catches up. Where it was set back for good, by more than `RESET_NS`,
+    time goes on from where it was, and so it does where the clock leaps ahead by more than `LEAP_NS`. After such a leap
+    times have the first date from 1990 on that the clock told; without a leap, or such a date, that of the first.
+    """
+    result: list[int] = []
+    latest = times[0] if times else 0
+    shift = furthest = widest = leaps = 0
+    for i, time in enumerate(times):
+        now = time + shift
+        if now < latest:
+            behind = latest - now
+            furthest = max(furthest, behind)
+            if behind > RESET_NS and _goes_on(times[i : i + 2]):
+                shift += behind
+            now = latest
+        elif now - latest > LEAP_NS:
+            leaps += 1
+            widest = max(widest, now - latest)
+            shift -= now - latest
+            now = latest
+        latest = now
+        result.append(now)
+    if leaps:
+        moved = next((time - result[i] for i, time in enumerate(times) if time >= REAL_FROM_NS), 0)
+        result = [time + moved for time in result]
+    return result, Oddities(furthest, leaps, widest, result[0] if result else 0)
+
+
+def _goes_on(pair: Sequence[int]) -> bool:
+    return len(pair) == 2 and 0 <= pair[1] - pair[0] < RESET_NS
+
+
+def _about(back: int, odd: Oddities) -> str:
+    lines = []
+    if back:
+        lines.append(
+            f"goes back {often(back)}, by up to {odd.behind / SECOND:.2f} s: order is kept, time held meanwhile"
+        )
+    if odd.leaps:
+        by = f"{'up to ' * (odd.leaps > 1)}{odd.ahead / SECOND / 86_400:,.1f} days"
+        date = np.datetime64(odd.start // SECOND, "s").astype("datetime64[D]")
+        lines.append(f"jumps ahead {often(odd.leaps)}, by {by}: time goes on from where it was, dated {date}")
+    return f"the clock {'; it '.join(lines)}" if lines else ""
+
+
+def _leaps(times: Times) -> bool:
+    """Whether nothing came for longer than a robot is silent: its clock was set ahead meanwhile."""
+    if not times.size or float(times.max()) - float(times.min()) <= LEAP_NS:
+        return False
+    return bool((np.diff(np.sort(times).astype(np.float64)) > LEAP_NS).any())
+
+
+def _steps_back(arrivals: Arrivals) -> list[int]:
+    """The first message after each time that the clock was set back.
+
+    It was set back where the messages of a topic go back in the order of arrival, and most topics that can tell agree:
+    else they are messages that came late, were written twice, or bear times of their own.
+    """
+    # As floats, for differences of any two: a quarter of a microsecond does not matter.
+    times = arrivals.times.astype(np.float64)
+    if not times.size or (times >= np.maximum.accumulate(times) - JITTER_NS).all():
+        return []
+    by_topic = np.argsort(arrivals.channels, kind="stable")
+    topics = np.split(by_topic, np.flatnonzero(np.diff(arrivals.channels[by_topic])) + 1)
+    ahead = np.append(-1, np.flatnonzero(np.diff(times) > LEAP_NS) + 1)
+    found = [falls for places in topics if (falls := _falls(times, places, ahead)).places.size]
+    if not 0 < sum(falls.places.size for falls in found) * len(topics) < _MOST_VOTES:
+        return []
+    falls = _Falls(*(np.concatenate(column) for column in zip(*found, strict=True)))
+    votes = sum((_votes(times, places, falls) for places in topics), np.zeros(len(falls.places), np.int64))
+    steps: list[int] = []
+    start = 0
+    for i in np.argsort(falls.places, kind="stable"):
+        # Every topic that goes on falls; those that fall after the first of them tell of the same step.
+        if votes[i] > 0 and falls.before[i] >= start:
+            start = int(falls.places[i])
+            steps.append(start)
+    return steps
+
+
+class _Falls(NamedTuple):
+    """Where one message of a topic has an earlier time than the one before.
+
+    Places of both, by how much, time until the end, and the place of the last leap ahead before it.
+    """
+
+    places: Times
+    before: Times
+    depths: NDArray[np.float64]
+    rests: NDArray[np.float64]
+    leaps: Times
+
+
+def _falls(times: NDArray[np.float64], places: Times, ahead: Times) -> _Falls:
+    own = times[places]
+    at = np.flatnonzero(np.diff(own) < -JITTER_NS)
+    if at.size > max(_HABIT, own.size / _RARELY):
+        at = at[:0]
+    last = ahead[np.searchsorted(ahead, places[at + 1]) - 1]
+    return _Falls(places[at + 1], places[at], own[at] - own[at + 1], own[-1] - own[at + 1], last)
+
+
+def _votes(times: NDArray[np.float64], places: Times, falls: _Falls) -> Times:
+    """The vote of one topic on each fall: 1 if it falls there too, -1 if it goes on or has ended, 0 if it cannot tell.
+
+    That it goes on tells something only if it usually speaks in less than half the time of the fall; and where a leap
+    ahead came before the fall, if it spoke since.
+    """
+    own = times[places]
+    steps = np.diff(own)
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else np.inf
+    number = np.searchsorted(places, falls.places)
+    both = (number > 0) & (number < own.size)
+    before, after = own[np.maximum(number - 1, 0)], own[np.minimum(number, own.size - 1)]
+    ended = (number == own.size) & (_SILENT * usual < falls.rests)
+    goes_on = both & (after >= before) & (usual < falls.depths / 2)
+    goes_on &= (falls.depths <= LEAP_NS) | (places[np.maximum(number - 1, 0)] >= falls.leaps)
+    against = goes_on | ended
+    votes: Times = (both & (after < before)).astype(np.int64) - against
+    return votes

@@ -1,0 +1,97 @@
+"""A source over files that were walked through: an index in memory of where each message lies, by a repaired clock."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..messages.channel import Channel
+from ..messages.compression import plain
+from ._clock import Arrivals, repaired
+from ._report import damage_lines, nothing_readable
+from ._walk import Walk
+from .source import Message
+
+
+class IndexedSource:
+    """A `Source` over one file, or over the files of one recording in their order.
+
+    Channels of the same topic, type, encoding and definition are one. Problems of several files bear their names.
+
+    Args:
+        walks: what was found in each file; closed with the source.
+        problems: lines that come before all others.
+
+    Raises:
+        RecordingError: the files are damaged and hold no message.
+    """
+
+    def __init__(self, walks: Sequence[Walk], problems: Sequence[str] = ()) -> None:
+        self._walks = walks
+        self._starts = np.cumsum([0, *(len(walk.times) for walk in walks)])
+        channels: dict[Channel, int] = {}
+        ids = np.concatenate([_renumbered(walk, channels) for walk in walks])
+        times = np.concatenate([np.asarray(walk.times, np.int64) for walk in walks])
+        known = np.flatnonzero(ids >= 0)
+        times[known], about_clock = repaired(Arrivals(times[known], ids[known]))
+        order = known[np.argsort(times[known], kind="stable")]
+        self._order: NDArray[np.intp] = order
+        self._times: NDArray[np.int64] = times[order]
+        self._ids: NDArray[np.int64] = ids[order]
+        counts = np.bincount(self._ids, minlength=len(channels)).tolist()
+        self.channels = tuple(channel._replace(id=i, count=counts[i]) for channel, i in channels.items())
+        self.start_ns = int(self._times[0]) if order.size else None
+        self.end_ns = int(self._times[-1]) if order.size else None
+        lines = [*problems]
+        for walk, start, end in zip(walks, self._starts, self._starts[1:], strict=False):
+            inside = known[(known >= start) & (known < end)]
+            walk.damage.unnamed = int(end - start) - len(inside)
+            span_ns = int(np.ptp(times[inside])) if inside.size else 0
+            own = (*damage_lines(walk.damage, len(inside), span_ns), *walk.problems)
+            lines += [f"{walk.name}: {line}" if len(walks) > 1 else line for line in own]
+        if lines and not order.size:
+            self.close()
+            raise nothing_readable(walks[0])
+        self.problems = (*lines, about_clock) if about_clock else tuple(lines)
+
+    def messages(
+        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[Message]:
+        """See `Source`."""
+        wanted = {channel.id: channel for channel in channels}
+        first = 0 if start_ns is None else self._before(start_ns)
+        stop = len(self._times) if stop_ns is None else self._before(stop_ns)
+        for at in first + np.flatnonzero(np.isin(self._ids[first:stop], list(wanted))):
+            number = int(self._order[at])
+            part = int(np.searchsorted(self._starts, number, side="right")) - 1
+            data = self._walks[part].read(number - int(self._starts[part]))
+            yield wanted[int(self._ids[at])], int(self._times[at]), plain(data)
+
+    def last_ns(self, channel: Channel) -> int | None:
+        """See `Source`."""
+        times = self._times[self._ids == channel.id]
+        return int(times[-1]) if times.size else None
+
+    def close(self) -> None:
+        """See `Source`."""
+        for walk in self._walks:
+            walk.close()
+
+    def _before(self, time_ns: int) -> int:
+        """How many messages were logged before a time."""
+        limits = np.iinfo(np.int64)
+        if time_ns > limits.max:
+            return len(self._times)
+        return int(np.searchsorted(self._times, max(time_ns, limits.min), side="left"))
+
+
+def _renumbered(walk: Walk, channels: dict[Channel, int]) -> NDArray[np.int64]:
+    """The channel of each message by its number among all channels; -1 where the file names none."""
+    ids = np.asarray(walk.ids, np.int64)
+    numbers = np.full(len(ids), -1, np.int64)
+    for channel in walk.channels:
+        same = channel._replace(id=0, count=0)
+        numbers[ids == channel.id] = channels.setdefault(same, len(channels))
+    return numbers

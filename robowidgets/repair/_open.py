@@ -1,0 +1,125 @@
+"""Any files of one recording, told by how they start, as one clean source."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ..messages.compression import ZSTD_MAGIC, inflate_to
+from . import _bag, _mcap, _sqlite
+from ._carmen import walk_carmen
+from ._indexed import IndexedSource
+from ._report import damage_lines, foreign
+from ._walk import Walk
+from .source import RecordingError
+
+_SUFFIXES = (".bag", ".db3", ".mcap")
+_WALKS: dict[str, Callable[[Path], Walk]] = {
+    ".bag": _bag.walk_bag,
+    ".db3": _sqlite.walk_sqlite,
+    ".mcap": _mcap.walk_mcap,
+}
+_MAGICS = {b"#ROS": ".bag", _sqlite.MAGIC: ".db3", _mcap.MAGIC: ".mcap"}
+_ZSTD_SUFFIXES = (".zstd", ".zst")
+_BLOCK = 1 << 20
+_MOST_UNPACKED = 1 << 30
+_MOST_RATIO = 256
+
+
+def open_repaired(paths: Sequence[Path], problems: Sequence[str] = ()) -> IndexedSource:
+    """Whatever can be read of the files of one recording, by a clock that never goes back.
+
+    Each file is walked through once, with a progress bar; an index of 40 bytes a message is held in memory. A file of
+    several that cannot be read is told in the problems.
+
+    Args:
+        paths: the files, in their order: ROS 1 bags, MCAP files, rosbag2 databases, any of them in zstd, CARMEN logs.
+        problems: lines that come before all others.
+
+    Raises:
+        RecordingError: none of them holds anything that can be read; the text is that of the first.
+    """
+    found = [_attempt(path) for path in paths]
+    errors = [error for error in found if isinstance(error, str)]
+    walks = [walk for walk in found if isinstance(walk, Walk)]
+    if not walks:
+        raise RecordingError(errors[0])
+    return IndexedSource(walks, (*problems, *errors))
+
+
+def find_files(folder: Path) -> list[Path]:
+    """The recordings that lie in a folder, in the order a person counts: ``drive_2.db3`` before ``drive_10.db3``."""
+    return sorted((path for path in folder.iterdir() if _is_recording(path)), key=lambda path: _natural(path.name))
+
+
+def has_messages(path: Path, head: bytes) -> bool:
+    """Whether a file is one of ROS messages, whole or not, by its name or its first bytes; else it may be a log."""
+    suffixes = (*_SUFFIXES, *_ZSTD_SUFFIXES, ".active")
+    return path.suffix in suffixes or any(head.startswith(magic) for magic in _MAGICS)
+
+
+def _attempt(path: Path) -> Walk | str:
+    try:
+        return _walk(path)
+    except RecordingError as error:
+        return str(error)
+
+
+def _walk(path: Path) -> Walk:
+    """How the file starts decides, and its name only where that says nothing."""
+    left_behind = path.with_name(f"{path.name}-wal")
+    if left_behind.is_file() and left_behind.stat().st_size:
+        return _sqlite.walk_sqlite(path)
+    with path.open("rb") as file:
+        head = file.read(64)
+    if head.startswith(ZSTD_MAGIC):
+        return _walk_packed(path)
+    if not has_messages(path, head):
+        return walk_carmen(path)
+    suffix = next((suffix for magic, suffix in _MAGICS.items() if head.startswith(magic)), path.suffix)
+    if suffix not in _WALKS:
+        raise foreign(path.name, "a ROS 1 bag, an MCAP file or a rosbag2 database", head)
+    return _WALKS[suffix](path)
+
+
+def _walk_packed(path: Path) -> Walk:
+    """A file that was compressed as a whole: what of it decompresses, from a temporary copy."""
+    folder = TemporaryDirectory(prefix="robowidgets-")
+    try:
+        copy = Path(folder.name, path.name.removesuffix(path.suffix) if path.suffix in _ZSTD_SUFFIXES else path.name)
+        limit = max(_MOST_UNPACKED, _MOST_RATIO * path.stat().st_size)
+        with path.open("rb") as packed, copy.open("wb") as unpacked:
+            whole = inflate_to(unpacked.write, "zstd", iter(lambda: packed.read(_BLOCK), b""), limit)
+        if not copy.stat().st_size:
+            raise RecordingError(f"{path.name}: its zstd data is damaged or cut off where it starts; copy it again")
+        with copy.open("rb") as file:
+            if file.read(4) == ZSTD_MAGIC:
+                raise RecordingError(f"{path.name}: expected a recording in zstd, got zstd within zstd")
+        walk = _walk(copy)
+    except BaseException as error:
+        folder.cleanup()
+        if isinstance(error, OSError):
+            raise RecordingError(f"{path.name}: cannot be unpacked: {error.strerror or error}") from None
+        raise
+    if not whole and not damage_lines(walk.damage, 0, 0):
+        walk.problems += ("its zstd data is damaged or cut off: read what comes before",)
+    close = walk.close
+
+    def close_and_clean() -> None:
+        close()
+        folder.cleanup()
+
+    walk.close = close_and_clean
+    return walk
+
+
+def _is_recording(path: Path) -> bool:
+    name = path.with_suffix("") if path.suffix in _ZSTD_SUFFIXES else path
+    return name.suffix in _SUFFIXES and path.is_file()
+
+
+def _natural(name: str) -> list[tuple[bool, int, str]]:
+    parts = re.findall(r"\d+|\D+", name)
+    return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]

@@ -1,0 +1,125 @@
+"""What a walk through one file found: where every message lies, and how to read it."""
+
+from __future__ import annotations
+
+from array import array
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from threading import Lock
+from typing import NamedTuple
+
+from ..messages.channel import Channel
+from ..messages.compression import inflate
+from ._byte_range import FileRange
+from ._records import Damage
+from .source import RecordingError
+
+_KEPT = 1 << 26
+_MAX_TIME = 2**63
+
+
+@dataclass
+class Walk:
+    """The messages of one file.
+
+    Args:
+        name: of the file.
+        size: of the file, in bytes.
+        channels: every channel that is named; messages of others are left out.
+        times: log times in nanoseconds, in the order of arrival.
+        ids: the ids of the channels of these messages.
+        read: gives the bytes of a message by its number.
+        close: closes the file.
+        damage: what was wrong.
+        problems: lines on what else was wrong.
+        hint: another way to save a file of which nothing can be read.
+    """
+
+    name: str
+    size: int
+    channels: Sequence[Channel]
+    times: Sequence[int]
+    ids: Sequence[int]
+    read: Callable[[int], bytes]
+    close: Callable[[], object]
+    damage: Damage
+    problems: tuple[str, ...] = ()
+    hint: str = ""
+
+
+class _Chunk(NamedTuple):
+    """Where the data of a compressed chunk lies in the file."""
+
+    offset: int
+    size: int
+    compression: str
+
+
+class FoundMessages:
+    """Where every message of a file of records lies: 40 bytes each, so that a file of any size can be indexed.
+
+    Args:
+        file: the file.
+    """
+
+    def __init__(self, file: FileRange) -> None:
+        self.channels = array("q")
+        self.times = array("q")
+        self._file = file
+        self._chunks: list[_Chunk] = []
+        self._where = array("q")
+        self._offsets = array("q")
+        self._sizes = array("q")
+        self._lock = Lock()
+        self._raw: OrderedDict[int, bytes] = OrderedDict()
+
+    def add_chunk(self, offset: int, size: int, compression: str) -> int:
+        """Note a compressed chunk, and return its number."""
+        self._chunks.append(_Chunk(offset, size, compression))
+        return len(self._chunks) - 1
+
+    def add(self, channel: int, time_ns: int, offset: int, size: int, chunk: int) -> bool:
+        """Note a message in a chunk, or in the file itself (-1); False when no clock has its time."""
+        if time_ns >= _MAX_TIME:
+            return False
+        self.channels.append(channel)
+        self.times.append(time_ns)
+        self._where.append(chunk)
+        self._offsets.append(offset)
+        self._sizes.append(size)
+        return True
+
+    def read(self, number: int) -> bytes:
+        """The bytes of a message; RecordingError where the file does not give them any more."""
+        chunk, offset, size = self._where[number], self._offsets[number], self._sizes[number]
+        try:
+            data = self._file.read(offset, size) if chunk < 0 else self._chunk(chunk)[offset : offset + size]
+        except ValueError:
+            raise RecordingError(f"{self._file.name}: is closed; open it again") from None
+        except OSError as error:
+            raise RecordingError(f"{self._file.name}: the disk could not read it: {error.strerror or error}") from None
+        if len(data) != size:
+            raise RecordingError(f"{self._file.name}: has changed since it was opened; open it again")
+        return data
+
+    def walk(self, channels: Sequence[Channel], damage: Damage) -> Walk:
+        """All that was found."""
+        file = self._file
+        return Walk(file.name, file.size, channels, self.times, self.channels, self.read, self._close, damage)
+
+    def _close(self) -> None:
+        self._file.close()
+        self._raw.clear()
+
+    def _chunk(self, number: int) -> bytes:
+        """A chunk's data; the last ones are cached, because messages next to each other in time mostly share one."""
+        with self._lock:
+            raw = self._raw.pop(number, None)
+            if raw is None:
+                chunk = self._chunks[number]
+                raw = inflate(chunk.compression, self._file.read(chunk.offset, chunk.size)).raw
+            self._raw[number] = raw
+            while len(self._raw) > 1 and sum(map(len, self._raw.values())) > _KEPT:
+                self._raw.popitem(last=False)
+            return raw
