@@ -169,24 +169,16 @@ class Messages:
         return tuple(t._replace(rate=(t.count - 1) / seconds) if t.count > 1 else t for t in topics.values())
 
     def _about_ends(self) -> list[str]:
-        """Lines about topics that end long before the recording: touches and commands may be silent for long.
-
-        That is more than 5 s before, and more than ten times the mean time between two of its messages.
-        """
+        """Lines about topics that end early; touches and commands may be silent for long."""
         lines: list[str] = []
-        if self.start_ns is None or self.end_ns is None:
-            return lines
-        length = (self.end_ns - self.start_ns) / 1e9
         for topic, channels in self._shown.items():
             count = sum(channel.count for channel in channels)
             if count < _LEAST_FOR_END or not self._kinds[topic][0].goes_stale or is_command(topic):
                 continue
-            times = [self._source.last_ns(channel) for channel in channels if channel.count]
-            last = max((time for time in times if time is not None), default=None)
-            at = length if last is None or None in times else (last - self.start_ns) / 1e9
-            if length - at > max(_LONG_END, _END_STEPS * length / (count - 1)):
-                lines.append(f"{topic}: nothing after {at:.2f} s of {length:.2f} s")
-        return lines
+            known = [time for c in channels if c.count and (time := self._source.last_ns(c)) is not None]
+            if known and self.start_ns is not None and self.end_ns is not None:
+                lines.append(truncation_note(topic, count, max(known), self.start_ns, self.end_ns))
+        return [line for line in lines if line]
 
     def _moments(self, messages: Sequence[Message]) -> Iterator[Moment]:
         """The samples in some messages, in their order."""
@@ -223,3 +215,20 @@ class Messages:
         line = f"the file can be read no further: {one_line(error)}"
         if line not in self._stopped:
             self._stopped.append(line)
+
+
+def truncation_note(topic: str, count: int, last_ns: int, start_ns: int, end_ns: int) -> str:
+    """A line about a topic that ends long before its recording; empty about one that does not.
+
+    That is more than 5 s before, and more than ten times the mean time between two of its messages.
+
+    Args:
+        topic: its name.
+        count: its messages, more than one.
+        last_ns: when the last of them came.
+        start_ns: when the recording starts.
+        end_ns: when it ends.
+    """
+    length, at = (end_ns - start_ns) / 1e9, (last_ns - start_ns) / 1e9
+    is_early = length - at > max(_LONG_END, _END_STEPS * length / (count - 1))
+    return f"{topic}: nothing after {at:.2f} s of {length:.2f} s" if is_early else ""

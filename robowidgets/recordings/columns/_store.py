@@ -18,7 +18,7 @@ from ._chunks import Chunk, ScanChunk, compact, merged
 from ._decoders import Decoder
 from ._memory import Memory
 
-PAGE_BYTES = 1 << 22
+PAGE_BYTES = 1 << 20
 """About how many bytes of messages are decoded together, and held in memory or not."""
 
 _numbers = count()

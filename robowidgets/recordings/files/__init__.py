@@ -54,12 +54,14 @@ def _whole(
 ) -> Source | None:
     """A source that rosbags can read, and whose clock was never set; None where there is damage."""
     try:
-        source = open_first()
-        if not was_set(source.arrivals()):
-            return FallbackSource(source, lambda: open_repaired(files, problems))
-        source.close()
+        with ExitStack() as stack:
+            source = open_first()
+            stack.callback(source.close)
+            if not was_set(source.arrivals()):
+                stack.pop_all()
+                return FallbackSource(source, lambda: open_repaired(files, problems))
     except Exception:  # rosbags raises anything; the reader made for damage finds out what is wrong, and tells it
-        return None
+        pass
     return None
 
 

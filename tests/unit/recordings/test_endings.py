@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 
 import robowidgets
-from robowidgets.recordings import ros_files
-from robowidgets.recordings.chunk_pages import INDEX_HEAD
-from robowidgets.recordings.endings import about_end
-from robowidgets.repair._carmen import CarmenLog
+from robowidgets.recordings._messages import truncation_note
+from robowidgets.recordings.files._index import _INDEX_HEAD
+from robowidgets.recordings.files._rosbags import open_mcap
 
 from .clock_back import KINDS, SCAN, SPEED, Message, cut, drive, long_mcap, mcap, step
 
@@ -41,27 +40,27 @@ def test_a_damaged_file_tells_it_too(tmp_path: Path, kind: str) -> None:
     assert recording.problems[1].startswith("/scan: nothing after 19.90 s of 39.")
 
 
-def test_a_log_tells_it_too() -> None:
+def test_a_log_tells_it_too(tmp_path: Path) -> None:
     lines = [f"ODOM 0 0 0 0.1 0 0 {i / 10} host {i / 10}" for i in range(400)]
     lines[0:200:10] = [f"FLASER 1 2.0 0 0 0 0 0 0 {i} host {i}" for i in range(20)]
-    log = CarmenLog("\n".join(lines).encode())
-    assert log.problems == ()
+    (tmp_path / "x.log").write_text("\n".join(lines))
+    assert robowidgets.open(tmp_path / "x.log").problems == ()
     lines[0:200:5] = [f"FLASER 1 2.0 0 0 0 0 0 0 {i / 2} host {i / 2}" for i in range(40)]
-    log = CarmenLog("\n".join(lines).encode())
-    assert log.problems == ("FLASER: nothing after 19.50 s of 39.90 s",)
+    (tmp_path / "x.log").write_text("\n".join(lines))
+    assert robowidgets.open(tmp_path / "x.log").problems == ("FLASER: nothing after 19.50 s of 39.90 s",)
 
 
 class TestTheEndOfATopic:
     def test_is_early_more_than_five_seconds_before_the_end(self) -> None:
-        assert about_end("/scan", 1000, 94 * S, 0, 100 * S) == "/scan: nothing after 94.00 s of 100.00 s"
-        assert about_end("/scan", 1000, 95 * S, 0, 100 * S) == ""
+        assert truncation_note("/scan", 1000, 94 * S, 0, 100 * S) == "/scan: nothing after 94.00 s of 100.00 s"
+        assert truncation_note("/scan", 1000, 95 * S, 0, 100 * S) == ""
 
     def test_is_early_by_more_than_ten_steps(self) -> None:
-        assert about_end("/scan", 21, 50 * S, 0, 100 * S) == ""
-        assert about_end("/scan", 21, 49 * S, 0, 100 * S) != ""
+        assert truncation_note("/scan", 21, 50 * S, 0, 100 * S) == ""
+        assert truncation_note("/scan", 21, 49 * S, 0, 100 * S) != ""
 
     def test_counts_from_the_start(self) -> None:
-        assert about_end("/scan", 100, 1020 * S, 1000 * S, 1100 * S) == "/scan: nothing after 20.00 s of 100.00 s"
+        assert truncation_note("/scan", 100, 1020 * S, 1000 * S, 1100 * S) == "/scan: nothing after 20.00 s of 100.00 s"
 
 
 def test_real_recordings_end_as_they_should(data: Path) -> None:
@@ -75,11 +74,11 @@ def test_an_index_that_lies_about_itself_is_met_when_messages_are_read(
     tmp_path: Path, write: Callable[[Path, list[Message]], Path]
 ) -> None:
     path = write(tmp_path, ends(SCAN, 200))
-    with closing(ros_files.open_mcap(path)) as source:
+    with closing(open_mcap(path)) as source:
         offsets = source._reader.chunks[-1].message_index_offsets
     raw = bytearray(path.read_bytes())
     for at in offsets.values():
-        raw[at : at + INDEX_HEAD.size] = b"\xff" * INDEX_HEAD.size
+        raw[at : at + _INDEX_HEAD.size] = b"\xff" * _INDEX_HEAD.size
     path.write_bytes(raw)
     with robowidgets.open(path) as recording:
         assert len(list(recording.samples(SPEED))) == 400

@@ -6,13 +6,16 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from rosbags.rosbag2 import StoragePlugin, Writer
 
 from robowidgets import Scan, Speed, Touch
 from robowidgets.recording import Recording, open
 from robowidgets.recordings import Moment, RecordingError, Topic, UnknownTopicError
-from robowidgets.recordings.timeline import Timeline
+from robowidgets.recordings._info import as_html, as_text, heading
+from robowidgets.recordings.topics import check
 
 from . import robot
 
@@ -28,20 +31,6 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def recording(path: Path) -> Iterator[Recording]:
     with open(path) as recording:
         yield recording
-
-
-class Written(Timeline):
-    """A timeline that holds no sample, only words."""
-
-    def __init__(
-        self, topics: tuple[Topic, ...] = (), problems: tuple[str, ...] = (), start_ns: int | None = 0
-    ) -> None:
-        self._told = (topics, problems, start_ns)
-
-    topics = property(lambda self: self._told[0])
-    problems = property(lambda self: self._told[1])
-    start_ns = property(lambda self: self._told[2])
-    end_ns = property(lambda self: self._told[2])
 
 
 def seconds(moments: object) -> list[float]:
@@ -137,16 +126,18 @@ class TestAt:
             for moment in recording.samples(topic):
                 assert recording.at(topic, moment.seconds).time_ns == moment.time_ns  # type: ignore[union-attr]
 
-    def test_reads_no_more_than_it_needs(self, recording: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
-        timeline = recording._timeline
-        reads: list[int] = []
-        readers = timeline._reads  # type: ignore[attr-defined]
-        monkeypatch.setattr(
-            timeline, "_reads", {i: lambda raw, r=r: (reads.append(1), r(raw))[1] for i, r in readers.items()}
-        )
+    def test_decodes_no_more_than_it_needs(self, recording: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+        decoded: list[int] = []
+        for decoder in recording._messages._decoders.values():
+
+            def decode(raws: list[bytes], *args: Any, _decode: Any = decoder.decode) -> Any:
+                decoded.append(len(raws))
+                return _decode(raws, *args)
+
+            monkeypatch.setattr(decoder, "decode", decode)
         recording.at("/scan", 9.0)
         recording.at("/bumper", 10.0)
-        assert len(reads) == 2
+        assert decoded == [1, 1]
 
 
 class TestErrors:
@@ -169,7 +160,7 @@ class TestErrors:
             recording.samples(["/scan", "/log"])
         topic = Topic("/odd", "my_msgs/msg/Odd", 1, None, None, False, "no definition of its messages")
         with pytest.raises(UnknownTopicError, match=r"\(no definition of its messages\): those that can are none$"):
-            Recording(Path("drive"), Written((topic,))).at("/odd", 0)
+            check("/odd", (topic,), "drive")
 
     def test_name_a_topic_that_is_no_text(self, recording: Recording) -> None:
         with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan', '/odom'\]"):
@@ -206,25 +197,26 @@ class TestItsTable:
         assert names.split() == ["topic", "type", "messages", "Hz", "widget"]
         assert rows[2].split() == ["/cmd_vel", "geometry_msgs/msg/Twist", "50", "4.9", "speed", "(commanded)"]
         assert rows[4].split() == ["/log", "std_msgs/msg/String", "1"]
-        slow = Recording(Path("drive"), Written((Topic("/map", "my_msgs/msg/Map", 2, 0.03, None, False, ""),)))
-        assert slow.info().splitlines()[2].split() == ["/map", "my_msgs/msg/Map", "2", "<0.1"]
+        slow = as_text("drive", (Topic("/map", "my_msgs/msg/Map", 2, 0.03, None, False, ""),), ())
+        assert slow.splitlines()[2].split() == ["/map", "my_msgs/msg/Map", "2", "<0.1"]
         assert recording.info() == repr(recording)
 
     def test_tells_what_is_wrong(self) -> None:
         topic = Topic("/odd", "my_msgs/msg/Odd", 1200, None, None, False, "no definition")
-        text = Recording(Path("drive"), Written((topic,), ("/odd: no definition",))).info()
+        text = as_text("drive", (topic,), ("/odd: no definition",))
         assert text.splitlines()[2:] == [
             "  /odd   my_msgs/msg/Odd     1,200      unreadable",
             "! /odd: no definition",
-            "! none of its topics has a widget that shows it",
         ]
 
-    def test_of_nothing_says_so(self) -> None:
-        recording = Recording(Path("drive"), Written(start_ns=None))
-        assert recording.duration == 0.0
-        assert (
-            repr(recording) == "drive: 0.0 s, 0 topics, 0 messages\n! there is no message in it: nothing was recorded"
-        )
+    def test_of_nothing_says_so(self, tmp_path: Path) -> None:
+        with Writer(tmp_path / "drive", version=9, storage_plugin=StoragePlugin.MCAP):
+            pass
+        with open(tmp_path / "drive") as recording:
+            assert recording.duration == 0.0
+            head, problem = repr(recording).splitlines()
+        assert head == f"{tmp_path / 'drive'}: 0.0 s, 0 topics, 0 messages"
+        assert problem == "! there is no message in it: nothing was recorded"
 
     def test_in_a_notebook_is_a_table_without_markup_from_the_file(self, recording: Recording) -> None:
         html = recording._repr_html_()
@@ -232,15 +224,15 @@ class TestItsTable:
         assert '<td style="text-align:left">/scan</td>' in html
         evil = "<script>alert('x')</script>&"
         topic = Topic(evil, evil, 1, None, None, False, evil)
-        html = Recording(Path(evil), Written((topic,), (evil,)))._repr_html_()
+        html = as_html(heading(evil, (topic,), 1.0, None), (topic,), (evil,))
         assert "<script" not in html
         assert html.count("&lt;script&gt;alert(&#x27;x&#x27;)&lt;/script&gt;&amp;") == 4
 
 
 def test_reading_a_recording_needs_no_page_and_importing_robowidgets_no_reader(path: Path) -> None:
     code = (
-        "import sys; from robowidgets import open; assert 'rosbags' not in sys.modules; "
-        f"recording = open({str(path)!r}); assert len(list(recording.samples())) == 254; "
+        "import sys, robowidgets; assert 'rosbags' not in sys.modules; "
+        f"recording = robowidgets.open({str(path)!r}); assert len(list(recording.samples())) == 254; "
         "assert 'rosbags' in sys.modules and 'robowidgets.player.player' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

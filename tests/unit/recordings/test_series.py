@@ -14,9 +14,9 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 import robowidgets
 from robowidgets import RecordingError, Touch, TouchMode
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.recordings.chunks import TouchChunk
-from robowidgets.recordings.memory import Memory
-from robowidgets.recordings.touch_series import Table
+from robowidgets.recordings.columns._chunks import SampleChunk
+from robowidgets.recordings.columns._memory import Memory
+from robowidgets.recordings.columns.touches import Table
 from robowidgets.samples.touch_tracker import TouchTracker
 
 from . import hazards, robot, sweeps
@@ -35,10 +35,10 @@ def open_sweeps(folder: Path, *scans: Any) -> robowidgets.Recording:
     return robowidgets.open(sweeps.write(folder / "sweeps", scans))
 
 
-def touch_chunk(touches: Sequence[Touch], times_ns: Sequence[int]) -> TouchChunk:
+def touch_chunk(touches: Sequence[Touch], times_ns: Sequence[int]) -> SampleChunk:
     column = np.empty(len(touches), object)
     column[:] = touches
-    return TouchChunk(0, np.array(times_ns, np.int64), np.zeros(len(touches), np.int64), column)
+    return SampleChunk(0, np.array(times_ns, np.int64), np.zeros(len(touches), np.int64), column)
 
 
 class TestColumns:
@@ -242,17 +242,15 @@ class TestClocks:
         assert scans.between(2.0, 2.5).ranges[:, 0].tolist() == [3, 4, 5]
         assert scans.at(1.6).sample.ranges[0] == 3
 
-    def test_that_go_back_all_the_time_are_told_to_be_no_clocks(self, tmp_path: Path) -> None:
+    def test_of_several_senders_are_put_into_the_order_of_time(self, tmp_path: Path) -> None:
         times = [i / 10 + 0.5 * (i % 2) for i in range(40)]
-        scans = open_sweeps(tmp_path, *((t, sweeps.scan(START_NS, [i + 1.0])) for i, t in enumerate(times))).scans()
-        assert scans.seconds.tolist() == pytest.approx(times)
-        assert scans.problems == (
-            "the clock goes back 19 times, first at 0.60 s, by up to 0.40 s: arrays keep the order of arrival, "
-            "samples and players go by time",
-        )
-        assert "! the clock goes back 19 times" in repr(scans)
-        assert scans.between(1.0, 1.5).ranges[:, 0].tolist() == [6, 8, 10, 11, 13, 15]
-        assert scans.at(0.61).sample.ranges[0] == 2
+        recording = open_sweeps(tmp_path, *((t, sweeps.scan(START_NS, [i + 1.0])) for i, t in enumerate(times)))
+        scans = recording.scans()
+        assert scans.seconds.tolist() == pytest.approx(sorted(times))
+        assert scans.problems == recording.problems == ()
+        assert scans.ranges[:, 0].tolist() == [moment.sample.ranges[0] for moment in recording.samples("/scan")]
+        assert sorted(scans.between(1.0, 1.45).ranges[:, 0].tolist()) == [6, 8, 10, 11, 13, 15]
+        assert scans.at(0.61).sample.ranges[0] in (2, 7)
 
     def test_are_told_of_the_recording_once_they_were_read_and_after_it_is_closed(self, tmp_path: Path) -> None:
         recording = open_sweeps(tmp_path, *((0.0, sweeps.scan(START_NS, [1.0])) for _ in range(20)))
@@ -300,19 +298,24 @@ class TestMemory:
         scans = recording.scans()
         seen = []
         for chunk in scans.chunks():
-            seen.append(recording._series.memory.held)
-            assert chunk.ranges.base is None  # no view of all that was read
+            seen.append(recording._memory.held)
+            whole = chunk.ranges
+            while isinstance(whole, np.ndarray) and whole.base is not None:
+                whole = whole.base
+            assert memoryview(whole).nbytes <= 2 * chunk.ranges.nbytes  # no view of all that was read
         assert 1_000_000 < max(seen) <= 3_000_000
         assert [moment.seconds for moment in scans[::1500]] == [0, 150]
 
-    def test_a_file_that_is_gone_is_said_to_be(self, tmp_path: Path) -> None:
+    def test_a_file_that_is_gone_can_be_read_until_it_is_closed(self, tmp_path: Path) -> None:
         recording = open_sweeps(tmp_path, *sweeps.numbered(900, rays=1000))
         scans = recording.scans()
         recording.memory = 1
         assert len(scans) == 900
         next((tmp_path / "sweeps").glob("*.mcap")).unlink()
-        with pytest.raises(RecordingError, match=r"sweeps\.mcap: cannot be read: No such file or directory"):
-            scans[3]
+        assert scans[3].sample.ranges[0] == np.float32(1.03)
+        recording.close()
+        with pytest.raises(RecordingError, match="is closed"):
+            recording.scans()
 
     @pytest.mark.parametrize(
         ("limit", "error", "text"),
@@ -422,7 +425,7 @@ class TestTouches:
 
     def test_their_table_counts_in_the_memory(self, drive: robowidgets.Recording) -> None:
         size = 4 * (8 + 8 + 1 + 3)
-        memory = drive._series.memory
+        memory = drive._memory
         drive.memory = size - 1
         with pytest.raises(
             RecordingError, match=r"/bumper: the table of touches would take 0\.0 MB .*: set recording\."

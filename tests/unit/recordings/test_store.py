@@ -1,0 +1,110 @@
+"""The chunks of a topic: read again when they are asked for, and never believed more than the file bears out."""
+
+from __future__ import annotations
+
+import struct
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets.recordings.columns import _store
+from robowidgets.recordings.files import open_source
+
+from . import sweeps
+from .written import messages, write_bag, write_db3, write_indexed_mcap
+
+HELD = messages(200)
+
+FILES = {
+    "mcap": lambda folder: write_indexed_mcap(folder / "x", HELD),
+    "db3": lambda folder: write_db3(folder / "x", HELD),
+    "bag": lambda folder: write_bag(folder / "x.bag", HELD),
+    "bz2": lambda folder: write_bag(folder / "x.bag", HELD, "bz2"),
+    "lz4": lambda folder: write_bag(folder / "x.bag", HELD, "lz4"),
+}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_pages_that_are_read_again_hold_the_same(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_store, "PAGE_BYTES", 5000)
+    source = open_source(FILES[kind](tmp_path))
+    found = list(_store._pages(source.messages(source.channels)))
+    assert len(found) > 3
+    assert [m for _, held in found for m in held] == list(source.messages(source.channels))
+    for page, held in found:
+        again = list(source.messages(source.channels, page.first_ns, page.last_ns + 1))
+        assert again[page.skipped : page.skipped + page.messages] == held
+    source.close()
+
+
+def test_messages_of_one_time_are_not_read_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_store, "PAGE_BYTES", 1000)
+    source = open_source(write_db3(tmp_path / "x", [(topic, HELD[0][1], raw) for topic, _, raw in HELD[:40]]))
+    found = list(_store._pages(source.messages(source.channels)))
+    assert len(found) > 3
+    assert [page.skipped for page, _ in found] == np.cumsum([0, *(page.messages for page, _ in found[:-1])]).tolist()
+    source.close()
+
+
+def spoil(path: Path, what: bytes, at: int, by: bytes) -> None:
+    """Change bytes some way after the last place where others stand."""
+    raw = bytearray(path.read_bytes())
+    place = raw.rindex(what) + at
+    assert raw[place : place + len(by)] != by
+    raw[place : place + len(by)] = by
+    path.write_bytes(raw)
+
+
+class TestDamage:
+    """What the index says and the file does not bear out costs no message but those that are gone."""
+
+    @pytest.fixture
+    def path(self, tmp_path: Path) -> Path:
+        folder = sweeps.write(tmp_path / "x", sweeps.numbered(900, rays=1000))
+        return folder / "x.mcap"
+
+    def test_a_whole_file_needs_no_other_reader(self, path: Path) -> None:
+        with robowidgets.open(path) as recording:
+            assert recording.scans().ranges.shape == (900, 1000)
+            assert recording.problems == ()
+
+    def test_a_wrong_offset_in_the_index(self, path: Path) -> None:
+        time_ns = struct.pack("<Q", sweeps.START_NS + 500 * 10**8)
+        spoil(path, time_ns, 8, struct.pack("<Q", 12345))
+        self.check(path, 900)
+
+    def test_a_wrong_time_in_the_index(self, path: Path) -> None:
+        time_ns = struct.pack("<Q", sweeps.START_NS + 500 * 10**8)
+        spoil(path, time_ns, 0, struct.pack("<Q", sweeps.START_NS))
+        self.check(path, 900)
+
+    def test_a_length_that_reaches_beyond_the_chunk(self, path: Path) -> None:
+        raw = path.read_bytes()
+        message = struct.pack("<HIQQ", 1, 0, *[sweeps.START_NS + 500 * 10**8] * 2)
+        place = raw.index(message)
+        path.write_bytes(raw[: place - 8] + struct.pack("<Q", 1 << 50) + raw[place:])
+        with robowidgets.open(path) as recording:
+            scans = recording.scans()
+            assert len(scans) >= 898
+            assert all(a < b for a, b in pairwise(scans.times_ns.tolist()))
+
+    def check(self, path: Path, count: int) -> None:
+        with robowidgets.open(path) as recording:
+            scans = recording.scans()
+            np.testing.assert_allclose(scans.ranges[:, 0], 1 + np.arange(count) / 100, rtol=1e-5)
+            np.testing.assert_array_equal(scans.seconds, np.arange(count) / 10)
+            # What was begun on the quick way is not told twice on the other.
+            assert next(scans.chunks()).start == 0
+            assert sum(len(chunk) for chunk in scans.chunks()) == count
+
+    def test_a_bag_whose_index_lies(self, tmp_path: Path) -> None:
+        path = write_bag(tmp_path / "x.bag", HELD, chunk=1 << 20)
+        _, time_ns, _ = HELD[100]
+        entry = struct.pack("<II", *divmod(time_ns, 10**9))
+        spoil(path, entry, 8, struct.pack("<I", 77))
+        source = open_source(path)
+        assert [(channel.topic, at, raw) for channel, at, raw in source.messages(source.channels)] == HELD
+        source.close()
