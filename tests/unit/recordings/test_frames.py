@@ -145,13 +145,13 @@ def test_odometry_without_a_pose_is_left_out_and_told(tmp_path: Path) -> None:
             raw = store.serialize_cdr(odometry(x), "nav_msgs/msg/Odometry")
             writer.write(connection, 100 * S + number * S, raw)
     with open(tmp_path / "bag") as recording:
-        assert [told.pose[0] for told in recording._timeline.joints()] == [1, 3]
+        assert [told.pose[0] for told in recording.transforms()] == [1, 3]
         assert "the first at 1.00 s: 'base_link' in 'odom' is at no pose" in " ".join(recording.problems)
 
 
 def test_a_real_robot_has_its_scanner_behind_its_middle_and_turned_round(data: Path) -> None:
     with open(data / "good" / "neato_fsm") as recording:
-        frames = Frames(recording._timeline.joints())
+        frames = Frames(recording.transforms())
         scans = recording.scans("/scan")
         assert frames.chain("base_laser_link") == ["base_laser_link", "base_link", "base_footprint", "odom"]
         robot = frames.poses("base_footprint", "odom", scans.times_ns, scans.stamps_ns)
@@ -166,7 +166,7 @@ def test_a_real_robot_has_its_scanner_behind_its_middle_and_turned_round(data: P
 
 def test_a_carmen_log_has_its_path_in_its_odometry(data: Path) -> None:
     with open(data / "good" / "edmonton.log.gz") as recording:
-        told = list(recording._timeline.joints())
+        told = list(recording.transforms())
         assert len(told) == len(recording.speeds("ODOM")) == 6011
         assert {(each.parent, each.child, each.odometry) for each in told} == {("odom", "base_link", True)}
         steps = np.diff([each.pose[:2] for each in told], axis=0)

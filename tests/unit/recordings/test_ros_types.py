@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from robowidgets.messages.decoding import decoder_of, shape_of
-from robowidgets.repair.source import Channel, RecordingError
+from robowidgets.messages.channel import Channel
+from robowidgets.messages.decoding import DecodeError, decoder_of, shape_of
 
 
 def channel(name: str, definition: str = "", encoding: str = "cdr") -> Channel:
@@ -71,23 +71,17 @@ def test_a_type_that_no_file_defines_is_read_as_its_encoding_has_it() -> None:
     assert (new.frame_id, new.stamp.sec, old.frame_id, old.seq) == ("map", 5, "map", 7)
 
 
-def test_a_message_that_was_compressed_by_itself_is_read() -> None:
-    from robowidgets.repair._inflate import zstd
-
-    assert read(zstd.compress(b"\0\1\0\0\x01"), "std_msgs/msg/Bool").data is True
-
-
 @pytest.mark.parametrize("definition", ["", "int64 a\n---\nint64 sum\n"])
 def test_a_type_that_nobody_knows_is_refused(definition: str) -> None:
-    with pytest.raises(RecordingError, match="nor among those that are known"):
+    with pytest.raises(DecodeError, match="nor among those that are known"):
         decoder_of(channel("led_array_msgs/msg/Status", definition))
-    with pytest.raises(RecordingError, match="nor among those that are known"):
+    with pytest.raises(DecodeError, match="nor among those that are known"):
         shape_of(channel("led_array_msgs/msg/Status", definition))
 
 
 @pytest.mark.parametrize("raw", [b"", b"\0\1\0\0", b"\xff" * 40, b"\0\1\0\0" + b"\xff" * 30])
 def test_bytes_that_are_no_such_message_are_refused_in_a_line(raw: bytes) -> None:
-    with pytest.raises(RecordingError, match=r"^\d+ bytes that are no sensor_msgs/msg/LaserScan: ") as caught:
+    with pytest.raises(DecodeError, match=r"^\d+ bytes that are no sensor_msgs/msg/LaserScan: ") as caught:
         read(raw, "sensor_msgs/msg/LaserScan")
     assert "\n" not in str(caught.value)
 

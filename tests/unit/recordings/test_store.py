@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import robowidgets
+from robowidgets.messages.compression import zstd
 from robowidgets.recordings.columns import _store
 from robowidgets.recordings.files import open_source
 
@@ -38,6 +39,14 @@ def test_pages_that_are_read_again_hold_the_same(tmp_path: Path, kind: str, monk
         again = list(source.messages(source.channels, page.first_ns, page.last_ns + 1))
         assert again[page.skipped : page.skipped + page.messages] == held
     source.close()
+
+
+def test_messages_that_were_compressed_one_by_one_are_read(tmp_path: Path) -> None:
+    scans = [(0.1 * i, sweeps.scan(sweeps.START_NS, [i + 1.0])) for i in range(20)]
+    packed = [("/scan", sweeps.START_NS + round(at * 1e9), zstd.compress(raw)) for at, raw in scans]
+    with robowidgets.open(write_db3(tmp_path / "x", packed)) as recording:
+        assert recording.scans().ranges[:, 0].tolist() == [i + 1.0 for i in range(20)]
+        assert recording.problems == ()
 
 
 def test_messages_of_one_time_are_not_read_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
