@@ -118,7 +118,7 @@ def test_each_touch_sensor_has_a_state_from_each_change_on(drive: Read, recordin
 
 def test_the_path_goes_through_every_pose_of_the_odometry(drive: Read, recording: Recording) -> None:
     ((strips,),) = drive.rows("/world/path", "LineStrips3D:strips", static=True)
-    told = [joint.pose[:3] for joint in recording._timeline.joints()]
+    told = [transform.pose[:3] for transform in recording.transforms()]
     assert len(told) == 1161
     assert np.array(strips[0]) == pytest.approx(np.array(told), abs=1e-5)
     robot = drive.rows("/world/robot", "recording_time", "Transform3D:translation")

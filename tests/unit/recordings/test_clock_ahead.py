@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robowidgets.repair._held_clock import LEAP, hold
+from robowidgets.repair._one_clock import leaps
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
@@ -16,8 +18,6 @@ from robowidgets.player._frames import SampleFrames
 from robowidgets.player._prefetcher import segment
 from robowidgets.recordings import ros_arrivals
 from robowidgets.repair._carmen import CarmenLog
-from robowidgets.repair._held_clock import LEAP, hold
-from robowidgets.repair._one_clock import leaps
 
 from .clock_back import KINDS, SCAN, SPEED, START_NS, Message, cut, drive, long_mcap, mcap, step
 

@@ -11,6 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from robowidgets.recordings.chunk_pages import ENTRY, INDEX_HEAD
+from robowidgets.recordings.relay import Relay
+from robowidgets.repair._inflate import zstd
+from robowidgets.repair._one_clock import steps_back, was_set
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
@@ -20,11 +24,7 @@ from robowidgets.kinds import LASER
 from robowidgets.player._frames import SampleFrames
 from robowidgets.player._prefetcher import segment
 from robowidgets.recordings import ros_arrivals, ros_files
-from robowidgets.recordings.chunk_pages import ENTRY, INDEX_HEAD
 from robowidgets.recordings.files import open_timeline
-from robowidgets.recordings.relay import Relay
-from robowidgets.repair._inflate import zstd
-from robowidgets.repair._one_clock import steps_back, was_set
 from robowidgets.repair.source import Arrivals
 
 from .clock_back import KINDS, SCAN, SPEED, START_NS, cut, db3, drive, long_mcap, mcap, step

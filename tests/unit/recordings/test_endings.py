@@ -7,11 +7,11 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from robowidgets.recordings.chunk_pages import INDEX_HEAD
+from robowidgets.recordings.endings import about_end
 
 import robowidgets
 from robowidgets.recordings import ros_files
-from robowidgets.recordings.chunk_pages import INDEX_HEAD
-from robowidgets.recordings.endings import about_end
 from robowidgets.repair._carmen import CarmenLog
 
 from .clock_back import KINDS, SCAN, SPEED, Message, cut, drive, long_mcap, mcap, step

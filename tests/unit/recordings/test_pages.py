@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from robowidgets.recordings.ahead import read_ahead
+from robowidgets.recordings.chunk_pages import BagPage
+from robowidgets.recordings.pages import pages_of
 
 import robowidgets
 from robowidgets import RecordingError
 from robowidgets.recordings import chunk_pages, pages, ros_files
-from robowidgets.recordings.ahead import read_ahead
-from robowidgets.recordings.chunk_pages import BagPage
 from robowidgets.recordings.files import open_timeline
-from robowidgets.recordings.pages import pages_of
 from robowidgets.repair import open_file
 from robowidgets.repair.source import Source
 

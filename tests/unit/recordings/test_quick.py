@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robowidgets.recordings.quick import ScanReader, SpeedReader
 
 from robowidgets import Scan, Speed
 from robowidgets.kinds import widget_by_type
 from robowidgets.messages import to_scan, to_speed
 from robowidgets.messages.decoding import Decode, decoder_of, shape_of
 from robowidgets.recordings.files import _open_file
-from robowidgets.recordings.quick import ScanReader, SpeedReader
 from robowidgets.repair.source import Channel, RecordingError
 
 SCAN = "sensor_msgs/msg/LaserScan"

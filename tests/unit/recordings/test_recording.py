@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from robowidgets.recordings.timeline import Timeline
 
 from robowidgets import Scan, Speed, Touch
 from robowidgets.recording import Recording, open
 from robowidgets.recordings import Moment, RecordingError, Topic, UnknownTopicError
-from robowidgets.recordings.timeline import Timeline
 
 from . import robot
 

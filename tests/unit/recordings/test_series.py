@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from robowidgets.recordings.chunks import TouchChunk
+from robowidgets.recordings.memory import Memory
+from robowidgets.recordings.touch_series import Table
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 import robowidgets
 from robowidgets import RecordingError, Touch, TouchMode
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.recordings.chunks import TouchChunk
-from robowidgets.recordings.memory import Memory
-from robowidgets.recordings.touch_series import Table
 from robowidgets.samples.touch_tracker import TouchTracker
 
 from . import hazards, robot, sweeps
