@@ -227,19 +227,3 @@ def load(reference: str) -> Any:
     """The object behind ``"module:name"``."""
     module, _, name = reference.partition(":")
     return getattr(import_module(module), name)
-
-
-# For callers that take the name of the widget.
-Widget = str
-
-
-def widget_by_type(type_name: str) -> Widget | None:
-    """The name of the kind of a type."""
-    kinds = kinds_of_type(type_name)
-    return kinds[0].name if kinds else None
-
-
-def widget_by_shape(shape: Shape) -> Widget | None:
-    """The name of the kind of a shape."""
-    kind = kind_of_shape(shape)
-    return kind.name if kind else None

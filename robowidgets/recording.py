@@ -49,7 +49,7 @@ class Recording(RecordingData):
     ) -> ScanogramWidget:
         """All its scans in one picture, with speed and touch under them: see `ScanogramWidget.of`."""
         # Imported lazily: reading recordings needs no widgets.
-        from .player._scanogram import scanogram
+        from .player.scanogram import scanogram
 
         return scanogram(self, topic, beside, **options)
 
@@ -80,7 +80,7 @@ class Recording(RecordingData):
             ... # doctest: +SKIP
         """
         # Here, so that who only reads samples waits for none of it.
-        from .find._search import find
+        from .find.search import find
 
         self._check_open()
         return find(self, condition, topics)

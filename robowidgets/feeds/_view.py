@@ -6,7 +6,7 @@ import threading
 from collections.abc import Sequence
 from functools import partial
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import ipywidgets
 
@@ -16,8 +16,10 @@ from ..stop_widget import StopWidget
 from ._link import Target
 from ._probe import decided, is_open
 from ._topics import Topic
-from .feed import Feed
 from .middleware import FeedError
+
+if TYPE_CHECKING:
+    from .feed import Feed
 
 
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types

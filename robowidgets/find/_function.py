@@ -1,4 +1,4 @@
-"""A condition that is a function of one moment."""
+"""What holds by a function of one moment."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, onl
 from ..repair import RecordingError
 from ..samples import Scan, Speed, Touch
 from ._steps import NO, UNKNOWN, YES, Steps, steps
-from .conditions import Condition
 from .stale import mark_stale
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
-    from ._search import Search
+    from .search import Search
 
 _TIME = ""
 _BAR_EVERY = 500
@@ -110,7 +109,7 @@ class Instant:
             raise AttributeError(f"{error} among those that are looked at") from None
 
 
-class Function(Condition):
+class Function:
     """Holds from each moment on at which a function returns something true, until a sample that it used is stale.
 
     Args:

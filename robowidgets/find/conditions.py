@@ -20,16 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kinds import KINDS
-from ..recordings.columns._chunks import ScanChunk, SpeedChunk
+from ..recordings.columns.chunks import ScanChunk, SpeedChunk
 from ..recordings.topics import UnknownTopicError, UnnamedTopicError
 from ..samples import AXES, TouchState
 from ..samples.numbers import number
 from ..samples.scan import distances
 from ..samples.sector import Sector, to_sector
+from ._function import Function
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
 if TYPE_CHECKING:
-    from ._search import Search
+    from .search import Search
 
 __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"]
 
@@ -120,9 +121,7 @@ def gap(seconds: float, topic: str | None = None) -> Condition:
 
 def when(function: Callable[[Any], Any]) -> Condition:
     """A function of one moment is true; see `Recording.find`."""
-    from ._function import Function
-
-    return Function(function)
+    return _When(function)
 
 
 def condition(given: Any) -> Condition:
@@ -132,6 +131,10 @@ def condition(given: Any) -> Condition:
     if callable(given):
         return when(given)
     raise TypeError(f"condition: expected a function of one moment, or one of robowidgets.conditions, got {given!r}")
+
+
+class _When(Function, Condition):
+    """A function of one moment as a condition."""
 
 
 class _Joined(Condition):

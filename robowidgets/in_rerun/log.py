@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from ..kinds import KINDS, load
 from ..poses.tracks import Poses
 from ..recordings import RecordingData
-from ..recordings.columns._chunks import ScanChunk
+from ..recordings.columns.chunks import ScanChunk
 from ..recordings.topics import Topic
 from ..samples import AXES, Scan, TouchState
-from .sdk import library
-from .world import World
+from ._sdk import library
+from ._world import World
 
 SECONDS, CLOCK = "recording_time", "message_log_time"
 """The timelines: time since the start of the recording, as the widgets show it; and the recorder's clock, by the name

@@ -18,9 +18,9 @@ from .._core.pacer import pacer
 from .._core.progress import one_bar
 from .._core.time_spans import Seconds
 from ..recordings import RecordingData
+from ._sdk import library
+from ._server import kept_here, read, server
 from .log import CLOCK, SECONDS, Log
-from .sdk import library
-from .server import kept_here, read, server
 
 HEIGHT = 720
 """Pixels."""

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ..samples import TouchMode
 from ..samples.numbers import number
-from .codes import bits, code, flag, integer, is_flag
+from ._codes import bits, code, flag, integer, is_flag
 from .fields import MISSING, describe, get, has
 
 Sensor = str | tuple[str, str]

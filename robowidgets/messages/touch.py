@@ -7,7 +7,7 @@ from numbers import Real
 from typing import Any
 
 from ..samples import Touch
-from .codes import is_flag
+from ._codes import is_flag
 from .dialects import DIALECTS, Sensor
 from .fields import describe, stamp_ns, type_name, unwrap
 

@@ -12,7 +12,7 @@ from ..recordings import RecordingData
 from ..repair import RecordingError
 from ..samples import Scan
 from ..scanogram_widget import ScanogramWidget
-from ._scanogram import scanogram
+from .scanogram import scanogram
 
 MOST_READINGS = 100_000_000
 """Of a drive with more a scanogram is made only when it is asked for: it reads them all."""

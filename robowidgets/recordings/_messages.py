@@ -8,7 +8,7 @@ from typing import Any
 
 from .._core.progress import Progress
 from .._core.text import listed
-from ..kinds import Kind, is_command, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
+from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
 from ..poses.transforms import ODOMETRY, TRANSFORMS, Transform, transforms_of
@@ -159,7 +159,9 @@ class Messages:
         for channel, kind, problem in found:
             key = (channel.topic, channel.type)
             widget = kind.name if kind else None
-            topic = topics.get(key) or Topic(*key, 0, None, widget, widget == "speed" and is_command(channel.topic), "")
+            topic = topics.get(key) or Topic(
+                *key, 0, None, widget, kind is not None and kind.is_command(channel.topic), ""
+            )
             topics[key] = topic._replace(
                 count=topic.count + channel.count, widget=topic.widget or widget, problem=topic.problem or problem
             )
@@ -172,8 +174,9 @@ class Messages:
         """Lines about topics that end early; touches and commands may be silent for long."""
         lines: list[str] = []
         for topic, channels in self._shown.items():
+            kind, _ = self._kinds[topic]
             count = sum(channel.count for channel in channels)
-            if count < _LEAST_FOR_END or not self._kinds[topic][0].goes_stale or is_command(topic):
+            if count < _LEAST_FOR_END or not kind.goes_stale or kind.is_command(topic):
                 continue
             known = [time for c in channels if c.count and (time := self._source.last_ns(c)) is not None]
             if known and self.start_ns is not None and self.end_ns is not None:

@@ -7,7 +7,7 @@ from math import gcd
 import numpy as np
 from numpy.typing import NDArray
 
-from .codes import FARTHEST, NO_SCAN, WITHOUT_READING, Codes, encode, fold
+from ._codes import FARTHEST, NO_SCAN, WITHOUT_READING, Codes, encode, fold
 from .scans import Scans, Sweep
 
 BUDGET = 256 << 20

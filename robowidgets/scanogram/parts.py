@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ._codes import fold
 from .clock import Clock
-from .codes import fold
 from .levels import Levels
 
 OVERVIEW_BYTES = 1_000_000

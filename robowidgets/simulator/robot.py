@@ -10,7 +10,7 @@ import numpy as np
 
 from ..samples import Scan, Speed, Touch, TouchMode
 from ..samples.numbers import finite, in_radians
-from .contact import BUMPERS, contact_angles, pressed, push_out
+from ._contact import BUMPERS, contact_angles, pressed, push_out
 from .motors import Motors
 from .scanner import Scanner
 from .world import World

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..samples import Scan
 from ..samples.numbers import finite
 from ..samples.scan import MAX_RAYS
-from .raycast import cast_rays
+from ._raycast import cast_rays
 from .world import World
 
 WALL_INTENSITY = 200.0

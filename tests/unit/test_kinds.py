@@ -1,10 +1,25 @@
-"""Which widget shows what."""
+"""The table of kinds: which messages are of which kind."""
 
 from __future__ import annotations
 
 import pytest
 
-from robowidgets.kinds import is_command, is_standard, widget_by_shape, widget_by_type
+from robowidgets import kinds
+from robowidgets.kinds import (
+    KINDS,
+    LASER,
+    SPEED,
+    TOUCH,
+    counts_every_message,
+    is_command,
+    is_standard,
+    is_undecided,
+    kind_of_message,
+    kind_of_shape,
+    kind_of_type,
+    kinds_of_type,
+)
+from robowidgets.samples import Scan, Speed, Touch
 
 VECTOR = {"x": "float64", "y": "float64", "z": "float64"}
 SCAN = {
@@ -13,37 +28,88 @@ SCAN = {
 }
 
 
+TWIST = {"linear": dict.fromkeys("xyz", 0.5), "angular": dict.fromkeys("xyz", 0.0)}
+RANGE = "sensor_msgs/msg/Range"
+
+
 @pytest.mark.parametrize(
-    ("name", "widget"),
+    ("name", "kind"),
     [
-        ("sensor_msgs/msg/LaserScan", "laser"),
-        ("geometry_msgs/msg/TwistStamped", "speed"),
-        ("nav_msgs/msg/Odometry", "speed"),
-        ("kobuki_ros_interfaces/msg/BumperEvent", "touch"),
-        ("irobot_create_msgs/msg/HazardDetectionVector", "touch"),
+        ("sensor_msgs/msg/LaserScan", LASER),
+        ("geometry_msgs/msg/TwistStamped", SPEED),
+        ("nav_msgs/msg/Odometry", SPEED),
+        ("kobuki_ros_interfaces/msg/BumperEvent", TOUCH),
+        ("irobot_create_msgs/msg/HazardDetectionVector", TOUCH),
         ("sensor_msgs/msg/Imu", None),
     ],
 )
-def test_known_types_have_their_widget(name: str, widget: str | None) -> None:
-    assert widget_by_type(name) == widget
+def test_known_types_have_their_kind(name: str, kind: kinds.Kind | None) -> None:
+    assert kind_of_type(name) is kind
+    assert kinds_of_type(name) == ((kind,) if kind else ())
 
 
 def test_unknown_types_are_judged_by_their_fields() -> None:
-    assert widget_by_shape({"header": {}, **SCAN}) == "laser"
-    assert widget_by_shape({"linear": VECTOR, "angular": VECTOR}) == "speed"
-    assert widget_by_shape({"name": "string", "twist": {"twist": {"linear": VECTOR, "angular": VECTOR}}}) == "speed"
-    assert widget_by_shape({"linear": VECTOR, "angular": "float64"}) is None
-    assert widget_by_shape({"twist": "float64"}) is None
+    assert kind_of_shape({"header": {}, **SCAN}) is LASER
+    assert kind_of_shape({"linear": VECTOR, "angular": VECTOR}) is SPEED
+    assert kind_of_shape({"name": "string", "twist": {"twist": {"linear": VECTOR, "angular": VECTOR}}}) is SPEED
+    assert kind_of_shape({"linear": VECTOR, "angular": "float64"}) is None
+    assert kind_of_shape({"twist": "float64"}) is None
 
 
 def test_many_echoes_are_no_scan() -> None:
-    assert widget_by_shape({**SCAN, "ranges": "sensor_msgs/msg/LaserEcho[]"}) is None
+    assert kind_of_shape({**SCAN, "ranges": "sensor_msgs/msg/LaserEcho[]"}) is None
 
 
 def test_an_acceleration_is_no_speed_though_it_has_its_fields() -> None:
     assert is_standard("geometry_msgs/msg/Accel")
-    assert widget_by_type("geometry_msgs/msg/Accel") is None
+    assert kind_of_type("geometry_msgs/msg/Accel") is None
     assert not is_standard("my_robot_msgs/msg/Velocity")
+
+
+def test_a_message_of_a_range_tells_whether_it_is_a_touch_sensor() -> None:
+    assert is_undecided(RANGE)
+    assert kind_of_type(RANGE) is None
+    assert kinds_of_type(RANGE) == (TOUCH,)
+    sensor = {"header": {}, "radiation_type": 1, "field_of_view": 0.1, "max_range": 0.3, "range": float("inf")}
+    assert kind_of_message({**sensor, "min_range": 0.3}, RANGE) is TOUCH
+    assert kind_of_message({**sensor, "min_range": 0.1}, RANGE) is None
+
+
+def test_a_message_of_an_unknown_type_is_of_a_kind_that_is_known_by_its_fields() -> None:
+    assert kind_of_message(TWIST, "my_robot_msgs/msg/Velocity") is SPEED
+    assert kind_of_message({"left": True}, "my_robot_msgs/msg/Bumpers") is None, "any message may be flags by name"
+    assert kind_of_message({"x": 1.0}) is None
+
+
+def test_a_message_with_bad_numbers_is_still_of_its_kind() -> None:
+    bad = {"ranges": [1.0], "angle_min": 0.0, "angle_increment": 0.1, "range_min": 9.0, "range_max": 1.0}
+    with pytest.raises(ValueError, match="range"):
+        LASER.read(bad)
+    assert kind_of_message(bad, "my_robot_msgs/msg/Scan") is LASER
+
+
+@pytest.mark.parametrize(
+    ("sample", "kind"),
+    [(Scan([1.0], 0.0, 0.1, 0.1, 9.0), LASER), (Speed((0, 0, 0), (0, 0, 0)), SPEED), (Touch({"left": True}), TOUCH)],
+)
+def test_a_sample_is_of_its_kind_whatever_the_type(sample: object, kind: kinds.Kind) -> None:
+    assert kind_of_message(sample) is kind
+    assert kind_of_message(sample, "sensor_msgs/msg/LaserScan") is kind
+
+
+def test_every_message_of_a_touch_sensor_counts() -> None:
+    assert counts_every_message("kobuki_msgs/msg/BumperEvent")
+    assert not counts_every_message("sensor_msgs/msg/LaserScan")
+    assert not counts_every_message("sensor_msgs/msg/Imu")
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+def test_what_a_row_names_is_there(kind: kinds.Kind) -> None:
+    for reference in (kind.widget, kind.columns, kind.frames):
+        assert isinstance(kinds.load(reference), type)
+    assert kind.read(kind.nothing) is kind.nothing
+    assert kind.reader()(kind.nothing) is kind.nothing
+    assert isinstance(kind.nothing, kind.sample)
 
 
 @pytest.mark.parametrize(
@@ -58,3 +124,8 @@ def test_an_acceleration_is_no_speed_though_it_has_its_fields() -> None:
 )
 def test_a_speed_is_commanded_where_the_name_says_so(topic: str, commanded: bool) -> None:
     assert is_command(topic) is commanded
+
+
+def test_only_kinds_with_commands_have_commanded_topics() -> None:
+    assert SPEED.is_command("/cmd_vel")
+    assert not LASER.is_command("/cmd_vel")

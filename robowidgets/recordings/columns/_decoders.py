@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ...messages import to_scan, to_speed
 from ...messages.channel import Channel
 from ...messages.decoding import decoder_of, shape_of
-from ._chunks import Chunk, SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
 from ._template import MessageTemplate, Rows, scan_template, speed_template
+from .chunks import Chunk, SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
 
 Note = Callable[[int, Exception], None]
 """Is told of a message that cannot be shown: its number among those given, and why."""

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ..._core.progress import Progress
 from ...messages.channel import Channel
 from ...repair import Message, RecordingError, Source
-from ._chunks import Chunk, ScanChunk, compact, merged
 from ._decoders import Decoder
 from ._memory import Memory
+from .chunks import Chunk, ScanChunk, compact, merged
 
 PAGE_BYTES = 1 << 20
 """About how many bytes of messages are decoded together, and held in memory or not."""

@@ -15,8 +15,8 @@ from ...repair import RecordingError
 from ...samples import Scan
 from ...samples.scan import distances, ray_distances
 from ...samples.sector import Sector
-from ._chunks import ScanChunk
 from ._decoders import ScanDecoder
+from .chunks import ScanChunk
 from .series import Series
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ...samples import Touch, TouchState
 from ...samples.touch_tracker import TouchTracker
-from ._chunks import SampleChunk
 from ._memory import Memory
 from ._store import Store
+from .chunks import SampleChunk
 from .series import Rows, Series
 
 if TYPE_CHECKING:

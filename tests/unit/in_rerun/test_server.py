@@ -12,7 +12,7 @@ from urllib.request import Request, urlopen
 
 import pytest
 
-from robowidgets.in_rerun.server import Server, kept_here, read
+from robowidgets.in_rerun._server import Server, kept_here, read
 
 from ..waiting import wait_for
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-
 from robowidgets.recordings.chain import Chain, open_chain
+
 from robowidgets.repair import open_file
 from robowidgets.repair.source import RecordingError
 

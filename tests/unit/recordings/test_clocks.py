@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from robowidgets.recordings.clocks import Clock, about_clock, about_clocks, clock_of
 
 import robowidgets
-from robowidgets.recordings.clocks import Clock, about_clock, about_clocks, clock_of
 
 from .clock_back import drive, mcap, step
 

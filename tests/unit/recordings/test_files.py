@@ -9,11 +9,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from robowidgets.repair._inflate import zstd
 
 from robowidgets import SAMPLE
 from robowidgets.recording import open
 from robowidgets.recordings import RecordingError
-from robowidgets.repair._inflate import zstd
 
 from .written import Message, messages, write_bag, write_db3, write_indexed_mcap
 

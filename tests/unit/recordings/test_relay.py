@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 import pytest
-
 from robowidgets.recordings.relay import Relay
+
 from robowidgets.repair.source import Channel, RecordingError
 
 SCAN = Channel(7, "/scan", "sensor_msgs/msg/LaserScan", "cdr", "", 5)

@@ -6,9 +6,9 @@ import struct
 from pathlib import Path
 
 import pytest
+from robowidgets.repair._stretch import FileStretch
 
 from robowidgets.repair._bag import open_bag
-from robowidgets.repair._stretch import FileStretch
 from robowidgets.repair.source import RecordingError
 
 from .written import START_NS, STEP_NS, messages, read, write_bag

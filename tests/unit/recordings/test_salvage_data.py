@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robowidgets.recordings.chain import open_chain
+from robowidgets.repair._inflate import plain
 from rosbags.rosbag1 import Reader
 from rosbags.typesys import Stores, get_typestore
 
-from robowidgets.recordings.chain import open_chain
 from robowidgets.repair import find_files, open_file
-from robowidgets.repair._inflate import plain
 from robowidgets.repair.source import RecordingError, Source
 
 from .written import read

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from robowidgets.repair._inflate import plain, zstd
 
 from robowidgets.repair import find_files, open_file
-from robowidgets.repair._inflate import plain, zstd
 from robowidgets.repair.source import RecordingError
 
 from .written import messages, read, write_bag, write_db3, write_indexed_mcap

@@ -9,9 +9,9 @@ from time import process_time
 
 import lz4.frame
 import pytest
+from robowidgets.repair._inflate import zstd
 
 from robowidgets.repair import open_file
-from robowidgets.repair._inflate import zstd
 from robowidgets.repair.source import RecordingError
 
 from .written import MCAP_END, MCAP_MAGIC, mcap_chunk, mcap_head, mcap_messages, messages, read, write_bag, write_db3

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import lz4.frame
 import pytest
-
 from robowidgets.repair._inflate import zstd
+
 from robowidgets.repair._mcap import open_mcap
 from robowidgets.repair.source import RecordingError
 

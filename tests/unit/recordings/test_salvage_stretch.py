@@ -7,7 +7,6 @@ import tracemalloc
 from pathlib import Path
 
 import pytest
-
 from robowidgets.repair._stretch import WINDOW, FileStretch, MemoryStretch, find
 from robowidgets.repair._times import Times
 

@@ -8,10 +8,10 @@ import pytest
 
 import robowidgets
 from robowidgets import ScanogramWidget
-from robowidgets.player import _scanogram as source
+from robowidgets.player import scanogram as source
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.samples import Scan
-from robowidgets.scanogram.codes import fold
+from robowidgets.scanogram._codes import fold
 
 from . import robot, sweeps
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robowidgets.samples import Scan, Validity
-from robowidgets.scanogram.codes import (
+from robowidgets.scanogram._codes import (
     FARTHEST,
     NO_MEASUREMENT,
     NOTHING_IN_RANGE,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robowidgets.samples import Scan
-from robowidgets.scanogram.codes import FARTHEST, encode, fold
+from robowidgets.scanogram._codes import FARTHEST, encode, fold
 from robowidgets.scanogram.levels import Levels
 from robowidgets.scanogram.scans import Held, Sweep
 

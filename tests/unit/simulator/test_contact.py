@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robowidgets.simulator import World
-from robowidgets.simulator.contact import contact_angles, pressed, push_out
+from robowidgets.simulator._contact import contact_angles, pressed, push_out
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robowidgets.simulator import World
-from robowidgets.simulator.raycast import cast_rays
+from robowidgets.simulator._raycast import cast_rays
 
 ALL_ROUND = np.linspace(-pi, pi, 721)
 

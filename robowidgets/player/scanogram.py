@@ -13,7 +13,7 @@ from .._core.cells import take_the_place
 from .._widget_choice import shared
 from ..kinds import LASER, SPEED, TOUCH, Kind
 from ..recordings import RecordingData
-from ..recordings.columns._chunks import ScanChunk
+from ..recordings.columns.chunks import ScanChunk
 from ..recordings.columns.scans import Scans as ScanSeries
 from ..recordings.columns.touches import Touches
 from ..recordings.topics import Topic
