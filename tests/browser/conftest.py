@@ -3,7 +3,7 @@
 Fixtures:
     plain_page: `nb = plain_page([source, ...])` runs these cells in this process and puts what they display into a page
         of its own: the real widget, the real front end, and no Jupyter. It gives a `PlainPage` (plain_page.py), which
-        has the cells, what is on show and `python` of a `Notebook`, in a tenth of the time. Keywords as below but `run`.
+        has the cells, what is on show and `python` of a `Notebook`, in a tenth of the time, and takes its keywords.
     notebook: `nb = notebook([source, ...])` writes a notebook with these code cells, opens it in a page of its own,
         runs it and gives a `Notebook`; keywords: `run=False`, `scale=2` (device pixels per CSS pixel), `width` and
         `height` of the window, `theme="dark"`, `touch=True` (a touch screen). A test may open several.

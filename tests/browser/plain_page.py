@@ -85,7 +85,7 @@ class _Comm(BaseComm):
     page: PlainPage
 
     def publish_msg(
-        self, msg_type: str, data: Any = None, metadata: Any = None, buffers: Any = None, **_keys: Any
+        self, msg_type: str, data: Any = None, _metadata: Any = None, buffers: Any = None, **_: Any
     ) -> None:
         self.page._post({"kind": msg_type, "comm": self.comm_id, "data": data}, buffers or ())
 
@@ -102,8 +102,7 @@ class PlainPage:
         self._socket: _Socket | None = None
         self._arrived: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
         self._kernel = threading.RLock()
-        self._namespace: dict[str, Any] = {"display": self._display, "__name__": "__main__"}
-        self._running = 0
+        self._namespace: dict[str, Any] = {"__name__": "__main__"}
         self._thread = threading.Thread(target=self._handle, daemon=True)
         self._create_comm = comm.create_comm
 
@@ -111,13 +110,7 @@ class PlainPage:
         """Go to the page, and have every new widget stand in it."""
         self._server.pages[self._name] = self
         self._thread.start()
-        page = self
-
-        class Comm(_Comm):
-            pass
-
-        Comm.page = page
-        comm.create_comm = Comm
+        comm.create_comm = type("Comm", (_Comm,), {"page": self})
         self.page.goto(f"{self._server.url}/plain_page.html#{self._name}")
         self._settle()
 
@@ -139,7 +132,6 @@ class PlainPage:
         """
         self._settle()
         self.page.evaluate("(cell) => host.clear(cell)", index)
-        self._running = index
         shown: list[Widget] = []
         self._namespace["display"] = lambda *widgets: shown.extend(widgets)
         self._texts[index] = self._execute(self._cells[index], shown)
@@ -236,6 +228,3 @@ class PlainPage:
             shown.append(result)
             return printed.getvalue()
         return printed.getvalue() + ("" if result is None else repr(result))
-
-    def _display(self, *widgets: Widget) -> None:
-        raise AssertionError("only a cell displays")
