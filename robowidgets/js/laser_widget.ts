@@ -1,6 +1,6 @@
 import { decodeScan } from "./laser/scan.ts";
 import { LaserView } from "./laser/view.ts";
-import { type Model, put } from "./shared/model.ts";
+import { type Model, setTraits } from "./shared/model.ts";
 import { Stream } from "./shared/stream.ts";
 
 /** Called once per model, so that its views share one stream. */
@@ -10,7 +10,7 @@ export default () => {
     initialize({ model, signal }: { model: Model; signal: AbortSignal }) {
       stream = new Stream(model, decodeScan, signal);
       // A page was left, or a notebook saved, with the pointer on the picture: nobody points at it now.
-      if (model.get("hovered") !== null) put(model, { hovered: null });
+      if (model.get("hovered") !== null) setTraits(model, { hovered: null });
     },
     render({ model, el, signal }: { model: Model; el: HTMLElement; signal: AbortSignal }) {
       new LaserView(model, el, stream, signal);

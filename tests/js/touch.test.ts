@@ -1,7 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Clock } from "../../robowidgets/js/touch/clock.ts";
-import { decodeTouch, type Sensor, select } from "../../robowidgets/js/touch/touch.ts";
 import {
   detailOf,
   modeWord,
@@ -10,7 +9,8 @@ import {
   tellBeside,
   toDuration,
   toLabels,
-} from "../../robowidgets/js/touch/words.ts";
+} from "../../robowidgets/js/touch/text.ts";
+import { decodeTouch, type Sensor, select } from "../../robowidgets/js/touch/touch.ts";
 
 const LEFT: Sensor = { name: "left", state: "free", touches: 3, seconds: 2 };
 const CENTER: Sensor = { name: "center", state: "touched", touches: 1, seconds: 0.5 };

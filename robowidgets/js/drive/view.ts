@@ -1,8 +1,8 @@
 import { make, makeIcon, setText } from "../shared/dom.ts";
-import { atEnd, on } from "../shared/events.ts";
+import { on, onAbort } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { getFlag, getNumber, getString, type Model, onChange } from "../shared/model.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { StopButtons } from "../stop/buttons.ts";
 import { StopControl } from "../stop/control.ts";
@@ -38,7 +38,7 @@ export class DriveView {
   constructor(model: Model, element: HTMLElement, signal: AbortSignal) {
     const name = crypto.randomUUID().slice(0, 8);
     this.#model = model;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#lease = new PressLease(name, (message) => model.send(message), this.#redraw);
     this.#stop = new StopControl(model, name, this.#redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#stop, signal);
@@ -48,7 +48,7 @@ export class DriveView {
     onChange(model, SETTINGS, this.#redraw, signal);
     const onMessage = (answer: Answer) => this.#lease.onAnswer(answer);
     model.on("msg:custom", onMessage);
-    atEnd(signal, () => model.off("msg:custom", onMessage));
+    onAbort(signal, () => model.off("msg:custom", onMessage));
     watchInput(this.#pad, this, signal);
     for (const change of ["focus", "blur"] as const) on(this.#pad, change, this.#redraw, signal);
     this.#draw();

@@ -1,9 +1,9 @@
 import { make, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toCount, toDegrees, toMetres } from "../shared/format.ts";
-import { type Model, put } from "../shared/model.ts";
+import { type Model, setTraits } from "../shared/model.ts";
 import { angleOf, READING, type Scan, type Validity } from "./scan.ts";
-import { CLASSES } from "./words.ts";
+import { CLASSES } from "./text.ts";
 
 /** The counts of the five classes, each of which switches its marks on and off, and the nearest thing. */
 export class Legend {
@@ -46,5 +46,5 @@ export class Legend {
 
 function toggleMark(model: Model, name: string): void {
   const shown = (model.get("marks") as string[]) ?? [];
-  put(model, { marks: shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name] });
+  setTraits(model, { marks: shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name] });
 }

@@ -26,7 +26,7 @@ import {
 } from "./guides.ts";
 import { type Box, FORWARD, fit, type Point, type Projection, rimBox, sweepRim, toPixel } from "./projection.ts";
 import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "./scan.ts";
-import { CLASSES } from "./words.ts";
+import { CLASSES } from "./text.ts";
 import { fitsReadings, resolveRange, type ViewRange } from "./zoom.ts";
 
 /** What an empty widget shows: the area of a common scanner. */

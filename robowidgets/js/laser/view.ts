@@ -2,9 +2,9 @@ import { type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
-import { type Model, onChange, put } from "../shared/model.ts";
+import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
-import { onceAFrame, READING_MS, spaced } from "../shared/schedule.ts";
+import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
@@ -14,7 +14,7 @@ import { placePopup } from "./popup_place.ts";
 import type { Box, Point } from "./projection.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
-import { describeRay, whyEmpty } from "./words.ts";
+import { describeRay, whyEmpty } from "./text.ts";
 import { stepRange } from "./zoom.ts";
 
 const TRAITS = [...SETTINGS, "marks", "color_by_intensity", "hovered", "pinned"];
@@ -38,9 +38,9 @@ export class LaserView {
   constructor(model: Model, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
     this.#model = model;
     this.#stream = stream;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     const tell = () => this.#legend.update(stream.shown, (model.get("marks") as string[]) ?? []);
-    this.#tell = spaced(tell, READING_MS, signal);
+    this.#tell = throttle(tell, READING_MS, signal);
     this.#card = new Card(element, "laser", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
     this.#scene = new Scene(model, picture);
@@ -96,7 +96,7 @@ export class LaserView {
 
   onZoom(direction: -1 | 1): void {
     const range = this.#zoomed(direction);
-    put(this.#model, { view_range: range === this.#maxRange ? "sensor" : range });
+    setTraits(this.#model, { view_range: range === this.#maxRange ? "sensor" : range });
   }
 
   canZoom(direction: -1 | 1): boolean {
@@ -112,7 +112,7 @@ export class LaserView {
   }
 
   #onFit(): void {
-    put(this.#model, { view_range: this.#model.get("view_range") === "data" ? "sensor" : "data" });
+    setTraits(this.#model, { view_range: this.#model.get("view_range") === "data" ? "sensor" : "data" });
   }
 
   #indexAt(point: Point): number {
@@ -127,7 +127,7 @@ export class LaserView {
 
   #setIndex(name: "hovered" | "pinned", index: number): void {
     const value = index < 0 ? null : index;
-    if (this.#index(name) !== value) put(this.#model, { [name]: value });
+    if (this.#index(name) !== value) setTraits(this.#model, { [name]: value });
   }
 
   #draw(): void {

@@ -3,8 +3,8 @@ import { isPlain, on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { getMarks } from "../shared/marks.ts";
-import { getFlag, getNumber, getString, type Model, put } from "../shared/model.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { getFlag, getNumber, getString, type Model, setTraits } from "../shared/model.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { toClock } from "./clock.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
@@ -47,7 +47,7 @@ export class PlayerBar {
     const forth = makeButton("rw-step", "One scan on (.)", () => playback.step(1), signal);
     forth.textContent = "\u203a";
     this.#play = makeButton("rw-play", "Play (space)", () => playback.toggle(), signal);
-    const onLoop = () => put(model, { loop: !getFlag(model, "loop") });
+    const onLoop = () => setTraits(model, { loop: !getFlag(model, "loop") });
     this.#loop = makeButton("rw-loop", "Play it again and again, the selection if there is one (l)", onLoop, signal);
     this.#loop.append(makeIcon(REPEAT));
     this.#makeSlider(signal);
@@ -65,7 +65,7 @@ export class PlayerBar {
     keepKeys(this.#root, signal);
     element.append(this.#root);
 
-    const draw = onceAFrame(() => this.#draw(), signal);
+    const draw = perAnimationFrame(() => this.#draw(), signal);
     playback.listen(draw, signal);
     watchTheme(() => applyTheme(this.#root), signal);
     draw();
@@ -86,7 +86,7 @@ export class PlayerBar {
   #makeSpeed(signal: AbortSignal): void {
     this.#speed.title = "How fast it plays (+ and \u2212)";
     this.#speed.ariaLabel = "How fast it plays";
-    const onSpeed = () => put(this.#model, { speed: Number(this.#speed.value) });
+    const onSpeed = () => setTraits(this.#model, { speed: Number(this.#speed.value) });
     this.#speed.addEventListener("change", onSpeed, { signal });
   }
 
@@ -167,7 +167,7 @@ export class PlayerBar {
     const drawn = [marks, selection, duration];
     if (drawn.every((one, i) => one === this.#drawn[i])) return;
     this.#drawn = drawn;
-    const stretch = (className: string, start: number, end: number, label: string) => {
+    const makeMark = (className: string, start: number, end: number, label: string) => {
       const mark = make("span", className);
       mark.style.left = `${(100 * start) / duration}%`;
       mark.style.width = `${(100 * (end - start)) / duration}%`;
@@ -175,8 +175,8 @@ export class PlayerBar {
       return mark;
     };
     this.#marks.replaceChildren(
-      ...(selection ? [stretch("rw-play-selected", ...selection, "selected")] : []),
-      ...marks.map(([start, end, label]) => stretch("rw-play-mark", start, end, label)),
+      ...(selection ? [makeMark("rw-play-selected", ...selection, "selected")] : []),
+      ...marks.map(([start, end, label]) => makeMark("rw-play-mark", start, end, label)),
     );
   }
 }

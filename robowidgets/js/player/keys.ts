@@ -1,4 +1,4 @@
-import { getFlag, getNumber, type Model, put } from "../shared/model.ts";
+import { getFlag, getNumber, type Model, setTraits } from "../shared/model.ts";
 import type { Playback } from "./playback.ts";
 
 /** How fast a recording may be played, from the list. */
@@ -15,7 +15,7 @@ function faster(by: -1 | 1): Action {
   return (_, model) => {
     const now = getNumber(model, "speed");
     const next = by > 0 ? SPEEDS.find((s) => s > now) : SPEEDS.filter((s) => s < now).at(-1);
-    if (next !== undefined) put(model, { speed: next });
+    if (next !== undefined) setTraits(model, { speed: next });
   };
 }
 
@@ -25,7 +25,7 @@ const ACTIONS: Record<string, Action> = {
   ".": (playback) => playback.step(1),
   n: (playback) => playback.toMark(1),
   p: (playback) => playback.toMark(-1),
-  l: (_, model) => put(model, { loop: !getFlag(model, "loop") }),
+  l: (_, model) => setTraits(model, { loop: !getFlag(model, "loop") }),
   "+": faster(1),
   "-": faster(-1),
   Home: (playback) => playback.seek(0),

@@ -1,9 +1,9 @@
 import { toBytes } from "../shared/bytes.ts";
 import { markBeside } from "../shared/marks.ts";
-import { getFlag, getNumber, type Model, onChange, put } from "../shared/model.ts";
-import { onceAFrame, spaced } from "../shared/schedule.ts";
-import { Foresight } from "./foresight.ts";
-import { decodeStills, Stretches, type Track } from "./stretches.ts";
+import { getFlag, getNumber, type Model, onChange, setTraits } from "../shared/model.ts";
+import { perAnimationFrame, throttle } from "../shared/schedule.ts";
+import { Prefetcher } from "./prefetch.ts";
+import { decodeFrames, Segments, type Track } from "./segments.ts";
 
 /** A widget's model as its host keeps it. What a kernel sent goes in by `set_state`, which tells the kernel nothing. */
 export interface Host {
@@ -17,7 +17,7 @@ export interface Host {
 
 /** The models that a player moves. */
 export interface Moved {
-  /** Of widgets that show stills. */
+  /** Of widgets that show frames. */
   targets: Host[];
   /** Of widgets that show the time itself, and let a person choose it. */
   followers: Host[];
@@ -37,11 +37,11 @@ const TELL_MS = 200;
 /** Seconds on the clock on the wall by which another page may be ahead without a jump. */
 const APART = 0.5;
 
-/** Plays a recording in the page: one time for all its widgets, from stretches that Python sends ahead. */
+/** Plays a recording in the page: one time for all its widgets, from segments that Python sends ahead. */
 export class Playback {
   readonly #model: Model;
-  readonly #stretches: Stretches;
-  readonly #foresight: Foresight;
+  readonly #segments: Segments;
+  readonly #prefetcher: Prefetcher;
   readonly #listeners = new Set<() => void>();
   readonly #tell: () => void;
   readonly #nextFrame: () => void;
@@ -56,10 +56,10 @@ export class Playback {
   constructor(model: Model, moved: Promise<Moved>, signal: AbortSignal) {
     this.#model = model;
     this.#time = getNumber(model, "time");
-    this.#stretches = new Stretches(getNumber(model, "_stretch"));
-    this.#foresight = new Foresight(this.#stretches, (time) => model.send({ pointed: time }), signal);
-    this.#tell = spaced(() => put(model, { time: this.#time }), TELL_MS, signal);
-    this.#nextFrame = onceAFrame(() => this.#advance(), signal);
+    this.#segments = new Segments(getNumber(model, "_stretch"));
+    this.#prefetcher = new Prefetcher(this.#segments, (time) => model.send({ pointed: time }), signal);
+    this.#tell = throttle(() => setTraits(model, { time: this.#time }), TELL_MS, signal);
+    this.#nextFrame = perAnimationFrame(() => this.#advance(), signal);
     onChange(model, ["time"], () => this.#onTime(), signal);
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
     onChange(model, ["speed", "loop", "selection", "marks", "_words"], () => this.#changed(), signal);
@@ -104,7 +104,7 @@ export class Playback {
   }
 
   toggle(): void {
-    put(this.#model, { playing: !this.playing, time: this.#time });
+    setTraits(this.#model, { playing: !this.playing, time: this.#time });
   }
 
   seek(time: number): void {
@@ -115,19 +115,19 @@ export class Playback {
       return;
     }
     // What is not here is asked for at once, before Python has the work of going there itself.
-    this.#foresight.ask(this.#time);
-    put(this.#model, { time: this.#time });
+    this.#prefetcher.ask(this.#time);
+    setTraits(this.#model, { time: this.#time });
   }
 
   /** A person points at a time, and may go there next; null: at none. */
   point(time: number | null): void {
-    this.#foresight.point(time === null ? null : this.#within(time));
+    this.#prefetcher.point(time === null ? null : this.#within(time));
   }
 
   /** To the next scan, or the one before; without a laser, to what the first widget shows next. */
   step(direction: -1 | 1): void {
-    if (this.playing) put(this.#model, { playing: false });
-    const to = this.#stretches.neighbour(0, this.#time, direction, this.duration);
+    if (this.playing) setTraits(this.#model, { playing: false });
+    const to = this.#segments.neighbour(0, this.#time, direction, this.duration);
     if (to !== null) this.seek(to);
     // Across a long silence Python knows where it is, and sends there.
     else this.#model.send({ step: [this.#time, direction] });
@@ -168,7 +168,7 @@ export class Playback {
     if (this.#time >= end) {
       const again = getFlag(this.#model, "loop");
       this.#time = again ? start : end;
-      if (!again) put(this.#model, { playing: false, time: end });
+      if (!again) setTraits(this.#model, { playing: false, time: end });
     }
     if (this.#time !== before) this.#tell();
     this.#show();
@@ -181,33 +181,33 @@ export class Playback {
       return;
     }
     const tracks = buffers.map((buffer, i): Track => {
-      return { stills: decodeStills(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
+      return { frames: decodeFrames(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
     });
-    this.#stretches.drop(drop);
-    this.#stretches.put(stretch, tracks);
-    this.#foresight.came();
+    this.#segments.drop(drop);
+    this.#segments.put(stretch, tracks);
+    this.#prefetcher.came();
     // Also what is on show may have come anew.
     this.#show();
   }
 
   #show(): void {
-    const stills = this.#stretches.at(this.#time);
-    this.waits = stills === null;
+    const frames = this.#segments.at(this.#time);
+    this.waits = frames === null;
     const pauses = this.#model.get("_pauses") as number[];
-    for (const [i, { track, still }] of (stills ?? []).entries()) {
+    for (const [i, { track, frame }] of (frames ?? []).entries()) {
       const target = this.#moved.targets[i];
-      const age = still.time < 0 ? 0 : toAge(this.#time - still.time, pauses[i]);
-      const isNew = this.#shown[i] !== still;
+      const age = frame.time < 0 ? 0 : toAge(this.#time - frame.time, pauses[i]);
+      const isNew = this.#shown[i] !== frame;
       if (!target || (!isNew && this.#ages[i] === age)) continue;
-      this.#shown[i] = still;
+      this.#shown[i] = frame;
       this.#ages[i] = age;
-      const state: Record<string, unknown> = { _about: { ...track.abouts[still.about], ...(age && { age }) } };
+      const state: Record<string, unknown> = { _about: { ...track.abouts[frame.about], ...(age && { age }) } };
       if (isNew) {
         const shown = toBytes(target.get("_frame"));
         // Numbered on, so that a frozen widget tells how many have come since.
         const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
-        still.frame.setFloat64(0, number, true);
-        state._frame = still.frame;
+        frame.bytes.setFloat64(0, number, true);
+        state._frame = frame.bytes;
       }
       target.set_state(state);
     }
@@ -236,7 +236,7 @@ export class Playback {
     const onSelection = () => {
       const selection = follower.get("selection") as number[] | null;
       // After the other widget has told Python of it: Python then has nothing to correct.
-      queueMicrotask(() => put(this.#model, { selection: selection?.slice(0, 2) ?? null }));
+      queueMicrotask(() => setTraits(this.#model, { selection: selection?.slice(0, 2) ?? null }));
     };
     follower.on("change:time", onTime);
     follower.on("change:_pointed", onPoint);

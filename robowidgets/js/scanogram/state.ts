@@ -1,11 +1,11 @@
 import { toBytes } from "../shared/bytes.ts";
-import { atEnd } from "../shared/events.ts";
+import { onAbort } from "../shared/events.ts";
 import { getMarks, markBeside } from "../shared/marks.ts";
-import { type Model, onChange, put } from "../shared/model.ts";
-import { spaced } from "../shared/schedule.ts";
+import { type Model, onChange, setTraits } from "../shared/model.ts";
+import { throttle } from "../shared/schedule.ts";
 import type { Span } from "./axis.ts";
 import { Blocks } from "./blocks.ts";
-import { type Detail, decodeDetail, decodeWhole, type Stretch, type Whole } from "./data.ts";
+import { type Detail, decodeDetail, decodeWhole, type NamedSpan, type Whole } from "./data.ts";
 
 const ASK_MS = 120;
 const LATE_MS = 400;
@@ -26,16 +26,16 @@ export class State {
   constructor(model: Model, signal: AbortSignal) {
     this.#model = model;
     this.#signal = signal;
-    this.#ask = spaced(() => this.#askNow(), ASK_MS, signal);
+    this.#ask = throttle(() => this.#askNow(), ASK_MS, signal);
     const tell = () => this.#tell();
     onChange(model, ["_frame", "_about", "view", "color_range", "marks"], tell, signal);
     onChange(model, ["_detail"], () => this.#onDetail(), signal);
-    atEnd(signal, () => clearTimeout(this.#late));
+    onAbort(signal, () => clearTimeout(this.#late));
   }
 
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
-    atEnd(signal, () => this.#listeners.delete(callback));
+    onAbort(signal, () => this.#listeners.delete(callback));
   }
 
   get whole(): Whole | null {
@@ -54,7 +54,7 @@ export class State {
     return this.#model.get("selection") as number[] | null;
   }
 
-  get marks(): Stretch[] {
+  get marks(): NamedSpan[] {
     return getMarks(this.#model).map(([start, end, name]) => ({ start, end, name }));
   }
 
@@ -76,7 +76,7 @@ export class State {
 
   /** Sets traits on the page at once, and tells Python when it has time. */
   set(values: { time?: number; selection?: number[] | null; view?: Span | null }): void {
-    put(this.#model, values);
+    setTraits(this.#model, values);
   }
 
   /** Says at which time a person points, to what else is in the page: a player fetches that. */
@@ -110,7 +110,7 @@ export class State {
     const asked = wanted.join();
     if (asked === this.#asked) return;
     this.#asked = asked;
-    put(this.#model, { _wanted: wanted });
+    setTraits(this.#model, { _wanted: wanted });
     if (this.#late === undefined && !this.waits) {
       this.#late = setTimeout(() => {
         this.waits = true;

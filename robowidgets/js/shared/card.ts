@@ -4,7 +4,7 @@ import { isPlain, on } from "./events.ts";
 import { toAge, toCount, toFixed } from "./format.ts";
 import { keepKeys } from "./keys.ts";
 import { getAbout, getFlag, getSource, getString, type Model, onChange } from "./model.ts";
-import { READING_MS, spaced } from "./schedule.ts";
+import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
 import { applyTheme, type Theme, watchTheme } from "./theme.ts";
 
@@ -71,7 +71,7 @@ export class Card {
     };
     watchTheme(onTheme, signal);
     onChange(model, ["title", "header", "footer", "_source"], redraw, signal);
-    this.#tellFacts = spaced(() => this.#drawFacts(), READING_MS, signal);
+    this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
     on(this.#header, "pointerenter", () => this.#tellAll(), signal);
     on(this.root, "keydown", (event) => this.#onKey(event), signal);
     keepKeys(this.root, signal);

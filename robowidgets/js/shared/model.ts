@@ -1,5 +1,5 @@
 import type { AnyModel } from "@anywidget/types";
-import { atEnd } from "./events.ts";
+import { onAbort } from "./events.ts";
 
 export type Model = AnyModel<Record<string, unknown>>;
 
@@ -44,7 +44,7 @@ export function getSource(model: Model): Source {
 }
 
 /** Sets traits on the page at once, and tells Python when it has time to listen. */
-export function put(model: Model, values: Record<string, unknown>): void {
+export function setTraits(model: Model, values: Record<string, unknown>): void {
   for (const [name, value] of Object.entries(values)) model.set(name, value);
   model.save_changes();
 }
@@ -52,7 +52,7 @@ export function put(model: Model, values: Record<string, unknown>): void {
 /** Calls back on the change of any of the traits, until the signal ends it. */
 export function onChange(model: Model, names: string[], callback: () => void, signal: AbortSignal): void {
   for (const name of names) model.on(`change:${name}`, callback);
-  atEnd(signal, () => {
+  onAbort(signal, () => {
     for (const name of names) model.off(`change:${name}`, callback);
   });
 }

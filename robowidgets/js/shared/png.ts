@@ -1,5 +1,5 @@
 import { make, makeButton, makeIcon, setLabel } from "./dom.ts";
-import { atEnd } from "./events.ts";
+import { onAbort } from "./events.ts";
 import { getString, type Model } from "./model.ts";
 import type { Theme } from "./theme.ts";
 
@@ -50,7 +50,7 @@ export function offerPng(card: Shown, model: Model, draw: (ratio?: number) => vo
     if (png && card.root.offsetWidth) model.send({ png, url: await take() });
   };
   model.on("msg:custom", onMessage);
-  atEnd(signal, () => model.off("msg:custom", onMessage));
+  onAbort(signal, () => model.off("msg:custom", onMessage));
 }
 
 /** The card as it is at the call, as a data URL: drawn from a copy that has all styles with it, and fetches nothing. */

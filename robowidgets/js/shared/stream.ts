@@ -1,8 +1,8 @@
 import { copyOf, type Reader, toBytes } from "./bytes.ts";
-import { atEnd } from "./events.ts";
+import { onAbort } from "./events.ts";
 import { History } from "./history.ts";
-import { type About, getAbout, getFlag, getNumber, getSource, type Model, onChange, put } from "./model.ts";
-import { spaced } from "./schedule.ts";
+import { type About, getAbout, getFlag, getNumber, getSource, type Model, onChange, setTraits } from "./model.ts";
+import { throttle } from "./schedule.ts";
 
 /** What the head of every frame says. */
 export interface Frame {
@@ -68,7 +68,7 @@ export class Stream<F extends Frame> {
     this.#model = model;
     this.#decode = decode;
     // A person who drags need not be followed by Python to the millisecond.
-    this.#save = spaced(() => model.save_changes(), SAVE_MS, signal);
+    this.#save = throttle(() => model.save_changes(), SAVE_MS, signal);
     const [held, newest] = [this.paused ? this.#bytes("_held") : null, this.#bytes("_frame")];
     this.#keep(held, NaN);
     if (this.paused) this.#history.hold(performance.now());
@@ -82,7 +82,7 @@ export class Stream<F extends Frame> {
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["paused"], () => this.#onPaused(), signal);
     onChange(model, ["_held", "_about"], () => this.#tell(), signal);
-    atEnd(signal, () => clearTimeout(this.#stale));
+    onAbort(signal, () => clearTimeout(this.#stale));
   }
 
   get paused(): boolean {
@@ -132,7 +132,7 @@ export class Stream<F extends Frame> {
 
   toggle(): void {
     const paused = !this.paused;
-    put(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });
+    setTraits(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });
   }
 
   /** Shows the next of the samples kept, or the one before; whether it is frozen with some to step through. */
@@ -156,7 +156,7 @@ export class Stream<F extends Frame> {
   /** Calls back on every change, until the signal ends it. */
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
-    atEnd(signal, () => this.#listeners.delete(callback));
+    onAbort(signal, () => this.#listeners.delete(callback));
   }
 
   #shownBytes(): DataView | null {

@@ -1,9 +1,9 @@
 import { watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
-import { getFlag, getNumber, getString, type Model, onChange, put } from "../shared/model.ts";
+import { getFlag, getNumber, getString, type Model, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { GROUPS } from "./axes.ts";
 import type { Column } from "./column.ts";
@@ -15,7 +15,7 @@ import { Legend } from "./legend.ts";
 import type { Limits } from "./limits.ts";
 import { Popup } from "./popup.ts";
 import { toClearance } from "./scale.ts";
-import { describeAxis, summarize } from "./words.ts";
+import { describeAxis, summarize } from "./text.ts";
 
 const SETTINGS = [
   "linear_limits",
@@ -49,7 +49,7 @@ export class SpeedView {
   constructor(model: Model, element: HTMLElement, stream: Stream<Speeds>, signal: AbortSignal) {
     this.#model = model;
     this.#stream = stream;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#card = new Card(element, "speed", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
     picture.append(this.#board, this.#empty);
@@ -106,11 +106,11 @@ export class SpeedView {
   }
 
   #onPlanar(): void {
-    put(this.#model, { planar: !getFlag(this.#model, "planar") });
+    setTraits(this.#model, { planar: !getFlag(this.#model, "planar") });
   }
 
   #onReset(): void {
-    put(this.#model, { _resets: getNumber(this.#model, "_resets") + 1 });
+    setTraits(this.#model, { _resets: getNumber(this.#model, "_resets") + 1 });
   }
 
   #draw(): void {

@@ -1,4 +1,4 @@
-import { atEnd } from "../shared/events.ts";
+import { onAbort } from "../shared/events.ts";
 import { type Model, onChange } from "../shared/model.ts";
 
 /** What Python tells: who drives, the speed sent last, whether stop is latched, and texts. */
@@ -76,14 +76,14 @@ export class StopControl {
     this.#name = name;
     this.#tell = tell;
     const beats = setInterval(() => this.#beat(), BEAT_MS);
-    atEnd(signal, () => {
+    onAbort(signal, () => {
       clearInterval(beats);
       clearTimeout(this.#timer);
     });
     onChange(model, ["_state"], () => this.#onState(), signal);
     const onMessage = (answer: Answer) => this.#onAnswer(answer);
     model.on("msg:custom", onMessage);
-    atEnd(signal, () => model.off("msg:custom", onMessage));
+    onAbort(signal, () => model.off("msg:custom", onMessage));
     this.#wasStopped = this.told.stopped;
     this.#beat();
   }

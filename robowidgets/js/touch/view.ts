@@ -1,19 +1,19 @@
 import { type Size, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, setText } from "../shared/dom.ts";
-import { atEnd } from "../shared/events.ts";
+import { onAbort } from "../shared/events.ts";
 import { type About, type Model, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { LEAST_WIDTH, layAround } from "./around.ts";
 import { Body } from "./body.ts";
 import type { Clock } from "./clock.ts";
 import { Footer } from "./footer.ts";
 import { type Box, GAP, layRows } from "./rows.ts";
+import { modeWord, toLabels } from "./text.ts";
 import { Tile } from "./tile.ts";
 import { type Sensor, select, type Touch } from "./touch.ts";
-import { modeWord, toLabels } from "./words.ts";
 
 interface TouchAbout extends About {
   dialect?: string;
@@ -44,7 +44,7 @@ export class TouchView {
     this.#model = model;
     this.#stream = stream;
     this.#clock = clock;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#card = new Card(element, "touch", model, stream, this.#redraw, signal);
     this.#footer = new Footer(this.#card.footer);
     this.#field.role = "list";
@@ -58,7 +58,7 @@ export class TouchView {
     };
     watchSize(this.#card.picture, onSize, signal);
     offerPng(this.#card, model, () => this.#draw(), signal);
-    atEnd(signal, () => clearTimeout(this.#tick));
+    onAbort(signal, () => clearTimeout(this.#tick));
   }
 
   #draw(): void {

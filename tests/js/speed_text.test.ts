@@ -11,7 +11,7 @@ import {
   toNumber,
   toShort,
   toValueText,
-} from "../../robowidgets/js/speed/words.ts";
+} from "../../robowidgets/js/speed/text.ts";
 import { toSpeed, vectors } from "./speed.ts";
 
 const NONE = [NaN, NaN, NaN, NaN, NaN, NaN];
