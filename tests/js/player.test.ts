@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { toClock } from "../../robowidgets/js/player/clock.ts";
 import { actionOf, isBarsAlone, usesItself } from "../../robowidgets/js/player/keys.ts";
-import { type Host, Playback } from "../../robowidgets/js/player/playback.ts";
+import { type Moved, Playback } from "../../robowidgets/js/player/playback.ts";
 import { decodeFrames, Segments } from "../../robowidgets/js/player/segments.ts";
 import { FakeModel } from "./models.ts";
 
@@ -68,14 +68,14 @@ test("steps go from frame to frame, past segments with none, and say where somet
 
 interface Seen {
   state: Record<string, unknown>;
-  host: Host;
+  host: Moved["targets"][number];
 }
 
 function host(): Seen {
   const seen: Seen = {
     state: {},
     host: {
-      get: (name) => seen.state[name],
+      get: (name: string) => seen.state[name] as never,
       set_state: (state) => Object.assign(seen.state, state),
       on: () => {},
       off: () => {},
@@ -117,7 +117,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
   const controller = new AbortController();
   const follower = new FakeModel({ time: 0, selection: null });
   Object.assign(follower, { set_state: (state: Record<string, unknown>) => follower.receive(state) });
-  const moved = { targets: [target], followers: [follower as unknown as Host] };
+  const moved = { targets: [target], followers: [follower as unknown as Moved["followers"][number]] };
   const playback = new Playback(fake.model, Promise.resolve(moved), controller.signal);
   await Promise.resolve();
   const give = (index: number) =>

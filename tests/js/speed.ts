@@ -1,5 +1,5 @@
 import { readFileSync } from "node:fs";
-import type { Limits } from "../../robowidgets/js/speed/limits.ts";
+import type { Limits } from "../../robowidgets/js/speed/traits.ts";
 
 /** A number, or a word that stands for one that JSON has not. */
 export type Word = number | "nan" | "inf" | "-inf";

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { GROUPS } from "../../robowidgets/js/speed/axes.ts";
-import { judge, type Limits, limitsOf } from "../../robowidgets/js/speed/limits.ts";
+import { judge, limitsOf } from "../../robowidgets/js/speed/limits.ts";
 import { placeBeside } from "../../robowidgets/js/speed/popup.ts";
 import {
   CLEARANCE,
@@ -13,6 +13,7 @@ import {
   toHeightOnTrack,
   toScales,
 } from "../../robowidgets/js/speed/scale.ts";
+import type { Limits } from "../../robowidgets/js/speed/traits.ts";
 
 import { toSpeed, vectors } from "./speed.ts";
 

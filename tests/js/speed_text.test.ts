@@ -2,7 +2,6 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type AxisFacts, toFacts } from "../../robowidgets/js/speed/facts.ts";
 import { decodeSpeeds, type Speeds } from "../../robowidgets/js/speed/frame.ts";
-import type { Limits } from "../../robowidgets/js/speed/limits.ts";
 import {
   decimalsFor,
   describeAxis,
@@ -12,6 +11,7 @@ import {
   toShort,
   toValueText,
 } from "../../robowidgets/js/speed/text.ts";
+import type { Limits } from "../../robowidgets/js/speed/traits.ts";
 import { toSpeed, vectors } from "./speed.ts";
 
 const NONE = [NaN, NaN, NaN, NaN, NaN, NaN];

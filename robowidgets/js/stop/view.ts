@@ -5,6 +5,7 @@ import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { StopButtons } from "./buttons.ts";
 import { StopControl } from "./control.ts";
 import { toDriverText } from "./text.ts";
+import type { StopTraits } from "./traits.ts";
 
 /** A bar: Stop, who drives and how fast, and what is wrong. */
 export class StopView {
@@ -15,7 +16,7 @@ export class StopView {
   readonly #hint = make("div", "rw-hint");
   readonly #notice = make("div", "rw-notice rw-error");
 
-  constructor(model: Model, element: HTMLElement, signal: AbortSignal) {
+  constructor(model: Model<StopTraits>, element: HTMLElement, signal: AbortSignal) {
     const redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#control = new StopControl(model, crypto.randomUUID().slice(0, 8), redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
