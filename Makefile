@@ -9,7 +9,7 @@ SOURCES := $(shell find $(JS) -path $(JS)/node_modules -prune -o -type f \( -nam
 INSTALLED := .venv/.installed
 MODULES := $(JS)/node_modules/.package-lock.json
 EXPORT_MODULES := tests/browser/node_modules/.package-lock.json
-BUNDLES := robowidgets/static/laser_widget.js
+BUNDLES := $(patsubst $(JS)/%.ts,robowidgets/static/%.js,$(wildcard $(JS)/*_widget.ts))
 PYTEST := .venv/bin/python -m pytest
 UNITS := $(PYTEST) --numprocesses 2 --dist loadfile tests/unit
 

@@ -73,7 +73,7 @@ class DriveWidget(DrivingWidget):
         (0.0, 0.0, 0.0)
     """
 
-    _esm = bundle("drive_widget.js")
+    _esm, _css = bundle("drive_widget")
     _keywords = ("send",)
 
     linear_limit = _Limit(0.5, "m/s", help="At the edge of the pad, m/s.").tag(sync=True)

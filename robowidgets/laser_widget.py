@@ -101,7 +101,7 @@ class LaserWidget(RobotWidget[Scan]):
         1.0
     """
 
-    _esm = bundle("laser_widget.js")
+    _esm, _css = bundle("laser_widget")
     wide = True
     frame_traits = ("angle_offset",)
 

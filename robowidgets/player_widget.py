@@ -27,8 +27,7 @@ class PlayerWidget(anywidget.AnyWidget):
         duration: seconds of the recording.
     """
 
-    _esm = bundle("player_widget.js")
-    _css = bundle("robowidgets.css")
+    _esm, _css = bundle("player_widget")
 
     time = Seconds(help="Seconds from the start, on show now. Python and the view write it.").tag(sync=True)
     duration = traitlets.Float(0.0, min=0.0, help="Seconds of the recording.").tag(sync=True)

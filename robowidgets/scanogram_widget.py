@@ -80,7 +80,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         >>> scanogram.selection = (0.0, 0.1)
     """
 
-    _esm = bundle("scanogram_widget.js")
+    _esm, _css = bundle("scanogram_widget")
 
     time = traitlets.Float(0.0, help="Seconds from the start. Python and the view write it.").tag(sync=True)
     selection = TimeSpan(rays=True, help="Seconds, and indices of rays. Python and the view write it.").tag(sync=True)

@@ -96,7 +96,7 @@ class SpeedWidget(RobotWidget[Reading]):
         {'linear.x': 0.62}
     """
 
-    _esm = bundle("speed_widget.js")
+    _esm, _css = bundle("speed_widget")
 
     command_title = traitlets.Unicode(help="Where commands come from, for the header. Plain text.").tag(sync=True)
     linear_limits = Limits((-1.0, 1.0), "m/s", help="(min, max) of the linear speeds, m/s.").tag(sync=True)

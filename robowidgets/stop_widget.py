@@ -27,7 +27,7 @@ class StopWidget(DrivingWidget):
         False
     """
 
-    _esm = bundle("stop_widget.js")
+    _esm, _css = bundle("stop_widget")
 
     def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
         """The feed has no keyword."""

@@ -53,7 +53,7 @@ class TouchWidget(RobotWidget[Touch]):
         ('TOUCHED', 1)
     """
 
-    _esm = bundle("touch_widget.js")
+    _esm, _css = bundle("touch_widget")
 
     sensors = traitlets.List(traitlets.Unicode(), help="Names of the sensors to show, from left to right.").tag(
         sync=True

@@ -16,15 +16,7 @@ import pytest
 
 from .conftest import ROOT
 
-BUNDLES = (
-    "drive_widget.js",
-    "laser_widget.js",
-    "player_widget.js",
-    "scanogram_widget.js",
-    "speed_widget.js",
-    "stop_widget.js",
-    "touch_widget.js",
-)
+WIDGETS = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("*_widget.ts"))
 # Script and style together, compressed as a server sends them.
 LARGEST_FRONT_END = 40_000
 LARGEST_SAMPLE = 1_000_000
@@ -77,15 +69,24 @@ def samples(package: Path) -> list[Path]:
 
 
 def test_the_wheel_holds_the_widgets_front_end(package: Path) -> None:
-    for name in BUNDLES:
-        assert "export" in (package / "static" / name).read_text()
-    assert ".rw-" in (package / "static" / "robowidgets.css").read_text()
+    for name in WIDGETS:
+        assert "export" in (package / "static" / f"{name}.js").read_text()
+        assert ".rw-" in (package / "static" / f"{name}.css").read_text()
+    assert {file.stem for file in (package / "static").iterdir()} == set(WIDGETS)
 
 
-@pytest.mark.parametrize("name", BUNDLES)
+@pytest.mark.parametrize("name", WIDGETS)
 def test_script_and_style_of_a_widget_are_small(package: Path, name: str) -> None:
-    parts = (package / "static" / name, package / "static" / "robowidgets.css")
+    parts = [package / "static" / f"{name}.{kind}" for kind in ("js", "css")]
     assert sum(len(gzip.compress(part.read_bytes())) for part in parts) <= LARGEST_FRONT_END
+
+
+def test_a_build_makes_sure_of_the_front_end_of_every_widget() -> None:
+    """Hatch takes names alone: it would build a wheel without the front end of a widget that is not among them."""
+    ensured = re.search(r"ensured-targets = \[(.*?)\]", (ROOT / "pyproject.toml").read_text(), re.DOTALL)
+    assert ensured
+    named = re.findall(r'"robowidgets/static/(.+?)"', ensured[1])
+    assert sorted(named) == sorted(f"{name}.{kind}" for name in WIDGETS for kind in ("js", "css"))
 
 
 def test_the_front_end_asks_the_web_for_nothing(package: Path) -> None:
@@ -98,7 +99,7 @@ def test_the_front_end_asks_the_web_for_nothing(package: Path) -> None:
 def test_the_wheel_holds_types_definitions_notebooks_and_one_small_recording(package: Path) -> None:
     assert (package / "py.typed").is_file()
     for name in ("kobuki_msgs", "create_msgs", "irobot_create_msgs", "turtlebot3_msgs", "gazebo_msgs"):
-        assert list((package / "recordings" / "definitions" / name).rglob("*.msg")), f"no definitions of {name}"
+        assert list((package / "messages" / "definitions" / name).rglob("*.msg")), f"no definitions of {name}"
     shipped = {file.name for file in (package / "notebooks").glob("*.ipynb")}
     assert shipped == {file.name for file in (ROOT / "notebooks").glob("*.ipynb")}
     assert shipped

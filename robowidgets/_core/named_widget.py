@@ -24,8 +24,19 @@ MOST_LOGGED = 50
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
 
-def bundle(name: str) -> Any:
-    """The text of a built front-end file; its path, for hot reload, when ROBOWIDGETS_DEV is set."""
+def bundle(name: str) -> tuple[Any, Any]:
+    """The built script and stylesheet of a widget, by its name, like "laser_widget".
+
+    Returns:
+        Their texts; their paths, for hot reload, when ROBOWIDGETS_DEV is set.
+
+    Raises:
+        ImportError: one is missing.
+    """
+    return _static_file(f"{name}.js"), _static_file(f"{name}.css")
+
+
+def _static_file(name: str) -> Any:
     path = STATIC / name
     if not path.is_file():
         raise ImportError(
@@ -45,7 +56,6 @@ class NamedWidget(anywidget.AnyWidget):
     title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
     header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
 
-    _css = bundle("robowidgets.css")
     _keywords: tuple[str, ...] = ()
     """Keywords that are no traits."""
     _closed = False

@@ -1,21 +1,22 @@
-// One self-contained module per widget: Jupyter loads each as a single text, in which relative imports cannot resolve.
+// One self-contained script and stylesheet per widget: Jupyter loads each as a single text, in which relative imports
+// cannot resolve.
 import { readdirSync } from "node:fs";
 import { context } from "esbuild";
 
 const watch = process.argv.includes("--watch");
-const options = { bundle: true, outdir: "../static", charset: "utf8", minify: !watch, logLevel: "info" };
-const builds = await Promise.all([
-  context({
-    ...options,
-    entryPoints: readdirSync(".").filter((name) => name.endsWith("_widget.ts")),
-    format: "esm",
-    target: "es2022",
-  }),
-  context({ ...options, entryPoints: ["robowidgets.css"] }),
-]);
+const build = await context({
+  entryPoints: readdirSync(".").filter((name) => /_widget\.(ts|css)$/.test(name)),
+  outdir: "../static",
+  bundle: true,
+  format: "esm",
+  target: "es2022",
+  charset: "utf8",
+  minify: !watch,
+  logLevel: "info",
+});
 if (watch) {
-  await Promise.all(builds.map((build) => build.watch()));
+  await build.watch();
 } else {
-  await Promise.all(builds.map((build) => build.rebuild()));
-  await Promise.all(builds.map((build) => build.dispose()));
+  await build.rebuild();
+  await build.dispose();
 }

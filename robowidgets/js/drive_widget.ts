@@ -1,8 +1,9 @@
+import type { DriveTraits } from "./drive/traits.ts";
 import { DriveView } from "./drive/view.ts";
-import type { Model } from "./shared/model.ts";
+import type { Rendered } from "./shared/model.ts";
 
 export default {
-  render({ model, el, signal }: { model: Model; el: HTMLElement; signal: AbortSignal }) {
+  render({ model, el, signal }: Rendered<DriveTraits>) {
     new DriveView(model, el, signal);
   },
 };

@@ -1,18 +1,19 @@
 import { decodeScan } from "./laser/scan.ts";
+import type { LaserTraits } from "./laser/traits.ts";
 import { LaserView } from "./laser/view.ts";
-import { type Model, put } from "./shared/model.ts";
+import { type Initialized, type Rendered, setTraits } from "./shared/model.ts";
 import { Stream } from "./shared/stream.ts";
 
 /** Called once per model, so that its views share one stream. */
 export default () => {
   let stream: Stream<ReturnType<typeof decodeScan>>;
   return {
-    initialize({ model, signal }: { model: Model; signal: AbortSignal }) {
+    initialize({ model, signal }: Initialized<LaserTraits>) {
       stream = new Stream(model, decodeScan, signal);
       // A page was left, or a notebook saved, with the pointer on the picture: nobody points at it now.
-      if (model.get("hovered") !== null) put(model, { hovered: null });
+      if (model.get("hovered") !== null) setTraits(model, { hovered: null });
     },
-    render({ model, el, signal }: { model: Model; el: HTMLElement; signal: AbortSignal }) {
+    render({ model, el, signal }: Rendered<LaserTraits>) {
       new LaserView(model, el, stream, signal);
     },
   };

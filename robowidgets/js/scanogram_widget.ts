@@ -1,15 +1,16 @@
 import { State } from "./scanogram/state.ts";
+import type { Pointing, ScanogramTraits } from "./scanogram/traits.ts";
 import { ScanogramView } from "./scanogram/view.ts";
-import type { Model } from "./shared/model.ts";
+import type { Initialized, Rendered } from "./shared/model.ts";
 
 /** Called once per model, so that its views share what is known. */
 export default () => {
   let state: State;
   return {
-    initialize({ model, signal }: { model: Model; signal: AbortSignal }) {
+    initialize({ model, signal }: Initialized<ScanogramTraits & Pointing>) {
       state = new State(model, signal);
     },
-    render({ model, el, signal }: { model: Model; el: HTMLElement; signal: AbortSignal }) {
+    render({ model, el, signal }: Rendered<ScanogramTraits>) {
       new ScanogramView(model, el, state, signal);
     },
   };

@@ -1,8 +1,9 @@
-import type { Model } from "./shared/model.ts";
+import type { Rendered } from "./shared/model.ts";
+import type { StopTraits } from "./stop/traits.ts";
 import { StopView } from "./stop/view.ts";
 
 export default {
-  render({ model, el, signal }: { model: Model; el: HTMLElement; signal: AbortSignal }) {
+  render({ model, el, signal }: Rendered<StopTraits>) {
     new StopView(model, el, signal);
   },
 };

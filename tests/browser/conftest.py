@@ -1,6 +1,9 @@
-"""Real JupyterLab in real headless Chromium.
+"""Widgets in real headless Chromium: on a plain page, or in real JupyterLab where a kernel or the notebook matters.
 
 Fixtures:
+    plain_page: `nb = plain_page([source, ...])` runs these cells in this process and puts what they display into a page
+        of its own: the real widget, the real front end, and no Jupyter. It gives a `PlainPage` (plain_page.py), which
+        has the cells, what is on show and `python` of a `Notebook`, in a tenth of the time, and takes its keywords.
     notebook: `nb = notebook([source, ...])` writes a notebook with these code cells, opens it in a page of its own,
         runs it and gives a `Notebook`; keywords: `run=False`, `scale=2` (device pixels per CSS pixel), `width` and
         `height` of the window, `theme="dark"`, `touch=True` (a touch screen). A test may open several.
@@ -34,6 +37,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_
 from . import chromium, export
 from .console import Console
 from .notebook import Notebook
+from .plain_page import PageServer, PlainPage
 from .server import LabServer
 
 DRIVER = Path(__file__).with_name("driver.js")
@@ -140,6 +144,44 @@ def notebook(
 
     yield open_notebook
     lab.end_sessions()
+
+
+@pytest.fixture(scope="session")
+def page_server() -> Iterator[PageServer]:
+    server = PageServer()
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def plain_page(
+    page_server: PageServer,
+    contexts: Callable[[int, bool], BrowserContext],
+    pages: list[tuple[Page, Console]],
+) -> Iterator[Callable[..., PlainPage]]:
+    opened: list[PlainPage] = []
+
+    def open_page(
+        cells: Sequence[str],
+        *,
+        scale: int = 1,
+        width: int = 1200,
+        height: int = 900,
+        theme: Literal["light", "dark"] = "light",
+        touch: bool = False,
+    ) -> PlainPage:
+        page = contexts(scale, touch).new_page()
+        pages.append((page, Console(page)))
+        page.set_viewport_size({"width": width, "height": height})
+        opened.append(PlainPage(page, page_server, cells))
+        opened[-1].open()
+        opened[-1].theme(theme)
+        opened[-1].run_all()
+        return opened[-1]
+
+    yield open_page
+    for page in reversed(opened):
+        page.close()
 
 
 @pytest.fixture

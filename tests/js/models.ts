@@ -50,7 +50,7 @@ export class FakeModel {
     return [...this.#callbacks.values()].reduce((sum, callbacks) => sum + callbacks.size, 0);
   }
 
-  get model(): Model {
-    return this as unknown as Model;
+  get model(): Model<never> {
+    return this as unknown as Model<never>;
   }
 }

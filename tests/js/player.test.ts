@@ -2,18 +2,18 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { toClock } from "../../robowidgets/js/player/clock.ts";
 import { actionOf, isBarsAlone, usesItself } from "../../robowidgets/js/player/keys.ts";
-import { type Host, Playback } from "../../robowidgets/js/player/playback.ts";
-import { decodeStills, Stretches } from "../../robowidgets/js/player/stretches.ts";
+import { type Moved, Playback } from "../../robowidgets/js/player/playback.ts";
+import { decodeFrames, Segments } from "../../robowidgets/js/player/segments.ts";
 import { FakeModel } from "./models.ts";
 
 /** Stills as Python packs them, amid the bytes of a larger message. */
-function packed(...stills: [time: number, about: number, frame: number[]][]): DataView {
-  const head = 8 * (1 + 3 * stills.length);
-  const size = stills.reduce((sum, [, , frame]) => sum + frame.length, head);
+function packed(...frames: [time: number, about: number, frame: number[]][]): DataView {
+  const head = 8 * (1 + 3 * frames.length);
+  const size = frames.reduce((sum, [, , frame]) => sum + frame.length, head);
   const view = new DataView(new ArrayBuffer(size + 9), 5, size);
-  view.setFloat64(0, stills.length, true);
+  view.setFloat64(0, frames.length, true);
   let end = 0;
-  for (const [i, [time, about, frame]] of stills.entries()) {
+  for (const [i, [time, about, frame]] of frames.entries()) {
     for (const [j, byte] of frame.entries()) view.setUint8(head + end + j, byte);
     end += frame.length;
     for (const [j, value] of [time, about, end].entries()) view.setFloat64(8 * (1 + 3 * i + j), value, true);
@@ -25,15 +25,15 @@ const FRAME = [0, 0, 0, 0, 0, 0, 0, 0, 42];
 
 function track(...times: number[]) {
   return {
-    stills: decodeStills(packed(...times.map((time): [number, number, number[]] => [time, 0, FRAME]))),
+    frames: decodeFrames(packed(...times.map((time): [number, number, number[]] => [time, 0, FRAME]))),
     abouts: [{ frame_id: "laser" }],
   };
 }
 
-test("stills are read with their times, what is said of them, and frames of their own", () => {
-  const stills = decodeStills(packed([1, 0, [7, 8]], [1.5, 1, []], [1.75, 0, [9]]));
+test("frames are read with their times, what is said of them, and frames of their own", () => {
+  const frames = decodeFrames(packed([1, 0, [7, 8]], [1.5, 1, []], [1.75, 0, [9]]));
   assert.deepEqual(
-    stills.map(({ time, about, frame }) => [time, about, [...new Uint8Array(frame.buffer)]]),
+    frames.map(({ time, about, bytes }) => [time, about, [...new Uint8Array(bytes.buffer)]]),
     [
       [1, 0, [7, 8]],
       [1.5, 1, []],
@@ -42,40 +42,40 @@ test("stills are read with their times, what is said of them, and frames of thei
   );
 });
 
-test("at a time there is the last still before it, or of that very time", () => {
-  const stretches = new Stretches(1);
-  stretches.put(3, [track(3, 3.2, 3.4)]);
-  const at = (time: number) => stretches.at(time)?.map(({ still }) => still.time);
+test("at a time there is the last frame before it, or of that very time", () => {
+  const segments = new Segments(1);
+  segments.put(3, [track(3, 3.2, 3.4)]);
+  const at = (time: number) => segments.at(time)?.map(({ frame }) => frame.time);
   assert.deepEqual([at(3), at(3.19), at(3.2), at(3.99)], [[3], [3], [3.2], [3.4]]);
   assert.equal(at(2.99), undefined);
-  stretches.drop([3]);
+  segments.drop([3]);
   assert.equal(at(3.2), undefined);
 });
 
-test("steps go from still to still, past stretches with none, and say where something is missing", () => {
-  const stretches = new Stretches(1);
-  stretches.put(0, [track(0, 0.5)]);
-  stretches.put(1, [track(1)]);
-  stretches.put(2, [track(1)]);
-  stretches.put(3, [track(1, 3.25)]);
-  assert.equal(stretches.neighbour(0, 0, 1, 9), 0.5);
-  assert.equal(stretches.neighbour(0, 1, 1, 9), 3.25);
-  assert.equal(stretches.neighbour(0, 3.25, -1, 9), 1);
-  assert.equal(stretches.neighbour(0, 3.25, 1, 9), null);
-  assert.equal(stretches.neighbour(0, 0, -1, 9), 0);
-  assert.equal(stretches.neighbour(0, 3.25, 1, 3.5), 3.25);
+test("steps go from frame to frame, past segments with none, and say where something is missing", () => {
+  const segments = new Segments(1);
+  segments.put(0, [track(0, 0.5)]);
+  segments.put(1, [track(1)]);
+  segments.put(2, [track(1)]);
+  segments.put(3, [track(1, 3.25)]);
+  assert.equal(segments.neighbour(0, 0, 1, 9), 0.5);
+  assert.equal(segments.neighbour(0, 1, 1, 9), 3.25);
+  assert.equal(segments.neighbour(0, 3.25, -1, 9), 1);
+  assert.equal(segments.neighbour(0, 3.25, 1, 9), null);
+  assert.equal(segments.neighbour(0, 0, -1, 9), 0);
+  assert.equal(segments.neighbour(0, 3.25, 1, 3.5), 3.25);
 });
 
 interface Seen {
   state: Record<string, unknown>;
-  host: Host;
+  host: Moved["targets"][number];
 }
 
 function host(): Seen {
   const seen: Seen = {
     state: {},
     host: {
-      get: (name) => seen.state[name],
+      get: (name: string) => seen.state[name] as never,
       set_state: (state) => Object.assign(seen.state, state),
       on: () => {},
       off: () => {},
@@ -84,8 +84,8 @@ function host(): Seen {
   return seen;
 }
 
-/** A player with three stretches of one widget, whose display shows a frame when the test says so. */
-async function play(values: Record<string, unknown> = {}, stretches = [0, 1, 2]) {
+/** A player with three segments of one widget, whose display shows a frame when the test says so. */
+async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) {
   let now = 0;
   let frame: (() => void) | undefined;
   Object.assign(globalThis, {
@@ -117,14 +117,14 @@ async function play(values: Record<string, unknown> = {}, stretches = [0, 1, 2])
   const controller = new AbortController();
   const follower = new FakeModel({ time: 0, selection: null });
   Object.assign(follower, { set_state: (state: Record<string, unknown>) => follower.receive(state) });
-  const moved = { targets: [target], followers: [follower as unknown as Host] };
+  const moved = { targets: [target], followers: [follower as unknown as Moved["followers"][number]] };
   const playback = new Playback(fake.model, Promise.resolve(moved), controller.signal);
   await Promise.resolve();
   const give = (index: number) =>
     fake.tell({ stretch: index, drop: [], abouts: [[{ frame_id: `${index}` }]] }, [
       packed([index, 0, FRAME], [index + 0.5, 0, FRAME]),
     ]);
-  for (const index of stretches) give(index);
+  for (const index of segments) give(index);
   const pass = (ms: number) => {
     now += ms;
     const call = frame;

@@ -1,5 +1,4 @@
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import {
   angleOf,
@@ -15,41 +14,10 @@ import {
   TOO_CLOSE,
 } from "../../robowidgets/js/laser/scan.ts";
 import { DEGREE, near, scanOf } from "./laser.ts";
-
-type Value = number | "nan" | "inf" | "-inf";
-
-interface Case {
-  name: string;
-  angle_min: number;
-  angle_increment: Value;
-  range_min: number;
-  range_max: number;
-  ranges?: Value[];
-  count?: number;
-  fill?: Value;
-  differ?: Record<string, Value>;
-  validity?: number[];
-  counts: number[];
-  nearest: number | null;
-  full_circle: boolean;
-  angles?: Record<string, number>;
-  at?: [number, number | null][];
-}
-
-interface Vectors {
-  scans: Case[];
-  frame: Case & { intensities: Value[]; base64: string };
-}
-
-const vectors: Vectors = JSON.parse(readFileSync(new URL("../vectors/scan.json", import.meta.url), "utf8"));
-
-function toNumber(value: Value): number {
-  const words = { nan: Number.NaN, inf: Infinity, "-inf": -Infinity };
-  return typeof value === "number" ? value : words[value];
-}
+import { type ScanCase, toNumber, vectors } from "./vectors.ts";
 
 /** What Python would send: limits rounded to float32, and no increment where there is none. */
-function toScan(given: Case): Scan {
+function toScan(given: ScanCase): Scan {
   const values = given.ranges ?? Array.from({ length: given.count ?? 0 }, () => given.fill ?? 0);
   const ranges = values.map(toNumber);
   for (const [index, value] of Object.entries(given.differ ?? {})) ranges[Number(index)] = toNumber(value);
@@ -77,26 +45,6 @@ for (const given of vectors.scans) {
     }
   });
 }
-
-test("a frame that Python packed is read to the byte, wherever it starts", () => {
-  const { frame } = vectors;
-  const bytes = Buffer.from(frame.base64, "base64");
-  for (const offset of [0, 1, 4, 6]) {
-    const buffer = new Uint8Array(offset + bytes.length + 3);
-    buffer.set(bytes, offset);
-    const scan = decodeScan(new DataView(buffer.buffer, offset, bytes.length));
-    assert.equal(scan.sequence, 1);
-    assert.ok(Number.isNaN(scan.rate));
-    assert.deepEqual(
-      [scan.angleMin, scan.angleIncrement, scan.minRange, scan.maxRange, scan.count],
-      [frame.angle_min, frame.angle_increment, frame.range_min, frame.range_max, 5],
-    );
-    assert.deepEqual([...scan.ranges], frame.ranges?.map(toNumber));
-    assert.deepEqual([...scan.intensities], frame.intensities.map(toNumber));
-    assert.deepEqual(scan.kinds, [READING, NOTHING_IN_RANGE, TOO_CLOSE, NO_MEASUREMENT, OUTSIDE_LIMITS]);
-    assert.deepEqual([scan.counts, scan.nearest], [[1, 1, 1, 1, 1], 2]);
-  }
-});
 
 test("a frame without intensities has none", () => {
   const bytes = new DataView(new ArrayBuffer(32 + 40 + 8));

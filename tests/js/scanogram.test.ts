@@ -8,7 +8,7 @@ import { toRaster } from "../../robowidgets/js/scanogram/paint.ts";
 import { angleTicks, selectedRays, toRows } from "../../robowidgets/js/scanogram/rows.ts";
 import { runs } from "../../robowidgets/js/scanogram/scene.ts";
 import { State } from "../../robowidgets/js/scanogram/state.ts";
-import { describeMark, describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/words.ts";
+import { describeMark, describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/text.ts";
 import { DEGREE } from "./laser.ts";
 import { FakeModel } from "./models.ts";
 

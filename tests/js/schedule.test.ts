@@ -1,13 +1,13 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import { spaced } from "../../robowidgets/js/shared/schedule.ts";
+import { throttle } from "../../robowidgets/js/shared/schedule.ts";
 
 function open() {
   mock.timers.enable({ apis: ["setTimeout"] });
   const controller = new AbortController();
   const calls: number[] = [];
   let asked = 0;
-  const call = spaced(() => calls.push(asked), 100, controller.signal);
+  const call = throttle(() => calls.push(asked), 100, controller.signal);
   const ask = () => {
     asked++;
     call();

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { GROUPS } from "../../robowidgets/js/speed/axes.ts";
-import { judge, type Limits, limitsOf } from "../../robowidgets/js/speed/limits.ts";
+import { judge, limitsOf } from "../../robowidgets/js/speed/limits.ts";
 import { placeBeside } from "../../robowidgets/js/speed/popup.ts";
 import {
   CLEARANCE,
@@ -13,8 +13,9 @@ import {
   toHeightOnTrack,
   toScales,
 } from "../../robowidgets/js/speed/scale.ts";
+import type { Limits } from "../../robowidgets/js/speed/traits.ts";
 
-import { toSpeed, vectors } from "./speed.ts";
+import { toNumber, vectors } from "./vectors.ts";
 
 const ONE: Limits = [-1, 1];
 
@@ -72,7 +73,7 @@ test("what is off the scale is drawn at its end and known to be off", () => {
 });
 
 test("a value is past a limit by more than rounding, and NaN is neither", () => {
-  for (const [value, limits, state] of vectors.limits) assert.equal(judge(toSpeed(value), limits), state, `${value}`);
+  for (const [value, limits, state] of vectors.limits) assert.equal(judge(toNumber(value), limits), state, `${value}`);
 });
 
 test("an axis has its own limits, else those of its group", () => {

@@ -1,5 +1,5 @@
-import type { Told } from "../../robowidgets/js/stop/control.ts";
 import type { Situation } from "../../robowidgets/js/stop/text.ts";
+import type { Told } from "../../robowidgets/js/stop/traits.ts";
 
 /** What Python tells of a robot that nobody drives, but for what is given. */
 export function told(more: Partial<Told> = {}): Told {
@@ -12,6 +12,7 @@ export function told(more: Partial<Told> = {}): Told {
     cause: "",
     words: "",
     topic: "/cmd_vel",
+    number: 0,
     ...more,
   };
 }

@@ -16,7 +16,13 @@ function frame(sequence: number, rate = 40): DataView {
 }
 
 function open(values: Record<string, unknown> = {}) {
-  const fake = new FakeModel({ paused: false, _held: new DataView(new ArrayBuffer(0)), ...values });
+  const fake = new FakeModel({
+    paused: false,
+    _held: new DataView(new ArrayBuffer(0)),
+    _about: {},
+    _source: {},
+    ...values,
+  });
   const controller = new AbortController();
   let decoded = 0;
   const decode = (bytes: DataView): Frame => {

@@ -1,7 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Clock } from "../../robowidgets/js/touch/clock.ts";
-import { decodeTouch, type Sensor, select } from "../../robowidgets/js/touch/touch.ts";
 import {
   detailOf,
   modeWord,
@@ -10,41 +9,12 @@ import {
   tellBeside,
   toDuration,
   toLabels,
-} from "../../robowidgets/js/touch/words.ts";
+} from "../../robowidgets/js/touch/text.ts";
+import { type Sensor, select } from "../../robowidgets/js/touch/touch.ts";
 
 const LEFT: Sensor = { name: "left", state: "free", touches: 3, seconds: 2 };
 const CENTER: Sensor = { name: "center", state: "touched", touches: 1, seconds: 0.5 };
 const RIGHT: Sensor = { name: "right", state: "unknown", touches: 0, seconds: null };
-
-/** A frame as Python packs it, at an odd offset in a larger buffer, as binary traits arrive. */
-function frame(rows: unknown[]): DataView {
-  const text = new TextEncoder().encode(JSON.stringify(rows));
-  const bytes = new Uint8Array(3 + 32 + text.length);
-  const view = new DataView(bytes.buffer, 3);
-  view.setFloat64(0, 7, true);
-  view.setFloat64(8, 50, true);
-  bytes.set(text, 35);
-  return view;
-}
-
-test("a frame is its sensors, with the head of every frame", () => {
-  const touch = decodeTouch(
-    frame([
-      ["größe", "touched", 2, 1.5],
-      ["right", "unknown", 0, null],
-    ]),
-  );
-  assert.equal(touch.sequence, 7);
-  assert.equal(touch.rate, 50);
-  assert.deepEqual(touch.sensors, [
-    { name: "größe", state: "touched", touches: 2, seconds: 1.5 },
-    { name: "right", state: "unknown", touches: 0, seconds: null },
-  ]);
-});
-
-test("a frame without sensors has none", () => {
-  assert.deepEqual(decodeTouch(frame([])).sensors, []);
-});
 
 test("a selection keeps its own order, and what nobody spoke of is unknown", () => {
   assert.deepEqual(select([LEFT, CENTER], ["center", "tail"]), [

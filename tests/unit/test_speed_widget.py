@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import json
 import logging
 import struct
 import threading
@@ -22,13 +20,13 @@ from robowidgets._core.robot_widget import HEAD
 from robowidgets.samples import AXES
 from robowidgets.speed_widget import SpeedWidget
 
+from .. import vectors
 from .forms import FORMS
 
 TWIST = {
     "linear": {"x": 0.5, "y": 0.0, "z": 0.0},
     "angular": {"x": 0.0, "y": 0.0, "z": -0.25},
 }
-VECTORS = json.loads((Path(__file__).parents[1] / "vectors" / "speed.json").read_text(encoding="utf-8"))
 STAMPED = {"header": {"stamp": {"sec": 3, "nanosec": 4}, "frame_id": "base_link"}, "twist": TWIST}
 
 
@@ -115,20 +113,6 @@ class TestUpdate:
         assert speed.commanded is not None
 
 
-def test_a_frame_is_packed_byte_by_byte(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = VECTORS["frame"]
-    first, measured, commanded = ([float(v) for v in case[key]] for key in ("first", "measured", "commanded"))
-    speed = SpeedWidget()
-    monkeypatch.setattr(SpeedWidget, "rate", 30.0)
-    speed.update(Speed(first[:3], first[3:], 5))
-    speed.reset_peaks()
-    speed.update(Speed(measured[:3], measured[3:], 7))
-    speed.command(Speed(commanded[:3], commanded[3:], 6))
-    speed._arrived = 12.5
-    speed.commanded._arrive(12.25)
-    assert base64.b64encode(speed.get_state()["_frame"]).decode() == case["base64"]
-
-
 class TestLimits:
     def test_they_are_one_and_one_by_default(self) -> None:
         speed = SpeedWidget()
@@ -154,7 +138,7 @@ class TestLimits:
         speed.limits = {"linear.x": 0.6}
         assert speed.over_limits == {}
 
-    @pytest.mark.parametrize(("value", "limits", "state"), VECTORS["limits"])
+    @pytest.mark.parametrize(("value", "limits", "state"), vectors.read()["limits"])
     def test_a_speed_is_past_them_by_more_than_rounding(self, value: Any, limits: Any, state: str) -> None:
         speed = SpeedWidget(linear_limits=limits)
         speed.update(linear=(float(value), 0, 0))

@@ -1,8 +1,8 @@
 import { make, makeIcon, setText } from "../shared/dom.ts";
-import { atEnd, on } from "../shared/events.ts";
+import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
-import { getFlag, getNumber, getString, type Model, onChange } from "../shared/model.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { type Model, onChange, onMessage } from "../shared/model.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { StopButtons } from "../stop/buttons.ts";
 import { StopControl } from "../stop/control.ts";
@@ -11,13 +11,14 @@ import { CENTER, type Knob, toPlace } from "./knob.ts";
 import { type Answer, PressLease } from "./press.ts";
 import { Readout } from "./readout.ts";
 import { toText } from "./text.ts";
+import type { DriveTraits } from "./traits.ts";
 
 const ARROW = "M6 3.2l4 5.6h-8z";
-const SETTINGS = ["title", "header", "linear_limit", "angular_limit", "enabled"];
+const SETTINGS = ["title", "header", "linear_limit", "angular_limit", "enabled"] as const;
 
 /** One view of a drive pad: Stop, the pad with its knob, the words, and the two numbers. */
 export class DriveView {
-  readonly #model: Model;
+  readonly #model: Model<DriveTraits>;
   readonly #root = make("div", "rw-card rw-drive");
   readonly #header = make("div", "rw-header");
   readonly #title = make("span", "rw-title");
@@ -35,10 +36,10 @@ export class DriveView {
   readonly #redraw: () => void;
   #place: Knob = CENTER;
 
-  constructor(model: Model, element: HTMLElement, signal: AbortSignal) {
+  constructor(model: Model<DriveTraits>, element: HTMLElement, signal: AbortSignal) {
     const name = crypto.randomUUID().slice(0, 8);
     this.#model = model;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#lease = new PressLease(name, (message) => model.send(message), this.#redraw);
     this.#stop = new StopControl(model, name, this.#redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#stop, signal);
@@ -46,9 +47,7 @@ export class DriveView {
     element.append(this.#root);
     watchTheme(this.#redraw, signal);
     onChange(model, SETTINGS, this.#redraw, signal);
-    const onMessage = (answer: Answer) => this.#lease.onAnswer(answer);
-    model.on("msg:custom", onMessage);
-    atEnd(signal, () => model.off("msg:custom", onMessage));
+    onMessage(model, (answer: Answer) => this.#lease.onAnswer(answer), signal);
     watchInput(this.#pad, this, signal);
     for (const change of ["focus", "blur"] as const) on(this.#pad, change, this.#redraw, signal);
     this.#draw();
@@ -93,18 +92,18 @@ export class DriveView {
     const [model, stop, { held }] = [this.#model, this.#stop, this.#lease];
     const { told } = stop;
     applyTheme(this.#root);
-    this.#header.hidden = !getFlag(model, "header");
-    setText(this.#title, getString(model, "title") || "drive");
+    this.#header.hidden = !model.get("header");
+    setText(this.#title, model.get("title") || "drive");
     this.#buttons.update();
     setText(this.#notice, told.error || (told.driver ? told.words : ""));
-    const enabled = getFlag(model, "enabled");
+    const enabled = model.get("enabled");
     const { text, hint, kind } = toText(stop, this.#lease, enabled);
     setText(this.#words, text);
     setText(this.#hint, hint);
     this.#root.dataset.kind = kind;
     this.#root.classList.toggle("rw-off", !told.ready || !enabled || told.stopped);
-    this.#linear.update(told.speed[0], getNumber(model, "linear_limit"));
-    this.#angular.update(told.speed[1], getNumber(model, "angular_limit"));
+    this.#linear.update(told.speed[0], model.get("linear_limit"));
+    this.#angular.update(told.speed[1], model.get("angular_limit"));
     const { right, below } = held ? toPlace(this.#place) : { right: 0, below: 0 };
     for (const [name, share] of Object.entries({ right, below })) {
       this.#pad.style.setProperty(`--rw-${name}`, toFixed(share, 3).replace("\u2212", "-"));

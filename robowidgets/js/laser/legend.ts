@@ -1,16 +1,17 @@
 import { make, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toCount, toDegrees, toMetres } from "../shared/format.ts";
-import { type Model, put } from "../shared/model.ts";
+import { type Model, setTraits } from "../shared/model.ts";
 import { angleOf, READING, type Scan, type Validity } from "./scan.ts";
-import { CLASSES } from "./words.ts";
+import { CLASSES } from "./text.ts";
+import type { LaserTraits } from "./traits.ts";
 
 /** The counts of the five classes, each of which switches its marks on and off, and the nearest thing. */
 export class Legend {
   readonly #items: { name: string; item: HTMLElement; count: HTMLElement; kind: Validity }[];
   readonly #nearest = make("span", "rw-nearest");
 
-  constructor(footer: HTMLElement, model: Model, signal: AbortSignal) {
+  constructor(footer: HTMLElement, model: Model<LaserTraits>, signal: AbortSignal) {
     const counts = make("span", "rw-counts");
     this.#items = CLASSES.map(({ kind, name, symbol, word, explained }) => {
       const item = make(kind === READING ? "span" : "button", `rw-class rw-class-${name}`);
@@ -44,7 +45,7 @@ export class Legend {
   }
 }
 
-function toggleMark(model: Model, name: string): void {
-  const shown = (model.get("marks") as string[]) ?? [];
-  put(model, { marks: shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name] });
+function toggleMark(model: Model<LaserTraits>, name: string): void {
+  const shown = model.get("marks");
+  setTraits(model, { marks: shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name] });
 }

@@ -26,8 +26,9 @@ import {
 } from "./guides.ts";
 import { type Box, FORWARD, fit, type Point, type Projection, rimBox, sweepRim, toPixel } from "./projection.ts";
 import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "./scan.ts";
-import { CLASSES } from "./words.ts";
-import { fitsReadings, resolveRange, type ViewRange } from "./zoom.ts";
+import { CLASSES } from "./text.ts";
+import type { LaserTraits } from "./traits.ts";
+import { fitsReadings, resolveRange } from "./zoom.ts";
 
 /** What an empty widget shows: the area of a common scanner. */
 const PLACEHOLDER = {
@@ -39,8 +40,7 @@ const PLACEHOLDER = {
 };
 
 /** The traits on which the lower canvas depends. */
-export const SETTINGS = ["view_range", "arc_count", "ray_count", "arc_distances", "forward"];
-type Settings = [range: ViewRange, arcCount: number, rayCount: number, arcDistances: number[], forward: string];
+export const SETTINGS = ["view_range", "arc_count", "ray_count", "arc_distances", "forward"] as const;
 
 /** The two canvases of one view: beneath, what changes seldom; above, the readings. */
 export class Scene {
@@ -49,7 +49,7 @@ export class Scene {
   box: Box = { x: 0, y: 0, width: 0, height: 0 };
   /** Where the labels of the rays stand. */
   labelBoxes: Box[] = [];
-  readonly #model: Model;
+  readonly #model: Model<LaserTraits>;
   readonly #base: Layer;
   readonly #top: Layer;
   #baseKey = "";
@@ -59,7 +59,7 @@ export class Scene {
   #rays: number[] = [];
   #arcLabels: ArcLabel[] = [];
 
-  constructor(model: Model, parent: HTMLElement) {
+  constructor(model: Model<LaserTraits>, parent: HTMLElement) {
     this.#model = model;
     this.#base = new Layer(parent);
     this.#top = new Layer(parent);
@@ -84,7 +84,7 @@ export class Scene {
     this.occupied = new Occupancy(size.width, size.height);
     if (scan) {
       const colorOf = this.#domain ? colorScale(this.#domain, theme.dark) : null;
-      const shown = new Set((this.#model.get("marks") as string[]) ?? []);
+      const shown = new Set(this.#model.get("marks"));
       const marks = new Set(CLASSES.filter(({ name }) => shown.has(name)).map(({ kind }) => kind));
       const style = { theme, marks, colorOf };
       const beyond = drawReadings(context, this.projection, scan, style, this.occupied);
@@ -117,8 +117,8 @@ export class Scene {
   }
 
   #drawBase(scan: Scan | null, size: Surface, theme: Theme): void {
-    const [range, ...settings] = SETTINGS.map((name) => this.#model.get(name)) as Settings;
-    const [arcCount, rayCount, asked, forward] = settings;
+    const [range, forward] = [this.#model.get("view_range"), this.#model.get("forward")];
+    const settings = SETTINGS.map((name) => this.#model.get(name));
     const { angleMin, angleIncrement, count, minRange, maxRange } = scan ?? PLACEHOLDER;
     const sweep = { angleMin, angleIncrement, count, minRange, maxRange };
     const viewRange = resolveRange(range, scan, this.#fitted);
@@ -129,12 +129,12 @@ export class Scene {
 
     const context = this.#base.begin(size);
     const turn = FORWARD[forward] ?? 0;
-    this.#rays = rayIndices(sweep, rayCount);
+    this.#rays = rayIndices(sweep, this.#model.get("ray_count"));
     const labels = rayLabels(sweep, this.#rays, turn, (lines) => measure(context, theme, lines));
     const rim = [...sweepRim(sweep, turn), ...labels];
     this.projection = { ...fit(rim, this.box), viewRange, forward: turn };
     context.font = arcFont(theme);
-    this.#arcs = arcDistances(asked, arcCount, viewRange)
+    this.#arcs = arcDistances(this.#model.get("arc_distances"), this.#model.get("arc_count"), viewRange)
       .filter((distance) => count && distance > minRange && distance <= maxRange * (1 + 1e-6))
       .map((distance) => ({ distance, width: context.measureText(toShortMetres(distance)).width + 6 }));
     const kept: RayLabel[] = thinLabels(this.projection, labels);

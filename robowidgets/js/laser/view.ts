@@ -2,9 +2,9 @@ import { type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
-import { type Model, onChange, put } from "../shared/model.ts";
+import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
-import { onceAFrame, READING_MS, spaced } from "../shared/schedule.ts";
+import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
@@ -14,14 +14,15 @@ import { placePopup } from "./popup_place.ts";
 import type { Box, Point } from "./projection.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
-import { describeRay, whyEmpty } from "./words.ts";
+import { describeRay, whyEmpty } from "./text.ts";
+import type { LaserTraits } from "./traits.ts";
 import { stepRange } from "./zoom.ts";
 
-const TRAITS = [...SETTINGS, "marks", "color_by_intensity", "hovered", "pinned"];
+const TRAITS = [...SETTINGS, "marks", "color_by_intensity", "hovered", "pinned"] as const;
 
 /** One view of a laser widget: it wires the card, the scene, the legend, the pop-ups and the gestures together. */
 export class LaserView {
-  readonly #model: Model;
+  readonly #model: Model<LaserTraits>;
   readonly #stream: Stream<Scan>;
   readonly #card: Card;
   readonly #scene: Scene;
@@ -35,12 +36,12 @@ export class LaserView {
   readonly #tell: () => void;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
 
-  constructor(model: Model, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
+  constructor(model: Model<LaserTraits>, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
     this.#model = model;
     this.#stream = stream;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
-    const tell = () => this.#legend.update(stream.shown, (model.get("marks") as string[]) ?? []);
-    this.#tell = spaced(tell, READING_MS, signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
+    const tell = () => this.#legend.update(stream.shown, model.get("marks"));
+    this.#tell = throttle(tell, READING_MS, signal);
     this.#card = new Card(element, "laser", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
     this.#scene = new Scene(model, picture);
@@ -75,14 +76,14 @@ export class LaserView {
 
   onPick(point: Point): void {
     const index = this.#indexAt(point);
-    this.#setIndex("pinned", index === this.#index("pinned") ? -1 : index);
+    this.#setIndex("pinned", index === this.#model.get("pinned") ? -1 : index);
   }
 
   onWalk(to: string): void {
     const scan = this.#stream.shown;
     if (!scan?.count) return;
     const last = scan.count - 1;
-    const from = this.#index("pinned") ?? this.#index("hovered");
+    const from = this.#model.get("pinned") ?? this.#model.get("hovered");
     const middle = Math.floor(last / 2);
     const next = {
       next: from === null ? middle : from + 1,
@@ -96,7 +97,7 @@ export class LaserView {
 
   onZoom(direction: -1 | 1): void {
     const range = this.#zoomed(direction);
-    put(this.#model, { view_range: range === this.#maxRange ? "sensor" : range });
+    setTraits(this.#model, { view_range: range === this.#maxRange ? "sensor" : range });
   }
 
   canZoom(direction: -1 | 1): boolean {
@@ -112,7 +113,7 @@ export class LaserView {
   }
 
   #onFit(): void {
-    put(this.#model, { view_range: this.#model.get("view_range") === "data" ? "sensor" : "data" });
+    setTraits(this.#model, { view_range: this.#model.get("view_range") === "data" ? "sensor" : "data" });
   }
 
   #indexAt(point: Point): number {
@@ -120,14 +121,9 @@ export class LaserView {
     return scan ? pick(this.#scene.projection, scan, point) : -1;
   }
 
-  #index(name: "hovered" | "pinned"): number | null {
-    const value = this.#model.get(name);
-    return typeof value === "number" ? value : null;
-  }
-
   #setIndex(name: "hovered" | "pinned", index: number): void {
     const value = index < 0 ? null : index;
-    if (this.#index(name) !== value) put(this.#model, { [name]: value });
+    if (this.#model.get(name) !== value) setTraits(this.#model, { [name]: value });
   }
 
   #draw(): void {
@@ -146,7 +142,7 @@ export class LaserView {
   }
 
   #drawPopups(scan: Scan | null): void {
-    const [pinned, hovered] = [this.#index("pinned"), this.#index("hovered")];
+    const [pinned, hovered] = [this.#model.get("pinned"), this.#model.get("hovered")];
     const others: Box[] = [];
     const show = (popup: Popup, index: number | null) => {
       if (!scan || index === null) return popup.hide();

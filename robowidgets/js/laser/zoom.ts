@@ -1,7 +1,5 @@
 import { FARTHEST_VIEW, NO_LIMIT, READING, type Scan } from "./scan.ts";
-
-/** How far the picture reaches: "sensor" (range_max, if it sets a limit), "data" (fit to the readings), or metres. */
-export type ViewRange = "sensor" | "data" | number;
+import type { ViewRange } from "./traits.ts";
 
 const CLOSEST = 0.05;
 

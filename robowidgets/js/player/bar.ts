@@ -2,13 +2,13 @@ import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
-import { getMarks } from "../shared/marks.ts";
-import { getFlag, getNumber, getString, type Model, put } from "../shared/model.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { type Model, setTraits } from "../shared/model.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { toClock } from "./clock.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import type { Playback } from "./playback.ts";
+import type { PlayerTraits } from "./traits.ts";
 
 const PLAY = "M3 1.2l7 4.8-7 4.8z";
 const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
@@ -20,7 +20,7 @@ const HANDLE = 12;
 
 /** The bar that moves through a recording: buttons, the time, and a slider with marks on it. */
 export class PlayerBar {
-  readonly #model: Model;
+  readonly #model: Model<PlayerTraits>;
   readonly #playback: Playback;
   readonly #root = make("div", "rw-card rw-player");
   readonly #play: HTMLButtonElement;
@@ -39,7 +39,7 @@ export class PlayerBar {
   #drawn: unknown[] = [];
   #icon = "";
 
-  constructor(model: Model, element: HTMLElement, playback: Playback, signal: AbortSignal) {
+  constructor(model: Model<PlayerTraits>, element: HTMLElement, playback: Playback, signal: AbortSignal) {
     this.#model = model;
     this.#playback = playback;
     const back = makeButton("rw-step", "One scan back (,)", () => playback.step(-1), signal);
@@ -47,7 +47,7 @@ export class PlayerBar {
     const forth = makeButton("rw-step", "One scan on (.)", () => playback.step(1), signal);
     forth.textContent = "\u203a";
     this.#play = makeButton("rw-play", "Play (space)", () => playback.toggle(), signal);
-    const onLoop = () => put(model, { loop: !getFlag(model, "loop") });
+    const onLoop = () => setTraits(model, { loop: !model.get("loop") });
     this.#loop = makeButton("rw-loop", "Play it again and again, the selection if there is one (l)", onLoop, signal);
     this.#loop.append(makeIcon(REPEAT));
     this.#makeSlider(signal);
@@ -65,7 +65,7 @@ export class PlayerBar {
     keepKeys(this.#root, signal);
     element.append(this.#root);
 
-    const draw = onceAFrame(() => this.#draw(), signal);
+    const draw = perAnimationFrame(() => this.#draw(), signal);
     playback.listen(draw, signal);
     watchTheme(() => applyTheme(this.#root), signal);
     draw();
@@ -86,7 +86,7 @@ export class PlayerBar {
   #makeSpeed(signal: AbortSignal): void {
     this.#speed.title = "How fast it plays (+ and \u2212)";
     this.#speed.ariaLabel = "How fast it plays";
-    const onSpeed = () => put(this.#model, { speed: Number(this.#speed.value) });
+    const onSpeed = () => setTraits(this.#model, { speed: Number(this.#speed.value) });
     this.#speed.addEventListener("change", onSpeed, { signal });
   }
 
@@ -133,17 +133,17 @@ export class PlayerBar {
       this.#play.title = playing ? "Stop here (space)" : "Play (space)";
       this.#play.ariaLabel = this.#play.title;
     }
-    this.#loop.ariaPressed = String(getFlag(this.#model, "loop"));
-    setText(this.#words, getString(this.#model, "_words") || (waits ? "waiting for the kernel" : ""));
-    setText(this.#note, getString(this.#model, "_note"));
+    this.#loop.ariaPressed = String(this.#model.get("loop"));
+    setText(this.#words, this.#model.get("_words") || (waits ? "waiting for the kernel" : ""));
+    setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(duration);
   }
 
   #drawClock(time: number): void {
     const start = this.#model.get("_start");
-    this.#clock.hidden = typeof start !== "number";
-    if (typeof start !== "number") return;
+    this.#clock.hidden = start === null;
+    if (start === null) return;
     const [date, timeOfDay] = toClock(start + time);
     setText(this.#date, `${date} `);
     setText(this.#timeOfDay, `${timeOfDay} UTC`);
@@ -152,7 +152,7 @@ export class PlayerBar {
   }
 
   #drawSpeed(): void {
-    const speed = getNumber(this.#model, "speed");
+    const speed = this.#model.get("speed");
     const speeds = [...new Set([...SPEEDS, speed])].sort((a, b) => a - b);
     if ([...this.#speed.options].map(({ value }) => value).join() !== speeds.join()) {
       this.#speed.replaceChildren(...speeds.map((value) => new Option(`${value}\u00d7`, String(value))));
@@ -161,13 +161,13 @@ export class PlayerBar {
   }
 
   #drawMarks(duration: number): void {
-    const marks = getMarks(this.#model);
-    const selection = this.#model.get("selection") as [number, number] | null;
+    const marks = this.#model.get("marks");
+    const selection = this.#model.get("selection");
     // The very ones: there may be thousands, and each frame of a picture that plays comes by here.
     const drawn = [marks, selection, duration];
     if (drawn.every((one, i) => one === this.#drawn[i])) return;
     this.#drawn = drawn;
-    const stretch = (className: string, start: number, end: number, label: string) => {
+    const makeMark = (className: string, start: number, end: number, label: string) => {
       const mark = make("span", className);
       mark.style.left = `${(100 * start) / duration}%`;
       mark.style.width = `${(100 * (end - start)) / duration}%`;
@@ -175,8 +175,8 @@ export class PlayerBar {
       return mark;
     };
     this.#marks.replaceChildren(
-      ...(selection ? [stretch("rw-play-selected", ...selection, "selected")] : []),
-      ...marks.map(([start, end, label]) => stretch("rw-play-mark", start, end, label)),
+      ...(selection ? [makeMark("rw-play-selected", ...selection, "selected")] : []),
+      ...marks.map(([start, end, label]) => makeMark("rw-play-mark", start, end, label)),
     );
   }
 }

@@ -1,10 +1,11 @@
-import { getFlag, getNumber, type Model, put } from "../shared/model.ts";
+import { type Model, setTraits } from "../shared/model.ts";
 import type { Playback } from "./playback.ts";
+import type { PlayerTraits } from "./traits.ts";
 
 /** How fast a recording may be played, from the list. */
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
-type Action = (playback: Playback, model: Model) => void;
+type Action = (playback: Playback, model: Model<PlayerTraits>) => void;
 
 const jump =
   (seconds: number): Action =>
@@ -13,9 +14,9 @@ const jump =
 
 function faster(by: -1 | 1): Action {
   return (_, model) => {
-    const now = getNumber(model, "speed");
+    const now = model.get("speed");
     const next = by > 0 ? SPEEDS.find((s) => s > now) : SPEEDS.filter((s) => s < now).at(-1);
-    if (next !== undefined) put(model, { speed: next });
+    if (next !== undefined) setTraits(model, { speed: next });
   };
 }
 
@@ -25,7 +26,7 @@ const ACTIONS: Record<string, Action> = {
   ".": (playback) => playback.step(1),
   n: (playback) => playback.toMark(1),
   p: (playback) => playback.toMark(-1),
-  l: (_, model) => put(model, { loop: !getFlag(model, "loop") }),
+  l: (_, model) => setTraits(model, { loop: !model.get("loop") }),
   "+": faster(1),
   "-": faster(-1),
   Home: (playback) => playback.seek(0),

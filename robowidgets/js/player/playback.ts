@@ -1,47 +1,43 @@
+import type { Pointing, ScanogramTraits, Span } from "../scanogram/traits.ts";
 import { toBytes } from "../shared/bytes.ts";
+import { onAbort } from "../shared/events.ts";
 import { markBeside } from "../shared/marks.ts";
-import { getFlag, getNumber, type Model, onChange, put } from "../shared/model.ts";
-import { onceAFrame, spaced } from "../shared/schedule.ts";
-import { Foresight } from "./foresight.ts";
-import { decodeStills, Stretches, type Track } from "./stretches.ts";
+import { type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { perAnimationFrame, throttle } from "../shared/schedule.ts";
+import type { SampleTraits } from "../shared/traits.ts";
+import { Prefetcher } from "./prefetch.ts";
+import { decodeFrames, Segments, type Track } from "./segments.ts";
+import type { PlayerTraits, SegmentMessage } from "./traits.ts";
 
 /** A widget's model as its host keeps it. What a kernel sent goes in by `set_state`, which tells the kernel nothing. */
-export interface Host {
-  get(name: string): unknown;
-  set_state(state: Record<string, unknown>): void;
-  on(event: string, callback: () => void): void;
-  off(event: string, callback: () => void): void;
+export interface Host<T> extends Pick<Model<T>, "get" | "on" | "off"> {
+  set_state(state: Partial<T>): void;
   /** What a kernel sent, while the host takes it in. */
   _state_lock?: Record<string, unknown> | null;
 }
 
+type Follower = Host<ScanogramTraits & Pointing>;
+
 /** The models that a player moves. */
 export interface Moved {
-  /** Of widgets that show stills. */
-  targets: Host[];
+  /** Of widgets that show frames. */
+  targets: Host<SampleTraits>[];
   /** Of widgets that show the time itself, and let a person choose it. */
-  followers: Host[];
+  followers: Follower[];
 }
 
-interface Message {
-  /** A time that a program asks for; such a message says nothing else. */
-  seek?: number;
-  stretch: number;
-  drop: number[];
-  abouts: Record<string, unknown>[][];
-  /** Only of what is in the state of the model. */
-  tracks?: DataView[];
-}
+/** A segment, or the time that a program asks for, alone. */
+type Message = Partial<SegmentMessage> & { seek?: number };
 
 const TELL_MS = 200;
 /** Seconds on the clock on the wall by which another page may be ahead without a jump. */
 const APART = 0.5;
 
-/** Plays a recording in the page: one time for all its widgets, from stretches that Python sends ahead. */
+/** Plays a recording in the page: one time for all its widgets, from segments that Python sends ahead. */
 export class Playback {
-  readonly #model: Model;
-  readonly #stretches: Stretches;
-  readonly #foresight: Foresight;
+  readonly #model: Model<PlayerTraits>;
+  readonly #segments: Segments;
+  readonly #prefetcher: Prefetcher;
   readonly #listeners = new Set<() => void>();
   readonly #tell: () => void;
   readonly #nextFrame: () => void;
@@ -53,20 +49,18 @@ export class Playback {
   /** Whether the moment asked for is not here yet. */
   waits = true;
 
-  constructor(model: Model, moved: Promise<Moved>, signal: AbortSignal) {
+  constructor(model: Model<PlayerTraits>, moved: Promise<Moved>, signal: AbortSignal) {
     this.#model = model;
-    this.#time = getNumber(model, "time");
-    this.#stretches = new Stretches(getNumber(model, "_stretch"));
-    this.#foresight = new Foresight(this.#stretches, (time) => model.send({ pointed: time }), signal);
-    this.#tell = spaced(() => put(model, { time: this.#time }), TELL_MS, signal);
-    this.#nextFrame = onceAFrame(() => this.#advance(), signal);
+    this.#time = model.get("time");
+    this.#segments = new Segments(model.get("_stretch"));
+    this.#prefetcher = new Prefetcher(this.#segments, (time) => model.send({ pointed: time }), signal);
+    this.#tell = throttle(() => setTraits(model, { time: this.#time }), TELL_MS, signal);
+    this.#nextFrame = perAnimationFrame(() => this.#advance(), signal);
     onChange(model, ["time"], () => this.#onTime(), signal);
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
     onChange(model, ["speed", "loop", "selection", "marks", "_words"], () => this.#changed(), signal);
-    const onMessage = (message: Message, buffers: DataView[]) => this.#onMessage(message, buffers);
-    model.on("msg:custom", onMessage);
-    signal.addEventListener("abort", () => model.off("msg:custom", onMessage));
-    const first = model.get("_first") as Message;
+    onMessage(model, (message: Message, buffers) => this.#onMessage(message, buffers), signal);
+    const first = model.get("_first");
     if (first.tracks) this.#onMessage(first, first.tracks);
     moved.then((found) => {
       this.#moved = found;
@@ -83,28 +77,28 @@ export class Playback {
   }
 
   get duration(): number {
-    return getNumber(this.#model, "duration");
+    return this.#model.get("duration");
   }
 
   get playing(): boolean {
-    return getFlag(this.#model, "playing");
+    return this.#model.get("playing");
   }
 
   /** The span that is played: the selection while it is looped, else all. */
   get span(): [number, number] {
-    const chosen = this.#model.get("selection") as [number, number] | null;
-    const [start, end] = chosen && getFlag(this.#model, "loop") ? chosen : [0, this.duration];
+    const chosen = this.#model.get("selection");
+    const [start, end] = chosen && this.#model.get("loop") ? chosen : [0, this.duration];
     return [Math.min(start, this.duration), Math.min(end, this.duration)];
   }
 
   /** Calls back on every change of what the player says. */
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
-    signal.addEventListener("abort", () => this.#listeners.delete(callback));
+    onAbort(signal, () => this.#listeners.delete(callback));
   }
 
   toggle(): void {
-    put(this.#model, { playing: !this.playing, time: this.#time });
+    setTraits(this.#model, { playing: !this.playing, time: this.#time });
   }
 
   seek(time: number): void {
@@ -115,19 +109,19 @@ export class Playback {
       return;
     }
     // What is not here is asked for at once, before Python has the work of going there itself.
-    this.#foresight.ask(this.#time);
-    put(this.#model, { time: this.#time });
+    this.#prefetcher.ask(this.#time);
+    setTraits(this.#model, { time: this.#time });
   }
 
   /** A person points at a time, and may go there next; null: at none. */
   point(time: number | null): void {
-    this.#foresight.point(time === null ? null : this.#within(time));
+    this.#prefetcher.point(time === null ? null : this.#within(time));
   }
 
   /** To the next scan, or the one before; without a laser, to what the first widget shows next. */
   step(direction: -1 | 1): void {
-    if (this.playing) put(this.#model, { playing: false });
-    const to = this.#stretches.neighbour(0, this.#time, direction, this.duration);
+    if (this.playing) setTraits(this.#model, { playing: false });
+    const to = this.#segments.neighbour(0, this.#time, direction, this.duration);
     if (to !== null) this.seek(to);
     // Across a long silence Python knows where it is, and sends there.
     else this.#model.send({ step: [this.#time, direction] });
@@ -135,14 +129,14 @@ export class Playback {
 
   /** To the start of the next mark, or of the one before. */
   toMark(direction: -1 | 1): void {
-    const found = markBeside(this.#model, this.#time, direction);
+    const found = markBeside(this.#model.get("marks"), this.#time, direction);
     if (found !== undefined) this.seek(found);
   }
 
   #onTime(): void {
-    const apart = Math.abs(getNumber(this.#model, "time") - this.#time);
-    if (apart === 0 || (this.playing && apart < APART * getNumber(this.#model, "speed"))) return;
-    this.#time = getNumber(this.#model, "time");
+    const apart = Math.abs(this.#model.get("time") - this.#time);
+    if (apart === 0 || (this.playing && apart < APART * this.#model.get("speed"))) return;
+    this.#time = this.#model.get("time");
     this.#show();
   }
 
@@ -164,50 +158,50 @@ export class Playback {
     const [start, end] = this.span;
     const before = this.#time;
     // What is not here yet is waited for, and not skipped.
-    if (!this.waits) this.#time += passed * getNumber(this.#model, "speed");
+    if (!this.waits) this.#time += passed * this.#model.get("speed");
     if (this.#time >= end) {
-      const again = getFlag(this.#model, "loop");
+      const again = this.#model.get("loop");
       this.#time = again ? start : end;
-      if (!again) put(this.#model, { playing: false, time: end });
+      if (!again) setTraits(this.#model, { playing: false, time: end });
     }
     if (this.#time !== before) this.#tell();
     this.#show();
     this.#nextFrame();
   }
 
-  #onMessage({ seek, stretch, drop, abouts }: Message, buffers: DataView[]): void {
+  #onMessage({ seek, stretch = 0, drop = [], abouts = [] }: Message, buffers: DataView[]): void {
     if (seek !== undefined) {
       this.seek(seek);
       return;
     }
     const tracks = buffers.map((buffer, i): Track => {
-      return { stills: decodeStills(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
+      return { frames: decodeFrames(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
     });
-    this.#stretches.drop(drop);
-    this.#stretches.put(stretch, tracks);
-    this.#foresight.came();
+    this.#segments.drop(drop);
+    this.#segments.put(stretch, tracks);
+    this.#prefetcher.came();
     // Also what is on show may have come anew.
     this.#show();
   }
 
   #show(): void {
-    const stills = this.#stretches.at(this.#time);
-    this.waits = stills === null;
-    const pauses = this.#model.get("_pauses") as number[];
-    for (const [i, { track, still }] of (stills ?? []).entries()) {
+    const frames = this.#segments.at(this.#time);
+    this.waits = frames === null;
+    const pauses = this.#model.get("_pauses");
+    for (const [i, { track, frame }] of (frames ?? []).entries()) {
       const target = this.#moved.targets[i];
-      const age = still.time < 0 ? 0 : toAge(this.#time - still.time, pauses[i]);
-      const isNew = this.#shown[i] !== still;
+      const age = frame.time < 0 ? 0 : toAge(this.#time - frame.time, pauses[i]);
+      const isNew = this.#shown[i] !== frame;
       if (!target || (!isNew && this.#ages[i] === age)) continue;
-      this.#shown[i] = still;
+      this.#shown[i] = frame;
       this.#ages[i] = age;
-      const state: Record<string, unknown> = { _about: { ...track.abouts[still.about], ...(age && { age }) } };
+      const state: Partial<SampleTraits> = { _about: { ...track.abouts[frame.about], ...(age && { age }) } };
       if (isNew) {
         const shown = toBytes(target.get("_frame"));
         // Numbered on, so that a frozen widget tells how many have come since.
         const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
-        still.frame.setFloat64(0, number, true);
-        state._frame = still.frame;
+        frame.bytes.setFloat64(0, number, true);
+        state._frame = frame.bytes;
       }
       target.set_state(state);
     }
@@ -218,10 +212,10 @@ export class Playback {
   }
 
   /** Goes where a person points on another widget, and plays what is selected there. */
-  #follow(follower: Host, signal: AbortSignal): void {
+  #follow(follower: Follower, signal: AbortSignal): void {
     let clicked: number | undefined;
     const onTime = () => {
-      const time = follower.get("time") as number;
+      const time = follower.get("time");
       if (time === this.#time) return;
       const isSent = Boolean(follower._state_lock);
       // A kernel tells each page again what it was told, a busy one late: this page has gone on since.
@@ -232,16 +226,16 @@ export class Playback {
       clicked = isSent ? undefined : time;
       this.seek(time);
     };
-    const onPoint = () => this.point(follower.get("_pointed") as number | null);
+    const onPoint = () => this.point(follower.get("_pointed"));
     const onSelection = () => {
-      const selection = follower.get("selection") as number[] | null;
+      const selection = follower.get("selection");
       // After the other widget has told Python of it: Python then has nothing to correct.
-      queueMicrotask(() => put(this.#model, { selection: selection?.slice(0, 2) ?? null }));
+      queueMicrotask(() => setTraits(this.#model, { selection: selection && ([selection[0], selection[1]] as Span) }));
     };
     follower.on("change:time", onTime);
     follower.on("change:_pointed", onPoint);
     follower.on("change:selection", onSelection);
-    signal.addEventListener("abort", () => {
+    onAbort(signal, () => {
       follower.off("change:time", onTime);
       follower.off("change:_pointed", onPoint);
       follower.off("change:selection", onSelection);

@@ -1,9 +1,7 @@
 import { toFixed } from "../shared/format.ts";
+import type { Span } from "./traits.ts";
 
 const ROUNDING = 1e-9;
-
-/** Seconds from the start. */
-export type Span = [number, number];
 
 /** Where seconds stand across the picture: from `left` on, over `width` pixels. */
 export interface TimeAxis {

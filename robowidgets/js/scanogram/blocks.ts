@@ -1,6 +1,6 @@
-import type { Span } from "./axis.ts";
 import { type Block, type Detail, NO_SCAN, type Speeds, toRange, type Whole } from "./data.ts";
 import { firstWhere } from "./search.ts";
+import type { Span } from "./traits.ts";
 
 /** Bytes of details that a page keeps, the whole not counted. */
 const KEPT_BYTES = 48_000_000;

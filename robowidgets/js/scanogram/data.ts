@@ -52,11 +52,11 @@ export interface Whole {
   colors: [number, number];
   block: Block;
   speed: { title: string; axes: string[]; limits: [number, number][]; gap: number; speeds: Speeds } | null;
-  touch: { title: string; sensors: string[]; spans: Stretch[] } | null;
+  touch: { title: string; sensors: string[]; spans: NamedSpan[] } | null;
 }
 
 /** From when to when something was touched, or is marked; what, in words. */
-export interface Stretch {
+export interface NamedSpan {
   start: number;
   end: number;
   name: string;
@@ -212,7 +212,7 @@ function toSpeeds(arrays: Unpacked["arrays"]): Speeds | null {
   return { startsAt, least: pick(0), greatest: pick(1) };
 }
 
-function toTouches(spans: Numbers | undefined, sensors: string[]): Stretch[] {
+function toTouches(spans: Numbers | undefined, sensors: string[]): NamedSpan[] {
   return Array.from({ length: (spans?.length ?? 0) / 3 }, (_, i) => {
     const [start = 0, end = 0, sensor = 0] = spans?.subarray(3 * i, 3 * i + 3) ?? [];
     return { start, end, name: sensors[sensor] ?? "" };

@@ -1,7 +1,7 @@
 import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type TimeAxis, toX } from "./axis.ts";
-import type { Speeds, Stretch, Whole } from "./data.ts";
+import type { NamedSpan, Speeds, Whole } from "./data.ts";
 import { drawTriangle, textFont } from "./draw_axes.ts";
 import type { Band } from "./layout.ts";
 import { firstWhere } from "./search.ts";
@@ -134,7 +134,7 @@ export function drawTouches(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
   band: Band,
-  spans: Stretch[],
+  spans: NamedSpan[],
   theme: Theme,
 ): void {
   const { left, width } = axis;
@@ -149,7 +149,7 @@ export function drawSpans(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
   band: Band,
-  spans: Stretch[],
+  spans: NamedSpan[],
   color: string,
   alpha = 1,
 ): void {

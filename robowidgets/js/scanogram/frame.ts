@@ -1,7 +1,8 @@
 import { make, setText } from "../shared/dom.ts";
 import { keepKeys } from "../shared/keys.ts";
-import { getAbout, getFlag, getString, type Model, onChange } from "../shared/model.ts";
+import { type Model, onChange } from "../shared/model.ts";
 import { applyTheme, type Theme, watchTheme } from "../shared/theme.ts";
+import type { ScanogramTraits } from "./traits.ts";
 
 /** The frame round the picture: title and controls above, a notice over it, a footer below. */
 export class Frame {
@@ -9,7 +10,7 @@ export class Frame {
   readonly controls = make("span", "rw-controls");
   readonly picture = make("div", "rw-picture");
   readonly footer = make("div", "rw-footer");
-  readonly #model: Model;
+  readonly #model: Model<ScanogramTraits>;
   readonly #header = make("div", "rw-header");
   readonly #title = make("span", "rw-title");
   readonly #facts = make("span", "rw-facts");
@@ -17,7 +18,7 @@ export class Frame {
   #theme: Theme | null = null;
 
   /** @param redraw called when the picture must be drawn anew: for another theme, say */
-  constructor(element: HTMLElement, model: Model, redraw: () => void, signal: AbortSignal) {
+  constructor(element: HTMLElement, model: Model<ScanogramTraits>, redraw: () => void, signal: AbortSignal) {
     this.#model = model;
     this.picture.tabIndex = 0;
     this.picture.role = "group";
@@ -48,10 +49,10 @@ export class Frame {
   }
 
   update(facts: string[]): void {
-    const { error, notes = [] } = getAbout(this.#model);
-    this.#header.hidden = !getFlag(this.#model, "header");
-    this.footer.hidden = !getFlag(this.#model, "footer");
-    setText(this.#title, getString(this.#model, "title"));
+    const { error, notes = [] } = this.#model.get("_about");
+    this.#header.hidden = !this.#model.get("header");
+    this.footer.hidden = !this.#model.get("footer");
+    setText(this.#title, this.#model.get("title"));
     setText(this.#facts, facts.join(" · "));
     const lines = error ? [error, ...notes] : notes;
     this.#notice.classList.toggle("rw-error", Boolean(error));

@@ -1,11 +1,11 @@
 import { READING } from "../laser/scan.ts";
-import { CLASSES } from "../laser/words.ts";
+import { CLASSES } from "../laser/text.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { toMetres } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Whole } from "./data.ts";
 import { classColors, distanceColors } from "./palette.ts";
-import { toShare } from "./words.ts";
+import { toShare } from "./text.ts";
 
 /** Below the picture: what the colours mean, how much there is of each class, the time cursor and the selection. */
 export class Legend {

@@ -1,7 +1,7 @@
-import type { Span } from "./axis.ts";
 import { type Block, NO_SCAN } from "./data.ts";
 import type { Rows } from "./rows.ts";
 import { firstWhere } from "./search.ts";
+import type { Span } from "./traits.ts";
 
 /** Codes of a picture, line after line from the top: what each pixel shows. */
 export interface Raster {

@@ -1,12 +1,12 @@
 import type { Point } from "../laser/projection.ts";
-import type { RayWords } from "../laser/words.ts";
+import type { RayWords } from "../laser/text.ts";
 import { toTime } from "./axis.ts";
-import type { Stretch, Whole } from "./data.ts";
+import type { NamedSpan, Whole } from "./data.ts";
 import type { Band } from "./layout.ts";
 import type { Pointed, Scene } from "./scene.ts";
 import { firstWhere } from "./search.ts";
 import type { State } from "./state.ts";
-import { describeMark, describePlace, describeSpeed, describeTouches } from "./words.ts";
+import { describeMark, describePlace, describeSpeed, describeTouches } from "./text.ts";
 
 /** What a person points at, where it stands, and what is said of it; null where there is nothing. */
 export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { y: number; words: RayWords }) | null {
@@ -43,7 +43,7 @@ function speedAt({ speed }: Whole, { blocks, view }: State, axis: number, time: 
 }
 
 /** Stretches count within a pixel or two: short ones are drawn wider than they are. */
-function near(stretches: Stretch[], time: number, perPixel: number): Stretch[] {
+function near(spans: NamedSpan[], time: number, perPixel: number): NamedSpan[] {
   const close = 2 * perPixel;
-  return stretches.filter(({ start, end }) => time >= start - close && time <= end + close);
+  return spans.filter(({ start, end }) => time >= start - close && time <= end + close);
 }

@@ -1,6 +1,6 @@
 import { Layer, type Surface } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
-import { type Span, type TimeAxis, toX } from "./axis.ts";
+import { type TimeAxis, toX } from "./axis.ts";
 import type { Whole } from "./data.ts";
 import { drawAngles, drawFrame, drawTimes, drawTriangle } from "./draw_axes.ts";
 import { drawSpans, drawSpeed, drawTouches } from "./draw_strips.ts";
@@ -9,6 +9,7 @@ import { toRaster } from "./paint.ts";
 import { toPalette } from "./palette.ts";
 import { type Rows, toRows } from "./rows.ts";
 import type { State } from "./state.ts";
+import type { Span } from "./traits.ts";
 
 const NO_ROWS: Rows = { rayOf: [], angles: [], rowOf: [], byAngle: false };
 

@@ -1,18 +1,18 @@
 import { toBytes } from "../shared/bytes.ts";
-import { atEnd } from "../shared/events.ts";
-import { getMarks, markBeside } from "../shared/marks.ts";
-import { type Model, onChange, put } from "../shared/model.ts";
-import { spaced } from "../shared/schedule.ts";
-import type { Span } from "./axis.ts";
+import { onAbort } from "../shared/events.ts";
+import { markBeside } from "../shared/marks.ts";
+import { type Model, onChange, setTraits } from "../shared/model.ts";
+import { throttle } from "../shared/schedule.ts";
 import { Blocks } from "./blocks.ts";
-import { type Detail, decodeDetail, decodeWhole, type Stretch, type Whole } from "./data.ts";
+import { type Detail, decodeDetail, decodeWhole, type NamedSpan, type Whole } from "./data.ts";
+import type { Pointing, ScanogramTraits, Span } from "./traits.ts";
 
 const ASK_MS = 120;
 const LATE_MS = 400;
 
 /** What all views of one model share: the scans as far as they are known, and the asking for more. */
 export class State {
-  readonly #model: Model;
+  readonly #model: Model<ScanogramTraits & Pointing>;
   readonly #ask: () => void;
   readonly #signal: AbortSignal;
   readonly #listeners = new Set<() => void>();
@@ -23,19 +23,19 @@ export class State {
   /** Whether Python has been asked for finer detail, and has not answered for a while. */
   waits = false;
 
-  constructor(model: Model, signal: AbortSignal) {
+  constructor(model: Model<ScanogramTraits & Pointing>, signal: AbortSignal) {
     this.#model = model;
     this.#signal = signal;
-    this.#ask = spaced(() => this.#askNow(), ASK_MS, signal);
+    this.#ask = throttle(() => this.#askNow(), ASK_MS, signal);
     const tell = () => this.#tell();
     onChange(model, ["_frame", "_about", "view", "color_range", "marks"], tell, signal);
     onChange(model, ["_detail"], () => this.#onDetail(), signal);
-    atEnd(signal, () => clearTimeout(this.#late));
+    onAbort(signal, () => clearTimeout(this.#late));
   }
 
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
-    atEnd(signal, () => this.#listeners.delete(callback));
+    onAbort(signal, () => this.#listeners.delete(callback));
   }
 
   get whole(): Whole | null {
@@ -47,36 +47,36 @@ export class State {
   }
 
   get time(): number {
-    return Number(this.#model.get("time") ?? 0);
+    return this.#model.get("time");
   }
 
   get selection(): number[] | null {
-    return this.#model.get("selection") as number[] | null;
+    return this.#model.get("selection");
   }
 
-  get marks(): Stretch[] {
-    return getMarks(this.#model).map(([start, end, name]) => ({ start, end, name }));
+  get marks(): NamedSpan[] {
+    return this.#model.get("marks").map(([start, end, name]) => ({ start, end, name }));
   }
 
   /** The start of the next mark, or of the one before. */
   markBeside(direction: -1 | 1): number | undefined {
-    return markBeside(this.#model, this.time, direction);
+    return markBeside(this.#model.get("marks"), this.time, direction);
   }
 
   /** The time on show. */
   get view(): Span {
     const duration = this.whole?.duration ?? 1;
-    const [start, end] = (this.#model.get("view") as Span | null) ?? [0, duration];
+    const [start, end] = this.#model.get("view") ?? [0, duration];
     return start < duration ? [start, end] : [0, duration];
   }
 
   get colors(): [number, number] {
-    return (this.#model.get("color_range") as [number, number] | null) ?? this.whole?.colors ?? [0, 1];
+    return this.#model.get("color_range") ?? this.whole?.colors ?? [0, 1];
   }
 
   /** Sets traits on the page at once, and tells Python when it has time. */
-  set(values: { time?: number; selection?: number[] | null; view?: Span | null }): void {
-    put(this.#model, values);
+  set(values: Partial<ScanogramTraits>): void {
+    setTraits(this.#model, values);
   }
 
   /** Says at which time a person points, to what else is in the page: a player fetches that. */
@@ -110,7 +110,7 @@ export class State {
     const asked = wanted.join();
     if (asked === this.#asked) return;
     this.#asked = asked;
-    put(this.#model, { _wanted: wanted });
+    setTraits(this.#model, { _wanted: wanted });
     if (this.#late === undefined && !this.waits) {
       this.#late = setTimeout(() => {
         this.waits = true;

@@ -4,8 +4,8 @@ import { type Surface, watchSize } from "../shared/canvas.ts";
 import { make, makeButton } from "../shared/dom.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
-import { onceAFrame } from "../shared/schedule.ts";
-import { moved, type Span, toSeconds, toTime, toX, zoomed } from "./axis.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
+import { moved, toSeconds, toTime, toX, zoomed } from "./axis.ts";
 import { Frame } from "./frame.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
@@ -14,7 +14,8 @@ import { placeBeside } from "./popup_place.ts";
 import { selectedRays } from "./rows.ts";
 import { type Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
-import { describeSelection, toFacts } from "./words.ts";
+import { describeSelection, toFacts } from "./text.ts";
+import type { ScanogramTraits, Span } from "./traits.ts";
 
 const LATE = "finer detail when the kernel is free";
 
@@ -35,10 +36,10 @@ export class ScanogramView {
   /** A selection that is being dragged. */
   #draft: number[] | null = null;
 
-  constructor(model: Model, element: HTMLElement, state: State, signal: AbortSignal) {
+  constructor(model: Model<ScanogramTraits>, element: HTMLElement, state: State, signal: AbortSignal) {
     this.#state = state;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
-    this.#redrawTop = onceAFrame(() => this.#drawTop(), signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
+    this.#redrawTop = perAnimationFrame(() => this.#drawTop(), signal);
     this.#frame = new Frame(element, model, this.#redraw, signal);
     const { picture, footer } = this.#frame;
     this.#scene = new Scene(picture);

@@ -1,5 +1,5 @@
 import { make } from "./dom.ts";
-import { atEnd, on } from "./events.ts";
+import { on, onAbort } from "./events.ts";
 
 export interface Size {
   width: number;
@@ -72,7 +72,7 @@ export function watchSize(
     callback({ width: element.clientWidth, height: element.clientHeight, ratio });
   const observer = new ResizeObserver(() => tell());
   observer.observe(element);
-  atEnd(signal, () => observer.disconnect());
+  onAbort(signal, () => observer.disconnect());
   const watchRatio = () => {
     const query = matchMedia(`(resolution: ${devicePixelRatio}dppx)`);
     const onRatio = () => {

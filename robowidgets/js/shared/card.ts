@@ -3,10 +3,11 @@ import { make, makeButton, makeIcon, setLabel, setText } from "./dom.ts";
 import { isPlain, on } from "./events.ts";
 import { toAge, toCount, toFixed } from "./format.ts";
 import { keepKeys } from "./keys.ts";
-import { getAbout, getFlag, getSource, getString, type Model, onChange } from "./model.ts";
-import { READING_MS, spaced } from "./schedule.ts";
+import { type Model, onChange } from "./model.ts";
+import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
 import { applyTheme, type Theme, watchTheme } from "./theme.ts";
+import type { SampleTraits } from "./traits.ts";
 
 const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
@@ -18,7 +19,7 @@ export class Card {
   readonly controls: HTMLElement;
   readonly picture: HTMLElement;
   readonly footer: HTMLElement;
-  readonly #model: Model;
+  readonly #model: Model<SampleTraits>;
   readonly #stream: Stream<Frame>;
   readonly #header = make("div", "rw-header");
   readonly #title = make("span", "rw-title");
@@ -43,7 +44,7 @@ export class Card {
   constructor(
     element: HTMLElement,
     kind: string,
-    model: Model,
+    model: Model<SampleTraits>,
     stream: Stream<Frame>,
     redraw: () => void,
     signal: AbortSignal,
@@ -71,7 +72,7 @@ export class Card {
     };
     watchTheme(onTheme, signal);
     onChange(model, ["title", "header", "footer", "_source"], redraw, signal);
-    this.#tellFacts = spaced(() => this.#drawFacts(), READING_MS, signal);
+    this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
     on(this.#header, "pointerenter", () => this.#tellAll(), signal);
     on(this.root, "keydown", (event) => this.#onKey(event), signal);
     keepKeys(this.root, signal);
@@ -97,7 +98,7 @@ export class Card {
   /** What an empty picture says, before the first sample: a noun with its article. */
   waiting(noun: string): string {
     if (this.#stream.since) return `frozen before the first ${noun}`;
-    return getSource(this.#model).words || `waiting for a ${noun}`;
+    return this.#model.get("_source").words || `waiting for a ${noun}`;
   }
 
   /**
@@ -108,18 +109,18 @@ export class Card {
    */
   update(facts: string[], noun: string, paced = true): void {
     this.#theme ??= applyTheme(this.root);
-    const { error } = getAbout(this.#model);
+    const { error } = this.#model.get("_about");
     const { paused, since, about, shown, place } = this.#stream;
     const { notes = [] } = about;
-    this.#header.hidden = !getFlag(this.#model, "header");
-    this.footer.hidden = !getFlag(this.#model, "footer");
-    setText(this.#title, getString(this.#model, "title"));
+    this.#header.hidden = !this.#model.get("header");
+    this.footer.hidden = !this.#model.get("footer");
+    setText(this.#title, this.#model.get("title"));
     this.#known = facts.filter(Boolean);
     this.#paced = paced;
     this.#tellFacts();
     const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
     // An empty picture says the words itself.
-    const source = getSource(this.#model);
+    const source = this.#model.get("_source");
     const lines = [source.error, shown && source.words, ...said].filter(Boolean);
     this.#notice.classList.toggle("rw-error", Boolean(error || source.error));
     this.#notice.classList.toggle("rw-status", said.length === 0 && !source.error);
@@ -145,14 +146,14 @@ export class Card {
     const pace = live && this.#paced && rate ? [`${toFixed(rate, 1)} Hz`] : [];
     setText(this.#facts, [...this.#known, ...pace].join(" ·\u00A0"));
     setText(this.#silence, silence ? `no data for ${toAge(silence)}` : "");
-    this.root.classList.toggle("rw-silent", silence > 0 || getSource(this.#model).lost === true);
+    this.root.classList.toggle("rw-silent", silence > 0 || this.#model.get("_source").lost === true);
     if (silence) this.#tellFacts();
   }
 
   /** All that is known of the source, line by line, for who points at the header. */
   #tellAll(): void {
     const { arrived } = this.#stream;
-    const { topic = getString(this.#model, "title"), type } = getSource(this.#model);
+    const { topic = this.#model.get("title"), type } = this.#model.get("_source");
     const age = arrived && `newest ${toAge(performance.now() - arrived)} ago`;
     this.#header.title = [topic, type, this.#facts.textContent, age].filter(Boolean).join("\n");
   }

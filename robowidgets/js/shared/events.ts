@@ -10,7 +10,7 @@ export function on<K extends keyof HTMLElementEventMap>(
 }
 
 /** Calls back when the signal ends what it is for. */
-export function atEnd(signal: AbortSignal, callback: () => void): void {
+export function onAbort(signal: AbortSignal, callback: () => void): void {
   signal.addEventListener("abort", callback);
 }
 

@@ -1,4 +1,4 @@
-import type { About } from "./model.ts";
+import type { About } from "./traits.ts";
 
 /** A sample that came, when, in the page's milliseconds (NaN when the page found it at its load), and what was said of it. */
 export interface Moment {

@@ -1,14 +1,8 @@
-import type { Model } from "./model.ts";
-
 /** Start and end in seconds from the start, and what is marked there; in the order of time. */
 export type Mark = [number, number, string];
 
-export function getMarks(model: Model): Mark[] {
-  return model.get("marks") as Mark[];
-}
-
 /** The start of the next mark, or of the one before; undefined where there is none. */
-export function markBeside(model: Model, time: number, direction: -1 | 1): number | undefined {
-  const starts = getMarks(model).map(([start]) => start);
+export function markBeside(marks: Mark[], time: number, direction: -1 | 1): number | undefined {
+  const starts = marks.map(([start]) => start);
   return direction > 0 ? starts.find((start) => start > time) : starts.filter((start) => start < time).at(-1);
 }

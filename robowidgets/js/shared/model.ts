@@ -1,58 +1,63 @@
-import type { AnyModel } from "@anywidget/types";
-import { atEnd } from "./events.ts";
+import { onAbort } from "./events.ts";
 
-export type Model = AnyModel<Record<string, unknown>>;
-
-/** What Python says in words about the newest sample. */
-export interface About {
-  frame_id?: string;
-  notes?: string[];
-  error?: string;
-  /** Milliseconds for which a recording has nothing newer, where that is long. */
-  age?: number;
+/**
+ * A widget's model, as anywidget hands it over.
+ *
+ * T lists the synced traits of Python's widget, by name and type: `traits.ts` of each widget, which
+ * tests/unit/test_contract.py holds against the Python classes. A `change:` callback takes no arguments.
+ */
+export interface Model<T> {
+  get<K extends keyof T>(name: K): T[K];
+  set<K extends keyof T>(name: K, value: T[K]): void;
+  save_changes(): void;
+  send(content: unknown): void;
+  on(event: ChangeOf<T>, callback: () => void): void;
+  on(event: "msg:custom", callback: OnMessage): void;
+  off(event: ChangeOf<T>, callback: () => void): void;
+  off(event: "msg:custom", callback: OnMessage): void;
+  readonly widget_manager: { get_model(id: string): Promise<unknown> };
 }
 
-/** What a feed says of its topic; all of it may be missing. Plain text. */
-export interface Source {
-  topic?: string;
-  type?: string;
-  words?: string;
-  /** What the program's own functions on this topic did wrong. */
-  error?: string;
-  /** Whether the connection is lost, so that nothing comes. */
-  lost?: boolean;
+type ChangeOf<T> = `change:${keyof T & string}`;
+// biome-ignore lint/suspicious/noExplicitAny: Python sends what it likes.
+type OnMessage = (content: any, buffers: DataView[]) => void;
+
+/** What a widget's script gets once per model, and ends with the signal. */
+export interface Initialized<T> {
+  model: Model<T>;
+  signal: AbortSignal;
 }
 
-export function getString(model: Model, name: string): string {
-  return String(model.get(name) ?? "");
-}
-
-export function getNumber(model: Model, name: string): number {
-  return Number(model.get(name));
-}
-
-export function getFlag(model: Model, name: string): boolean {
-  return model.get(name) === true;
-}
-
-export function getAbout(model: Model): About {
-  return (model.get("_about") ?? {}) as About;
-}
-
-export function getSource(model: Model): Source {
-  return (model.get("_source") ?? {}) as Source;
+/** What a widget's script gets once per view. */
+export interface Rendered<T> extends Initialized<T> {
+  el: HTMLElement;
 }
 
 /** Sets traits on the page at once, and tells Python when it has time to listen. */
-export function put(model: Model, values: Record<string, unknown>): void {
-  for (const [name, value] of Object.entries(values)) model.set(name, value);
+export function setTraits<T>(model: Model<T>, values: Partial<T>): void {
+  for (const name in values) model.set(name, values[name] as T[typeof name]);
   model.save_changes();
 }
 
 /** Calls back on the change of any of the traits, until the signal ends it. */
-export function onChange(model: Model, names: string[], callback: () => void, signal: AbortSignal): void {
+export function onChange<T>(
+  model: Model<T>,
+  names: readonly (keyof T & string)[],
+  callback: () => void,
+  signal: AbortSignal,
+): void {
   for (const name of names) model.on(`change:${name}`, callback);
-  atEnd(signal, () => {
+  onAbort(signal, () => {
     for (const name of names) model.off(`change:${name}`, callback);
   });
+}
+
+/** Calls back on messages of Python that are no traits, until the signal ends it. */
+export function onMessage<T, M>(
+  model: Model<T>,
+  callback: (message: M, buffers: DataView[]) => void,
+  signal: AbortSignal,
+): void {
+  model.on("msg:custom", callback);
+  onAbort(signal, () => model.off("msg:custom", callback));
 }

@@ -1,7 +1,7 @@
 import { make, makeButton, makeIcon, setLabel } from "./dom.ts";
-import { atEnd } from "./events.ts";
-import { getString, type Model } from "./model.ts";
+import { type Model, onMessage } from "./model.ts";
 import type { Theme } from "./theme.ts";
+import type { NamedTraits } from "./traits.ts";
 
 const LABEL = "Save as PNG";
 const ICON = "M5 1h2v4h2.5l-3.5 3.5-3.5-3.5h2.5z M1.5 9.5h9v1.5h-9z";
@@ -19,11 +19,16 @@ interface Shown {
  *
  * @param draw draws the card at once, in so many device pixels for each of the page's; as many as the screen has
  */
-export function offerPng(card: Shown, model: Model, draw: (ratio?: number) => void, signal: AbortSignal): void {
+export function offerPng(
+  card: Shown,
+  model: Model<NamedTraits>,
+  draw: (ratio?: number) => void,
+  signal: AbortSignal,
+): void {
   const take = () => {
     const ratio = Math.max(2, devicePixelRatio);
     draw(ratio);
-    const png = toPng(card, getString(model, "_css"), ratio);
+    const png = toPng(card, model.get("_css"), ratio);
     draw();
     return png;
   };
@@ -31,7 +36,7 @@ export function offerPng(card: Shown, model: Model, draw: (ratio?: number) => vo
     const link = make("a", "");
     link.href = url;
     // Swedish dates are those of ISO 8601, in local time.
-    const words = `${getString(model, "title")} ${new Date().toLocaleString("sv")}`.match(/[^\s/:]+/g);
+    const words = `${model.get("title")} ${new Date().toLocaleString("sv")}`.match(/[^\s/:]+/g);
     link.download = `${words?.join("-")}.png`;
     link.click();
     return LABEL;
@@ -45,12 +50,11 @@ export function offerPng(card: Shown, model: Model, draw: (ratio?: number) => vo
   button.append(makeIcon(ICON));
   card.controls.append(button);
 
-  const onMessage = async ({ png }: { png?: number }) => {
+  const onAsked = async ({ png }: { png?: number }) => {
     // A view that is scrolled away may have no size. Python says so if no other answers.
     if (png && card.root.offsetWidth) model.send({ png, url: await take() });
   };
-  model.on("msg:custom", onMessage);
-  atEnd(signal, () => model.off("msg:custom", onMessage));
+  onMessage(model, onAsked, signal);
 }
 
 /** The card as it is at the call, as a data URL: drawn from a copy that has all styles with it, and fetches nothing. */

@@ -1,12 +1,12 @@
-import { atEnd } from "./events.ts";
+import { onAbort } from "./events.ts";
 
 /** Between two texts that follow the samples. Nobody reads faster, and laying out text takes longer than drawing dots. */
 export const READING_MS = 100;
 
 /** Draws once per animation frame, however often it is asked to. */
-export function onceAFrame(draw: () => void, signal: AbortSignal): () => void {
+export function perAnimationFrame(draw: () => void, signal: AbortSignal): () => void {
   let pending = 0;
-  atEnd(signal, () => cancelAnimationFrame(pending));
+  onAbort(signal, () => cancelAnimationFrame(pending));
   return () => {
     if (pending || signal.aborted) return;
     pending = requestAnimationFrame(() => {
@@ -17,10 +17,10 @@ export function onceAFrame(draw: () => void, signal: AbortSignal): () => void {
 }
 
 /** Calls at once, and again after `ms` at the earliest; who asked meanwhile is heard then. */
-export function spaced(call: () => void, ms: number, signal: AbortSignal): () => void {
+export function throttle(call: () => void, ms: number, signal: AbortSignal): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let asked = false;
-  atEnd(signal, () => clearTimeout(timer));
+  onAbort(signal, () => clearTimeout(timer));
   const run = () => {
     asked = false;
     timer = setTimeout(() => {

@@ -1,8 +1,9 @@
 import { copyOf, type Reader, toBytes } from "./bytes.ts";
-import { atEnd } from "./events.ts";
+import { onAbort } from "./events.ts";
 import { History } from "./history.ts";
-import { type About, getAbout, getFlag, getNumber, getSource, type Model, onChange, put } from "./model.ts";
-import { spaced } from "./schedule.ts";
+import { type Model, onChange, setTraits } from "./model.ts";
+import { throttle } from "./schedule.ts";
+import type { About, SampleTraits } from "./traits.ts";
 
 /** What the head of every frame says. */
 export interface Frame {
@@ -47,7 +48,7 @@ const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
  * reload, a second view and a saved notebook find again.
  */
 export class Stream<F extends Frame> {
-  readonly #model: Model;
+  readonly #model: Model<SampleTraits>;
   readonly #decode: (bytes: DataView) => F;
   readonly #history = new History();
   readonly #save: () => void;
@@ -64,16 +65,16 @@ export class Stream<F extends Frame> {
   /** Whether another sample than the one that froze was stepped to. */
   stepped = false;
 
-  constructor(model: Model, decode: (bytes: DataView) => F, signal: AbortSignal) {
+  constructor(model: Model<SampleTraits>, decode: (bytes: DataView) => F, signal: AbortSignal) {
     this.#model = model;
     this.#decode = decode;
     // A person who drags need not be followed by Python to the millisecond.
-    this.#save = spaced(() => model.save_changes(), SAVE_MS, signal);
+    this.#save = throttle(() => model.save_changes(), SAVE_MS, signal);
     const [held, newest] = [this.paused ? this.#bytes("_held") : null, this.#bytes("_frame")];
     this.#keep(held, NaN);
     if (this.paused) this.#history.hold(performance.now());
     if (sequenceOf(held) !== sequenceOf(newest)) this.#keep(newest, NaN);
-    const age = getNumber(model, "_silence");
+    const age = model.get("_silence");
     if (age) {
       // A notebook that is saved later shows it as if it were new.
       model.set("_silence", 0);
@@ -82,11 +83,11 @@ export class Stream<F extends Frame> {
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["paused"], () => this.#onPaused(), signal);
     onChange(model, ["_held", "_about"], () => this.#tell(), signal);
-    atEnd(signal, () => clearTimeout(this.#stale));
+    onAbort(signal, () => clearTimeout(this.#stale));
   }
 
   get paused(): boolean {
-    return getFlag(this.#model, "paused");
+    return this.#model.get("paused");
   }
 
   /** The frame to draw: the frozen one while paused, else the newest; null before the first. */
@@ -99,7 +100,7 @@ export class Stream<F extends Frame> {
 
   /** What is said of the frame to draw. */
   get about(): About {
-    return this.#history.moments[this.place?.index ?? -1]?.about ?? getAbout(this.#model);
+    return this.#history.moments[this.place?.index ?? -1]?.about ?? this.#model.get("_about");
   }
 
   /** How many samples have come since the frozen one. */
@@ -114,8 +115,8 @@ export class Stream<F extends Frame> {
 
   /** Milliseconds for which nothing has come, of a feed, of a source that had a rate, or of a recording; else 0. */
   get silence(): number {
-    const wasLive = this.#heard && !this.live && (this.rate || getSource(this.#model).topic);
-    return wasLive ? performance.now() - this.#heard : (getAbout(this.#model).age ?? 0);
+    const wasLive = this.#heard && !this.live && (this.rate || this.#model.get("_source").topic);
+    return wasLive ? performance.now() - this.#heard : (this.#model.get("_about").age ?? 0);
   }
 
   /** Null when the picture is not frozen, or there is nothing to step to. */
@@ -132,7 +133,7 @@ export class Stream<F extends Frame> {
 
   toggle(): void {
     const paused = !this.paused;
-    put(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });
+    setTraits(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });
   }
 
   /** Shows the next of the samples kept, or the one before; whether it is frozen with some to step through. */
@@ -156,7 +157,7 @@ export class Stream<F extends Frame> {
   /** Calls back on every change, until the signal ends it. */
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
-    atEnd(signal, () => this.#listeners.delete(callback));
+    onAbort(signal, () => this.#listeners.delete(callback));
   }
 
   #shownBytes(): DataView | null {
@@ -168,14 +169,14 @@ export class Stream<F extends Frame> {
   }
 
   get #seconds(): number {
-    return getNumber(this.#model, "history") || 0;
+    return this.#model.get("history") || 0;
   }
 
   /** Keeps a copy, because hosts hand out views of larger buffers, and send the whole buffer under a view. */
   #keep(bytes: DataView | null, at: number): void {
     if (!bytes) return;
     const kept = new DataView(copyOf(bytes, 0, bytes.byteLength));
-    this.#history.add(kept, at, this.#seconds, getAbout(this.#model));
+    this.#history.add(kept, at, this.#seconds, this.#model.get("_about"));
   }
 
   #onFrame(): void {

@@ -1,4 +1,4 @@
-import { atEnd, on } from "./events.ts";
+import { on, onAbort } from "./events.ts";
 
 /** What the style sheet gives as `--rw-` variables, for light or dark. */
 const NAMES = ["ink", "muted", "line", "area", "reading", "pointer", "touch", "mono"] as const;
@@ -37,6 +37,6 @@ export function watchTheme(callback: () => void, signal: AbortSignal): void {
   for (const element of [document.body, document.documentElement]) {
     observer.observe(element, { attributes: true, attributeFilter: attributes });
   }
-  atEnd(signal, () => observer.disconnect());
+  onAbort(signal, () => observer.disconnect());
   on(prefersDark(), "change", callback, signal);
 }

@@ -3,7 +3,7 @@ import type { Axis } from "./axes.ts";
 import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
 import { isOff, toHeight, toHeightOnTrack } from "./scale.ts";
-import { stateWords, toShort, toValueText } from "./words.ts";
+import { stateWords, toShort, toValueText } from "./text.ts";
 
 /** The bar of one axis on its track, with limits, command and peaks, and its words below. */
 export class Column {

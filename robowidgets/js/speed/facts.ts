@@ -1,8 +1,9 @@
 import { type Axis, GROUPS, isShown } from "./axes.ts";
 import type { Speeds } from "./frame.ts";
-import { type LimitSettings, type Limits, limitsOf } from "./limits.ts";
+import { type LimitSettings, limitsOf } from "./limits.ts";
 import { type Scale, sharedLimits, toScales } from "./scale.ts";
-import { decimalsFor } from "./words.ts";
+import { decimalsFor } from "./text.ts";
+import type { Limits } from "./traits.ts";
 
 /** All that is known of one axis; speeds in its unit. */
 export interface AxisFacts {

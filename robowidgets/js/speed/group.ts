@@ -3,7 +3,7 @@ import { type Group, isShown } from "./axes.ts";
 import { Column, toPercent } from "./column.ts";
 import type { GroupFacts } from "./facts.ts";
 import { scaleLabels, toHeight } from "./scale.ts";
-import { toShort } from "./words.ts";
+import { toShort } from "./text.ts";
 
 /** The axes of one group side by side, with their scale. */
 export class GroupView {

@@ -1,7 +1,5 @@
 import type { Axis, Group } from "./axes.ts";
-
-/** Least and greatest, in m/s or rad/s; zero lies between them. */
-export type Limits = [number, number];
+import type { Limits } from "./traits.ts";
 
 /** What a value is to its limits. */
 export type State = "within" | "over" | "under" | "none";

@@ -1,5 +1,5 @@
 import { make, setText } from "../shared/dom.ts";
-import type { AxisWords } from "./words.ts";
+import type { AxisWords } from "./text.ts";
 
 const GAP = 10;
 const MARGIN = 4;

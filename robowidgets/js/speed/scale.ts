@@ -1,5 +1,5 @@
 import { ticks } from "d3-array";
-import type { Limits } from "./limits.ts";
+import type { Limits } from "./traits.ts";
 
 /** The speeds at the lower and the upper end of a track. */
 export interface Scale {

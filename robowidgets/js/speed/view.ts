@@ -1,9 +1,9 @@
 import { watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
-import { getFlag, getNumber, getString, type Model, onChange, put } from "../shared/model.ts";
+import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { GROUPS } from "./axes.ts";
 import type { Column } from "./column.ts";
@@ -12,10 +12,10 @@ import type { Speeds } from "./frame.ts";
 import { watchGestures } from "./gestures.ts";
 import { GroupView } from "./group.ts";
 import { Legend } from "./legend.ts";
-import type { Limits } from "./limits.ts";
 import { Popup } from "./popup.ts";
 import { toClearance } from "./scale.ts";
-import { describeAxis, summarize } from "./words.ts";
+import { describeAxis, summarize } from "./text.ts";
+import type { SpeedTraits } from "./traits.ts";
 
 const SETTINGS = [
   "linear_limits",
@@ -26,12 +26,12 @@ const SETTINGS = [
   "_resets",
   "command_title",
   "bars",
-];
+] as const;
 const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";
 
 /** One view of a speed widget: it wires the card, the groups of bars, the legend, the pop-up and the gestures. */
 export class SpeedView {
-  readonly #model: Model;
+  readonly #model: Model<SpeedTraits>;
   readonly #stream: Stream<Speeds>;
   readonly #card: Card;
   readonly #board = make("div", "rw-board");
@@ -46,10 +46,10 @@ export class SpeedView {
   #hovered: number | null = null;
   #picked: number | null = null;
 
-  constructor(model: Model, element: HTMLElement, stream: Stream<Speeds>, signal: AbortSignal) {
+  constructor(model: Model<SpeedTraits>, element: HTMLElement, stream: Stream<Speeds>, signal: AbortSignal) {
     this.#model = model;
     this.#stream = stream;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#card = new Card(element, "speed", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
     picture.append(this.#board, this.#empty);
@@ -106,26 +106,26 @@ export class SpeedView {
   }
 
   #onPlanar(): void {
-    put(this.#model, { planar: !getFlag(this.#model, "planar") });
+    setTraits(this.#model, { planar: !this.#model.get("planar") });
   }
 
   #onReset(): void {
-    put(this.#model, { _resets: getNumber(this.#model, "_resets") + 1 });
+    setTraits(this.#model, { _resets: this.#model.get("_resets") + 1 });
   }
 
   #draw(): void {
     const [model, speeds] = [this.#model, this.#stream.shown];
-    const planar = getFlag(model, "planar");
+    const planar = model.get("planar");
     // A reset is seen at once; the new peaks come when Python has listened.
-    const isReset = !this.#stream.paused && speeds?.resets !== getNumber(model, "_resets");
+    const isReset = !this.#stream.paused && speeds?.resets !== model.get("_resets");
     const groups = toFacts(speeds, {
       limits: {
-        linear: model.get("linear_limits") as Limits,
-        angular: model.get("angular_limits") as Limits,
-        axes: (model.get("limits") ?? {}) as Record<string, Limits>,
+        linear: model.get("linear_limits"),
+        angular: model.get("angular_limits"),
+        axes: model.get("limits"),
       },
       planar,
-      marksPeaks: getFlag(model, "hold_peaks") && !isReset,
+      marksPeaks: model.get("hold_peaks") && !isReset,
     });
     const shown = groups.flatMap(({ axes }) => axes);
     const hidden = groups.flatMap((group) => group.hidden);
@@ -149,18 +149,18 @@ export class SpeedView {
 
   #drawCard(speeds: Speeds | null, summary: string): void {
     const model = this.#model;
-    const bars = getString(model, "bars") || "measured";
+    const bars = model.get("bars");
     const isCommanded = bars === "commanded";
-    const command = speeds?.commanded ? `with ${getString(model, "command_title") || "commands"}` : "";
+    const command = speeds?.commanded ? `with ${model.get("command_title") || "commands"}` : "";
     this.#card.update([this.#stream.about.frame_id ?? "", isCommanded ? bars : "", command], "speed");
     this.#card.root.classList.toggle("rw-bars-commanded", isCommanded);
     this.#board.style.paddingTop = `${this.#card.noticeHeight}px`;
-    this.#planar.ariaPressed = String(getFlag(model, "planar"));
-    this.#reset.hidden = !getFlag(model, "hold_peaks");
+    this.#planar.ariaPressed = String(model.get("planar"));
+    this.#reset.hidden = !model.get("hold_peaks");
     this.#empty.hidden = speeds !== null;
     setText(this.#empty, this.#card.waiting("speed"));
     this.#board.classList.toggle("rw-commanded", Boolean(speeds?.commanded));
-    this.#legend.update(bars, Boolean(speeds?.commanded), getFlag(model, "hold_peaks"), summary);
+    this.#legend.update(bars, Boolean(speeds?.commanded), model.get("hold_peaks"), summary);
   }
 
   #drawPopup(shown: AxisFacts[]): void {

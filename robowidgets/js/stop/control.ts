@@ -1,18 +1,6 @@
-import { atEnd } from "../shared/events.ts";
-import { type Model, onChange } from "../shared/model.ts";
-
-/** What Python tells: who drives, the speed sent last, whether stop is latched, and texts. */
-export interface Told {
-  ready: boolean;
-  /** "program", the name of a press, or nobody. */
-  driver: string;
-  speed: [number, number];
-  stopped: boolean;
-  error: string;
-  cause: string;
-  words: string;
-  topic: string;
-}
+import { onAbort } from "../shared/events.ts";
+import { type Model, onChange, onMessage } from "../shared/model.ts";
+import type { StopTraits, Told } from "./traits.ts";
 
 /** Milliseconds between two beats. */
 export const BEAT_MS = 1000;
@@ -57,7 +45,7 @@ interface Answer {
  */
 export class StopControl {
   note: Note = "";
-  readonly #model: Model;
+  readonly #model: Model<StopTraits>;
   readonly #name: string;
   readonly #tell: () => void;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -71,25 +59,23 @@ export class StopControl {
    * @param name what no other view of any page is called
    * @param tell called when something has changed, and once a second
    */
-  constructor(model: Model, name: string, tell: () => void, signal: AbortSignal) {
+  constructor(model: Model<StopTraits>, name: string, tell: () => void, signal: AbortSignal) {
     this.#model = model;
     this.#name = name;
     this.#tell = tell;
     const beats = setInterval(() => this.#beat(), BEAT_MS);
-    atEnd(signal, () => {
+    onAbort(signal, () => {
       clearInterval(beats);
       clearTimeout(this.#timer);
     });
     onChange(model, ["_state"], () => this.#onState(), signal);
-    const onMessage = (answer: Answer) => this.#onAnswer(answer);
-    model.on("msg:custom", onMessage);
-    atEnd(signal, () => model.off("msg:custom", onMessage));
+    onMessage(model, (answer: Answer) => this.#onAnswer(answer), signal);
     this.#wasStopped = this.told.stopped;
     this.#beat();
   }
 
   get told(): Told {
-    return this.#model.get("_state") as Told;
+    return this.#model.get("_state");
   }
 
   /** Whether the kernel answers this page; a busy one may not. */

@@ -1,5 +1,6 @@
 import { toFixed } from "../shared/format.ts";
-import type { Note, StopControl, Told } from "./control.ts";
+import type { Note, StopControl } from "./control.ts";
+import type { Told } from "./traits.ts";
 
 /** What is going on, in words, and whether it is a warning. */
 export interface Text {

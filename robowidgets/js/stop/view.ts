@@ -1,10 +1,11 @@
 import { make, setText } from "../shared/dom.ts";
 import type { Model } from "../shared/model.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { StopButtons } from "./buttons.ts";
 import { StopControl } from "./control.ts";
 import { toDriverText } from "./text.ts";
+import type { StopTraits } from "./traits.ts";
 
 /** A bar: Stop, who drives and how fast, and what is wrong. */
 export class StopView {
@@ -15,8 +16,8 @@ export class StopView {
   readonly #hint = make("div", "rw-hint");
   readonly #notice = make("div", "rw-notice rw-error");
 
-  constructor(model: Model, element: HTMLElement, signal: AbortSignal) {
-    const redraw = onceAFrame(() => this.#draw(), signal);
+  constructor(model: Model<StopTraits>, element: HTMLElement, signal: AbortSignal) {
+    const redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#control = new StopControl(model, crypto.randomUUID().slice(0, 8), redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
     const words = make("div", "rw-stop-words");

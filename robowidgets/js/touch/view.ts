@@ -1,19 +1,21 @@
 import { type Size, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, setText } from "../shared/dom.ts";
-import { atEnd } from "../shared/events.ts";
-import { type About, type Model, onChange } from "../shared/model.ts";
+import { onAbort } from "../shared/events.ts";
+import { type Model, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
-import { onceAFrame } from "../shared/schedule.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
+import type { About } from "../shared/traits.ts";
 import { LEAST_WIDTH, layAround } from "./around.ts";
 import { Body } from "./body.ts";
 import type { Clock } from "./clock.ts";
 import { Footer } from "./footer.ts";
 import { type Box, GAP, layRows } from "./rows.ts";
+import { modeWord, toLabels } from "./text.ts";
 import { Tile } from "./tile.ts";
 import { type Sensor, select, type Touch } from "./touch.ts";
-import { modeWord, toLabels } from "./words.ts";
+import type { TouchTraits } from "./traits.ts";
 
 interface TouchAbout extends About {
   dialect?: string;
@@ -27,7 +29,7 @@ const PADDING = 12;
 
 /** One view of a touch widget: a rectangle for each sensor, in rows or round the robot's body. */
 export class TouchView {
-  readonly #model: Model;
+  readonly #model: Model<TouchTraits>;
   readonly #stream: Stream<Touch>;
   readonly #clock: Clock;
   readonly #card: Card;
@@ -40,11 +42,17 @@ export class TouchView {
   #width = 0;
   #tick: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(model: Model, element: HTMLElement, stream: Stream<Touch>, clock: Clock, signal: AbortSignal) {
+  constructor(
+    model: Model<TouchTraits>,
+    element: HTMLElement,
+    stream: Stream<Touch>,
+    clock: Clock,
+    signal: AbortSignal,
+  ) {
     this.#model = model;
     this.#stream = stream;
     this.#clock = clock;
-    this.#redraw = onceAFrame(() => this.#draw(), signal);
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#card = new Card(element, "touch", model, stream, this.#redraw, signal);
     this.#footer = new Footer(this.#card.footer);
     this.#field.role = "list";
@@ -58,14 +66,14 @@ export class TouchView {
     };
     watchSize(this.#card.picture, onSize, signal);
     offerPng(this.#card, model, () => this.#draw(), signal);
-    atEnd(signal, () => clearTimeout(this.#tick));
+    onAbort(signal, () => clearTimeout(this.#tick));
   }
 
   #draw(): void {
     if (this.#width === 0) return;
     const touch = this.#stream.shown;
     const all = touch?.sensors ?? [];
-    const sensors = select(all, (this.#model.get("sensors") as string[]) ?? []);
+    const sensors = select(all, this.#model.get("sensors"));
     const { dialect = "", mode, still = false } = this.#stream.about as TouchAbout;
     this.#card.update([dialect, modeWord(mode)], "states", mode !== "event");
     this.#footer.update(sensors, all);
@@ -78,7 +86,7 @@ export class TouchView {
   /** Puts every rectangle in its place. */
   #lay(sensors: Sensor[]): void {
     const width = this.#width - 2 * PADDING;
-    const given = (this.#model.get("angles") as Record<string, number>) ?? {};
+    const given = this.#model.get("angles");
     const names = sensors.map(({ name }) => name);
     const placed = new Map(names.flatMap((name) => (typeof given[name] === "number" ? [[name, given[name]]] : [])));
     const around = placed.size && width >= LEAST_WIDTH ? layAround(placed, width) : null;
@@ -118,7 +126,7 @@ export class TouchView {
     clearTimeout(this.#tick);
     const labels = toLabels(
       sensors.map(({ name }) => name),
-      (this.#model.get("labels") as Record<string, string>) ?? {},
+      this.#model.get("labels"),
     );
     sensors.forEach((sensor, i) => {
       this.#tiles.get(sensor.name)?.update(sensor, labels[i] ?? sensor.name, elapsed);

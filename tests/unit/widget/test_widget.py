@@ -11,13 +11,13 @@ from math import isnan
 from pathlib import Path
 from types import SimpleNamespace
 
-import anywidget
 import numpy as np
 import pytest
 import traitlets
 from IPython.core.formatters import DisplayFormatter
 from ipywidgets.embed import dependency_state
 
+from robowidgets import LaserWidget
 from robowidgets._core import named_widget as _named_widget
 from robowidgets._core import robot_widget as _widget
 from robowidgets._core.named_widget import MOST_LOGGED, bundle
@@ -365,7 +365,7 @@ class TestBundle:
     def test_a_missing_front_end_says_how_to_get_it(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         monkeypatch.setattr(_named_widget, "STATIC", tmp_path)
         with pytest.raises(ImportError) as missing:
-            bundle("laser_widget.js")
+            bundle("laser_widget")
         assert str(missing.value) == (
             "robowidgets was installed without its front end (laser_widget.js is missing); "
             "in a checkout run `make build`, else install it again"
@@ -374,14 +374,17 @@ class TestBundle:
     def test_it_is_text_and_a_path_for_hot_reload_only(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         monkeypatch.setattr(_named_widget, "STATIC", tmp_path)
         (tmp_path / "a.js").write_text("größe", encoding="utf-8")
+        (tmp_path / "a.css").write_text(".größe {}", encoding="utf-8")
         monkeypatch.delenv("ROBOWIDGETS_DEV", raising=False)
-        assert bundle("a.js") == "größe"
+        assert bundle("a") == ("größe", ".größe {}")
         monkeypatch.setenv("ROBOWIDGETS_DEV", "1")
-        assert bundle("a.js") == tmp_path / "a.js"
+        assert bundle("a") == (tmp_path / "a.js", tmp_path / "a.css")
 
     def test_instances_share_one_text(self) -> None:
-        assert isinstance(NumberWidget._css, str)
-        assert issubclass(NumberWidget, anywidget.AnyWidget)
+        one, other = LaserWidget(), LaserWidget()
+        assert one._esm is other._esm is LaserWidget._esm
+        assert one._css is other._css is LaserWidget._css
+        assert isinstance(LaserWidget._css, str)
 
     def test_the_class_with_the_front_end_is_made_once(self) -> None:
         one, other = NumberWidget(), NumberWidget()

@@ -1,21 +1,21 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import { Foresight } from "../../robowidgets/js/player/foresight.ts";
-import { Stretches } from "../../robowidgets/js/player/stretches.ts";
+import { Prefetcher } from "../../robowidgets/js/player/prefetch.ts";
+import { Segments } from "../../robowidgets/js/player/segments.ts";
 
-/** A page that has the first two of many stretches; what it asks for; and time that passes when the test says so. */
+/** A page that has the first two of many segments; what it asks for; and time that passes when the test says so. */
 function start() {
   let now = 0;
   performance.now = () => now;
   mock.timers.reset();
   mock.timers.enable({ apis: ["setTimeout"] });
-  const stretches = new Stretches(1);
+  const segments = new Segments(1);
   const asked: number[] = [];
   const controller = new AbortController();
-  const foresight = new Foresight(stretches, (time) => asked.push(time), controller.signal);
+  const prefetcher = new Prefetcher(segments, (time) => asked.push(time), controller.signal);
   const give = (index: number) => {
-    stretches.put(index, []);
-    foresight.came();
+    segments.put(index, []);
+    prefetcher.came();
   };
   give(0);
   give(1);
@@ -23,21 +23,21 @@ function start() {
     now += ms;
     mock.timers.tick(ms);
   };
-  return { foresight, stretches, asked, give, pass, end: () => controller.abort() };
+  return { prefetcher, segments, asked, give, pass, end: () => controller.abort() };
 }
 
 test("where the pointer rests is asked for once, where it only passes is not", () => {
-  const { foresight, asked, give, pass } = start();
+  const { prefetcher, asked, give, pass } = start();
   for (const time of [3, 4, 5, 6]) {
-    foresight.point(time);
+    prefetcher.point(time);
     pass(16);
   }
   assert.deepEqual(asked, []);
-  foresight.point(6.3);
+  prefetcher.point(6.3);
   pass(16);
   assert.deepEqual(asked, [6]);
   for (let i = 0; i < 100; i++) {
-    foresight.point(6 + (i % 10) / 10);
+    prefetcher.point(6 + (i % 10) / 10);
     pass(100);
   }
   give(6);
@@ -46,23 +46,23 @@ test("where the pointer rests is asked for once, where it only passes is not", (
 });
 
 test("nothing is asked for that is here, nor for a pointer that has left, nor after the end", () => {
-  const { foresight, asked, pass, end } = start();
-  foresight.point(1.5);
+  const { prefetcher, asked, pass, end } = start();
+  prefetcher.point(1.5);
   pass(100);
-  foresight.point(7);
-  foresight.point(null);
+  prefetcher.point(7);
+  prefetcher.point(null);
   pass(100);
-  foresight.point(7);
+  prefetcher.point(7);
   end();
   pass(100);
   assert.deepEqual(asked, []);
 });
 
 test("one question is out at a time; the newest follows when the answer came", () => {
-  const { foresight, asked, give, pass } = start();
-  foresight.ask(7.5);
+  const { prefetcher, asked, give, pass } = start();
+  prefetcher.ask(7.5);
   for (const time of [20, 30, 40]) {
-    foresight.point(time);
+    prefetcher.point(time);
     pass(50);
   }
   give(8);
@@ -72,19 +72,19 @@ test("one question is out at a time; the newest follows when the answer came", (
 });
 
 test("what a pointer has left is not asked for when the answer came", () => {
-  const { foresight, asked, give, pass } = start();
-  foresight.ask(7.5);
-  foresight.point(20);
+  const { prefetcher, asked, give, pass } = start();
+  prefetcher.ask(7.5);
+  prefetcher.point(20);
   pass(50);
-  foresight.point(null);
+  prefetcher.point(null);
   give(7);
   assert.deepEqual(asked, [7.5]);
 });
 
 test("a kernel that does not answer is asked once a second at most", () => {
-  const { foresight, asked, pass } = start();
+  const { prefetcher, asked, pass } = start();
   for (let time = 10; time < 110; time++) {
-    foresight.point(time);
+    prefetcher.point(time);
     pass(50);
   }
   assert.ok(asked.length >= 4 && asked.length <= 5, String(asked));

@@ -2,7 +2,6 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type AxisFacts, toFacts } from "../../robowidgets/js/speed/facts.ts";
 import { decodeSpeeds, type Speeds } from "../../robowidgets/js/speed/frame.ts";
-import type { Limits } from "../../robowidgets/js/speed/limits.ts";
 import {
   decimalsFor,
   describeAxis,
@@ -11,8 +10,9 @@ import {
   toNumber,
   toShort,
   toValueText,
-} from "../../robowidgets/js/speed/words.ts";
-import { toSpeed, vectors } from "./speed.ts";
+} from "../../robowidgets/js/speed/text.ts";
+import type { Limits } from "../../robowidgets/js/speed/traits.ts";
+import { frameOf } from "./vectors.ts";
 
 const NONE = [NaN, NaN, NaN, NaN, NaN, NaN];
 const SETTINGS = {
@@ -40,29 +40,8 @@ function summary(measured: number[], planar = false): string {
   );
 }
 
-/** The frame as Python packs it, at an odd offset in a larger buffer, as binary traits arrive. */
-function frame(): DataView {
-  const packed = Buffer.from(vectors.frame.base64, "base64");
-  const bytes = new Uint8Array(packed.length + 5);
-  bytes.set(packed, 5);
-  return new DataView(bytes.buffer, 5);
-}
-
-test("a frame is the speeds measured and commanded, and the peaks, as Python packed them", () => {
-  const { measured, commanded, least, greatest, sequence, resets } = vectors.frame;
-  assert.deepEqual(decodeSpeeds(frame()), {
-    sequence,
-    rate: 30,
-    measured: measured.map(toSpeed),
-    commanded: commanded.map(toSpeed),
-    least: least.map(toSpeed),
-    greatest: greatest.map(toSpeed),
-    resets,
-  });
-});
-
 test("what has not come yet is null, and not NaN", () => {
-  const bytes = frame();
+  const bytes = frameOf("speed");
   const there = 32;
   bytes.setFloat64(there, 1, true);
   assert.equal(decodeSpeeds(bytes).commanded, null);

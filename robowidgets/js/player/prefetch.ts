@@ -1,5 +1,5 @@
-import { atEnd } from "../shared/events.ts";
-import type { Stretches } from "./stretches.ts";
+import { onAbort } from "../shared/events.ts";
+import type { Segments } from "./segments.ts";
 
 /** Milliseconds after which a pointer rests: while it moves, events come twice as often. */
 const REST_MS = 30;
@@ -7,8 +7,8 @@ const REST_MS = 30;
 const LOST_MS = 1000;
 
 /** Asks Python for what a person points at and the page does not have: by the click it is here. Newest wins. */
-export class Foresight {
-  readonly #stretches: Stretches;
+export class Prefetcher {
+  readonly #segments: Segments;
   readonly #send: (time: number) => void;
   #pointed: number | undefined;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -17,15 +17,15 @@ export class Foresight {
   #next: number | null = null;
   #askedAt = 0;
 
-  constructor(stretches: Stretches, send: (time: number) => void, signal: AbortSignal) {
-    this.#stretches = stretches;
+  constructor(segments: Segments, send: (time: number) => void, signal: AbortSignal) {
+    this.#segments = segments;
     this.#send = send;
-    atEnd(signal, () => clearTimeout(this.#timer));
+    onAbort(signal, () => clearTimeout(this.#timer));
   }
 
   /** A person points at a time; null: at none. */
   point(time: number | null): void {
-    const index = time === null ? undefined : this.#stretches.indexOf(time);
+    const index = time === null ? undefined : this.#segments.indexOf(time);
     if (index === this.#pointed) return;
     this.#pointed = index;
     this.#next = null;
@@ -36,7 +36,7 @@ export class Foresight {
   /** Asks for what is at a time, unless it is here; after what is on its way. */
   ask(time: number): void {
     this.#next = null;
-    if (this.#stretches.has(time)) return;
+    if (this.#segments.has(time)) return;
     if (this.#asked !== null && performance.now() - this.#askedAt < LOST_MS) {
       this.#next = time;
       return;
@@ -46,9 +46,9 @@ export class Foresight {
     this.#send(time);
   }
 
-  /** A stretch has come. */
+  /** A segment has come. */
   came(): void {
-    if (this.#asked === null || !this.#stretches.has(this.#asked)) return;
+    if (this.#asked === null || !this.#segments.has(this.#asked)) return;
     this.#asked = null;
     if (this.#next !== null) this.ask(this.#next);
   }

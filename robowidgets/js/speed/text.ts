@@ -1,7 +1,8 @@
 import { toFixed } from "../shared/format.ts";
 import type { AxisFacts } from "./facts.ts";
-import { judge, type Limits, type State } from "./limits.ts";
+import { judge, type State } from "./limits.ts";
 import { isOff } from "./scale.ts";
+import type { Limits } from "./traits.ts";
 
 const MINUS = "\u2212";
 

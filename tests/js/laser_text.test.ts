@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { CLASSES, describeRay, meaningOf, sideOf, whyEmpty } from "../../robowidgets/js/laser/words.ts";
+import { CLASSES, describeRay, meaningOf, sideOf, whyEmpty } from "../../robowidgets/js/laser/text.ts";
 import { DEGREE, scanOf } from "./laser.ts";
 
 const MINUS = "\u2212";

@@ -1,9 +1,9 @@
 import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, TOO_CLOSE } from "../laser/scan.ts";
-import { meaningOf, type RayWords, sideOf } from "../laser/words.ts";
+import { meaningOf, type RayWords, sideOf } from "../laser/text.ts";
 import { toCount, toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts";
 import { toSeconds } from "./axis.ts";
 import type { Place } from "./blocks.ts";
-import { kindOf, type Stretch, type Sweep, type Whole } from "./data.ts";
+import { kindOf, type NamedSpan, type Sweep, type Whole } from "./data.ts";
 
 const SYMBOLS: Record<number, string> = {
   [TOO_CLOSE]: "\u2212inf",
@@ -62,7 +62,7 @@ export function describeSpeed(axis: string, title: string, low: number, high: nu
 }
 
 /** What the pop-up says of the touches at a moment. */
-export function describeTouches(touches: Stretch[], title: string, time: number): RayWords {
+export function describeTouches(touches: NamedSpan[], title: string, time: number): RayWords {
   const sensors = [...new Set(touches.map(({ name }) => name))];
   const spans = touches.map(toWords);
   return {
@@ -73,11 +73,11 @@ export function describeTouches(touches: Stretch[], title: string, time: number)
 }
 
 /** What the pop-up says of a mark. */
-export function describeMark(mark: Stretch): RayWords {
+export function describeMark(mark: NamedSpan): RayWords {
   return { expression: mark.name, distance: toWords(mark), details: "marked" };
 }
 
-function toWords({ start, end }: Stretch): string {
+function toWords({ start, end }: NamedSpan): string {
   return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}`;
 }
 

@@ -1,0 +1,38 @@
+import type { Mark } from "../shared/marks.ts";
+
+export interface PlayerTraits {
+  /** Seconds from the start of the recording. */
+  time: number;
+  duration: number;
+  playing: boolean;
+  speed: number;
+  loop: boolean;
+  selection: [number, number] | null;
+  marks: Mark[];
+  /** Seconds of a segment. */
+  _stretch: number;
+  /** Names of the models of the widgets that show frames. */
+  _targets: string[];
+  /** For each target, seconds after which its newest frame is old; 0: never. */
+  _pauses: number[];
+  /** Names of the models of the widgets that show the time itself. */
+  _followers: string[];
+  /** The segment that a page shows first. */
+  _first: Partial<SegmentMessage>;
+  /** Seconds since the epoch. */
+  _start: number | null;
+  _words: string;
+  _note: string;
+}
+
+/** A segment of the recording: the frames of each target, in the buffers of the message. */
+export interface SegmentMessage {
+  /** Its number. */
+  stretch: number;
+  /** Numbers of segments that the page is to forget. */
+  drop: number[];
+  /** For each target, what is said of its frames. */
+  abouts: Record<string, unknown>[][];
+  /** In place of the buffers, where it is in the state of the model. */
+  tracks: DataView[];
+}

@@ -1,0 +1,25 @@
+import type { Mark } from "../shared/marks.ts";
+import type { CardTraits } from "../shared/traits.ts";
+
+/** Seconds from the start. */
+export type Span = [number, number];
+
+export interface ScanogramTraits extends CardTraits {
+  time: number;
+  /** Start and end; of some rays also the first, and the first that is not among them. */
+  selection: number[] | null;
+  /** The time on show; null: all of it. */
+  view: Span | null;
+  /** Metres of the nearest and the farthest colour; null: of the data. */
+  color_range: [number, number] | null;
+  marks: Mark[];
+  /** Start and end of the finer detail that the page lacks, and for how many columns. */
+  _wanted: number[];
+  _detail: DataView;
+}
+
+/** What the page says to other widgets in it, and Python does not know. */
+export interface Pointing {
+  /** The time at which a person points. */
+  _pointed: number | null;
+}

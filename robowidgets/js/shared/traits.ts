@@ -1,0 +1,46 @@
+/** Of every widget with a header. */
+export interface NamedTraits {
+  title: string;
+  header: boolean;
+  /** The widget's stylesheet, of anywidget. */
+  _css: string;
+}
+
+/** Of a widget with a picture between header and footer. */
+export interface CardTraits extends NamedTraits {
+  footer: boolean;
+  _frame: DataView;
+  _about: About;
+}
+
+/** Of a widget that shows the newest of many samples. */
+export interface SampleTraits extends CardTraits {
+  paused: boolean;
+  /** Seconds for which samples are kept. */
+  history: number;
+  /** The frozen frame; empty when none is. */
+  _held: DataView;
+  _source: Source;
+  /** Seconds; how old the newest sample was when the page asked for the state. */
+  _silence: number;
+}
+
+/** What Python says about the newest sample. */
+export interface About {
+  frame_id?: string;
+  notes?: string[];
+  error?: string;
+  /** Milliseconds for which a recording has nothing newer, where that is long. */
+  age?: number;
+}
+
+/** What a feed says of its topic; all of it may be missing. Plain text. */
+export interface Source {
+  topic?: string;
+  type?: string;
+  words?: string;
+  /** What the program's own functions on this topic did wrong. */
+  error?: string;
+  /** Whether the connection is lost, so that nothing comes. */
+  lost?: boolean;
+}

@@ -1,0 +1,17 @@
+import type { SampleTraits } from "../shared/traits.ts";
+
+/** Least and greatest, in m/s or rad/s; zero lies between them. */
+export type Limits = [number, number];
+
+export interface SpeedTraits extends SampleTraits {
+  linear_limits: Limits;
+  angular_limits: Limits;
+  /** Of single axes, like "linear.x", in place of those of their group. */
+  limits: Record<string, Limits>;
+  planar: boolean;
+  hold_peaks: boolean;
+  command_title: string;
+  bars: "measured" | "commanded";
+  /** How often the peaks were reset. */
+  _resets: number;
+}

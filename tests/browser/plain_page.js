@@ -1,0 +1,189 @@
+// The host of widgets on a page without Jupyter: models that hold what Python's widgets sent, and views of them.
+// `plain_page.py` is the other end of the socket. Each message is a header in JSON, its length before it, and buffers.
+
+const models = new Map();
+const settled = [];
+const socket = new WebSocket(`ws://${location.host}/socket/${location.hash.slice(1)}`);
+socket.binaryType = "arraybuffer";
+const opened = new Promise((open) => {
+  socket.onopen = open;
+});
+
+function post(header, buffers = []) {
+  const parts = buffers.map((buffer) => new Uint8Array(buffer.buffer ?? buffer, buffer.byteOffset, buffer.byteLength));
+  const text = new TextEncoder().encode(JSON.stringify({ ...header, sizes: parts.map((part) => part.byteLength) }));
+  const length = new Uint8Array(4);
+  new DataView(length.buffer).setUint32(0, text.length, true);
+  socket.send(new Blob([length, text, ...parts]));
+}
+
+function unpack(bytes) {
+  const length = new DataView(bytes).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(bytes.slice(4, 4 + length)));
+  let start = 4 + length;
+  const buffers = header.sizes.map((size) => {
+    start += size;
+    // As Jupyter does, a view into the whole message.
+    return new DataView(bytes, start - size, size);
+  });
+  return { header, buffers };
+}
+
+function putBuffers(state, paths, buffers) {
+  for (const [i, path] of paths.entries()) {
+    const holder = path.slice(0, -1).reduce((inner, key) => inner[key], state);
+    holder[path.at(-1)] = buffers[i];
+  }
+  return state;
+}
+
+const isBinary = (value) => ArrayBuffer.isView(value) || value instanceof ArrayBuffer;
+
+function isSame(a, b) {
+  return a === b || (!isBinary(a) && !isBinary(b) && JSON.stringify(a) === JSON.stringify(b));
+}
+
+class Model {
+  widget_manager = { get_model: async (id) => models.get(id) };
+  _state_lock = null;
+  #state;
+  #changed = {};
+  #callbacks = new Map();
+
+  constructor(id, state) {
+    this.id = id;
+    this.#state = state;
+  }
+
+  get(name) {
+    return this.#state[name];
+  }
+
+  set(name, value) {
+    this.#changed[name] = value;
+    this.#take({ [name]: value });
+  }
+
+  save_changes() {
+    const state = this.#changed;
+    this.#changed = {};
+    if (!Object.keys(state).length) return;
+    const binary = Object.keys(state).filter((name) => isBinary(state[name]));
+    const plain = Object.fromEntries(Object.entries(state).filter(([name]) => !binary.includes(name)));
+    const data = { method: "update", state: plain, buffer_paths: binary.map((name) => [name]) };
+    post(
+      { comm: this.id, data },
+      binary.map((name) => state[name]),
+    );
+  }
+
+  send(content, _callbacks, buffers = []) {
+    post({ comm: this.id, data: { method: "custom", content } }, buffers);
+  }
+
+  on(event, callback) {
+    this.#callbacks.set(event, (this.#callbacks.get(event) ?? new Set()).add(callback));
+  }
+
+  off(event, callback) {
+    this.#callbacks.get(event)?.delete(callback);
+  }
+
+  set_state(state) {
+    this._state_lock = state;
+    this.#take(state);
+    this._state_lock = null;
+  }
+
+  fire(event, ...given) {
+    for (const callback of [...(this.#callbacks.get(event) ?? [])]) callback(...given);
+  }
+
+  #take(values) {
+    const changed = Object.keys(values).filter((name) => !isSame(this.#state[name], values[name]));
+    Object.assign(this.#state, values);
+    for (const name of changed) this.fire(`change:${name}`);
+  }
+
+  /** The widget's module, loaded and initialised once, as anywidget does it. */
+  get widget() {
+    this.loaded ??= this.#load();
+    return this.loaded;
+  }
+
+  async #load() {
+    const url = URL.createObjectURL(new Blob([this.get("_esm")], { type: "text/javascript" }));
+    const { default: given } = await import(url);
+    URL.revokeObjectURL(url);
+    const style = document.getElementById(this.get("_anywidget_id")) ?? document.createElement("style");
+    style.id = this.get("_anywidget_id");
+    style.textContent = this.get("_css");
+    document.head.append(style);
+    const widget = typeof given === "function" ? await given() : given;
+    this.ended = new AbortController();
+    await widget.initialize?.({ model: this, signal: this.ended.signal });
+    return widget;
+  }
+}
+
+socket.onmessage = ({ data: bytes }) => {
+  const { header, buffers } = unpack(bytes);
+  const { kind, comm, data } = header;
+  if (kind === "settled") settled.shift()();
+  else if (kind === "comm_open") models.set(comm, new Model(comm, putBuffers(data.state, data.buffer_paths, buffers)));
+  else if (kind === "comm_close") models.get(comm)?.ended?.abort();
+  else if (data.method === "update") models.get(comm).set_state(putBuffers(data.state, data.buffer_paths, buffers));
+  else if (data.method === "custom") models.get(comm).fire("msg:custom", data.content, buffers);
+};
+
+function outputOf(cell) {
+  const found = document.querySelector(`[data-cell="${cell}"]`);
+  if (found) return found;
+  const output = document.createElement("div");
+  output.className = "cell";
+  output.dataset.cell = cell;
+  document.body.append(output);
+  return output;
+}
+
+function applyLayout(element, layout) {
+  for (const [name, value] of Object.entries(layout)) {
+    if (!name.startsWith("_")) element.style[name.replace(/_(.)/g, (_, letter) => letter.toUpperCase())] = value ?? "";
+  }
+}
+
+const views = new Map();
+
+window.host = {
+  /** Python has handled all that the page has sent, and the page has taken in all that Python had sent by then. */
+  async settle() {
+    await opened;
+    return new Promise((done) => {
+      settled.push(done);
+      post({ settle: true });
+    });
+  },
+
+  clear(cell) {
+    for (const ended of views.get(cell) ?? []) ended.abort();
+    views.set(cell, []);
+    outputOf(cell).replaceChildren();
+  },
+
+  async show(cell, id) {
+    const model = models.get(id);
+    const element = document.createElement("div");
+    element.className = "widget";
+    const layout = models.get(model.get("layout").replace("IPY_MODEL_", ""));
+    const names = ["width", "height", "min_width", "max_width", "min_height", "max_height"];
+    const lay = () => applyLayout(element, Object.fromEntries(names.map((name) => [name, layout.get(name)])));
+    for (const name of names) layout.on(`change:${name}`, lay);
+    lay();
+    outputOf(cell).append(element);
+    const widget = await model.widget;
+    const ended = new AbortController();
+    views.get(cell).push(ended);
+    await widget.render({ model, el: element, signal: ended.signal });
+    for (const card of element.children) card.dataset.sheet = model.get("_anywidget_id");
+  },
+};

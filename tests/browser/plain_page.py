@@ -1,0 +1,230 @@
+"""Widgets on a page without Jupyter: Python's own widget, its own front end, and only the way between them of ours.
+
+What needs no kernel is tested here in a tenth of the time that JupyterLab takes. Cells run in this process. As with a
+kernel, what a page sends is handled in its order, by a thread of its own, but while a cell runs.
+"""
+
+from __future__ import annotations
+
+import ast
+import asyncio
+import contextlib
+import io
+import json
+import queue
+import struct
+import threading
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import comm
+from comm.base_comm import BaseComm
+from ipywidgets import Widget
+from playwright.sync_api import Locator, Page
+from tornado.httpserver import HTTPServer
+from tornado.netutil import bind_sockets
+from tornado.web import Application, StaticFileHandler
+from tornado.websocket import WebSocketHandler
+
+from .notebook import CellError
+
+FOLDER = Path(__file__).parent
+MARGIN = 40
+"""Pixels beside the widgets."""
+
+
+class PageServer:
+    """Serves the empty page on 127.0.0.1, and a socket for each page that is open."""
+
+    def __init__(self) -> None:
+        self.pages: dict[str, PlainPage] = {}
+        self.loop = asyncio.new_event_loop()
+        (socket,) = bind_sockets(0, "127.0.0.1")
+        self.url = f"http://127.0.0.1:{socket.getsockname()[1]}"
+        self._started = threading.Event()
+        self._thread = threading.Thread(target=self._run, args=(socket,), daemon=True)
+        self._thread.start()
+        self._started.wait()
+
+    def stop(self) -> None:
+        """End the thread that serves."""
+        self.loop.call_soon_threadsafe(self.loop.stop)
+        self._thread.join()
+
+    def _run(self, socket: Any) -> None:
+        asyncio.set_event_loop(self.loop)
+        handlers: list[Any] = [
+            (r"/socket/(.+)", _Socket, {"pages": self.pages}),
+            (r"/(plain_page\.(?:html|js))", StaticFileHandler, {"path": FOLDER}),
+        ]
+        server = HTTPServer(Application(handlers))
+        server.add_socket(socket)
+        self.loop.call_soon(self._started.set)
+        self.loop.run_forever()
+        server.stop()
+
+
+class _Socket(WebSocketHandler):
+    def initialize(self, pages: dict[str, PlainPage]) -> None:
+        self.pages = pages
+
+    def open(self, name: str) -> None:
+        self.page = self.pages[name]
+        self.page._socket = self
+
+    def on_message(self, message: str | bytes) -> None:
+        assert isinstance(message, bytes)
+        self.page._arrived.put(message)
+
+
+class _Comm(BaseComm):
+    """The comm of a widget whose page is a `PlainPage`."""
+
+    page: PlainPage
+
+    def publish_msg(
+        self, msg_type: str, data: Any = None, _metadata: Any = None, buffers: Any = None, **_: Any
+    ) -> None:
+        self.page._post({"kind": msg_type, "comm": self.comm_id, "data": data}, buffers or ())
+
+
+class PlainPage:
+    """Cells whose widgets stand in a page without Jupyter; used as a `Notebook` is."""
+
+    def __init__(self, page: Page, server: PageServer, cells: Sequence[str]) -> None:
+        self.page = page
+        self._cells = list(cells)
+        self._texts: dict[int, str] = {}
+        self._server = server
+        self._name = f"{id(self)}"
+        self._socket: _Socket | None = None
+        self._arrived: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
+        self._kernel = threading.RLock()
+        self._namespace: dict[str, Any] = {"__name__": "__main__"}
+        self._thread = threading.Thread(target=self._handle, daemon=True)
+        self._create_comm = comm.create_comm
+
+    def open(self) -> None:
+        """Go to the page, and have every new widget stand in it."""
+        self._server.pages[self._name] = self
+        self._thread.start()
+        comm.create_comm = type("Comm", (_Comm,), {"page": self})
+        self.page.goto(f"{self._server.url}/plain_page.html#{self._name}")
+        self._settle()
+
+    def close(self) -> None:
+        """Close all its widgets."""
+        Widget.close_all()
+        comm.create_comm = self._create_comm
+        del self._server.pages[self._name]
+        self._arrived.put(None)
+        self._thread.join()
+
+    # Cells
+
+    def run(self, index: int) -> str:
+        """Run a cell, and put on show what it displays; its text.
+
+        Raises:
+            CellError: it raised.
+        """
+        self._settle()
+        self.page.evaluate("(cell) => host.clear(cell)", index)
+        shown: list[Widget] = []
+        self._namespace["display"] = lambda *widgets: shown.extend(widgets)
+        self._texts[index] = self._execute(self._cells[index], shown)
+        self._settle()
+        for widget in shown:
+            self.page.evaluate("([cell, id]) => host.show(cell, id)", [index, widget.model_id])
+        return self._texts[index]
+
+    def run_all(self) -> None:
+        """Run the cells from top to bottom. Raises as `run` does."""
+        for index in range(len(self._cells)):
+            self.run(index)
+
+    def append(self, source: str) -> int:
+        """Add a cell at the end, without running it; its index."""
+        self._cells.append(source)
+        return len(self._cells) - 1
+
+    def text(self, index: int) -> str:
+        """What a cell printed, and the text of its result."""
+        return self._texts[index]
+
+    def python(self, code: str) -> str:
+        """Run code past the cells, after what the page has sent so far; what it prints, or the text of its result.
+
+        Raises:
+            CellError: it raised.
+        """
+        self._settle()
+        return self._execute(code, [])
+
+    # What is on show
+
+    def output(self, index: int) -> Locator:
+        """The output of a cell."""
+        return self.page.locator(f'[data-cell="{index}"]')
+
+    def widget(self, index: int, nth: int = 0) -> Locator:
+        """The element of the nth widget that a cell displays."""
+        found = self.output(index).locator("> .widget").nth(nth)
+        found.wait_for()
+        return found
+
+    def theme(self, name: Literal["light", "dark"]) -> None:
+        """Switch between light and dark, as JupyterLab says it to widgets."""
+        self.page.evaluate("(light) => { document.body.dataset.jpThemeLight = light; }", str(name == "light").lower())
+
+    def resize(self, width: int, height: int = 900) -> None:
+        """Size the window such that what a cell displays has `width` CSS pixels."""
+        self.page.set_viewport_size({"width": width + MARGIN, "height": height})
+
+    # The way between
+
+    def _settle(self) -> None:
+        self.page.evaluate("() => host.settle()")
+
+    def _post(self, header: dict[str, Any], buffers: Sequence[Any]) -> None:
+        parts = [bytes(buffer) for buffer in buffers]
+        text = json.dumps({**header, "sizes": [len(part) for part in parts]}).encode()
+        message = struct.pack("<I", len(text)) + text + b"".join(parts)
+        with contextlib.suppress(RuntimeError):  # the loop has ended, and with it the page
+            self._server.loop.call_soon_threadsafe(self._write, message)
+
+    def _write(self, message: bytes) -> None:
+        if self._socket is not None and self._socket.ws_connection is not None:
+            self._socket.write_message(message, binary=True)
+
+    def _handle(self) -> None:
+        while (message := self._arrived.get()) is not None:
+            length = struct.unpack_from("<I", message)[0]
+            header = json.loads(message[4 : 4 + length])
+            start = 4 + length
+            buffers = []
+            for size in header["sizes"]:
+                buffers.append(memoryview(message)[start : start + size])
+                start += size
+            with self._kernel:
+                if header.get("settle"):
+                    self._post({"kind": "settled"}, ())
+                elif (found := comm.get_comm_manager().get_comm(header["comm"])) is not None:
+                    found.handle_msg({"content": {"data": header["data"]}, "buffers": buffers, "metadata": {}})
+
+    def _execute(self, code: str, shown: list[Widget]) -> str:
+        tree = ast.parse(code)
+        last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
+        printed = io.StringIO()
+        with self._kernel, contextlib.redirect_stdout(printed):
+            try:
+                exec(compile(tree, "<cell>", "exec"), self._namespace)
+                result = last and eval(compile(ast.Expression(last.value), "<cell>", "eval"), self._namespace)
+            except Exception:
+                raise CellError(traceback.format_exc()) from None
+        if isinstance(result, Widget):
+            shown.append(result)
+            return printed.getvalue()
+        return printed.getvalue() + ("" if result is None else repr(result))

@@ -1,0 +1,49 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { decodeScan } from "../../robowidgets/js/laser/scan.ts";
+import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
+import { decodeDetail, decodeWhole } from "../../robowidgets/js/scanogram/data.ts";
+import { decodeSpeeds } from "../../robowidgets/js/speed/frame.ts";
+import { decodeTouch } from "../../robowidgets/js/touch/touch.ts";
+import { frameOf, readsOf, vectors } from "./vectors.ts";
+
+/** What is read by name, in plain arrays. */
+function pick(read: object, names: object): Record<string, unknown> {
+  const values = Object.entries(read).filter(([name]) => name in names);
+  return Object.fromEntries(values.map(([name, value]) => [name, ArrayBuffer.isView(value) ? toArray(value) : value]));
+}
+
+function toArray(view: ArrayBufferView): number[] {
+  return Array.from(view as Float32Array);
+}
+
+const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
+  laser: (bytes) => pick(decodeScan(bytes), readsOf("laser")),
+  speed: (bytes) => ({ ...decodeSpeeds(bytes) }),
+  touch: (bytes) => ({ ...decodeTouch(bytes) }),
+  scanogram(bytes) {
+    const whole = decodeWhole(bytes);
+    const { scanCount, pause, counts, block, touch } = whole;
+    const sweep = pick(whole.sweep, readsOf("scanogram").sweep);
+    return { scanCount, pause, counts, sweep, startsAt: toArray(block.startsAt), spans: touch?.spans };
+  },
+  scanogram_detail(bytes) {
+    const { sweep } = decodeWhole(frameOf("scanogram"));
+    const { span, block } = decodeDetail(bytes, sweep);
+    return { span, ranges: toArray(block.ranges) };
+  },
+  segment(bytes) {
+    const frames = decodeFrames(bytes);
+    return {
+      times: frames.map(({ time }) => time),
+      abouts: frames.map(({ about }) => about),
+      ranges: frames.map((frame) => toArray(decodeScan(frame.bytes).ranges)),
+    };
+  },
+};
+
+for (const name of Object.keys(vectors.frames)) {
+  test(`a frame that Python packed is read to the byte, wherever it starts: ${name}`, () => {
+    for (const offset of [0, 1, 4, 6]) assert.deepEqual(FRAMES[name]?.(frameOf(name, offset)), readsOf(name));
+  });
+}

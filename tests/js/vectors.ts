@@ -1,0 +1,52 @@
+import { readFileSync } from "node:fs";
+import type { Limits } from "../../robowidgets/js/speed/traits.ts";
+
+/** A number, or a word that stands for one that JSON has not. */
+export type Word = number | "nan" | "inf" | "-inf";
+
+export interface ScanCase {
+  name: string;
+  angle_min: number;
+  angle_increment: Word;
+  range_min: number;
+  range_max: number;
+  ranges?: Word[];
+  count?: number;
+  fill?: Word;
+  differ?: Record<string, Word>;
+  validity?: number[];
+  counts: number[];
+  nearest: number | null;
+  full_circle: boolean;
+  angles?: Record<string, number>;
+  at?: [number, number | null][];
+}
+
+interface Vectors {
+  scans: ScanCase[];
+  limits: [Word, Limits, string][];
+  frames: Record<string, { base64: string; reads: unknown }>;
+}
+
+/** The cases that Python's tests read too. */
+export const vectors: Vectors = JSON.parse(readFileSync(new URL("../vectors.json", import.meta.url), "utf8"));
+
+const WORDS: Record<string, number> = { nan: NaN, inf: Infinity, "-inf": -Infinity };
+
+export function toNumber(word: Word): number {
+  return WORDS[word] ?? Number(word);
+}
+
+/** A frame that Python packed, starting at an offset of a larger buffer, as binary traits do. */
+export function frameOf(name: string, offset = 5): DataView {
+  const packed = Buffer.from(vectors.frames[name]?.base64 ?? "", "base64");
+  const bytes = new Uint8Array(offset + packed.length + 3);
+  bytes.set(packed, offset);
+  return new DataView(bytes.buffer, offset, packed.length);
+}
+
+/** What the front end must read in a frame. */
+// biome-ignore lint/suspicious/noExplicitAny: a test compares it with what was read.
+export function readsOf(name: string): any {
+  return JSON.parse(JSON.stringify(vectors.frames[name]?.reads), (_, value) => WORDS[value] ?? value);
+}
