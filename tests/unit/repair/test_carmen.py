@@ -6,11 +6,11 @@ from math import degrees, nan, pi
 
 import numpy as np
 import pytest
+from robowidgets.recordings.timeline import Moment
+from robowidgets.repair._carmen_clock import steady
 
 from robowidgets import Scan, Speed
-from robowidgets.recordings.timeline import Moment
 from robowidgets.repair._carmen import CarmenLog
-from robowidgets.repair._carmen_clock import steady
 from robowidgets.repair._carmen_lines import LONGEST, new_scan, old_scan, range_max_of, speed, time_of, word_of
 
 S = 1_000_000_000
