@@ -65,6 +65,8 @@ def _attempt(path: Path) -> Walk | str:
         return _walk(path)
     except RecordingError as error:
         return str(error)
+    except OSError as error:
+        return f"{path.name}: cannot be opened: {error.strerror or error}"
 
 
 def _walk(path: Path) -> Walk:

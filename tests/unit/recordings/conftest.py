@@ -12,7 +12,7 @@ from robowidgets.repair._indexed import IndexedSource
 
 
 @pytest.fixture(autouse=True)
-def _close_what_was_opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def close_what_was_opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Every recording, and every source over damaged files, is closed when its test ends."""
     opened: list[IndexedSource | RecordingData] = []
     for kind in (IndexedSource, RecordingData):

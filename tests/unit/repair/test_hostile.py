@@ -11,11 +11,10 @@ from time import process_time
 
 import pytest
 
-from robowidgets.repair import _inflate as inflate
-from robowidgets.repair import open_file
-from robowidgets.repair.source import RecordingError
+from robowidgets.messages.compression import inflate
+from robowidgets.repair import RecordingError, open_repaired
 
-from .written import MCAP_END, MCAP_MAGIC, mcap_head, mcap_messages, messages, record, write_bag
+from ..recordings.written import MCAP_END, MCAP_MAGIC, mcap_head, mcap_messages, messages, record, write_bag
 
 HUGE = 1 << 40
 SECONDS = 5
@@ -49,7 +48,7 @@ def test_a_length_in_the_file_is_no_reason_to_take_memory(tmp_path: Path, name: 
     tracemalloc.start()
     try:
         with pytest.raises(RecordingError):
-            open_file(path)
+            open_repaired([path])
         assert tracemalloc.get_traced_memory()[1] < 4_000_000
     finally:
         tracemalloc.stop()
@@ -67,16 +66,16 @@ def test_a_text_that_fills_the_file_is_not_held(tmp_path: Path, name: str) -> No
     tracemalloc.start()
     try:
         with pytest.raises(RecordingError):
-            open_file(path)
+            open_repaired([path])
         assert tracemalloc.get_traced_memory()[1] < 1 << 24
     finally:
         tracemalloc.stop()
 
 
 def test_what_grows_a_thousandfold_is_decompressed_up_to_a_limit() -> None:
-    raw, whole = inflate.inflate("bz2", bz2.compress(bytes(8_000_000)), limit=1_000_000)
+    raw, whole = inflate("bz2", bz2.compress(bytes(8_000_000)), limit=1_000_000)
     assert (len(raw), whole) == (1_000_000, False)
-    assert inflate.inflate("bz2", bz2.compress(bytes(1_000_000)), limit=1_000_000) == (bytes(1_000_000), True)
+    assert inflate("bz2", bz2.compress(bytes(1_000_000)), limit=1_000_000) == (bytes(1_000_000), True)
 
 
 def flood(piece: bytes) -> bytes:
@@ -109,7 +108,7 @@ def test_a_megabyte_of_decoys_ends_soon_and_costs_no_message_before_it(tmp_path:
     end = raw.index(messages(9)[-1][2]) + len(messages(9)[-1][2])
     path.write_bytes(raw[:end] + FLOODS[name]())
     start = process_time()
-    source = open_file(path)
+    source = open_repaired([path])
     assert process_time() - start < SECONDS
     assert sum(channel.count for channel in source.channels if channel.topic in ("/scan", "/cmd_vel")) >= 9
 
@@ -120,6 +119,6 @@ def test_many_damaged_places_are_given_up_at_some_point(tmp_path: Path, monkeypa
     parts = [mcap_messages(held[i : i + 4]) for i in range(0, 60, 4)]
     path = tmp_path / "x.mcap"
     path.write_bytes(MCAP_MAGIC + mcap_head() + b"\xff\xff".join(parts) + MCAP_END)
-    source = open_file(path)
+    source = open_repaired([path])
     assert sum(channel.count for channel in source.channels) == 24
     assert source.problems == ("the recording is damaged in 5 places and was cut off: read 24 messages, up to 1.1 s",)

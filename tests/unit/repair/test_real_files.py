@@ -6,15 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robowidgets.recordings.chain import open_chain
-from robowidgets.repair._inflate import plain
 from rosbags.rosbag1 import Reader
 from rosbags.typesys import Stores, get_typestore
 
-from robowidgets.repair import find_files, open_file
-from robowidgets.repair.source import RecordingError, Source
+from robowidgets.repair import RecordingError, Source, find_files, open_repaired
 
-from .written import read
+from ..recordings.written import read
 
 TILT = {"/gravity_vector": 356, "/magnetic_vector": 356, "/imu_data": 356, "/info_gps": 356, "/position_gps": 356} | {
     "/temperature": 712,
@@ -41,7 +38,7 @@ def seconds(source: Source) -> float:
 
 def test_a_malformed_index_costs_none_of_360_scans(data: Path) -> None:
     store = get_typestore(Stores.ROS1_NOETIC)
-    source = open_file(data / "damaged/malformed_index.bag")
+    source = open_repaired([data / "damaged/malformed_index.bag"])
     scans = [store.deserialize_ros1(raw, "sensor_msgs/msg/LaserScan") for _, _, raw in read(source)]
     with Reader(data / "good/urg_681.bag") as reader:
         good = [store.deserialize_ros1(raw, "sensor_msgs/msg/LaserScan") for _, _, raw in reader.messages()]
@@ -53,18 +50,18 @@ def test_a_malformed_index_costs_none_of_360_scans(data: Path) -> None:
 
 
 def test_an_unindexed_bag_holds_what_the_whole_one_does(data: Path) -> None:
-    source = open_file(data / "damaged/unindexed_killed_recorder.bag")
+    source = open_repaired([data / "damaged/unindexed_killed_recorder.bag"])
     assert counts(source) == TILT
-    assert read(source) == read(open_file(data / "good/tilt_laser.bag"))
+    assert read(source) == read(open_repaired([data / "good/tilt_laser.bag"]))
     assert source.problems == (
         "the recorder was stopped before it closed the file: read all of its 4,093 messages, up to 17.7 s",
     )
 
 
 def test_a_truncated_bag_holds_the_first_of_the_whole_one(data: Path) -> None:
-    source = open_file(data / "damaged/truncated.bag")
+    source = open_repaired([data / "damaged/truncated.bag"])
     saved = read(source)
-    whole = read(open_file(data / "good/tilt_laser.bag"))
+    whole = read(open_repaired([data / "good/tilt_laser.bag"]))
     assert counts(source)["/scan"] == 107
     assert len(saved) == 2469
     assert set(saved) <= set(whole)
@@ -72,20 +69,20 @@ def test_a_truncated_bag_holds_the_first_of_the_whole_one(data: Path) -> None:
 
 
 def test_a_truncated_mcap_holds_the_first_of_the_whole_one(data: Path) -> None:
-    source = open_file(data / "damaged/truncated.mcap")
+    source = open_repaired([data / "damaged/truncated.mcap"])
     saved = read(source)
     assert len(saved) == 976
-    assert set(saved) <= set(read(open_file(data / "good/neato_fsm_zstd.mcap")))
+    assert set(saved) <= set(read(open_repaired([data / "good/neato_fsm_zstd.mcap"])))
     assert counts(source)["/scan"] == 97
     assert source.problems == ("the recording was cut off: read 976 messages, up to 21.3 s",)
 
 
 def test_half_a_database_gives_half_its_messages(data: Path) -> None:
-    source = open_file(data / "damaged/half_the_pages.db3")
+    source = open_repaired([data / "damaged/half_the_pages.db3"])
     saved = read(source)
     assert len(saved) == 238
     assert counts(source)["/scan"] == 22
-    whole = {(topic, time_ns) for topic, time_ns, _ in read(open_file(data / "odd/unchunked_no_index.mcap"))}
+    whole = {(topic, time_ns) for topic, time_ns, _ in read(open_repaired([data / "odd/unchunked_no_index.mcap"]))}
     assert {(topic, time_ns) for topic, time_ns, _ in saved if topic != "/accel"} <= whole
     assert source.problems == ("the recording was cut off: read 238 messages, up to 4.5 s",)
 
@@ -101,28 +98,28 @@ def test_half_a_database_gives_half_its_messages(data: Path) -> None:
 )
 def test_what_holds_nothing_is_named_in_one_line(data: Path, name: str, why: str) -> None:
     with pytest.raises(RecordingError) as error:
-        open_file(data / "damaged" / name)
+        open_repaired([data / "damaged" / name])
     assert str(error.value).startswith(f"{name}: {why}")
     assert "\n" not in str(error.value)
 
 
 def test_a_format_that_nobody_knows_is_listed_as_it_is_named(data: Path) -> None:
-    source = open_file(data / "damaged/mcap_wrong_format/wrong_rmw_test_0.mcap")
+    source = open_repaired([data / "damaged/mcap_wrong_format/wrong_rmw_test_0.mcap"])
     assert {channel.encoding for channel in source.channels} == {"wrong_format"}
     assert counts(source) == {"/test_topic": 3, "/array_topic": 4}
 
 
 def test_ros1_messages_in_mcap_are_those_of_the_bag(data: Path) -> None:
-    source = open_file(data / "odd/ros1_messages_in_mcap.mcap")
+    source = open_repaired([data / "odd/ros1_messages_in_mcap.mcap"])
     assert counts(source) == TURTLEBOT
     assert {(channel.encoding, channel.type) for channel in source.channels if channel.topic == "/scan"} == {
         ("ros1", "sensor_msgs/msg/LaserScan")
     }
-    assert set(read(source)) == set(read(open_file(data / "good/turtlebot3_gazebo.bag")))
+    assert set(read(source)) == set(read(open_repaired([data / "good/turtlebot3_gazebo.bag"])))
 
 
 def test_no_chunks_and_no_index_are_no_problem(data: Path) -> None:
-    source = open_file(data / "odd/unchunked_no_index.mcap")
+    source = open_repaired([data / "odd/unchunked_no_index.mcap"])
     assert counts(source) == {"/tf": 156, "/tf_static": 2, "/robot_description": 1, "/odom": 52, "/cmd_vel": 46} | {
         "/scan": 47,
         "/bump": 52,
@@ -135,13 +132,13 @@ def test_no_chunks_and_no_index_are_no_problem(data: Path) -> None:
 
 @pytest.mark.parametrize("name", ["service_events.mcap", "service_events.db3"])
 def test_service_events_hide_nothing_else(data: Path, name: str) -> None:
-    source = open_file(data / "odd" / name)
+    source = open_repaired([data / "odd" / name])
     assert counts(source) == {"/parameter_events": 7, "/add_two_ints/_service_event": 6}
     assert source.problems == ()
 
 
 def test_an_empty_definition_hides_no_message(data: Path) -> None:
-    source = open_file(data / "odd/empty_definition.bag")
+    source = open_repaired([data / "odd/empty_definition.bag"])
     assert counts(source) == {"/led_array_status": 14}
     assert source.channels[0].definition == ""
 
@@ -159,7 +156,7 @@ def test_an_empty_definition_hides_no_message(data: Path) -> None:
     ],
 )
 def test_a_folder_is_read_file_by_file(data: Path, name: str, count: int, duration: float) -> None:
-    source = open_chain(find_files(data / "odd" / name), open_file)
+    source = open_repaired(find_files(data / "odd" / name))
     assert sum(counts(source).values()) == count
     assert seconds(source) == pytest.approx(duration, abs=0.001)
     assert source.problems == ()
@@ -167,8 +164,8 @@ def test_a_folder_is_read_file_by_file(data: Path, name: str, count: int, durati
 
 
 def test_messages_compressed_one_by_one_become_plain(data: Path) -> None:
-    source = open_file(data / "odd/hist_message_compression/message_compression_0.db3")
-    texts = [plain(raw) for topic, _, raw in read(source) if topic == "/topic"]
+    source = open_repaired([data / "odd/hist_message_compression/message_compression_0.db3"])
+    texts = [raw for topic, _, raw in read(source) if topic == "/topic"]
     assert len(texts) == 120
     assert all(text.startswith(b"\0\1\0\0") and b"Hello" in text for text in texts)
 
@@ -176,7 +173,7 @@ def test_messages_compressed_one_by_one_become_plain(data: Path) -> None:
 def test_reading_leaves_the_files_as_they_are(data: Path) -> None:
     folder = data / "odd/empty_bag"
     before = {path.name: (path.stat().st_size, path.stat().st_mtime_ns) for path in folder.iterdir()}
-    source = open_file(folder / "empty_bag_0.db3")
+    source = open_repaired([folder / "empty_bag_0.db3"])
     assert (source.start_ns, source.problems, len(source.channels)) == (None, (), 2)
     source.close()
     assert {path.name: (path.stat().st_size, path.stat().st_mtime_ns) for path in folder.iterdir()} == before

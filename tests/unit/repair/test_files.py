@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from robowidgets.repair._inflate import plain, zstd
 
-from robowidgets.repair import find_files, open_file
-from robowidgets.repair.source import RecordingError
+from robowidgets.messages.compression import plain, zstd
+from robowidgets.repair import RecordingError, find_files, open_repaired
 
-from .written import messages, read, write_bag, write_db3, write_indexed_mcap
+from ..recordings.written import messages, read, write_bag, write_db3, write_indexed_mcap
 
 
 @pytest.fixture
@@ -33,14 +32,14 @@ def files(folder: Path) -> list[Path]:
 def test_how_a_file_starts_decides_not_its_name(tmp_path: Path) -> None:
     for path in files(tmp_path):
         renamed = path.rename(tmp_path / "recording.data")
-        assert read(open_file(renamed)) == messages(30)
+        assert read(open_repaired([renamed])) == messages(30)
 
 
 def test_a_file_in_zstd_is_read_and_its_copy_removed(tmp_path: Path, temporary: Path) -> None:
     for path in files(tmp_path):
         packed = path.with_name(f"{path.name}.zstd")
         packed.write_bytes(zstd.compress(path.read_bytes()))
-        source = open_file(packed)
+        source = open_repaired([packed])
         assert source.problems == ()
         assert read(source) == messages(30)
         source.close()
@@ -52,7 +51,7 @@ def test_zstd_that_is_cut_off_gives_what_comes_before(tmp_path: Path, temporary:
     path = tmp_path / "cut.bag.zstd"
     packed = zstd.compress(write_bag(tmp_path / "cut.bag", held).read_bytes())
     path.write_bytes(packed[: len(packed) // 2])
-    source = open_file(path)
+    source = open_repaired([path])
     saved = read(source)
     assert 700 <= len(saved) <= 1000
     assert saved == held[: len(saved)]
@@ -64,7 +63,7 @@ def test_zstd_that_is_cut_off_behind_the_recording_is_told(tmp_path: Path, tempo
     path = tmp_path / "tail.bag.zstd"
     whole = zstd.compress(write_bag(tmp_path / "tail.bag", messages(30)).read_bytes())
     path.write_bytes(whole + zstd.compress(bytes(1000))[:-3])
-    source = open_file(path)
+    source = open_repaired([path])
     assert read(source) == messages(30)
     assert len(source.problems) == 1
     source.close()
@@ -88,17 +87,17 @@ def test_zstd_of_anything_else_is_named_and_leaves_nothing_behind(
     path = tmp_path / "x.db3.zstd"
     path.write_bytes(raw)
     with pytest.raises(RecordingError, match=why):
-        open_file(path)
+        open_repaired([path])
 
 
 def test_zstd_that_unpacks_to_more_than_a_disk_is_stopped(
     tmp_path: Path, temporary: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.repair._files._MOST_UNPACKED", 1 << 21)
+    monkeypatch.setattr("robowidgets.repair._open._MOST_UNPACKED", 1 << 21)
     path = tmp_path / "bomb.bag.zstd"
     held = messages(30)
     path.write_bytes(zstd.compress(write_bag(tmp_path / "bomb.bag", held).read_bytes() + bytes(1 << 28)))
-    source = open_file(path)
+    source = open_repaired([path])
     assert sum(file.stat().st_size for file in temporary.rglob("*.bag")) <= 256 * path.stat().st_size + (1 << 21)
     assert read(source) == held
     source.close()

@@ -9,12 +9,21 @@ from time import process_time
 
 import lz4.frame
 import pytest
-from robowidgets.repair._inflate import zstd
 
-from robowidgets.repair import open_file
-from robowidgets.repair.source import RecordingError
+from robowidgets.messages.compression import zstd
+from robowidgets.repair import RecordingError, open_repaired
 
-from .written import MCAP_END, MCAP_MAGIC, mcap_chunk, mcap_head, mcap_messages, messages, read, write_bag, write_db3
+from ..recordings.written import (
+    MCAP_END,
+    MCAP_MAGIC,
+    mcap_chunk,
+    mcap_head,
+    mcap_messages,
+    messages,
+    read,
+    write_bag,
+    write_db3,
+)
 
 COUNT = 120
 CUTS = 30
@@ -45,7 +54,7 @@ def try_open(path: Path, raw: bytes) -> list[tuple[str, int, bytes]]:
     path.write_bytes(raw)
     start = process_time()
     try:
-        source = open_file(path)
+        source = open_repaired([path])
     except RecordingError as error:
         said = str(error)
     else:

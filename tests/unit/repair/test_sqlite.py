@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets.repair._sqlite import open_sqlite
-from robowidgets.repair.source import RecordingError
+from robowidgets.repair import RecordingError, open_repaired
 
-from .written import START_NS, STEP_NS, Message, messages, read, write_db3
+from ..recordings.written import START_NS, STEP_NS, Message, messages, read, write_db3
 
 HUMBLE = """
     CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
@@ -50,7 +49,7 @@ def test_reads_every_message_and_definition_that_rosbags_wrote(tmp_path: Path, u
     held = messages()
     path = write_db3(tmp_path / "whole", held)
     before = path.read_bytes()
-    source = open_sqlite(path)
+    source = open_repaired([path])
     assert read(source) == held
     assert source.problems == ()
     assert [(c.topic, c.type, c.encoding, c.count) for c in source.channels] == [
@@ -65,7 +64,7 @@ def test_reads_every_message_and_definition_that_rosbags_wrote(tmp_path: Path, u
 
 def test_reads_a_database_of_the_days_before_definitions(tmp_path: Path, untouched: None) -> None:
     held = messages()
-    source = open_sqlite(write_old(tmp_path / "old.db3", held))
+    source = open_repaired([write_old(tmp_path / "old.db3", held)])
     assert read(source) == held
     assert {channel.definition for channel in source.channels} == {""}
 
@@ -77,7 +76,7 @@ def test_a_folder_that_cannot_be_written_to_is_no_matter(tmp_path: Path) -> None
     path.chmod(0o400)
     folder.chmod(0o500)
     try:
-        source = open_sqlite(path)
+        source = open_repaired([path])
         assert read(source) == messages()
         source.close()
         assert [entry.name for entry in folder.iterdir()] == ["a b#?%.db3"]
@@ -89,7 +88,7 @@ def test_a_file_cut_in_the_middle_is_read_as_far_as_it_goes(tmp_path: Path, unto
     held = messages(500)
     path = write_old(tmp_path / "cut.db3", held)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    source = open_sqlite(path)
+    source = open_repaired([path])
     saved = read(source)
     assert 200 <= len(saved) <= 300
     assert saved == held[: len(saved)]
@@ -105,7 +104,7 @@ def test_a_lost_page_costs_the_messages_on_it_and_no_others(tmp_path: Path, unto
     page = raw.index(held[250][2]) // 4096 * 4096
     raw[page : page + 4096] = bytes(4096)
     path.write_bytes(raw)
-    source = open_sqlite(path)
+    source = open_repaired([path])
     saved = read(source)
     lost = [at for at, message in enumerate(held) if message not in saved]
     assert 1 <= len(lost) <= 10
@@ -122,7 +121,7 @@ def test_a_message_whose_end_is_lost_costs_itself_alone(tmp_path: Path, untouche
     raw = path.read_bytes()
     tail = raw.rindex(held[-1][2][-500:])
     path.write_bytes(raw[: tail // 4096 * 4096])
-    source = open_sqlite(path)
+    source = open_repaired([path])
     saved = read(source)
     assert saved == [message for message in held if message in saved]
     assert len(saved) >= 35
@@ -139,7 +138,7 @@ def test_a_page_that_is_named_twice_gives_no_message_twice(tmp_path: Path, untou
     assert raw[root] == 5
     raw[cells[6] : cells[6] + 4] = raw[cells[2] : cells[2] + 4]
     path.write_bytes(raw)
-    source = open_sqlite(path)
+    source = open_repaired([path])
     saved = read(source)
     assert len(saved) == len(set(saved))
     assert 485 <= len(saved) < 500
@@ -165,7 +164,7 @@ def test_what_a_killed_recorder_left_beside_the_file_is_taken_in(tmp_path: Path,
             (killed / name).write_bytes((live.parent / name).read_bytes())
     before = {path.name: path.read_bytes() for path in killed.iterdir()}
     assert before[f"drive.db3{ending}"]
-    source = open_sqlite(killed / "drive.db3")
+    source = open_repaired([killed / "drive.db3"])
     count = 100 if ending == "-wal" else 60
     assert read(source) == held[:count]
     assert source.problems == (
@@ -182,7 +181,7 @@ def test_rows_that_are_no_messages_are_left_out_and_told(tmp_path: Path) -> None
         connection.execute("UPDATE messages SET data = 'text' WHERE id = 3")
         connection.execute("UPDATE messages SET timestamp = 'noon' WHERE id = 4")
         connection.execute("UPDATE messages SET topic_id = 9 WHERE id = 5")
-    source = open_sqlite(path)
+    source = open_repaired([path])
     assert read(source) == messages(10)[:2] + messages(10)[5:]
     assert source.problems == (
         "the recording is damaged in 2 places: read 7 messages, up to 0.5 s",
@@ -191,20 +190,20 @@ def test_rows_that_are_no_messages_are_left_out_and_told(tmp_path: Path) -> None
 
 
 def test_a_window_of_time_holds_its_start_and_not_its_stop(tmp_path: Path) -> None:
-    source = open_sqlite(write_old(tmp_path / "window.db3", messages()))
+    source = open_repaired([write_old(tmp_path / "window.db3", messages())])
     scans = [channel for channel in source.channels if channel.topic == "/scan"]
     window = source.messages(scans, START_NS + 30 * STEP_NS, START_NS + 33 * STEP_NS)
     assert [(time_ns - START_NS) // STEP_NS for _, time_ns, _ in window] == [30, 31]
 
 
 def test_an_empty_recording_is_no_error(tmp_path: Path) -> None:
-    source = open_sqlite(write_old(tmp_path / "empty.db3", []))
+    source = open_repaired([write_old(tmp_path / "empty.db3", [])])
     assert (source.start_ns, source.end_ns, source.problems) == (None, None, ())
     assert [channel.count for channel in source.channels] == [0, 0]
 
 
 def test_a_closed_database_says_so(tmp_path: Path) -> None:
-    source = open_sqlite(write_old(tmp_path / "closed.db3", messages(3)))
+    source = open_repaired([write_old(tmp_path / "closed.db3", messages(3))])
     source.close()
     source.close()
     with pytest.raises(
@@ -218,7 +217,7 @@ def test_another_database_is_named_by_its_tables(tmp_path: Path) -> None:
     with closing(sqlite3.connect(path)) as connection, connection:
         connection.executescript("CREATE TABLE orders(id); CREATE TABLE topics(id); CREATE VIEW messages AS SELECT 1;")
     with pytest.raises(RecordingError) as error:
-        open_sqlite(path)
+        open_repaired([path])
     assert str(error.value) == (
         "shop.db3: an SQLite database, but no rosbag2 recording: expected the tables 'topics' and 'messages', "
         "got 'orders', 'topics'"
@@ -228,13 +227,13 @@ def test_another_database_is_named_by_its_tables(tmp_path: Path) -> None:
 def test_foreign_empty_and_missing_files_are_named(tmp_path: Path) -> None:
     path = tmp_path / "x.db3"
     with pytest.raises(RecordingError, match=r"^x\.db3: cannot be opened: No such file"):
-        open_sqlite(path)
+        open_repaired([path])
     path.touch()
     with pytest.raises(RecordingError, match=r"^x\.db3: the file is empty \(0 bytes\)"):
-        open_sqlite(path)
+        open_repaired([path])
     path.write_bytes(b"\x1f\x8b\x08\0")
     with pytest.raises(RecordingError, match=r"^x\.db3: expected a rosbag2 database \(\.db3\), got gzip data$"):
-        open_sqlite(path)
+        open_repaired([path])
 
 
 def test_a_table_that_is_lost_is_named_with_a_way_out(tmp_path: Path) -> None:
@@ -243,7 +242,7 @@ def test_a_table_that_is_lost_is_named_with_a_way_out(tmp_path: Path) -> None:
     with pytest.raises(
         RecordingError, match=r"^x\.db3: was cut off before its first message .*'sqlite3 x\.db3 \.recover'"
     ):
-        open_sqlite(path)
+        open_repaired([path])
 
 
 def test_a_database_whose_first_page_is_lost_is_named_with_a_way_out(tmp_path: Path) -> None:
@@ -253,4 +252,4 @@ def test_a_database_whose_first_page_is_lost_is_named_with_a_way_out(tmp_path: P
     with pytest.raises(
         RecordingError, match=r"^x\.db3: the database cannot be read .*'sqlite3 x\.db3 \.recover' may save"
     ):
-        open_sqlite(path)
+        open_repaired([path])

@@ -1,0 +1,7 @@
+"""What the tests of repair share."""
+
+from __future__ import annotations
+
+from ..recordings.conftest import close_what_was_opened
+
+__all__ = ["close_what_was_opened"]
