@@ -14,8 +14,8 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 import robowidgets
 from robowidgets import RecordingError, Touch, TouchMode
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.recordings.columns.chunks import SampleChunk
 from robowidgets.recordings.columns._memory import Memory
+from robowidgets.recordings.columns.chunks import SampleChunk
 from robowidgets.recordings.columns.touches import Table
 from robowidgets.samples.touch_tracker import TouchTracker
 
