@@ -1,4 +1,4 @@
-"""All scans of a recording as one array, beside rosbags and mcap-ros2-support that deserialise the same messages."""
+"""All scans of a recording as one array, and its scanogram, beside reading its bytes and beside rosbags alone."""
 
 from __future__ import annotations
 
@@ -6,67 +6,76 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import Any
+
+import numpy as np
 
 import robowidgets
 
 from .recordings import open_theirs, timed, with_scans
 
-SLOW_SCANS = 500
-"""How many messages the slowest of them reads: the time for all follows from these."""
+
+@dataclass
+class Whole:
+    """One file: megabytes, and milliseconds to read its bytes, and from `open` to all scans and to the scanogram."""
+
+    megabytes: float
+    read: float
+    array: float
+    scanogram: float
 
 
 @dataclass
 class Decoding:
-    """One topic: how many scans of how many rays, and how many a second each of them decodes; 0 where it cannot."""
+    """One topic: how many scans of how many rays, and milliseconds from opening the file to all of them."""
 
     scans: int
     rays: int
     ours: float
     rosbags: float
-    mcap: float
-    first: float
-    """How many times as fast as rosbags we are the first time."""
 
 
-def compare(made: Path, repeats: int) -> dict[str, Decoding]:
-    """Each topic by file and name."""
+def whole(path: Path, repeats: int) -> Whole:
+    """All three in turn; the median of each, but for the first time."""
+    times: dict[str, list[float]] = {"read": [], "array": [], "scanogram": []}
+    for _ in range(1 + repeats):
+        times["read"].append(timed(lambda: len(path.read_bytes()))[0])
+        times["array"].append(timed(lambda: _ranges(path, None).nbytes)[0])
+        times["scanogram"].append(timed(lambda: _scanogram(path))[0])
+    return Whole(path.stat().st_size / 1e6, **{name: 1000 * median(took[1:]) for name, took in times.items()})
+
+
+def compare(made: dict[str, Path], repeats: int) -> dict[str, Decoding]:
+    """Each topic of scans by file and name."""
     return {name: decode(path, topic, repeats) for name, path, topic in with_scans(made)}
 
 
 def decode(path: Path, topic: str, repeats: int) -> Decoding:
-    """All of them in turn, each on a file that is open already; the median of each, but for the first time."""
-    times: dict[str, list[float]] = {"ours": [], "rosbags": [], "mcap": []}
+    """Both in turn; the median of each, but for the first time, in which rosbags makes code for the type."""
+    times: dict[str, list[float]] = {"ours": [], "rosbags": []}
     for _ in range(1 + repeats):
-        with robowidgets.open(path) as recording:
-            took, ranges = timed(lambda recording=recording: recording.scans(topic).ranges)
-            times["ours"].append(took)
+        took, ranges = timed(lambda: _ranges(path, topic))
+        times["ours"].append(took)
         scans, rays = ranges.shape
         # Before the next is made, whose memory this then is.
         del ranges
-        with closing(open_theirs(path)) as reader:
-            took, count = timed(lambda reader=reader: _rosbags(reader, topic))
-            times["rosbags"].append(took)
+        took, count = timed(lambda: _rosbags(path, topic))
+        times["rosbags"].append(took)
         if count != scans:
             raise RuntimeError(f"{path.name}: {scans} scans on {topic}, where rosbags has {count} messages")
-        if path.suffix == ".mcap":
-            took, read = timed(lambda: _mcap(path, topic))
-            times["mcap"].append(took * count / read)
-    rates = {name: scans / median(took[1:]) if took else 0.0 for name, took in times.items()}
-    return Decoding(scans, rays, **rates, first=times["rosbags"][0] / times["ours"][0])
+    return Decoding(scans, rays, **{name: 1000 * median(took[1:]) for name, took in times.items()})
 
 
-def _rosbags(reader: Any, topic: str) -> int:
-    wanted = [connection for connection in reader.connections if connection.topic == topic]
-    return sum(1 for c, _, raw in reader.messages(wanted) if reader.deserialize(raw, c.msgtype))
+def _ranges(path: Path, topic: str | None) -> np.ndarray:
+    with robowidgets.open(path) as recording:
+        return recording.scans(topic).ranges
 
 
-def _mcap(path: Path, topic: str) -> int:
-    # Here, because only the benchmarks need it.
-    from mcap_ros2.reader import read_ros2_messages
+def _scanogram(path: Path) -> None:
+    with robowidgets.open(path) as recording:
+        recording.scanogram().close()
 
-    count = 0
-    for count, _ in enumerate(read_ros2_messages(str(path), topics=[topic]), start=1):
-        if count == SLOW_SCANS:
-            break
-    return count
+
+def _rosbags(path: Path, topic: str) -> int:
+    with closing(open_theirs(path)) as reader:
+        wanted = [connection for connection in reader.connections if connection.topic == topic]
+        return sum(1 for c, _, raw in reader.messages(wanted) if reader.deserialize(raw, c.msgtype))

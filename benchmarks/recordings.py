@@ -55,33 +55,39 @@ def real() -> Iterator[Path]:
 
 
 @contextmanager
-def written(scans: int) -> Iterator[tuple[Path, Path]]:
-    """An MCAP file of so many scans, and one of ten times as many; gone after the block."""
+def written(scans: int) -> Iterator[dict[str, Path]]:
+    """MCAP files of so many scans, of the same with changing times, and of ten times as many; gone after the block."""
     with tempfile.TemporaryDirectory() as folder:
-        made, large = Path(folder) / "scans.mcap", Path(folder) / "large.mcap"
-        write(made, range(scans))
-        write(large, range(10 * scans))
-        yield made, large
+        made = {name: Path(folder) / f"{name}.mcap" for name in ("scans", "changing", "large")}
+        write(made["scans"], range(scans))
+        write(made["changing"], range(scans), changing=True)
+        write(made["large"], range(10 * scans))
+        yield made
 
 
-def with_scans(made: Path) -> Iterator[tuple[str, Path, str]]:
-    """Name, file and topic of all that are scans: of a written file, and of the real ones that are there."""
-    for path in (made, *real()):
+def with_scans(made: dict[str, Path]) -> Iterator[tuple[str, Path, str]]:
+    """Name, file and topic of all that are scans: of written files, by their names, and of the real ones there are."""
+    for name, path in {**made, **{path.name: path for path in real()}}.items():
         with robowidgets.open(path) as recording:
             topics = [topic for topic in recording.topics if topic.widget == "laser"]
         for topic in topics:
-            yield f"{path.name if path != made else f'{topic.count:,} scans (MCAP)'} {topic.name}", path, topic.name
+            yield f"{name} {topic.name}", path, topic.name
 
 
-def write(path: Path, numbers: Iterable[int]) -> None:
-    """An MCAP file of scans at 40 Hz that say these numbers, one after the other."""
+def write(path: Path, numbers: Iterable[int], *, changing: bool = False) -> None:
+    """An MCAP file of scans at 40 Hz that say these numbers, one after the other; see `write_scans`."""
     times = count(1_700_000_000_000_000_000, 25_000_000)
-    write_scans(path.with_suffix(""), ((number, when, when) for number, when in zip(numbers, times, strict=False)))
+    write_scans(
+        path.with_suffix(""), ((number, when, when) for number, when in zip(numbers, times, strict=False)), changing
+    )
     next(path.with_suffix("").glob("*.mcap")).rename(path)
 
 
-def write_scans(folder: Path, scans: Iterable[tuple[int, int, int]]) -> None:
-    """A rosbag2 folder, in MCAP, of scans: the number that each says, when it is logged, and its stamp, both in ns."""
+def write_scans(folder: Path, scans: Iterable[tuple[int, int, int]], changing: bool = False) -> None:
+    """A rosbag2 folder, in MCAP, of scans: the number that each says, when it is logged, and its stamp, both in ns.
+
+    Where they change, scan_time and time_increment are others in each scan, as most drivers of RPLIDAR send them.
+    """
     kind = TYPES.types["sensor_msgs/msg/LaserScan"]
     header, stamp = TYPES.types["std_msgs/msg/Header"], TYPES.types["builtin_interfaces/msg/Time"]
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
@@ -92,8 +98,8 @@ def write_scans(folder: Path, scans: Iterable[tuple[int, int, int]]) -> None:
                 angle_min=ANGLE_MIN,
                 angle_max=-ANGLE_MIN,
                 angle_increment=ANGLE_INCREMENT,
-                time_increment=0.0,
-                scan_time=0.025,
+                time_increment=number % 97 * 1e-7 if changing else 0.0,
+                scan_time=0.025 + number % 89 * 1e-5 * changing,
                 range_min=RANGE_MIN,
                 range_max=RANGE_MAX,
                 ranges=encode(number),

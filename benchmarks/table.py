@@ -6,13 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isinf
 from statistics import median
 
-from .columns import Decoding
+from .columns import Decoding, Whole
 from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
 from .measure import Endurance, Four
 from .player import FRAMED, ROUND_TRIP, Playing, Waiting
 from .recordings import Reading
-from .scanograms import Drawing
 from .stopping import Stopped
 
 COLUMNS = {
@@ -129,31 +128,23 @@ def feed_endurance(parts: Mapping[str, FeedEndurance]) -> str:
     return markdown(titles, [[name, *map(say, vars(part).values())] for name, part in parts.items()])
 
 
+def whole(file: Whole) -> str:
+    """From `open` to all scans and to the scanogram of one file, beside reading its bytes."""
+    body = [
+        ["its bytes, read into Python", say(file.read), ""],
+        ["all scans as one array", say(file.array), times(file.array / file.read)],
+        ["its scanogram", say(file.scanogram), times(file.scanogram / file.read)],
+    ]
+    return markdown([f"{file.megabytes:.0f} MB", "ms", "times the reading"], body)
+
+
 def decodings(files: Mapping[str, Decoding]) -> str:
-    """How many scans a second are decoded, one line per topic."""
+    """How long it takes to decode scans, one line per topic."""
     body = [
-        [
-            name,
-            f"{one.scans:,} of {one.rays:,} rays",
-            f"{one.ours:,.0f}",
-            f"{one.rosbags:,.0f}",
-            times(one.ours / one.rosbags),
-            f"{one.mcap:,.0f}" if one.mcap else "",
-            times(one.ours / one.mcap) if one.mcap else "",
-        ]
-        for name, one in files.items()
+        [name, f"{d.scans:,} of {d.rays:,} rays", say(d.ours), say(d.rosbags), times(d.rosbags / d.ours)]
+        for name, d in files.items()
     ]
-    heads = ["", "scans", "decoded a second", "rosbags", "times as fast", "mcap-ros2-support", "times as fast"]
-    return markdown(heads, body)
-
-
-def drawings(files: Mapping[str, Drawing]) -> str:
-    """How long it takes until a scanogram is ready, one line per topic."""
-    body = [
-        [name, f"{one.messages:,}", say(one.ours), say(one.rosbags), times(one.ours / one.rosbags)]
-        for name, one in files.items()
-    ]
-    return markdown(["", "messages", "scanogram ready, ms", "rosbags, raw messages", "ratio"], body)
+    return markdown(["", "scans", "ms", "rosbags, ms", "times as fast"], body)
 
 
 def peaks(work: Mapping[str, tuple[float, float]]) -> str:
