@@ -1,4 +1,4 @@
-"""The drive pad: a robot is driven from the notebook."""
+"""The drive pad, which drives a robot from the notebook."""
 
 from __future__ import annotations
 
@@ -39,25 +39,25 @@ class DriveWidget(DrivingWidget):
     """A pad that drives a robot: drag its knob, or press arrow keys or W, A, S, D while it has the focus.
 
     Up is forward and left turns to the left (REP-103: linear x and angular z above 0). The knob's place is a share of
-    the limits; keys go to the limits. The reader sees the speed that was sent, its limits, and in words who drives.
+    the limits; keys go to the limits. The pad shows the speed that was sent, its limits, and who drives.
 
-    The robot is told to stop on release, when the pad loses the focus or the page is hidden, and when something raises.
-    It moves only while the page and the kernel answer each other: half a second without an answer ends a press, on both
-    sides, and nothing that waited longer than that ever moves the robot. A press that ended so must be let go and made
-    anew. No program can do better than that when its whole process hangs: a robot should stop by itself, too, when it
-    hears nothing.
+    The pad stops the robot on release, when it loses the focus or the page is hidden, and when something raises. The
+    robot moves only while the page and the kernel answer each other: half a second without an answer ends a press, on
+    both sides, and no message that was delayed for longer moves the robot. After that the knob must be released and
+    pressed anew. No program can stop a robot when its whole process hangs, so a robot should also stop by itself when
+    no speed comes.
 
-    The newest press of all pads on one feed drives it. While it is held, programs are refused. Stop is latched: nobody
-    drives until it is released, on the page or by ``stopped = False``.
+    The newest press of all pads on one feed drives it. While it is held, programs are refused. Stop is latched: all
+    driving is refused until it is released, on the page or by ``stopped = False``.
 
     Args:
-        send: a function of linear (m/s) and angular (rad/s) that drives the robot. It is called in a thread of the
-            pad's, ten times a second while the pad is held, and with zero at the end.
-        title: what is driven, for the header; usually the topic.
+        send: a function of linear (m/s) and angular (rad/s) that drives the robot. A thread of the pad calls it, ten
+            times a second while the pad is held, and with zero at the end.
+        title: the name of the robot for the header; usually the topic.
         linear_limit: m/s at the edge of the pad, forward and backward.
         angular_limit: rad/s at the edge of the pad, both ways.
         enabled: whether the pad drives at all.
-        header: whether it is there.
+        header: whether the header is shown.
 
     Raises:
         TypeError: an unknown keyword; ``send`` is no function.
@@ -85,15 +85,15 @@ class DriveWidget(DrivingWidget):
             raise TypeError(f"send: expected a function of linear and angular speed, got {send!r}")
         self._lease = PressLease()
         self._driving = ""
-        """The press of this pad that took the robot last."""
+        """The press of this pad that drove the robot last."""
         super().__init__(**kwargs)
         if send is not None:
             self._attach(CommandWatchdog(send), owns=True)
 
     def connect(self, robot: Any) -> None:
-        """Drive this one from now on; what was driven by this pad until now is told to stop.
+        """Drive this robot from now on; the one that this pad drove until now is stopped.
 
-        When a feed is closed, the pad says so.
+        When a feed is closed, the pad shows it.
 
         Args:
             robot: a feed, or anything with ``drive(linear, angular)``. Its ``stop()`` is used where it has one.
@@ -111,7 +111,7 @@ class DriveWidget(DrivingWidget):
             self._name_after(topic)
 
     def disconnect(self) -> None:
-        """Drive nothing any more; what was driven by this pad is told to stop."""
+        """Drive nothing any more; the robot that this pad drove is stopped."""
         self._detach()
 
     @property
@@ -137,7 +137,7 @@ class DriveWidget(DrivingWidget):
         self.send({"press": press, "over": over} if over else {"press": press, "token": token})
 
     def _why_not(self) -> str:
-        """Why nothing can be driven, for the page to put in words; empty when it can."""
+        """Why nothing can be driven, as a key for the page; empty when it can."""
         if not self._is_ready():
             return "nothing"
         if not self.enabled:
@@ -147,10 +147,10 @@ class DriveWidget(DrivingWidget):
         return "hangs" if self._watchdog.busy_for > HOLD else ""
 
     def _drive(self, message: PadMessage) -> str:
-        """Send a speed of the press that holds the pad; why it is over instead, or nothing.
+        """Send a speed of the press that holds the pad; returns why the press is over, empty when it is not.
 
-        The robot is taken by the first speed, which is fresh, not by the press: a press that waited for a busy kernel
-        must not get in a program's way.
+        The first speed takes over the robot, not the press: the speed is fresh, but a press that was delayed by a busy
+        kernel must not interrupt a program.
         """
         press, watchdog = message.press, self._watchdog
         linear, angular = message.forward * self.linear_limit, message.turn * self.angular_limit
@@ -159,10 +159,10 @@ class DriveWidget(DrivingWidget):
                 watchdog.take(press)
                 self._driving = press
             if self._feed is not None:
-                self._feed.drive_by_hand(linear, angular, press)
+                self._feed.driver.drive_by_hand(linear, angular, press)
             else:
                 watchdog.drive((linear, angular), driver=press)
-        except Exception as error:  # whatever the feed raises, the page must be told
+        except Exception as error:  # whatever the feed raises, the page must show it
             over = self._why_refused(press)
             if not over:
                 self._fail(error)
@@ -170,7 +170,7 @@ class DriveWidget(DrivingWidget):
         return ""
 
     def _why_refused(self, press: str) -> str:
-        """Why a press drives no more, though nothing failed; empty when it does."""
+        """Why a press no longer drives, though nothing failed; empty when it does."""
         driver = self._watchdog.driver
         if self.stopped or driver == press:
             return "stopped" if self.stopped else ""
@@ -181,9 +181,9 @@ class DriveWidget(DrivingWidget):
         if press:
             self._watchdog.let_go(press)
 
-    def _on_failed(self, words: str, error: BaseException) -> None:
+    def _on_failed(self, failure: str, error: BaseException) -> None:
         if self._lease.press:
-            self._log_once(words)
+            self._log_once(failure)
             self._cause = str(error) or type(error).__name__
             self._end_press("failed")
 

@@ -10,7 +10,7 @@ import numpy as np
 import traitlets
 
 from ._core.named_widget import bundle, nearest_name
-from ._core.robot_widget import HEAD, RobotWidget
+from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Flag
 from .messages import ScanReader
 from .messages.fields import unwrap
@@ -157,7 +157,7 @@ class LaserWidget(RobotWidget[Scan]):
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
-            with self._storing:
+            with self._sample_lock:
                 self._show(scan.turned(self._offset) if self._offset else scan, about_scan(scan))
 
     @property
@@ -183,9 +183,9 @@ class LaserWidget(RobotWidget[Scan]):
         return b"".join([head, *[column.astype(_FLOAT, copy=False).data for column in columns]])
 
     def _unpack(self, frame: bytes) -> Scan:
-        _, _, stamp_ns, arrived = HEAD.unpack_from(frame)
-        angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, HEAD.size)
-        values = np.frombuffer(frame, _FLOAT, offset=HEAD.size + _GEOMETRY.size)
+        _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
+        angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, FRAME_HEADER.size)
+        values = np.frombuffer(frame, _FLOAT, offset=FRAME_HEADER.size + _GEOMETRY.size)
         scan = Scan(
             ranges=values[: int(count)],
             angle_min=angle_min,
@@ -194,7 +194,7 @@ class LaserWidget(RobotWidget[Scan]):
             range_max=range_max,
             intensities=values[int(count) :],
             stamp_ns=stamp_ns or None,
-            frame_id=self._held_about.get("frame_id", ""),
+            frame_id=self._frozen_meta.get("frame_id", ""),
         )
         scan._arrive(arrived)
         return scan
@@ -209,7 +209,7 @@ class LaserWidget(RobotWidget[Scan]):
     @traitlets.observe("angle_offset")
     def _turn(self, change: Any) -> None:
         """Turn the scan on show too: it may be the only one that comes."""
-        with self._storing:
+        with self._sample_lock:
             self._offset = change["new"]
             if self._newest is not None:
                 self._show(self._newest.turned(change["new"] - change["old"]), self._newest_about, counts=False)

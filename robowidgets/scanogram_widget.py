@@ -104,7 +104,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         self._picture: Picture | None = None
         self._is_whole = True
         self._edition = 0
-        self._unsaved = ""
+        self._png_error = ""
         super().__init__(**kwargs)
 
     @staticmethod
@@ -247,9 +247,9 @@ class ScanogramWidget(SavesPng, NamedWidget):
                 self._wanted = []
 
     def _say(self, words: str) -> None:
-        if words != self._unsaved:
-            notes = [note for note in self._about.get("notes", ()) if note != self._unsaved]
-            self._unsaved = words
+        if words != self._png_error:
+            notes = [note for note in self._about.get("notes", ()) if note != self._png_error]
+            self._png_error = words
             self._about = {**self._about, "notes": [*notes, words] if words else notes}
 
     def _scans_first(self, call: str) -> Picture:

@@ -11,7 +11,7 @@ import traitlets
 
 from ._core.limits import AxisLimits, Limits, Pair, is_past
 from ._core.named_widget import bundle
-from ._core.robot_widget import HEAD, RobotWidget
+from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Flag
 from .messages import to_speed
 from .samples import AXES, Speed
@@ -186,7 +186,7 @@ class SpeedWidget(RobotWidget[Reading]):
             self._errors[method] = f"{error}."
             self._refuse(error)
             return
-        with self._storing:
+        with self._sample_lock:
             self._errors.pop(method, None)
             if method == "update":
                 self._reading = self._reading.moved(speed)
@@ -204,7 +204,7 @@ class SpeedWidget(RobotWidget[Reading]):
 
     @traitlets.observe("_resets")
     def _reset(self, _change: Any) -> None:
-        with self._storing:
+        with self._sample_lock:
             self._reading = self._reading.reset(self._resets)
             if self._reading.measured or self._reading.commanded:
                 self._put_up(counts=False)
@@ -231,9 +231,9 @@ class SpeedWidget(RobotWidget[Reading]):
         )
 
     def _unpack(self, frame: bytes) -> Reading:
-        _, _, stamp_ns, arrived = HEAD.unpack_from(frame)
-        there, resets, commanded_ns, commanded_arrived, *values = _FRAME.unpack_from(frame, HEAD.size)
-        frame_id = self._held_about.get("frame_id", "")
+        _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
+        there, resets, commanded_ns, commanded_arrived, *values = _FRAME.unpack_from(frame, FRAME_HEADER.size)
+        frame_id = self._frozen_meta.get("frame_id", "")
         measured = Speed(tuple(values[:3]), tuple(values[3:6]), stamp_ns or None, frame_id)
         measured._arrive(arrived)
         commanded = Speed(tuple(values[6:9]), tuple(values[9:12]), commanded_ns or None)

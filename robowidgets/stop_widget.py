@@ -10,7 +10,7 @@ from ._core.named_widget import bundle
 
 
 class StopWidget(DrivingWidget):
-    """A slim bar: Stop, who drives and how fast, and what keeps the robot from moving as it is told.
+    """A slim bar: Stop, who drives and how fast, and why the robot may not move as commanded.
 
     Stop is latched: it sends zero, and all driving is refused until it is released, on the page or by
     ``stopped = False``.
@@ -30,7 +30,7 @@ class StopWidget(DrivingWidget):
     _esm, _css = bundle("stop_widget")
 
     def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
-        """The feed has no keyword."""
+        """Take the feed as a positional argument."""
         return super().__new__(cls, **kwargs)
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:

@@ -12,7 +12,7 @@ import traitlets
 
 from ._core.named_widget import bundle
 from ._core.pacer import pacer
-from ._core.robot_widget import HEAD, LONGEST_SILENCE, RobotWidget
+from ._core.robot_widget import FRAME_HEADER, LONGEST_SILENCE, RobotWidget
 from .messages import to_touch
 from .samples import Touch, TouchMode, TouchState
 from .samples.numbers import in_radians
@@ -146,7 +146,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     def send_newest(self) -> int:
         """Send the states to the page, as they are now; the pacer's call. Returns the bytes sent."""
-        with self._sending:
+        with self._send_lock:
             self._changed = True
             size = super().send_newest()
             with self._tracking:
@@ -175,7 +175,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     def _on_show(self) -> dict[str, TouchSensor]:
         if self.paused:
-            rows = json.loads(self._held[HEAD.size :]) if self._held else []
+            rows = json.loads(self._held[FRAME_HEADER.size :]) if self._held else []
             known = {name: TouchSensor(TouchState[word.upper()], touches) for name, word, touches, _ in rows}
         else:
             with self._tracking:

@@ -9,7 +9,7 @@ from types import FrameType
 _CELLS = "IPython.core.interactiveshell"
 
 
-def is_a_person() -> bool:
+def called_from_cell() -> bool:
     """Whether a call comes from a cell; where there are no cells, from the main thread.
 
     In a notebook the main thread also runs the event loop, with tasks, timers and buttons between and beside the cells.
@@ -20,7 +20,7 @@ def is_a_person() -> bool:
     return _is_in_a_cell(sys._getframe())
 
 
-def a_cell_runs() -> bool:
+def cell_is_running() -> bool:
     """Whether the main thread is at work on a cell; not while the cell awaits something."""
     return _is_in_a_cell(sys._current_frames().get(threading.main_thread().ident or 0))
 

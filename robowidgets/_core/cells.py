@@ -5,12 +5,12 @@ ipywidgets keeps every widget until it is closed, and IPython what a cell gave: 
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Callable
-from signal import SIGINT, default_int_handler
 from typing import Any, Protocol
 from weakref import WeakSet
+
+from .platform_fixes import call_on_interrupt
 
 
 class Closable(Protocol):
@@ -59,21 +59,8 @@ def on_failed_cell(call: Callable[[], None]) -> None:
         if not _on_failed:
             shell.events.register("post_run_cell", _after_cell)
         _on_failed.append(call)
-    # The event comes after the traceback was made, and not at all where the cell catches the interrupt. ipykernel sets
-    # the handler for each cell anew.
-    if hasattr(shell, "kernel") and not _has_rclpy_handler() and signal.getsignal(SIGINT) is default_int_handler:
-        signal.signal(SIGINT, _on_interrupt)
-
-
-def _has_rclpy_handler() -> bool:
-    """Whether rclpy handles signals: by a handler in C, which Python does not tell of and would replace."""
-    signals = sys.modules.get("rclpy.signals")
-    return signals is not None and signals.get_current_signal_handlers_options() != signals.SignalHandlerOptions.NO
-
-
-def _on_interrupt(number: int, frame: Any) -> None:
-    _call_all()
-    default_int_handler(number, frame)
+    if hasattr(shell, "kernel"):
+        call_on_interrupt(_call_all)
 
 
 def _after_cell(result: Any) -> None:

@@ -1,4 +1,4 @@
-"""Sending speeds to a robot, and zero as soon as none holds any more."""
+"""Sending speeds to a robot, and zero as soon as the last speed is not renewed."""
 
 from __future__ import annotations
 
@@ -21,40 +21,41 @@ Velocity = tuple[float, float]
 ZERO: Velocity = (0.0, 0.0)
 
 HOLD = 0.5
-"""Seconds that a speed holds unless it is renewed."""
+"""Seconds for which a speed holds unless it is renewed."""
 
 INTERVAL = 0.02
-"""Seconds between two speeds at least; zero goes out at once."""
+"""Shortest time between two speeds, in seconds; zero is sent at once."""
 
 RETRY = 1.0
 """Seconds after which a zero that could not be sent is sent again."""
 
 SEND_TIMEOUT = 1.0
-"""Seconds that a caller waits until its speed is sent."""
+"""Seconds for which a caller waits until its speed is sent."""
 
 RECENT = 30.0
-"""Seconds for which a connection may be dead before that is noticed, generously."""
+"""Seconds for which a dead connection may go unnoticed, generously."""
 
 Request = Future[None]
 """Done when a speed is sent; it holds what the sink raised."""
 
 PROGRAM = "program"
-"""The driver that is no hand."""
+"""The driver that is not a hand on a pad."""
 
 
 class RefusedError(Exception):
-    """A speed that is not sent because of somebody else: a latched stop, or a hand on a pad. The text says who."""
+    """A speed that is not sent because stop is latched or a hand drives from a pad. The text says which."""
 
 
 class CommandWatchdog:
     """Sends speeds to a sink from a thread of its own: 50 a second at most, the newest wins, zero at once.
 
-    Zero follows a speed that is not renewed in time. No caller's code runs in the thread but the sink. The thread lives
-    as long as a zero is owed. Every method may be called from any thread, and waits for nothing unless it says so.
+    Zero follows a speed that is not renewed in time. The thread runs no code of a caller except the sink, and it lives
+    while a zero is owed. Any thread may call any method; a method does not wait unless its description says so.
 
     Args:
-        send: the sink, of linear m/s and angular rad/s.
-        not_sent: what the sink raises when nothing reached the robot. After any other error zero is due at once.
+        send: the sink, a function of linear m/s and angular rad/s.
+        not_sent: errors by which the sink says that nothing reached the robot. After any other error zero is due at
+            once.
     """
 
     def __init__(self, send: Callable[[float, float], object], *, not_sent: type[Exception] | tuple[()] = ()) -> None:
@@ -63,12 +64,12 @@ class CommandWatchdog:
         self._watchers: tuple[Callable[[], None], ...] = ()
         self._thread: threading.Thread | None = None
         self._wanted: Velocity | None = None
-        """The newest speed that is not sent yet."""
+        """The newest speed, while it is not sent yet."""
         self._speeds: list[Request] = []
         self._zeros: list[Request] = []
-        """Who waits for a speed, and for zero, to be sent."""
+        """The requests that are resolved when a speed, or zero, is sent."""
         self._expires = 0.0
-        """When the newest speed is no longer valid."""
+        """When the newest speed expires."""
         self._zero_at: float | None = None
         """When zero is due; None while nothing moves."""
         self._next_speed_at = self._next_zero_at = 0.0
@@ -78,18 +79,20 @@ class CommandWatchdog:
         self._driver = ""
         self._entered: float | None = None
         self._logged = ""
+        self.stops = 0
+        """How often zero was asked for, by anybody."""
         self.sent: Velocity = ZERO
         """The speed that the sink took last."""
         self.error: BaseException | None = None
-        """What the sink raised last; None when it took the speed."""
+        """The error of the last call of the sink; None when it took the speed."""
         self.failed: Velocity = ZERO
-        """The speed at which it did."""
+        """The speed for which it raised."""
 
     # -- who drives ----------------------------------------------------------------------------------------------------
 
     @property
     def driver(self) -> str:
-        """Who drives now: `PROGRAM`, the name of a hand's press, or nobody, empty."""
+        """The driver: `PROGRAM`, the name of a press on a pad, or empty for nobody."""
         with self._changed:
             return self._hand_now() or (self._driver if time.monotonic() < self._expires else "")
 
@@ -103,12 +106,12 @@ class CommandWatchdog:
         self._stopped = stopped
         if stopped:
             with self._changed:
-                self._hand = ""  # released, it needs a new press
+                self._hand = ""  # after the release, a hand must press anew
             self.stop()
-        self._tell()
+        self._call_watchers()
 
     def take(self, hand: str) -> None:
-        """Let a press of a pad drive in place of everybody else, as long as it is renewed; what drove before ends.
+        """Let a press on a pad drive instead of any other driver, as long as it is renewed; stops the one before.
 
         Raises:
             RefusedError: stop is latched.
@@ -118,16 +121,16 @@ class CommandWatchdog:
             self._hand, self._hand_until = hand, time.monotonic() + HOLD
             if self._zero_at is not None or self._wanted is not None:
                 self._ask_for_zero()
-        self._tell()
+        self._call_watchers()
 
     def let_go(self, hand: str = "") -> None:
-        """End this press, or whichever there is, by zero."""
+        """End this press, or any press, and send zero."""
         with self._changed:
             if not self._hand or hand not in ("", self._hand):
                 return
             self._hand = ""
             self._ask_for_zero()
-        self._tell()
+        self._call_watchers()
 
     # -- speeds --------------------------------------------------------------------------------------------------------
 
@@ -135,11 +138,11 @@ class CommandWatchdog:
         """Send a speed, which holds for some seconds, or renew it.
 
         Returns:
-            What `sent_in_time` waits for. It is done already where the speed is sent later, because one was sent just
-            before.
+            The request for `sent_in_time`. It is done already where the speed is sent later, because another one was
+            sent just before.
 
         Raises:
-            RefusedError: a hand drives, or stop is latched, which takes zero.
+            RefusedError: a hand drives, or stop is latched. Zero is never refused.
         """
         if velocity == ZERO and driver == PROGRAM and not self._hand_now():
             return self.stop()
@@ -163,35 +166,35 @@ class CommandWatchdog:
         return request
 
     def stop(self) -> Request:
-        """Send zero now, in place of any speed; what `sent_in_time` waits for. A hand keeps its press."""
+        """Send zero now, instead of any speed; returns the request for `sent_in_time`. A hand keeps its press."""
         with self._changed:
             return self._ask_for_zero()
 
     @property
     def busy_for(self) -> float:
-        """Seconds for which the sink has not come back; 0 while it is not at work."""
+        """Seconds for which the sink has not returned; 0 while it is not running."""
         entered = self._entered
         return time.monotonic() - entered if entered is not None else 0.0
 
     @property
     def owes_zero(self) -> bool:
-        """Whether zero is still to follow, or the sink is at work."""
+        """Whether a zero is still to be sent, or the sink is running."""
         return self._zero_at is not None or bool(self._zeros) or self._entered is not None
 
     def on_lost(self) -> None:
-        """Note that the connection was lost: a zero that was sent lately may not have arrived, and is sent again."""
+        """Note a lost connection: a zero that was sent shortly before may not have arrived, and is sent again."""
         with self._changed:
             self._lost = self._lost or time.monotonic() - self._moved_at < RECENT
 
     def on_connected(self) -> None:
-        """Send at once what is owed to a robot that can be reached again."""
+        """Send the zero that is owed to a robot that can be reached again."""
         with self._changed:
             if self._wanted is None and (self._lost or self._zero_at is not None):
                 self._ask_for_zero()
             self._lost = False
 
     def close(self, timeout: float = SEND_TIMEOUT) -> None:
-        """Send zero if one is owed, wait for it, and refuse every speed from now on.
+        """Send zero if one is owed, wait until it is sent, and refuse every speed from now on.
 
         Raises:
             As `sent_in_time`, when zero could not be sent.
@@ -208,35 +211,35 @@ class CommandWatchdog:
                 self._changed.notify_all()
 
     def sent_in_time(self, request: Request, timeout: float = SEND_TIMEOUT) -> None:
-        """Wait until what `drive` or `stop` asked for is sent.
+        """Wait until a request of `drive` or `stop` is sent.
 
         Raises:
-            TimeoutError: the sink does not come back. Whatever the sink raised otherwise.
+            TimeoutError: the sink does not return. Otherwise whatever the sink raised.
         """
         if threading.current_thread() is self._thread:
             return
         if not wait([request], timeout).done:
-            raise TimeoutError(f"what sends speeds has not come back for {self.busy_for:.1f} s")
+            raise TimeoutError(f"the function that sends speeds has not returned for {self.busy_for:.1f} s")
         request.result()
 
-    # -- who is told ---------------------------------------------------------------------------------------------------
+    # -- watchers ------------------------------------------------------------------------------------------------------
 
-    def watch(self, tell: Callable[[], None]) -> None:
-        """Call a function whenever what is sent, who drives, or an error changes. It returns at once."""
+    def watch(self, on_change: Callable[[], None]) -> None:
+        """Call a function whenever the speed, the driver or an error changes. It must return at once."""
         with self._changed:
-            self._watchers += (tell,)
+            self._watchers += (on_change,)
 
-    def forget(self, tell: Callable[[], None]) -> None:
+    def forget(self, on_change: Callable[[], None]) -> None:
         """Call a function of `watch` no more."""
         with self._changed:
-            self._watchers = tuple(other for other in self._watchers if other != tell)
+            self._watchers = tuple(other for other in self._watchers if other != on_change)
 
-    def _tell(self) -> None:
+    def _call_watchers(self) -> None:
         try:
-            for tell in self._watchers:
-                tell()
+            for on_change in self._watchers:
+                on_change()
         except Exception:  # no watcher may keep zero from being sent
-            log.exception("a change of what is driven could not be told")
+            log.exception("a change of the driven speed could not be shown")
 
     # -- within --------------------------------------------------------------------------------------------------------
 
@@ -262,6 +265,7 @@ class CommandWatchdog:
 
     def _ask_for_zero(self) -> Request:
         self._wanted, self._expires = None, 0.0
+        self.stops += 1
         request = Request()
         self._zeros.append(request)
         self._wake()
@@ -279,16 +283,16 @@ class CommandWatchdog:
                 self._entered = None
                 self._note(velocity, error)
             _resolve(requests, error)
-            self._tell()
+            self._call_watchers()
 
     def _next(self) -> tuple[Velocity | None, list[Request]]:
-        """Wait for what is to be sent next, until its time comes; None when nothing is owed any more."""
+        """Wait until a speed or zero is due, and return it; None when nothing is owed any more."""
         while True:
             now = time.monotonic()
-            if self._wanted is not None and now >= self._expires:  # a slow sink kept it waiting
+            if self._wanted is not None and now >= self._expires:  # it expired while the sink was busy
                 self._wanted = None
-                self._resolve(TimeoutError("what sends speeds was busy for longer than the speed holds"))
-            elif self._wanted is None:  # zero came in its place
+                self._resolve(TimeoutError("the function that sends speeds was busy for longer than the speed holds"))
+            elif self._wanted is None:  # zero replaced it
                 self._resolve(None)
             moves = self._zero_at is not None
             if self._zeros and (moves or self._next_zero_at <= now):
@@ -323,7 +327,7 @@ class CommandWatchdog:
         return None
 
     def _note(self, velocity: Velocity, error: BaseException | None) -> None:
-        """Note what became of a speed, and when zero is due now; the lock is held."""
+        """Note the outcome of a call, and when zero is due now; the lock is held."""
         now = time.monotonic()
         self.error = error
         if error is not None:
@@ -353,17 +357,18 @@ def _resolve(requests: list[Request], error: BaseException | None) -> None:
 
 
 _running: WeakSet[CommandWatchdog] = WeakSet()
-"""Those that owe a zero."""
+"""The watchdogs that owe a zero."""
 
 
 def stop_all(timeout: float = SEND_TIMEOUT) -> None:
-    """Send zero wherever one is owed, and wait for all of them together."""
+    """Send zero from every watchdog that owes one, and wait for all of them together."""
     zeros = [(watchdog, watchdog.stop()) for watchdog in list(_running) if watchdog.owes_zero]
     wait([zero for _, zero in zeros], timeout)
     for watchdog, zero in zeros:
         if not zero.done():
             log.error(
-                "a robot could not be told to stop: what sends speeds does not come back (%.1f s)", watchdog.busy_for
+                "a robot could not be told to stop: the function that sends speeds has not returned (%.1f s)",
+                watchdog.busy_for,
             )
 
 

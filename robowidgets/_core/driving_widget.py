@@ -1,4 +1,4 @@
-"""What the widgets share by which a person drives or stops a robot: who drives, Stop, and whether a page is there."""
+"""The base of the drive pad and the Stop bar: the state of the drive, Stop, and the presence of a page."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ import traitlets
 from .command_watchdog import HOLD, ZERO, CommandWatchdog
 from .named_widget import NamedWidget
 from .pacer import pacer
+from .platform_fixes import route_by_message
 from .press import PadMessage, Tokens, to_pad_message
 
 RENEWAL = 1.0
-"""Seconds after which the state of a robot that is driven is sent again: the page takes an older one for no news."""
+"""Seconds after which the state of a driven robot is sent again; the page takes an older state for a lost kernel."""
 
 ALLOW_LIFETIME = 3.0
-"""Seconds for which a token allows driving again. The page gets one a second."""
+"""Seconds for which a token may release the latch. The page gets a token every second."""
 
 
 class _Driving(Protocol):
@@ -28,25 +29,30 @@ class _Driving(Protocol):
     def needs_page(self) -> bool: ...
 
 
+class _Driver(Protocol):
+    def drive_by_hand(self, linear: float, angular: float, press: str) -> None: ...
+    def page_seen(self) -> None: ...
+
+
 class DrivenFeed(Protocol):
-    """What pad and Stop need of a feed."""
+    """The part of a feed that pad and Stop use."""
 
     @property
     def watchdog(self) -> CommandWatchdog: ...
     @property
+    def driver(self) -> _Driver: ...
+    @property
     def driving(self) -> _Driving: ...
     @property
-    def drive_words(self) -> str: ...
+    def drive_status(self) -> str: ...
     @property
     def is_closed(self) -> bool: ...
-    def drive_by_hand(self, linear: float, angular: float, press: str) -> None: ...
-    def page_seen(self) -> None: ...
     def watch(self, tell: Callable[[], None]) -> None: ...
     def forget(self, tell: Callable[[], None]) -> None: ...
 
 
 class DrivingWidget(NamedWidget):
-    """A widget with a Stop, which tells the page who drives. It stands on a watchdog: a feed's, or one of its own."""
+    """A widget with a Stop, which shows who drives. It uses a watchdog: a feed's, or its own."""
 
     _watchdog: CommandWatchdog
     _feed: DrivenFeed | None = None
@@ -59,7 +65,7 @@ class DrivingWidget(NamedWidget):
     ).tag(sync=True, echo_update=False)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._handling, self._noting, self._sending = threading.Lock(), threading.Lock(), threading.RLock()
+        self._page_lock, self._error_lock, self._send_lock = threading.Lock(), threading.Lock(), threading.RLock()
         self._tokens = Tokens(ALLOW_LIFETIME)
         self._sent: dict[str, Any] = {}
         self._number = 0
@@ -73,11 +79,11 @@ class DrivingWidget(NamedWidget):
     def open(self) -> None:
         """Connect to the page."""
         super().open()
-        answer_beside_cells(self.comm)
+        route_by_message(self.comm)
 
     @property
     def stopped(self) -> bool:
-        """Whether stop is latched: nobody drives until it is released, on the page or by setting this to False."""
+        """Whether stop is latched: driving is refused until it is released, on the page or by setting this to False."""
         return self._watchdog.stopped
 
     @stopped.setter
@@ -85,38 +91,38 @@ class DrivingWidget(NamedWidget):
         self._watchdog.stopped = bool(stopped)
 
     def stop(self) -> None:
-        """Tell the robot to stop, and let nobody drive by hand who does not press anew. It latches nothing."""
+        """Stop the robot and end every press. It latches nothing: a new press, or a program, may drive again."""
         self._end_press("released")
         self._watchdog.let_go()
         self._watchdog.stop()
 
     def close(self) -> None:
-        """Take the widget off the page; a robot that only it drives is told to stop."""
-        if "_watchdog" not in vars(self):  # it was refused before there was one
+        """Remove the widget from the page; a robot that only it drives is stopped."""
+        if "_watchdog" not in vars(self):  # the constructor raised before it had one
             return
         self._detach()
-        with self._sending:
+        with self._send_lock:
             super().close()
             pacer.forget(self)
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
     def _attach(self, watchdog: CommandWatchdog, feed: DrivenFeed | None = None, *, owns: bool = False) -> None:
-        """Stand on a watchdog from now on."""
+        """Use a watchdog from now on."""
         self._detach()
         self._forget_errors()
         self._watchdog, self._feed, self._owns, self._cause = watchdog, feed, owns, ""
-        watchdog.watch(self._look)
+        watchdog.watch(self._on_change)
         if feed is not None:
-            feed.watch(self._look)
-        self._look()
+            feed.watch(self._on_change)
+        self._on_change()
 
     def _detach(self, cause: str = "") -> None:
-        """Stand on nothing any more; a robot that only this widget drives is told to stop."""
+        """Use no watchdog any more; a robot that only this widget drives is stopped."""
         watchdog, feed, owns = self._watchdog, self._feed, self._owns
         if feed is not None:
-            feed.forget(self._look)
-        watchdog.forget(self._look)
+            feed.forget(self._on_change)
+        watchdog.forget(self._on_change)
         if owns:
             try:
                 watchdog.close()
@@ -131,11 +137,11 @@ class DrivingWidget(NamedWidget):
     def _end_press(self, why: str) -> None:
         """End the press of this widget, if it holds one."""
 
-    def _on_failed(self, words: str, error: BaseException) -> None:
-        """End what cannot go on after a speed was not sent."""
+    def _on_failed(self, failure: str, error: BaseException) -> None:
+        """React to a speed that was not sent."""
 
     def _on_press(self, message: PadMessage) -> None:
-        """Do what a press says."""
+        """Handle a message that belongs to a press."""
         raise ValueError(f"act: a Stop has no {message.act}")
 
     def _is_ready(self) -> bool:
@@ -145,15 +151,15 @@ class DrivingWidget(NamedWidget):
         self._not_driven = self._not_stopped = ""
         self._error: BaseException | None = None
 
-    # -- what the watchdog and the feed tell ---------------------------------------------------------------------------
+    # -- called by the watchdog and the feed ---------------------------------------------------------------------------
 
-    def _look(self) -> None:
-        """Note what has changed, in any thread; the pacer sends it. It waits for nobody."""
+    def _on_change(self) -> None:
+        """Note errors and have the pacer send the state. Any thread may call it; it does not wait."""
         feed = self._feed
         if feed is not None and feed.is_closed:
             self._detach("the feed is closed")
             return
-        with self._noting:
+        with self._error_lock:
             watchdog = self._watchdog
             error, velocity = watchdog.error, watchdog.failed
             is_new, self._error = error is not self._error, error
@@ -168,17 +174,17 @@ class DrivingWidget(NamedWidget):
         pacer.mark(self)
 
     def _fail(self, error: BaseException) -> None:
-        """Say that a speed was not sent."""
-        words = f"The robot could not be driven: {_described(error)}"
-        self._on_failed(words, error)
-        # After the press has ended: while it drives, a speed that was sent before takes the words back.
-        self._not_driven = words
+        """Show that a speed was not sent."""
+        failure = f"The robot could not be driven: {_described(error)}"
+        self._on_failed(failure, error)
+        # Only now that the press has ended: while it drives, a speed sent earlier would clear the text.
+        self._not_driven = failure
         pacer.mark(self)
 
-    def _error_words(self) -> str:
+    def _error_text(self) -> str:
         busy = self._watchdog.busy_for
         if busy > HOLD:
-            return f"What drives the robot has not come back for {busy:.0f} s"
+            return f"The function that drives the robot has not returned for {busy:.0f} s"
         if self._not_driven and self._not_stopped:
             return f"{self._not_driven}. Nor could it be told to stop"
         return self._not_driven or self._not_stopped
@@ -192,26 +198,26 @@ class DrivingWidget(NamedWidget):
             "driver": watchdog.driver,
             "speed": watchdog.sent,
             "stopped": watchdog.stopped,
-            "error": self._error_words(),
+            "error": self._error_text(),
             "cause": self._cause,
-            "words": "" if feed is None else feed.drive_words,
+            "words": "" if feed is None else feed.drive_status,
             "topic": "" if feed is None else feed.driving.topic,
         }
 
     def send_newest(self) -> int:
-        """Send the state to the page if it has changed, and again and again while the robot is driven.
+        """Send the state to the page if it has changed, and repeatedly while the robot is driven.
 
-        The pacer's call: speeds come 50 times a second.
+        The pacer calls it, because speeds change 50 times a second.
         """
-        with self._sending:
+        with self._send_lock:
             if self.comm is None:
                 return 0
             state, feed, now = self._compose(), self._feed, time.monotonic()
-            # Where a page is needed, it is asked: while it is hidden it has slow timers, but answers at once.
+            # Where a page is needed, sending asks for an answer: a hidden page has slow timers, but answers at once.
             asks = feed is not None and feed.driving.needs_page
             renews = asks or bool(state["driver"]) or self._watchdog.owes_zero
             if state != self._sent or (renews and now >= self._renew_at):
-                self._keep(state)
+                self._store(state)
                 super().send_state("_state")
                 self._sent, self._renew_at = state, now + RENEWAL
             if renews:
@@ -221,24 +227,24 @@ class DrivingWidget(NamedWidget):
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
         """The synced traits, with the newest state: what a new view, a reload and a saved notebook get."""
         if key is None:
-            with self._sending:
-                self._keep(self._compose())
+            with self._send_lock:
+                self._store(self._compose())
         state: dict[str, Any] = super().get_state(key, drop_defaults)
         return state
 
-    def _keep(self, state: dict[str, Any]) -> None:
-        """Have a state without sending it: setting the trait would."""
+    def _store(self, state: dict[str, Any]) -> None:
+        """Store a state without sending it, as setting the trait would."""
         self._number += 1
         self._trait_values["_state"] = {**state, "number": self._number}
 
     # -- from the page -------------------------------------------------------------------------------------------------
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        """Take a message of the page, in the main thread or a subshell's. Nothing in it waits."""
+        """Handle a message of the page, in the main thread or a subshell's. It does not wait."""
         feed = self._feed
         if feed is not None:
-            feed.page_seen()
-        with self._handling:
+            feed.driver.page_seen()
+        with self._page_lock:
             try:
                 message = to_pad_message(content)
                 if message.act == "beat":
@@ -250,27 +256,15 @@ class DrivingWidget(NamedWidget):
                 else:
                     self._on_press(message)
             except ValueError as error:
-                self._log_once(f"the page sent what is no speed: {error}")
+                self._log_once(f"the page sent an invalid message: {error}")
                 self.stop()
 
     def _allow(self, message: PadMessage) -> None:
-        """Release the latch. A message that waited for a busy kernel may not: its sender may have left since."""
+        """Release the latch, unless the message was delayed by a busy kernel: its sender may have left since."""
         if self._tokens.is_fresh(message.token):
             self.stopped = False
         else:
             self.send({"refused": message.press})
-
-
-def answer_beside_cells(comm: Any) -> None:
-    """Let messages of the page be answered while a cell runs, where the kernel can.
-
-    JupyterLab has a subshell for widgets, a thread beside the main one, and names it in each message. ipykernel 7.1 to
-    7.3 handle the message there. ipykernel 7.4 handles it where the widget last sent something from: that is nearly
-    always the main shell, where a message waits until the running cell has ended. Stop must not wait. So this comm
-    routes by the message. Its handlers are safe in any thread. ipykernel 6 has no subshells.
-    """
-    if hasattr(comm, "_reply_subshell_for"):
-        comm._reply_subshell_for = lambda _data, named_by_message: named_by_message
 
 
 def _described(error: BaseException) -> str:

@@ -11,6 +11,8 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
+from .platform_fixes import shorten_switch_interval
+
 log = logging.getLogger("robowidgets")
 
 INTERVAL = 1 / 75
@@ -37,13 +39,6 @@ BURST = 0.05
 
 PATIENCE = 1.0
 """Seconds that the end of a cell waits for a send that hangs."""
-
-SWITCH_INTERVAL = 0.0001
-"""Seconds that a thread waits before it asks the one that computes for the interpreter. With CPython's own 5 ms, a loop
-that reads a file or prints every millisecond starves all other threads: each time it lets go for a moment, their wait
-begins anew."""
-
-CPYTHONS_SWITCH_INTERVAL = 0.005
 
 
 class Sender(Protocol):
@@ -137,9 +132,7 @@ class Pacer:
             self._start()
 
     def _start(self) -> None:
-        # What a program has set itself stays.
-        if sys.getswitchinterval() == CPYTHONS_SWITCH_INTERVAL:
-            sys.setswitchinterval(SWITCH_INTERVAL)
+        shorten_switch_interval()
         self._thread = threading.Thread(target=self._run, name="robowidgets-pacer", daemon=True)
         self._thread.start()
         if not self._hooked:

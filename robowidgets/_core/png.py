@@ -16,7 +16,7 @@ from typing import Any
 import anywidget
 from comm import DummyComm
 
-from .caller import a_cell_runs
+from .caller import cell_is_running
 
 log = logging.getLogger("robowidgets")
 
@@ -120,7 +120,7 @@ class SavesPng(anywidget.AnyWidget):
         self._patience.start()
 
     def _on_silence(self) -> None:
-        if a_cell_runs():
+        if cell_is_running():
             self._wait()
             return
         for saving in list(self._asked.values()):

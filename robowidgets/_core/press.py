@@ -1,4 +1,4 @@
-"""Messages of a page that drives or stops a robot: what they say, who holds a pad, and whether they are fresh."""
+"""Messages of a page that drives or stops a robot: checking them, their age, and the press that holds a pad."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _LONGEST_NAME = 64
 
 
 class PadMessage(NamedTuple):
-    """A message of the page: what was done in which press (or in which view), and where the knob is."""
+    """A message of the page: the act, the press (or view) that it belongs to, and the position of the knob."""
 
     act: str
     press: str
@@ -24,7 +24,7 @@ class PadMessage(NamedTuple):
 
 
 def to_pad_message(content: Any) -> PadMessage:
-    """Check a message of the page, which is not trusted.
+    """Check a message of the page, which is untrusted.
 
     ``act`` is press, hold or release; or stop, allow (driving again) or beat (the page is there), which need no press.
     ``forward`` (ahead above 0) and ``turn`` (to the left above 0) are shares of the limits, within +-1.
@@ -51,9 +51,9 @@ def to_pad_message(content: Any) -> PadMessage:
 
 
 class Tokens:
-    """Numbers that are given to the page and come back with a message: proof that the message did not wait.
+    """Numbers that the page gets and returns with its next message, as a proof of the message's age.
 
-    No clock of the page is needed: a message is as fresh as the token in it.
+    A message is as fresh as the token in it, so the page's clock does not matter.
     """
 
     def __init__(self, lifetime: float, clock: Callable[[], float] = time.monotonic) -> None:
@@ -70,7 +70,7 @@ class Tokens:
             return self._last
 
     def is_fresh(self, token: int) -> bool:
-        """Whether a token was issued within its lifetime."""
+        """Whether a token was issued within the lifetime."""
         with self._lock:
             oldest = self._clock() - self._lifetime
             self._issued = {token: at for token, at in self._issued.items() if at > oldest}
@@ -78,9 +78,9 @@ class Tokens:
 
 
 class PressLease:
-    """The press that holds a pad, and why the one before ended. Each speed of a press must carry a fresh token.
+    """The press that holds a pad, and why the previous one ended. Each speed of a press must carry a fresh token.
 
-    So no speed is older than a speed holds, however long messages waited.
+    So no speed is older than `HOLD`, however long messages were delayed.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -88,10 +88,10 @@ class PressLease:
         self._tokens = Tokens(HOLD, clock)
         self._ended = ("", "")
         self.press = ""
-        """The press that holds the pad; empty when nobody does."""
+        """The press that holds the pad; empty when there is none."""
 
     def take(self, press: str) -> int:
-        """Let a press hold the pad instead of any other; its first token."""
+        """Let a press hold the pad instead of any other; returns its first token."""
         self.press, self._tokens = press, Tokens(HOLD, self._clock)
         return self._tokens.issue()
 
@@ -100,14 +100,14 @@ class PressLease:
         return self._tokens.issue() if press == self.press and self._tokens.is_fresh(token) else None
 
     def end(self, why: str) -> str:
-        """End the press that holds the pad, for a reason; its name, empty when there is none."""
+        """End the press that holds the pad, for a reason; returns its name, empty when there was none."""
         press, self.press = self.press, ""
         if press:
             self._ended = (press, why)
         return press
 
     def why_over(self, press: str) -> str:
-        """Why a press holds the pad no more."""
+        """Why a press no longer holds the pad."""
         if press == self._ended[0]:
             return self._ended[1]
         return "taken" if self.press not in ("", press) else "late"

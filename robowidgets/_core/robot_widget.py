@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import struct
 import threading
@@ -15,14 +14,15 @@ from typing import Any, Generic, TypeVar
 import traitlets
 
 from ..samples.numbers import finite
-from .caller import is_a_person
+from .caller import called_from_cell
 from .named_widget import NamedWidget
 from .pacer import pacer
+from .platform_fixes import message_padding
 from .png import SavesPng
 from .rate import RateMeter
 from .traits import Flag, bytes_trait
 
-HEAD = struct.Struct("<ddqd")
+FRAME_HEADER = struct.Struct("<ddqd")
 """Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and when
 its sample arrived, in seconds of Python's monotonic clock, which the page has no use for."""
 
@@ -36,17 +36,12 @@ LONGEST_HISTORY = 600
 MOST_ABOUTS = 12_000
 """Different words about samples that are remembered: one for each that the page keeps."""
 
-RETOLD = ("title", "_about", "_source")
+RESYNC_TRAITS = ("title", "_about", "_source")
 """Traits that only Python writes, and that go along with a frame again and again: a server that is flooded with prints
 drops messages and tells nobody, and a page may take a state that it asked for earlier for a newer one."""
 
-RETELL = 5.0
+RESYNC_S = 5.0
 """Seconds from one time to the next."""
-
-_PADS = itertools.cycle([" " * width for width in range(63, -1, -1)])
-"""What makes each message on the wire shorter than the last one. Two of the same length Linux takes for full segments,
-and puts off the receipt of each by 40 ms for the next one to come; Jupyter's server, which has Nagle's algorithm on,
-puts off the next one for the receipt. So every third frame of the display would be missing."""
 
 S = TypeVar("S")
 
@@ -67,10 +62,10 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         "most.",
     ).tag(sync=True)
 
-    live = True
+    has_rate = True
     """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
 
-    led = False
+    driven_by_player = False
     """Whether something in the page, a player, puts the samples on show there: then none are sent."""
 
     wide = False
@@ -93,7 +88,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._process = os.getpid()
         self._newest: S | None = None
         self._newest_about: dict[str, Any] = {}
-        self._unsaved = ""
+        self._png_error = ""
         self._sequence = 0
         self._arrived = 0.0
         self._meter = RateMeter()
@@ -101,20 +96,20 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._waiting = 0
         self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
         """From which sample on what was said."""
-        self._held_about: dict[str, Any] = {}
+        self._frozen_meta: dict[str, Any] = {}
         self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
         """Of the two traits that only the pacer sends, what it sent last."""
         self._unsent: set[str] = set()
-        self._retell_at = time.monotonic() + RETELL
+        self._resync_at = time.monotonic() + RESYNC_S
         self._make_locks()
         _made.add(self)
         super().__init__(**kwargs)
 
     def _make_locks(self) -> None:
         """Have locks that nobody holds; called again in a forked process, where who held them may not be."""
-        self._storing = threading.RLock()
-        self._sending = threading.RLock()
-        self._came = threading.Condition(self._storing)
+        self._sample_lock = threading.RLock()
+        self._send_lock = threading.RLock()
+        self._sample_arrived = threading.Condition(self._sample_lock)
         self._given = threading.local()
         """By thread, the sequence number of the sample that `wait` gave it last."""
 
@@ -145,12 +140,12 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         def has_next() -> bool:
             if self._newest_sample() is None:
                 return False
-            return not self.live or (self._sequence > given and time.monotonic() - self._arrived <= limit)
+            return not self.has_rate or (self._sequence > given and time.monotonic() - self._arrived <= limit)
 
-        with self._came:
+        with self._sample_arrived:
             self._waiting += 1
             try:
-                came = self._came.wait_for(has_next, min(seconds, threading.TIMEOUT_MAX))
+                came = self._sample_arrived.wait_for(has_next, min(seconds, threading.TIMEOUT_MAX))
             finally:
                 self._waiting -= 1
             if not came:
@@ -178,7 +173,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
         Unless it counts, it stays the sample that came before, only known better.
         """
-        with self._storing:
+        with self._sample_lock:
             # Past __setattr__, which takes longer than all the rest.
             mine = self.__dict__
             mine["_newest"], mine["_newest_about"], mine["_changed"] = sample, about, True
@@ -186,17 +181,17 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 mine["_sequence"] += 1
                 mine["_arrived"] = time.monotonic()
             if mine["_waiting"]:
-                mine["_came"].notify_all()
+                mine["_sample_arrived"].notify_all()
         pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
         """Say on the widget why a message could not be shown; raise where a person calls, log in a callback."""
         text = str(error)
-        with self._storing:
+        with self._sample_lock:
             self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
             self._changed = True
         pacer.mark(self)
-        if is_a_person():
+        if called_from_cell():
             raise error from None
         self._log_once(f"a message could not be shown: {text}")
 
@@ -214,9 +209,9 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         return f"{type(self).__name__} {self.title}".rstrip() + f" had {none}" + f": {why}" * bool(why)
 
     def _say(self, words: str) -> None:
-        if words != self._unsaved:
-            with self._storing:
-                self._unsaved = words
+        if words != self._png_error:
+            with self._sample_lock:
+                self._png_error = words
                 self._changed = True
             pacer.mark(self)
 
@@ -232,9 +227,9 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     @property
     def rate(self) -> float:
         """Samples per second over the last seconds in which some came; NaN while none can be said."""
-        if not self.live:
+        if not self.has_rate:
             return float("nan")
-        with self._storing:
+        with self._sample_lock:
             return self._meter.rate(self._sequence, self._arrived)
 
     def send_newest(self) -> int:
@@ -245,7 +240,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 "through a multiprocessing.Queue, and update there"
             )
             return 0
-        with self._sending:
+        with self._send_lock:
             values = self._trait_values  # past the descriptors of traits, which take longer than all the rest
             comm = values.get("comm")
             if comm is None:
@@ -253,27 +248,27 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             self._bring_up_to_date()
             frame, about = newest = values["_frame"], values["_about"]
             keys = []
-            if not self.led:
+            if not self.driven_by_player:
                 keys += ["_frame"] if frame != self._sent[0] else []
                 keys += ["_about"] if about != self._sent[1] else []
             unsent: tuple[str, ...] = ()
             if self._unsent:
-                with self._storing:
+                with self._sample_lock:
                     unsent = tuple(self._unsent)
                     self._unsent.clear()
                 keys += unsent
-            if keys and time.monotonic() >= self._retell_at:
-                keys = [*dict.fromkeys((*keys, *RETOLD))]
-                self._retell_at = time.monotonic() + RETELL
+            if keys and time.monotonic() >= self._resync_at:
+                keys = [*dict.fromkeys((*keys, *RESYNC_TRAITS))]
+                self._resync_at = time.monotonic() + RESYNC_S
             try:
                 if keys == ["_frame"]:
                     # As ipywidgets would pack it, many times a second.
-                    update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]], "pad": next(_PADS)}
+                    update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]], **message_padding()}
                     comm.send(data=update, buffers=[frame])
                 elif keys:
                     super().send_state(keys)
             except BaseException:
-                with self._storing:
+                with self._sample_lock:
                     self._unsent.update(unsent)
                 raise
             self._sent = newest
@@ -284,7 +279,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         if key is None or self.comm is None:
             super().send_state(key)
             return
-        with self._storing:
+        with self._sample_lock:
             self._unsent.update((key,) if isinstance(key, str) else key)
         pacer.mark(self)
 
@@ -309,27 +304,27 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     def close(self) -> None:
         """Take the widget off the page."""
-        with self._sending:
+        with self._send_lock:
             super().close()
             pacer.forget(self)
 
     def _bring_up_to_date(self) -> None:
         """Pack the newest sample into the state, without a message: these two travel at the pacer's pace."""
-        with self._sending:
-            with self._storing:
+        with self._send_lock:
+            with self._sample_lock:
                 if not self._changed:
                     return
                 self._changed = False
                 sample, about, sequence, rate = self._newest, self._newest_about, self._sequence, self.rate
                 arrived = self._arrived
-                if self._unsaved:
-                    about = {**about, "notes": [*about.get("notes", ()), self._unsaved]}
+                if self._png_error:
+                    about = {**about, "notes": [*about.get("notes", ()), self._png_error]}
             self._trait_values["_about"] = about
             if about != self._abouts[-1][1]:
                 self._abouts.append((sequence, about))
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0
-                self._trait_values["_frame"] = HEAD.pack(sequence, rate, stamp, arrived) + self._pack(sample)
+                self._trait_values["_frame"] = FRAME_HEADER.pack(sequence, rate, stamp, arrived) + self._pack(sample)
 
     @traitlets.validate("history")
     def _kept(self, proposal: Any) -> float:
@@ -357,18 +352,18 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     def _hold(self) -> None:
         """Hold the sample on show; the page does so itself when a person freezes it."""
-        with self._sending:
+        with self._send_lock:
             if not self._held:
                 self._bring_up_to_date()
                 self._held = self._frame
 
     @traitlets.observe("_held")
     def _after_held(self, _change: Any) -> None:
-        self._held_about = self._about
-        if self._held and not self.led:
-            number, *_ = HEAD.unpack_from(self._held)
+        self._frozen_meta = self._about
+        if self._held and not self.driven_by_player:
+            number, *_ = FRAME_HEADER.unpack_from(self._held)
             said = (about for first, about in reversed(self._abouts) if first <= number)
-            self._held_about = next(said, self._about)
+            self._frozen_meta = next(said, self._about)
 
 
 _made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()

@@ -4,7 +4,7 @@ Each function here opens a `Feed`, which lists topics, shows them and drives the
 when it is opened.
 """
 
-from ._drive import Driving
+from ._driving import Driving
 from ._topics import Topic
 from .dds import dds
 from .feed import Feed

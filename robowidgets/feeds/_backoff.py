@@ -9,10 +9,10 @@ FIRST = 0.5
 """Seconds of the first pause."""
 
 LONGEST = 8.0
-"""Seconds that no pause exceeds."""
+"""Seconds of the longest pause."""
 
 JITTER = 0.1
-"""Share by which a pause may be shorter: a hundred that lost the same robot must not all come back at once."""
+"""Share by which a pause may be shorter, so that a hundred clients of one robot do not reconnect all at once."""
 
 
 class Backoff:
@@ -22,7 +22,7 @@ class Backoff:
 
         while not backoff.closed:
             try:
-                ...  # connect; backoff.worked() once it did; read until the connection ends
+                ...  # connect; backoff.reset() once it did; read until the connection ends
             except OSError as error:
                 listener.on_lost(str(error), pause := backoff.next_pause())
                 backoff.wait(pause)
@@ -36,7 +36,7 @@ class Backoff:
 
     @property
     def closed(self) -> bool:
-        """Whether nobody wants another attempt."""
+        """Whether `close` was called, which ends the attempts."""
         return self._closed.is_set()
 
     def next_pause(self) -> float:
@@ -44,12 +44,12 @@ class Backoff:
         pause, self._pause = self._pause, min(2 * self._pause, LONGEST)
         return pause * random.uniform(1 - JITTER, 1)
 
-    def worked(self) -> None:
-        """Start with the short pause again, the next time that it is lost."""
+    def reset(self) -> None:
+        """Reset: after the next loss, the first pause is the short one again."""
         self._pause = FIRST
 
     def wait(self, seconds: float) -> bool:
-        """Wait, in a thread of one's own; returns at once when it is closed. Says whether to try again."""
+        """Wait, or return at once when it is closed; returns whether to try again."""
         return not self._closed.wait(seconds)
 
     def close(self) -> None:

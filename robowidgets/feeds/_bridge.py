@@ -1,18 +1,18 @@
-"""What the middlewares that are spoken to over a websocket have in common."""
+"""The base of the middlewares whose protocol runs over a websocket."""
 
 from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from ..kinds import counts_every_message
-from ._websocket import LARGEST, Frame, Line
-from .middleware import EVENTS, Advert, FeedError, Listener
+from ._websocket import LARGEST, Frame, WebSocketClient
+from .middleware import EVENTS, FeedError, Listener
 
 Read = Callable[[Any], Any]
-"""Makes a message of a frame, or raises UnreadableError."""
+"""Decodes a frame into a message, or raises UnreadableError."""
 
 
 class UnreadableError(Exception):
@@ -20,103 +20,102 @@ class UnreadableError(Exception):
 
 
 class Bridge:
-    """The part of a `Middleware` that knows topics and troubles but no protocol.
+    """The part of a `Middleware` that is the same for every protocol. A protocol is a subclass.
 
-    All but the calls of `Middleware` runs in the thread of the line. Of each topic the newest frame is read, once those
-    that wait in the network are in; of events all. The protocol tells `Listener.on_connected`, as soon as it can
-    publish.
+    All methods but those of `Middleware` run in the client's thread. All frames that wait in the network are received
+    first; then only the newest of each topic is decoded, but every event. The subclass calls `Listener.on_connected` as
+    soon as it can publish.
 
     Raises:
         TypeError, ValueError: the address is not one.
     """
 
     def __init__(self, address: str, subprotocols: list[str] | None = None) -> None:
-        self._line = Line(address, self, subprotocols)
+        self._client = WebSocketClient(address, self, subprotocols)
         self._listener: Listener
         self._wanted: set[str] = set()
-        self._heard: set[str] = set()
+        self._received: set[str] = set()
         self._pending: dict[str, deque[tuple[Read, Any]]] = {}
-        self._troubles: dict[str, str] = {}
-        self._told: Sequence[Advert] | None = None
         self._begin()
 
     @property
     def where(self) -> str:
         """See `Middleware`."""
-        return self._line.address
+        return self._client.address
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
         self._listener = listener
-        self._line.open()
+        self._client.open()
 
     def close(self) -> None:
         """See `Middleware`."""
-        self._line.close()
+        self._client.close()
 
     def subscribe(self, topic: str) -> None:
         """See `Middleware`."""
 
-        def want() -> None:
+        def start() -> None:
             self._wanted.add(topic)
             self._start(topic)
 
-        self._line.call(want)
+        self._client.call(start)
 
     def unsubscribe(self, topic: str) -> None:
         """See `Middleware`."""
 
-        def forget() -> None:
+        def stop() -> None:
             self._wanted.discard(topic)
-            self._heard.discard(topic)
-            self._troubles.pop(topic, None)
+            self._received.discard(topic)
             self._stop(topic)
 
-        self._line.call(forget)
+        self._client.call(stop)
 
     def on_open(self) -> None:
-        """See `Talk`."""
-        self._heard, self._pending, self._told = set(), {}, None
+        """See `Handler`."""
+        self._received, self._pending = set(), {}
         self._begin()
         for topic in self._wanted:
             self._start(topic)
 
     def deliver(self) -> None:
-        """See `Talk`."""
+        """See `Handler`."""
         pending, self._pending = self._pending, {}
         for topic, read, frame in [(topic, *one) for topic, waiting in pending.items() for one in waiting]:
-            if topic not in self._wanted or self._line.closed:
+            if topic not in self._wanted or self._client.closed:
                 continue
             try:
                 message = read(frame)
             except UnreadableError as error:
-                self._trouble(topic, str(error))
+                self._listener.on_trouble(topic, str(error))
             else:
-                self._heard.add(topic)
-                self._trouble(topic, self._about(topic, message))
+                self._received.add(topic)
+                self._listener.on_trouble(topic, self._flaw(topic, message))
                 self._listener.on_message(topic, message)
 
-    def on_lost(self, why: str, again_in: float, too_big: bool) -> None:
-        """See `Talk`."""
+    def on_lost(self, reason: str, again_in: float, too_big: bool) -> None:
+        """See `Handler`."""
         if too_big:
-            # Which topic it was, nobody can tell: one of those of which no message was read yet.
-            suspects = self._wanted - self._heard
+            # The topic of the message is unknown: it is one of those of which no message was read yet.
+            suspects = self._wanted - self._received
             self._wanted -= suspects
             among = f", or another of {', '.join(sorted(suspects))}," if len(suspects) > 1 else ""
             for topic in suspects:
-                words = f"{topic}{among} sent a message larger than {LARGEST // 1_000_000} MB: it is not listened to"
-                self._trouble(topic, words)
-        self._listener.on_lost(why, again_in)
+                reason_of = (
+                    f"{topic}{among} sent a message larger than {LARGEST // 1_000_000} MB: it is not listened to"
+                )
+                self._listener.on_trouble(topic, reason_of)
+        self._listener.on_lost(reason, again_in)
 
     async def finish(self) -> None:
-        """See `Talk`."""
+        """See `Handler`."""
 
     def on_frame(self, frame: Frame) -> None:
-        """See `Talk`."""
+        """See `Handler`."""
         raise NotImplementedError
 
     def _begin(self) -> None:
-        """Start anew, for another connection."""
+        """Reset the state of the protocol, for a new connection."""
         raise NotImplementedError
 
     def _start(self, topic: str) -> None:
@@ -128,65 +127,55 @@ class Bridge:
         raise NotImplementedError
 
     def _keep(self, topic: str, kind: str, read: Read, frame: Any) -> None:
-        """Have a frame of a type of messages read, in place of the one before unless that was an event."""
+        """Queue a frame for decoding; it replaces the previous one unless its type is an event."""
         waiting = self._pending.setdefault(topic, deque(maxlen=EVENTS))
         if not counts_every_message(kind):
             waiting.clear()
         waiting.append((read, frame))
 
-    def _about(self, topic: str, message: Any) -> str:  # noqa: ARG002
-        """What is to be said of a message that was read."""
+    def _flaw(self, topic: str, message: Any) -> str:  # noqa: ARG002
+        """What is wrong with a message that was decoded; empty when nothing is."""
         return ""
 
-    def _tell(self, adverts: Sequence[Advert]) -> None:
-        if adverts != self._told:
-            self._told = adverts
-            self._listener.on_topics(adverts)
+    def _write(self, operation: Mapping[str, Any]) -> None:
+        self._client.write(json.dumps(operation))
 
-    def _write(self, said: Mapping[str, Any]) -> None:
-        self._line.write(json.dumps(said))
-
-    def _trouble(self, topic: str, words: str) -> None:
-        if self._troubles.get(topic, "") != words:
-            self._troubles[topic] = words
-            self._listener.on_trouble(topic, words)
-
-    def _trouble_all(self, words: str) -> None:
+    def _report_on_all(self, reason: str) -> None:
         for topic in self._wanted:
-            self._trouble(topic, words)
+            self._listener.on_trouble(topic, reason)
 
 
 def full_type(name: str) -> str:
-    """A type as ROS 2 writes it: ``sensor_msgs/msg/LaserScan`` for ``sensor_msgs/LaserScan``."""
+    """A type in the spelling of ROS 2: ``sensor_msgs/msg/LaserScan`` for ``sensor_msgs/LaserScan``."""
     package, slash, rest = name.partition("/")
     return f"{package}/msg/{rest}" if slash and "/" not in rest else name
 
 
 def short_type(name: str) -> str:
-    """A type as ROS 1 writes it: ``sensor_msgs/LaserScan``."""
+    """A type in the spelling of ROS 1: ``sensor_msgs/LaserScan``."""
     return name.replace("/msg/", "/")
 
 
-def to_json(message_type: str, message: Mapping[str, Any], said: Mapping[str, Any]) -> str:
-    """What is said about a message, or the message itself, as JSON; FeedError when it holds what JSON cannot say."""
+def to_json(message_type: str, message: Mapping[str, Any], operation: Mapping[str, Any]) -> str:
+    """An operation with a message, or the message itself, as JSON; FeedError for a value that JSON does not have."""
     try:
-        return json.dumps(said, allow_nan=False)
+        return json.dumps(operation, allow_nan=False)
     except (TypeError, ValueError) as error:
         raise FeedError(f"{dict(message)!r} cannot be sent as a {message_type} in JSON: {error}") from None
 
 
 def is_zero(message: Any) -> bool:
-    """Whether all fields of a message are 0, apart from its header: a speed of zero stops the robot."""
+    """Whether all fields of a message are 0, apart from its header. Such a speed stops the robot."""
     if isinstance(message, Mapping):
         return all(is_zero(field) for name, field in message.items() if name != "header")
     return not message
 
 
 def other_nodes(nodes: Iterable[str], bridge: str) -> tuple[str, ...]:
-    """The names of nodes without those of the bridge itself, which listens and publishes for us."""
+    """The names of nodes, without the node of the bridge, which subscribes and publishes for us."""
     return tuple(sorted({node for node in nodes if not node.rpartition("/")[2].startswith(bridge)}))
 
 
 def strings(value: Any) -> list[str]:
-    """The texts in a list that a machine sent."""
+    """The strings in a list that the server sent; empty for anything but a list."""
     return [item for item in value if isinstance(item, str)] if isinstance(value, list) else []

@@ -1,4 +1,4 @@
-"""The configuration of a DDS domain, of which a process has one at most for each domain."""
+"""The configuration of DDS domains: a process can have only one for each domain."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _used: dict[tuple[int, str], tuple[Any, int]] = {}
 
 @contextmanager
 def configured(domain: int, interface: str | None) -> Iterator[None]:
-    """While it lasts, a domain uses an interface; shared by all in this process who ask for the same one.
+    """Configure a domain to use an interface, for as long as the context lasts; equal configurations are shared.
 
     Raises:
         DDSException: there is no such interface, or the process uses the domain with another configuration.

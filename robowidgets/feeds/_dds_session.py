@@ -1,4 +1,4 @@
-"""A participant in a DDS domain with its readers and writers. One thread reads, another may publish meanwhile."""
+"""A participant in a DDS domain with its readers and writers. One thread reads while another may publish."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from .middleware import EVENTS, Advert, FeedError, Listener
 
 _MANY = 1000
 _DEPTH = 5
-"""Messages that wait for us, as for sensor data."""
+"""Length of the queue of a reader, as ROS 2 has it for sensor data."""
 _LOOK = duration(milliseconds=500)
 _NEW = ViewState.Any | SampleState.NotRead | InstanceState.Any
 _LATCHED = (Policy.Durability.TransientLocal, Policy.Durability.Transient, Policy.Durability.Persistent)
 
 _MATCHING = 0.3
-"""Seconds that the first message on a topic waits until a subscriber matches."""
+"""Seconds for which the first message on a topic waits until a subscriber matches."""
 
 _SETTLING = 0.05
-"""Seconds that it waits after that. The subscriber must discover our writer, too, and DDS does not tell when it has:
-a best-effort subscriber would lose the message, a reliable one would get it 0.1 s later."""
+"""Seconds for which it waits after that. The subscriber must discover our writer, too, and DDS does not report when it
+has. A best-effort subscriber would lose the message, a reliable one would get it 0.1 s later."""
 
 _OTHER_FIELDS = "defines the fields of its type in another way"
 _DOES = {
@@ -60,7 +60,7 @@ _EXPECTS = {
 
 
 class Endpoint(NamedTuple):
-    """Somebody who publishes or subscribes. ``type_id`` is there where it tells the fields of its type to DDS."""
+    """A publisher or subscriber. ``type_id`` is None unless it describes the fields of its type to DDS."""
 
     topic: str
     type: str
@@ -70,7 +70,7 @@ class Endpoint(NamedTuple):
 
 
 class Wish(NamedTuple):
-    """A reader that we should have. ``definition`` is as `definition_of` gives it."""
+    """A reader to create. ``definition`` comes from `definition_of`."""
 
     topic: str
     type: str
@@ -86,7 +86,7 @@ class _Reader(NamedTuple):
 
 
 class Session:
-    """Everything we have in a domain; the thread that made it uses it. Others may call `wake` and `publish`.
+    """Our participant in a domain. Only the thread that made it may use it, except for `wake` and `publish`.
 
     Raises:
         DDSException: the network cannot be used.
@@ -104,7 +104,7 @@ class Session:
         self._offers: dict[UUID, Endpoint] = {}
         self._wants: dict[UUID, Endpoint] = {}
         self._node_names: dict[bytes, Mapping[bytes, str]] = {}
-        """By participant: the GUIDs of its writers, and the names of the nodes that they belong to."""
+        """By participant, the GUIDs of its writers and the names of their nodes."""
         self._conditions = [ReadCondition(r, _NEW) for r in (self._publications, self._subscriptions)]
         for condition in self._conditions:
             self._waitset.attach(condition)
@@ -112,13 +112,10 @@ class Session:
         self._followed: set[str] | None = None
         self._writing = threading.Lock()
         self._writers: dict[tuple[str, str], Any] = {}
-        self._troubles: dict[str, str] = {}
-        self._unheard: dict[str, str] = {}
-        self._told: list[Advert] | None = None
         self._changed = True
 
     def wake(self) -> None:
-        """Let `wait` return."""
+        """Make `wait` return."""
         self._guard.set(True)
 
     def wait(self) -> None:
@@ -127,21 +124,18 @@ class Session:
         self._guard.take()
 
     def look(self) -> None:
-        """Tell the topics, if they changed, and which subscribers do not receive what is published here."""
+        """Report the topics, if they changed, and the subscribers that do not receive what is published here."""
         self._take(self._publications, self._offers)
         self._take(self._subscriptions, self._wants)
         for wish in [wish for wish in self._readers if wish.topic == NODES]:
             self.messages(wish)
         if self._changed:
             self._changed, self._followed = False, None
-            adverts = self._adverts()
-            if adverts != self._told:
-                self._told = adverts
-                self._listener.on_topics(adverts)
+            self._listener.on_topics(self._adverts())
         self._report_unheard()
 
     def follow(self, topics: Iterable[str]) -> None:
-        """Have readers for what is published on these topics, and for nothing else."""
+        """Have readers for the publishers of these topics, and for no others."""
         topics = {*topics, NODES}
         if topics != self._followed:
             self._followed = topics
@@ -150,30 +144,30 @@ class Session:
             status = reader.reader.get_requested_incompatible_qos_status()
             if status.total_count_change > 0:
                 does = _reason(_DOES, status.last_policy_id)
-                self._trouble(wish.topic, f"a publisher of {wish.topic} {does}, so its messages do not come")
+                self._listener.on_trouble(
+                    wish.topic, f"a publisher of {wish.topic} {does}, so its messages do not come"
+                )
 
     def _set_readers(self, topics: set[str]) -> None:
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.values())}
         for wish in self._readers.keys() - wishes:
             self._waitset.detach(self._readers.pop(wish).condition)
-        for topic in self._troubles.keys() - topics:
-            del self._troubles[topic]
         for wish in wishes - self._readers.keys():
-            self._begin(wish)
+            self._create_reader(wish)
 
     def messages(self, wish: Wish) -> None:
-        """Hand on the next message of a reader, if one came."""
+        """Pass on the next message of a reader, if there is one."""
         reader = self._readers[wish]
         for sample in reader.reader.take(N=1):
-            if not hasattr(sample, "raw"):  # the publisher is gone, which comes as a sample without data
+            if not hasattr(sample, "raw"):  # a sample without data: the publisher is gone
                 continue
             try:
                 message = reader.decode(sample.raw)
             except DecodeError as error:
-                self._trouble(wish.topic, f"a message of {wish.topic} cannot be read: {error}")
+                self._listener.on_trouble(wish.topic, f"a message of {wish.topic} cannot be read: {error}")
             else:
-                self._trouble(wish.topic, "")
                 if wish.topic != NODES:
+                    self._listener.on_trouble(wish.topic, "")
                     self._listener.on_message(wish.topic, message)
                 elif hasattr(message, "node_entities_info_seq"):
                     self._node_names[_guid(message.gid)] = _node_names(message)
@@ -181,14 +175,14 @@ class Session:
 
     @property
     def wishes(self) -> list[Wish]:
-        """The readers there are, without that of the names of nodes."""
+        """The readers, without the one for the names of nodes."""
         return [wish for wish in self._readers if wish.topic != NODES]
 
     def publish(self, topic: str, type_name: str, raw: bytes) -> None:
-        """Write a message, from any thread; the first one on a topic waits a moment until a subscriber matches.
+        """Write a message, in any thread; the first one on a topic waits a moment until a subscriber matches.
 
         Raises:
-            FeedError: Cyclone DDS does not take it.
+            FeedError: Cyclone DDS refuses it.
         """
         with self._writing:
             try:
@@ -207,13 +201,13 @@ class Session:
                 elif topic and kind and sample.participant_key != self._own:
                     known[sample.key] = _endpoint(topic, kind, sample)
 
-    def _begin(self, wish: Wish) -> None:
+    def _create_reader(self, wish: Wish) -> None:
         try:
             decode = decoder(wish.type, wish.definition)
             kind = struct(wish.type, wish.definition) if wish.described else opaque(wish.type)
             user_data = Policy.Userdata(type_hash(wish.type, wish.definition))
         except DecodeError:
-            self._trouble(
+            self._listener.on_trouble(
                 wish.topic,
                 f"{wish.topic} comes as {wish.type}, a type that is not known here; feeds.ros2 and feeds.foxglove can "
                 "read it, as the robot defines it for them",
@@ -235,7 +229,7 @@ class Session:
         qos = Qos(
             Policy.Reliability.Reliable(duration(milliseconds=100)),
             Policy.Durability.Volatile,
-            Policy.History.KeepLast(1),  # a write waits for nobody: it replaces what a slow subscriber has not taken
+            Policy.History.KeepLast(1),  # a write never blocks: it replaces what a slow subscriber has not taken
             Policy.Userdata(type_hash(type_name)),
         )
         writer = DataWriter(self._participant, Topic(self._participant, dds_topic(topic), struct(type_name)), qos)
@@ -248,21 +242,19 @@ class Session:
         return writer
 
     def _matched(self, writer: Any) -> set[UUID]:
-        """The GUIDs of the subscribers that match a writer, without our own."""
+        """The GUIDs of the subscribers that match a writer, without ours."""
         there = map(writer.get_matched_subscription_data, writer.get_matched_subscriptions())
         return {one.key for one in there if one is not None and one.participant_key != self._own}
 
     def _report_unheard(self) -> None:
-        words: dict[str, str] = {}
+        reasons: dict[str, str] = {}
         for (topic, kind), writer in list(self._writers.items()):
             policy = _incompatible_policy(writer)
-            words.setdefault(topic, "")
+            reasons.setdefault(topic, "")
             if policy and self._wants_of(topic, kind) - self._matched(writer):
-                words[topic] = f"a subscriber of {topic} {_reason(_EXPECTS, policy)}, so it hears nothing"
-        for topic, told in words.items():
-            if self._unheard.get(topic) != told:
-                self._unheard[topic] = told
-                self._listener.on_unheard(topic, told)
+                reasons[topic] = f"a subscriber of {topic} {_reason(_EXPECTS, policy)}, so it hears nothing"
+        for topic, reason in reasons.items():
+            self._listener.on_unheard(topic, reason)
 
     def _wants_of(self, topic: str, kind: str) -> set[UUID]:
         return {key for key, want in self._wants.items() if (want.topic, want.type) == (topic, kind)}
@@ -279,14 +271,9 @@ class Session:
             if key[0] != NODES
         ]
 
-    def _trouble(self, topic: str, words: str) -> None:
-        if self._troubles.get(topic, "") != words:
-            self._troubles[topic] = words
-            self._listener.on_trouble(topic, words)
-
 
 def _incompatible_policy(writer: Any) -> int:
-    """The number of the policy by which a subscriber was last incompatible with a writer; 0 when none ever was."""
+    """The number of the policy by which a subscriber was last incompatible with a writer; 0 when none was."""
     status = writer.get_offered_incompatible_qos_status()
     return status.last_policy_id if status.total_count else 0
 
@@ -317,7 +304,7 @@ def _guid(gid: Any) -> bytes:
 
 
 def _wishes(topic: str, offers: Iterable[Endpoint]) -> set[Wish]:
-    """A reader for each type on a topic. It asks for what is kept only where all publishers keep: it hears all then."""
+    """A reader for each type on a topic; latched only if all its publishers are, to receive from all of them."""
     by_type: dict[str, list[Endpoint]] = {}
     for offer in offers:
         if offer.topic == topic:

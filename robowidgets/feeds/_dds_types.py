@@ -1,4 +1,4 @@
-"""What DDS calls the topics and types of ROS 2, and types whose messages Cyclone DDS hands over as bytes."""
+"""Topics and types of ROS 2 in DDS: their names, hashes, and classes whose messages Cyclone DDS returns as bytes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..messages.channel import Channel
 from ..messages.decoding import Decode, DecodeError, decoder_of, store_of
 
 NODES = "ros_discovery_info"
-"""The DDS topic on which ROS 2 announces nodes and the endpoints that belong to them. It is no topic of ROS."""
+"""The DDS topic on which ROS 2 announces its nodes and their endpoints. It is not a topic of ROS."""
 
 _TYPE = re.compile(r"(\w+)::msg::dds_::(\w+)_")
 _BASES = {
@@ -32,11 +32,11 @@ _BASES = {
 }
 
 
-_making = threading.Lock()  # Cyclone DDS makes types by way of a global variable
+_making = threading.Lock()  # Cyclone DDS uses a global variable while it makes a type
 
 
 def ros_topic(name: str) -> str:
-    """``/scan`` for ``rt/scan``, and `NODES` for itself; empty for what is no topic of ROS 2, such as a service."""
+    """``/scan`` for ``rt/scan``, and `NODES` for itself; empty for anything else, such as a service."""
     return name[2:] if name.startswith("rt/") else name if name == NODES else ""
 
 
@@ -46,15 +46,15 @@ def dds_topic(name: str) -> str:
 
 
 def ros_type(name: str) -> str:
-    """``sensor_msgs/msg/LaserScan`` for ``sensor_msgs::msg::dds_::LaserScan_``; empty for what is no message."""
+    """``sensor_msgs/msg/LaserScan`` for ``sensor_msgs::msg::dds_::LaserScan_``; empty for anything but a message."""
     found = _TYPE.fullmatch(name)
     return f"{found[1]}/msg/{found[2]}" if found else ""
 
 
 def definition_of(type_name: str, user_data: Collection[bytes], type_ids: Collection[Any]) -> str:
-    """The definition of a type that its publishers use, as `decoder`, `struct` and `type_hash` take it.
+    """The definition of a type that its publishers use, for `decoder`, `struct` and `type_hash`.
 
-    It is chosen by the hash in their user data, or by the type identifier of DDS; else it is the newest.
+    The hash in their user data or the type identifier of DDS selects it; else it is the newest.
     """
     texts = _definitions(type_name)
     for text in texts if len(texts) > 1 else ():
@@ -66,10 +66,10 @@ def definition_of(type_name: str, user_data: Collection[bytes], type_ids: Collec
 
 
 def decoder(type_name: str, definition: str = "") -> Decode:
-    """What makes messages of bytes by a definition of the type; bytes that do not fit it are read by another one.
+    """A function that decodes messages by a definition of the type, or by another definition where that one fails.
 
     Raises:
-        DecodeError: nobody defines the type; what is returned raises it for bytes that are no such message.
+        DecodeError: the type is unknown; the returned function raises it for bytes that are no such message.
     """
     others = [decoder_of(_channel(type_name, text)) for text in _definitions(type_name) if text != definition]
     first = decoder_of(_channel(type_name, definition))
@@ -86,12 +86,12 @@ def decoder(type_name: str, definition: str = "") -> Decode:
     return decode if others else first
 
 
-@lru_cache(None)  # Cyclone DDS keeps every type for the life of the process, so that each is made once
+@lru_cache(None)  # Cyclone DDS never frees a type, so each is made once
 def struct(type_name: str, definition: str = "") -> Any:
-    """The type with its fields: Cyclone DDS compares them with those of a publisher that describes its own.
+    """The type with its fields, which Cyclone DDS compares with those that a publisher describes.
 
     Raises:
-        DecodeError: nobody defines the type.
+        DecodeError: the type is unknown.
     """
     store = store_of(_channel(type_name, definition))
     with _making:
@@ -99,15 +99,15 @@ def struct(type_name: str, definition: str = "") -> Any:
 
 
 def type_hash(type_name: str, definition: str = "") -> bytes:
-    """What publishers and subscribers of ROS 2 say of their type beside the name; raises as `struct`."""
+    """The hash of a type as ROS 2 puts it into user data; raises as `struct`."""
     return f"typehash={store_of(_channel(type_name, definition)).hash_rihs01(type_name)};".encode()
 
 
 @lru_cache(None)
 def opaque(type_name: str) -> Any:
-    """A type of that name that fits any bytes: for publishers that do not describe theirs, and so match by name.
+    """A type of that name that accepts any bytes, for publishers that do not describe theirs and so match by name.
 
-    Cyclone DDS drops what does not fit a type without a word.
+    With a full type, Cyclone DDS would silently drop messages that do not fit it.
     """
     with _making:
         return _as_bytes(make_idl_struct("Opaque", _dds_type(type_name), {"first": types.uint8}))
@@ -115,7 +115,7 @@ def opaque(type_name: str) -> Any:
 
 @lru_cache
 def _definitions(type_name: str) -> tuple[str, ...]:
-    """The texts of the definitions of a type, newest first; an empty text is the definition that `store_of` has.
+    """The definitions of a type, as texts, newest first; an empty text is the definition that `store_of` has.
 
     ``sensor_msgs/Range``, for one, got the field ``variance`` after Humble.
     """
@@ -129,7 +129,7 @@ def _definitions(type_name: str) -> tuple[str, ...]:
 
 
 def _as_bytes(struct: Any) -> Any:
-    """The same type, whose instances hold their bytes, with the four of encapsulation, in place of fields."""
+    """The same type, but its instances hold raw bytes, with the 4-byte encapsulation header, in place of fields."""
 
     def start(self: Any, raw: bytes) -> None:
         self.raw = raw

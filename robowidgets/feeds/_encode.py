@@ -1,4 +1,4 @@
-"""Messages to bytes, for what is published where no ROS is installed."""
+"""Encoding messages without ROS."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from rosbags.typesys.store import Typestore
 
 from .middleware import FeedError
 
-_lock = threading.Lock()  # a store makes its code without one
+_lock = threading.Lock()  # rosbags generates the code of a store without locking
 _STORES = {"cdr": Stores.ROS2_HUMBLE, "ros1": Stores.ROS1_NOETIC}
 
 
 class Encoder:
-    """Makes the bytes of messages of the standard types from their fields; several threads may ask at once."""
+    """Encodes messages of the standard types, given as their fields; any thread may call it."""
 
     def encode(self, encoding: str, message_type: str, fields: Mapping[str, Any]) -> bytes:
-        """The bytes in one of ``cdr`` and ``ros1``; a field that is left out is zero, false or empty.
+        """The bytes of a message in ``cdr`` or ``ros1``; a field that is left out is zero, false or empty.
 
         Raises:
             FeedError: the type is not known, a field is not one of it, or holds what does not fit.
@@ -37,13 +37,13 @@ class Encoder:
                 return bytes(write(message, message_type))
             except FeedError:
                 raise
-            except Exception as error:  # whatever rosbags and numpy make of a value that does not fit
+            except Exception as error:  # whatever rosbags and numpy raise for a value that does not fit
                 raise FeedError(f"{dict(fields)!r} is no {message_type}: {error}") from None
 
 
 @lru_cache
 def _store(encoding: str) -> Typestore:
-    """One for the process: it makes code for each type that it writes, which takes milliseconds."""
+    """One store for the process: generating the code of a type takes milliseconds."""
     return get_typestore(_STORES[encoding])
 
 

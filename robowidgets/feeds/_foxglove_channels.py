@@ -1,4 +1,4 @@
-"""What a foxglove server says of its topics, and how their messages are read."""
+"""The channels and the graph of a foxglove server, and decoders for its messages."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _OURS = "foxglove_bridge"
 
 
 class Channel(NamedTuple):
-    """A topic of one type, as a server offers it."""
+    """A topic with one type, as a server advertises it."""
 
     id: int
     topic: str
@@ -39,7 +39,7 @@ def channel_of(offer: Any) -> Channel | None:
 
 
 def decoder(channel: Channel) -> Callable[[bytes], Any]:
-    """What reads the messages of a channel; it and this raise UnreadableError."""
+    """A function that decodes the messages of a channel; both raise UnreadableError."""
     if channel.encoding == "json":
         return _json
     if not channel.type:
@@ -51,7 +51,7 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
             f"{channel.topic} comes as {one_line(channel.type)} in {one_line(channel.encoding)}, "
             "which is not read; what foxglove_bridge sends is (cdr, ros1, json)"
         )
-    # Here, so that who hears JSON alone waits for none of it.
+    # Imported lazily: messages in JSON need no rosbags, which takes long to import.
     from ..messages.decoding import decoder_of
 
     asked = RosChannel(channel.id, channel.topic, channel.type, channel.encoding, channel.definition, 0)
@@ -83,37 +83,39 @@ def _json(raw: bytes) -> Any:
 
 
 class Graph:
-    """Who publishes and who listens, where the server tells."""
+    """The publishers and subscribers of each topic, where the server reports them."""
 
     def __init__(self) -> None:
         self.known = False
         self._publishers: dict[str, tuple[str, ...]] = {}
-        self._listeners: dict[str, tuple[str, ...]] = {}
+        self._subscribers: dict[str, tuple[str, ...]] = {}
 
-    def update(self, said: Mapping[str, Any]) -> None:
-        """Learn from a ``connectionGraphUpdate``."""
+    def update(self, operation: Mapping[str, Any]) -> None:
+        """Take over a ``connectionGraphUpdate``."""
         self.known = True
-        for name in _list(said.get("removedTopics")):
+        for name in _list(operation.get("removedTopics")):
             if isinstance(name, str):
                 self._publishers.pop(name, None)
-                self._listeners.pop(name, None)
-        for nodes, what, ids in (
+                self._subscribers.pop(name, None)
+        for nodes, key, ids in (
             (self._publishers, "publishedTopics", "publisherIds"),
-            (self._listeners, "subscribedTopics", "subscriberIds"),
+            (self._subscribers, "subscribedTopics", "subscriberIds"),
         ):
-            for entry in _list(said.get(what)):
+            for entry in _list(operation.get(key)):
                 if isinstance(entry, Mapping) and isinstance(entry.get("name"), str):
                     nodes[entry["name"]] = other_nodes(strings(entry.get(ids)), _OURS)
 
     def adverts(self, channels: Iterable[Channel]) -> list[Advert]:
-        """All topics: the channels, and those that somebody only listens to, whose types nobody tells."""
+        """All topics: the channels, and topics that only have subscribers, whose types the server does not report."""
         found = {(c.topic, c.type): None for c in channels}
         names = {topic for topic, _ in found}
         if self.known:
-            more = dict.fromkeys((*self._publishers, *self._listeners))
+            more = dict.fromkeys((*self._publishers, *self._subscribers))
             found.update({(name, ""): None for name in more if name not in names})
         return [
-            Advert(topic, kind, bool(nodes := self._publishers.get(topic, ())), bool(self._listeners.get(topic)), nodes)
+            Advert(
+                topic, kind, bool(nodes := self._publishers.get(topic, ())), bool(self._subscribers.get(topic)), nodes
+            )
             if self.known
             else Advert(topic, kind)
             for topic, kind in found

@@ -1,4 +1,4 @@
-"""The functions of a program that are connected to topics, and the thread that calls them."""
+"""The connected functions of a program, and the thread that calls them."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from .middleware import EVENTS
 log = logging.getLogger("robowidgets")
 
 SLOW = 1.0
-"""Seconds after which a function that has not come back is named."""
+"""Seconds after which a function that has not returned is named on the widgets."""
 
 CLOSING = 0.2
-"""Seconds that the end waits for a function that is at work."""
+"""Seconds for which closing waits for a running function."""
 
 
 class Function:
@@ -36,8 +36,8 @@ class Function:
 
     Attributes:
         runs: how often it was called.
-        error: what it raised last, with its line; empty when it came back.
-        entered: when it was called; None while it is not at work.
+        error: the error of the last call, with its line; empty when the call returned.
+        entered: when it was called; None while it is not running.
     """
 
     def __init__(self, topic: str, call: Callable[[Any], object], raw: bool) -> None:
@@ -53,14 +53,14 @@ class Function:
         return str(getattr(self.call, "__qualname__", "") or getattr(self.call, "__name__", "") or repr(self.call)[:60])
 
     def replaces(self, other: Function) -> bool:
-        """Whether it stands in place of another: of an earlier run of its cell, or of its name in the notebook."""
+        """Whether it replaces another: one from an earlier run of its cell, or one of its name in the notebook."""
         if self.cell and self.cell == other.cell and self.run != other.run:
             return True
         return self.topic == other.topic and _name_in_main(self.call) == _name_in_main(other.call) != ""
 
     def line_of(self, frames: Iterable[tuple[FrameType, int]]) -> str:
-        """Where it stands in its own file, of frames from the outermost on, as ``, line 12``; empty when nowhere."""
-        call = getattr(self.call, "func", self.call)  # of a functools.partial
+        """The line of its own file in these frames, outermost first, as ``, line 12``; empty when there is none."""
+        call = getattr(self.call, "func", self.call)  # a functools.partial has the function in `func`
         code = getattr(call, "__code__", None) or getattr(type(call).__call__, "__code__", None)
         lines = [line for frame, line in frames if code is not None and frame.f_code.co_filename == code.co_filename]
         return f", line {lines[-1]}" if lines else ""
@@ -69,42 +69,42 @@ class Function:
 class FunctionCaller:
     """Calls functions with the newest message of their topics, one at a time, in a thread of its own.
 
-    Of some kinds, as of touch sensors, every message counts. A function that is at work when it is disconnected is
-    abandoned: the others are called by another thread, and `is_abandoned` tells its own.
+    Of some kinds, such as touch sensors, every message counts. A function that is disconnected while it runs is
+    abandoned: another thread calls the others, and `is_abandoned` is True in the abandoned one.
 
     Args:
-        changed: called with a topic whose `status_of` has changed.
+        on_change: called with a topic whose `status_of` has changed.
     """
 
-    def __init__(self, changed: Callable[[str], None]) -> None:
-        self._tell = changed
+    def __init__(self, on_change: Callable[[str], None]) -> None:
+        self._on_change = on_change
         self._changed = threading.Condition()
         self._functions: list[Function] = []
         self._waiting: dict[str, deque[tuple[Any, Topic]]] = {}
         self._readers: dict[str, tuple[str, Callable[[Any], Any]]] = {}
-        """By topic the kind of its messages, and what reads them."""
+        """By topic, the kind of its messages and the function that reads them."""
         self._thread: threading.Thread | None = None
         self._abandoned: WeakSet[threading.Thread] = WeakSet()
         self._current: Function | None = None
         self._slow_topic = ""
-        """The topic of which the widgets say that a function has not come back."""
+        """The topic whose widgets show that a function has not returned."""
         self._closed = False
         self._logged: set[str] = set()
 
     @property
     def functions(self) -> tuple[Function, ...]:
-        """Those that are connected now."""
+        """The functions that are connected now."""
         return tuple(self._functions)
 
     def table(self) -> Table:
-        """What `_table.as_text` and its like take: who is connected to what, how often it ran, and its last error."""
+        """The arguments of `text.as_text`: each function with its topic, its number of runs, and its last error."""
         rows: list[tuple[str, ...]] = [(f.name, f.topic, str(f.runs), f.error) for f in self._functions]
-        slow = [words for f in self._functions if (words := self._status(f)) and words != f.error]
+        slow = [status for f in self._functions if (status := self._status(f)) and status != f.error]
         heads = ("function", "topic", "runs", "last error")
         return many(len(rows), "connected function"), heads, rows, (2,), slow
 
     def connect(self, topic: str, calls: Iterable[Callable[[Any], object]], raw: bool) -> None:
-        """Call functions with the messages of a topic, in place of those that they replace."""
+        """Call functions with the messages of a topic; they replace those that `Function.replaces` names."""
         for call in calls:
             new = Function(topic, call, raw)
             with self._changed:
@@ -114,7 +114,7 @@ class FunctionCaller:
                 self._functions.append(new)
 
     def disconnect(self, topic: str, calls: Iterable[Any] | None) -> None:
-        """Call these functions no more with messages of a topic, nor others of their names; None: none at all."""
+        """Call these functions, and others of their names, no more with messages of a topic; None: all functions."""
         gone = None if calls is None else list(calls)
         names = {_name_in_main(call) for call in gone or ()} - {""}
         with self._changed:
@@ -122,7 +122,7 @@ class FunctionCaller:
             self._drop([f for f in here if gone is None or f.call in gone or _name_in_main(f.call) in names])
 
     def put(self, topic: Topic, message: Any) -> None:
-        """Hand on a message, in place of one that waits unless every one counts."""
+        """Queue a message; it replaces a queued one, unless every message counts."""
         with self._changed:
             if self._closed or not any(function.topic == topic.name for function in self._functions):
                 return
@@ -135,16 +135,16 @@ class FunctionCaller:
             self._changed.notify()
 
     def status_of(self, topic: str) -> str:
-        """Which functions of a topic have not come back, and which raised; empty when all is well."""
+        """Which functions of a topic have not returned, and which raised; empty when all is well."""
         return "; ".join(filter(None, (self._status(f) for f in self.functions if f.topic == topic)))
 
     @property
     def is_abandoned(self) -> bool:
-        """Whether the calling thread is that of a function that was disconnected while it was at work."""
+        """Whether the calling thread runs a function that was disconnected meanwhile."""
         return threading.current_thread() in self._abandoned
 
     def close(self) -> None:
-        """Call nothing any more; waits a moment for a function that is at work."""
+        """Call no function any more; waits a moment for one that is running."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
@@ -154,13 +154,13 @@ class FunctionCaller:
             thread.join(CLOSING)
 
     def send_newest(self) -> int:
-        """Tell how long a function has not come back; the pacer's call."""
+        """Update how long a function has not returned; the pacer calls it."""
         current, before = self._current, self._slow_topic
         entered = current.entered if current is not None else None
         is_slow = entered is not None and time.monotonic() - entered >= SLOW
         self._slow_topic = current.topic if current is not None and is_slow else ""
         for topic in {before, self._slow_topic} - {""}:
-            self._tell(topic)
+            self._on_change(topic)
         with self._changed:
             if self._thread is not None and not self._closed:
                 pacer.mark_at(self, time.monotonic() + SLOW)
@@ -172,7 +172,7 @@ class FunctionCaller:
         if passed < SLOW:
             return function.error
         where = function.line_of(self._frames())
-        return f"your function `{function.name}`{where}, has not come back for {passed:.0f} s"
+        return f"your function `{function.name}`{where}, has not returned for {passed:.0f} s"
 
     def _drop(self, gone: list[Function]) -> None:
         self._functions = [function for function in self._functions if function not in gone]
@@ -202,7 +202,7 @@ class FunctionCaller:
                 name = next(iter(self._waiting))
                 waiting = self._waiting.pop(name)
                 message, topic = waiting.popleft()
-                if waiting:  # the other topics come first
+                if waiting:  # after the other topics
                     self._waiting[name] = waiting
                 functions = [function for function in self._functions if function.topic == name]
             before = self.status_of(name)
@@ -219,7 +219,7 @@ class FunctionCaller:
                         return
                     self._current = None
             if self.status_of(name) != before:
-                self._tell(name)
+                self._on_change(name)
 
     def _call(self, function: Function, message: Any, topic: Topic) -> None:
         try:
@@ -231,7 +231,7 @@ class FunctionCaller:
         function.entered = time.monotonic()
         try:
             function.call(sample)
-        except BaseException as error:  # not even a SystemExit may end the thread that the others share
+        except BaseException as error:  # not even a SystemExit may end the thread that all functions share
             line = function.line_of(traceback.walk_tb(error.__traceback__))
             function.error = f"your function `{function.name}`{line}: {type(error).__name__}: {error}"
             self._log(function.error)
@@ -255,14 +255,14 @@ class FunctionCaller:
         frame = sys._current_frames().get(thread.ident or 0) if thread is not None else None
         return [*traceback.walk_stack(frame)][::-1] if frame is not None else []
 
-    def _log(self, words: str) -> None:
-        if words not in self._logged and len(self._logged) < MOST_LOGGED:
-            self._logged.add(words)
-            log.exception(words)
+    def _log(self, error: str) -> None:
+        if error not in self._logged and len(self._logged) < MOST_LOGGED:
+            self._logged.add(error)
+            log.exception(error)
 
 
 def _name_in_main(call: Any) -> str:
-    """The name of a function of the notebook or script; empty for any other, and for one that a function made."""
+    """The name of a function defined in the notebook or script, outside of functions; empty for any other."""
     if not isinstance(call, FunctionType) or call.__module__ != "__main__" or "<" in call.__qualname__:
         return ""
     return call.__qualname__

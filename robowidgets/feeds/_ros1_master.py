@@ -1,4 +1,4 @@
-"""What a ROS 1 master knows, asked with a timeout: rospy's own calls wait for ever where a master hangs."""
+"""Requests to a ROS 1 master, with a time-out: rospy's own calls wait for ever when a master hangs."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 from xml.parsers.expat import ExpatError
 
-SECONDS = 2.0
-"""How long an answer may take."""
+TIMEOUT = 2.0
+"""Seconds for an answer."""
 
 
 class MasterError(Exception):
-    """A master, or a node that it names, that does not answer as it should; the text is for a person."""
+    """A master, or a node that it names, gave no valid answer; the text says why, for a person."""
 
 
 class State(NamedTuple):
-    """Who publishes what and who subscribes to it: names of topics to names of nodes, and to types."""
+    """By topic, the names of the nodes that publish it, of those that subscribe to it, and its type."""
 
     publishers: dict[str, list[str]]
     subscribers: dict[str, list[str]]
@@ -26,37 +26,37 @@ class State(NamedTuple):
 
 
 class Master:
-    """The master at a URI, and the nodes that it knows. Every call raises MasterError when there is no good answer."""
+    """The master at a URI, and the nodes that it knows. Every call raises MasterError without a valid answer."""
 
     def __init__(self, uri: str) -> None:
         self.uri = uri
 
     def state(self) -> State:
-        """Everything that is published and subscribed to now."""
-        # A type is known as ROS 1 writes it; `*` is what somebody takes who takes anything. Types are asked for first:
-        # a topic that appears meanwhile has none yet, and one that has a type is listed.
+        """All publishers, subscribers and types."""
+        # A subscriber that takes any type gives `*`. Types are requested first, so that every topic with a type is
+        # listed; a topic that appears in between has none yet.
         types = {name: kind for name, kind in _call(self.uri, "getTopicTypes") if "/" in kind}
         publishers, subscribers, _ = _call(self.uri, "getSystemState")
         return State(dict(publishers), dict(subscribers), types)
 
     def register_subscriber(self, node: str, topic: str, kind: str, node_uri: str) -> None:
-        """Tell the master once more that a node subscribes, and the node who publishes."""
+        """Register a subscriber with the master again, and send the node the list of publishers."""
         publishers = _call(self.uri, "registerSubscriber", topic, kind, node_uri, caller=node)
         _call(node_uri, "publisherUpdate", topic, publishers, caller="/master")
 
     def register_publisher(self, node: str, topic: str, kind: str, node_uri: str) -> None:
-        """Tell the master once more that a node publishes."""
+        """Register a publisher with the master again."""
         _call(self.uri, "registerPublisher", topic, kind, node_uri, caller=node)
 
     def unreachable(self, nodes: list[str]) -> str:
-        """Why the first of these nodes that cannot be reached from here cannot be; empty when all can."""
+        """Why the first unreachable one of these nodes cannot be reached; empty when all can."""
         return next(filter(None, map(self._unreachable, nodes)), "")
 
     def _unreachable(self, node: str) -> str:
         try:
             where = urlsplit(_call(self.uri, "lookupNode", node))
-            socket.create_connection((where.hostname or "", where.port or 0), SECONDS).close()
-        except MasterError:  # it has just left; the next state does without it
+            socket.create_connection((where.hostname or "", where.port or 0), TIMEOUT).close()
+        except MasterError:  # the node has just left, and the next state lacks it
             return ""
         except ConnectionRefusedError:
             return f"its node {node} is not at {where.netloc} any more; rosnode cleanup makes the master forget it"
@@ -68,18 +68,18 @@ class Master:
 class _Timed(xmlrpc.client.Transport):
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         connection = super().make_connection(host)
-        connection.timeout = SECONDS
+        connection.timeout = TIMEOUT
         return connection
 
 
 def _call(uri: str, method: str, *args: Any, caller: str = "/robowidgets") -> Any:
     try:
         with xmlrpc.client.ServerProxy(uri, _Timed()) as server:
-            code, words, value = getattr(server, method)(caller, *args)
+            code, text, value = getattr(server, method)(caller, *args)
     except TimeoutError:
-        raise MasterError(f"no answer within {SECONDS:g} s") from None
+        raise MasterError(f"no answer within {TIMEOUT:g} s") from None
     except (OSError, xmlrpc.client.Error, http.client.HTTPException, ExpatError, TypeError, ValueError) as error:
         raise MasterError(str(error) or type(error).__name__) from None
     if code != 1:
-        raise MasterError(f"{method}: {words}")
+        raise MasterError(f"{method}: {text}")
     return value

@@ -1,4 +1,4 @@
-"""What this process publishes by rospy: set up by a feed's thread, sent by the thread that publishes."""
+"""Publishing through rospy: a feed's thread sets publishers up, the thread that publishes sends."""
 
 from __future__ import annotations
 
@@ -10,40 +10,40 @@ from contextlib import suppress
 from typing import Any
 
 from ._ros1_master import Master, State
-from .middleware import SEND_TIMEOUT, FeedError
+from .middleware import SEND_TIMEOUT, FeedError, NotYetError
 
 SHUT_DOWN = "rospy was shut down in this process and cannot start again: restart the kernel"
 
 UNREACHED = 2.0
-"""Seconds after which a subscriber without a connection is asked to connect again; then twice as long each time."""
+"""Seconds after which a subscriber without a connection is asked to connect again; each further pause is doubled."""
 
 LONGEST = 30.0
-"""Seconds that no pause between two such requests exceeds: a publisher and a subscriber log each one in vain."""
+"""Seconds of the longest pause between two such requests: publisher and subscriber log each failed one."""
 
 _publishers: dict[str, Any] = {}
 """The publishers of the process's one node, by topic. They stay when a feed is closed.
 
 A rospy subscriber that connects while its publisher is being unregistered may never connect to that node again: it
-keeps the dead connection in its list, and makes no second one to a node.
+keeps the dead connection in its list, and makes no second connection to a node.
 """
 
 _moving: set[str] = set()
 """The topics whose last message was not all zeros."""
 
 _sending = threading.RLock()
-"""Held while a message is sent. Reentrant, because a signal handler may shut rospy down while its own thread sends."""
+"""Held while a message is sent. RLock: a signal handler may shut rospy down while the same thread is sending."""
 
 
 class Publications:
     """The topics that one feed publishes.
 
     Args:
-        on_unheard: is told why a subscriber does not receive a topic; see `Listener`.
+        on_unheard: called with the reason why a subscriber does not receive a topic; see `Listener`.
         wake: makes the feed's thread call `look_after` soon.
 
     Attributes:
-        state: what the master told last.
-        master_lost: why the master cannot be asked; empty while it can.
+        state: the state that the master reported last.
+        master_lost: why the master does not answer; empty while it does.
     """
 
     def __init__(
@@ -51,9 +51,9 @@ class Publications:
     ) -> None:
         self._rospy, self._master, self._on_unheard, self._wake = rospy, master, on_unheard, wake
         self._asked: dict[str, tuple[str, float]] = {}
-        """By topic the type that was published last, and since when."""
+        """By topic, the type that was published last, and since when."""
         self._due: dict[str, tuple[float, float]] = {}
-        """By topic when subscribers without a connection are asked to connect, and how long the pause before was."""
+        """By topic, when subscribers without a connection are asked again, and how long the pause before was."""
         self._unheard: dict[str, str] = {}
         self.state = State({}, {}, {})
         self.master_lost = ""
@@ -77,6 +77,9 @@ class Publications:
         while not self._connections(topic):
             if why := self._why_unconnected(topic):
                 raise FeedError(f"cannot publish {kind} on {topic}: {why}")
+            if time.monotonic() > self._asked[topic][1] + SEND_TIMEOUT:
+                node = self._listening(topic)[0]
+                raise NotYetError(f"cannot publish {kind} on {topic}: {node} listens to it, but has not connected")
             time.sleep(0.002)
         with _sending:
             if self._rospy.core.is_shutdown_requested():
@@ -95,9 +98,10 @@ class Publications:
                 _moving.discard(topic)
 
     def look_after(self) -> None:
-        """Set up what somebody listens to, and ask subscribers to connect that have not. In the feed's thread.
+        """Set up publishers for topics with subscribers, and ask subscribers to connect. Called in the feed's thread.
 
-        Not before: the first publisher settles the type of the topic, and which one the robot wants is not known.
+        A topic gets a publisher only once it has a subscriber. The first publisher settles the type of a topic, and
+        before that the type that the robot expects is unknown.
         """
         for topic, (kind, _) in list(self._asked.items()):
             publisher = _publishers.get(topic)
@@ -116,7 +120,7 @@ class Publications:
                 _publishers[topic] = self._rospy.Publisher(topic, _class_of(kind), queue_size=1)
 
     def _connections(self, topic: str) -> list[Any]:
-        """The connections to other nodes, without dead ones, for which rospy itself looks only every half second."""
+        """The connections to other nodes. Dead ones are removed first; rospy itself does so only every half second."""
         publisher = _publishers.get(topic)
         if publisher is None:
             return []
@@ -127,8 +131,8 @@ class Publications:
         return [node for node in self.state.subscribers.get(topic, ()) if node != self._rospy.get_name()]
 
     def _why_unconnected(self, topic: str) -> str:
-        """Why nobody is connected; empty where somebody may be in a moment."""
-        kind, since = self._asked[topic]
+        """Why no subscriber is connected; empty while one may be connecting."""
+        kind, _ = self._asked[topic]
         there = self.state.types.get(topic, kind)
         if self._rospy.core.is_shutdown_requested():
             return SHUT_DOWN
@@ -138,13 +142,11 @@ class Publications:
             return "nobody listens to it"
         if there != kind and topic not in self:
             return f"it is {there}"
-        if time.monotonic() > since + SEND_TIMEOUT:
-            return f"{self._listening(topic)[0]} listens to it, but has not connected"
         return ""
 
     def _ask_to_connect(self, topic: str, kind: str) -> None:
-        """Register the publisher again, of which the master tells all subscribers, where one is not reached."""
-        me, now, words = self._rospy.get_name(), time.monotonic(), ""
+        """Register the publisher again where a subscriber is not reached: the master then notifies all subscribers."""
+        me, now, reason = self._rospy.get_name(), time.monotonic(), ""
         connections = self._connections(topic)
         reached = {connection.endpoint_id for connection in connections if _takes(connection)}
         missing = [node for node in self._listening(topic) if node not in reached]
@@ -152,15 +154,14 @@ class Publications:
         if not missing:
             del self._due[topic]
         elif now < due:
-            words = self._unheard.get(topic, "")
+            reason = self._unheard.get(topic, "")
         else:
             self._due[topic] = now + 2 * pause, min(2 * pause, LONGEST)
-            words = self._why_unheard(topic, missing, {connection.endpoint_id for connection in connections})
+            reason = self._why_unheard(topic, missing, {connection.endpoint_id for connection in connections})
         if me not in self.state.publishers.get(topic, ()) or (missing and now >= due):  # a restarted master forgot it
             self._master.register_publisher(me, topic, kind, self._rospy.get_node_uri())
-        if words != self._unheard.get(topic, ""):
-            self._unheard[topic] = words
-            self._on_unheard(topic, words)
+        self._unheard[topic] = reason
+        self._on_unheard(topic, reason)
 
     def _why_unheard(self, topic: str, missing: list[str], connected: set[str]) -> str:
         for node in missing:
@@ -169,15 +170,15 @@ class Publications:
             why = self._master.unreachable([node])
             if not why:
                 return f"{node} listens to {topic}, but does not connect; it is asked again"
-            if not connected:  # beside a robot that is connected, a node that has ended is of no interest
+            if not connected:  # a node that has ended does not matter while a robot is connected
                 return f"{topic} is listened to, but {why}"
         return ""
 
 
 def _send(topic: str, message: Any, connections: Sequence[Any], deadline: float, *, to_all: bool) -> None:
-    """Write to each socket from this thread, because rospy's own may not run for long while a cell is busy.
+    """Write to each socket in this thread, because a busy cell may keep rospy's own thread from running for long.
 
-    A node that does not read holds up no other: a speed is sent when one has it, a zero when all have it.
+    A node that does not read delays no other node. A speed counts as sent when one node has it, a zero when all do.
     """
     impl, late, taken = _publishers[topic].impl, list(connections), 0
     while True:
@@ -197,23 +198,23 @@ def _send(topic: str, message: Any, connections: Sequence[Any], deadline: float,
 
 
 def _takes(connection: Any) -> bool:
-    """Whether a socket takes a message at once, one as short as a speed; or has ended."""
+    """Whether a socket takes a message as short as a speed without blocking, or has ended."""
     poll = select.poll()
     poll.register(connection.fileno(), select.POLLOUT)
     return connection.done or bool(poll.poll(0))
 
 
 def _transports(impl: Any) -> list[Any]:
-    """The connections of a publisher, not rospy's queues before them, which another thread empties."""
+    """The connections of a publisher, without the queues that rospy puts before them and empties in another thread."""
     return [getattr(connection, "_connection", connection) for connection in impl.connections]
 
 
 def _send_zeros() -> None:
-    """Stop what moves. rospy calls it before it shuts down, after Ctrl-C in a node that takes signals, say."""
+    """Send zero on the topics whose robots move. rospy calls it before it shuts down, for example after Ctrl-C."""
     with _sending:
         for topic in list(_moving):
             publisher, deadline = _publishers[topic], time.monotonic() + SEND_TIMEOUT
-            with suppress(Exception):  # the others must be stopped, too
+            with suppress(Exception):  # the other robots must be stopped, too
                 _send(topic, publisher.data_class(), _transports(publisher.impl), deadline, to_all=True)
 
 
@@ -231,7 +232,7 @@ def _class_of(kind: str) -> Any:
 
 
 def _moves(value: Any) -> bool:
-    """Whether anything in it is not 0, but for text."""
+    """Whether any number in it is not 0."""
     if isinstance(value, Mapping):
         return any(map(_moves, value.values()))
     return not isinstance(value, str) and value != 0

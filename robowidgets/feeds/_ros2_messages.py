@@ -1,4 +1,4 @@
-"""Messages of ROS 2 by their Python classes, and their fields. rclpy is imported when it is used."""
+"""Making messages of ROS 2 from their fields. Importing this module imports no ROS."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .middleware import FeedError
 
 
 def message_class(message_type: str) -> Any:
-    """The class of a message; LookupError, in words for a person, where it is not installed."""
+    """The class of a message; LookupError, with a text for a person, where it is not installed."""
     from rosidl_runtime_py.utilities import get_message
 
     try:
@@ -23,7 +23,7 @@ def message_class(message_type: str) -> Any:
 
 
 def fill(message: Any, fields: Mapping[str, Any]) -> None:
-    """Set the fields of a message, those within its fields too; FeedError for what it does not have or take."""
+    """Set the fields of a message, nested ones too; FeedError for an unknown field or an unfit value."""
     for name, value in fields.items():
         if not hasattr(message, name):
             raise FeedError(f"a {type(message).__name__} has no field {name!r}")

@@ -1,4 +1,4 @@
-"""A node in a context of its own, what it reads and publishes. rclpy is imported when it is used."""
+"""A node in a context of its own, with its subscriptions and publishers. Importing this module imports no rclpy."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from typing import Any
 
 from ..kinds import counts_every_message
 from ._ros2_messages import message_class
-from .middleware import EVENTS, SEND_TIMEOUT, Advert, FeedError, Listener
+from .middleware import EVENTS, SEND_TIMEOUT, Advert, Listener, NotYetError
 
 _Key = tuple[str, str, bool]
-"""A topic, a type, and whether what was published before is asked for."""
+"""A topic, a type, and whether earlier messages are requested (transient local)."""
 
 DISCOVERY = 2.0
-"""Seconds after which a new participant knows the others, generously."""
+"""Seconds after which a new participant has discovered the others, generously."""
 
 _DEPTH = 5
-"""Messages that wait for us, as for sensor data."""
+"""Length of the queue of a subscription, as ROS 2 has it for sensor data."""
 
 _MATCH_POLL = 0.005
 _ACK_POLL = 0.02
 
 _UNKNOWN = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
-"""What stands for the name of a node that is not known, or of a program that is no node."""
+"""Names of an unknown node, and of a program that has none."""
 
 
 class Session:
     """A node with its executor in a context of its own, which no program spins, destroys or shuts down.
 
-    Only rclpy's signal handler does, which shuts down every context of the process: `ok` is False then. `publish`,
-    `wake` and `ok` may be called from any thread, everything else from the thread that made the session.
+    Only rclpy's signal handler does: it shuts down every context of the process, and `ok` is False then. Any thread may
+    call `publish`, `wake` and `ok`; everything else belongs to the thread that made the session.
 
     Args:
         domain_id: the domain; None: what ``ROS_DOMAIN_ID`` says.
-        listener: is told what does not come and what is not received.
-        is_wanted: says whether messages of a topic are still wanted.
+        listener: gets messages and reports.
+        is_wanted: returns whether messages of a topic are still wanted.
         matched: topics and types of which a publisher has been matched with a subscriber, also in earlier sessions.
 
     Raises:
@@ -59,7 +59,7 @@ class Session:
         from rclpy.signals import SignalHandlerOptions
 
         self._listener, self._is_wanted, self._matched = listener, is_wanted, matched
-        # Random: processes in containers often have the same id, and rcl warns of two nodes with one name.
+        # Random, because processes in containers often have the same id, and rcl warns of two nodes with one name.
         self._name = f"robowidgets_{os.getpid()}_{secrets.token_hex(3)}"
         self._opened = time.monotonic()
         self._context = Context()
@@ -68,7 +68,6 @@ class Session:
         self._publishers: dict[tuple[str, str], Any] = {}
         self._unmatched: set[tuple[str, str]] = set()
         self._publishing = threading.Lock()
-        self._troubles: dict[str, str] = {}
         self._unheard: set[str] = set()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
         with ExitStack() as made:
@@ -86,11 +85,11 @@ class Session:
 
     @property
     def is_young(self) -> bool:
-        """Whether others may not be known yet."""
+        """Whether other participants may not be discovered yet."""
         return time.monotonic() < self._opened + DISCOVERY
 
     def wake(self) -> None:
-        """Let `spin_once` return: `Executor.wake` would only have it rebuild what it waits for, and wait on."""
+        """Make `spin_once` return. After `Executor.wake` it would only rebuild its wait set and wait on."""
         self._executor.create_task(lambda: None)
 
     def spin_once(self, seconds: float) -> None:
@@ -102,7 +101,7 @@ class Session:
                 raise
 
     def look(self) -> list[Advert]:
-        """See which topics somebody else publishes or listens to."""
+        """The topics that other nodes publish or subscribe to."""
         from rclpy.exceptions import NameValidationException
 
         self._offers.clear()
@@ -113,12 +112,12 @@ class Session:
                 offers = self._others(self._node.get_publishers_info_by_topic(topic))
                 wants = self._node.get_subscriptions_info_by_topic(topic)
             except (NameValidationException, ValueError):
-                continue  # a DDS program without ROS gives names that rclpy refuses
+                continue  # a DDS program without ROS may use names that rclpy refuses
             self._offers[topic] = offers
             for info in offers:
                 offered.setdefault((topic, info.topic_type), set()).update(_full_name(info))
             wanted.update((topic, info.topic_type) for info in self._others(wants))
-            if topic in self._unheard and self._hear_us(topic, wants):
+            if topic in self._unheard and self._all_matched(topic, wants):
                 self._unheard.discard(topic)
                 self._listener.on_unheard(topic, "")
         return [
@@ -127,22 +126,20 @@ class Session:
         ]
 
     def follow(self, topics: Iterable[str]) -> None:
-        """Subscribe to what the last look saw published on these topics, and to nothing else."""
+        """Subscribe to these topics, with the types that `look` found last, and to no others."""
         topics = set(topics)
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.get(topic, ()))}
         for wish in self._subscriptions.keys() - wishes:
             self._node.destroy_subscription(self._subscriptions.pop(wish)[0])
-        for topic in self._troubles.keys() - topics:
-            del self._troubles[topic]
         for wish in wishes - self._subscriptions.keys():
-            self._begin(wish)
+            self._subscribe(wish)
 
     def publish(self, topic: str, message_type: str, message: Any, until: float) -> None:
-        """Publish a message; the first of a publisher waits up to a time for a subscriber to be matched.
+        """Publish a message. The first one of a publisher waits, up to a time, for a matched subscriber.
 
         Raises:
-            FeedError: who received such messages in an earlier session has not been found again.
-            Exception: rclpy does not publish, as the session was shut down or closed, say.
+            NotYetError: a subscriber of an earlier session has not been discovered again.
+            Exception: rclpy does not publish, for example because the session was shut down.
         """
         key = (topic, message_type)
         with self._publishing:
@@ -154,14 +151,14 @@ class Session:
                 if self._await_match(publisher, key, until):
                     self._matched.add(key)
                 elif key in self._matched and self.is_young:
-                    raise FeedError(f"who listens to {topic} has not been found again since rclpy was shut down")
+                    raise NotYetError(f"who listens to {topic} has not been found again since rclpy was shut down")
                 self._unmatched.discard(key)
             publisher.publish(message)
 
     def close(self) -> None:
-        """Wait a moment until everybody has what was published, it may be a zero, and end everything."""
+        """Wait a moment until every subscriber has what was published, perhaps a zero; then end everything."""
         with self._publishing:
-            with suppress(Exception):  # the session was shut down, or its middleware cannot tell
+            with suppress(Exception):  # the session was shut down, or its middleware has no acknowledgements
                 self._await_acknowledgements()
             with suppress(Exception):
                 self._made.close()
@@ -180,9 +177,9 @@ class Session:
             self._listener.on_unheard(topic, _not_received(topic, policy))
 
         def make(**callbacks: Any) -> Any:
-            told = events.PublisherEventCallbacks(use_default_callbacks=False, **callbacks)
+            on_event = events.PublisherEventCallbacks(use_default_callbacks=False, **callbacks)
             kind = message_class(message_type)
-            return self._node.create_publisher(kind, topic, QoSProfile(depth=1), event_callbacks=told)
+            return self._node.create_publisher(kind, topic, QoSProfile(depth=1), event_callbacks=on_event)
 
         try:
             return make(incompatible_qos=refused)
@@ -190,7 +187,7 @@ class Session:
             return make()
 
     def _await_match(self, publisher: Any, key: tuple[str, str], until: float) -> bool:
-        """Wait for a subscriber of others; says whether there is one. What is published before is lost to it."""
+        """Wait for a subscriber of another node, which would miss earlier messages; returns whether there is one."""
         topic, message_type = key
         ours = sum(wish[:2] == key for wish in list(self._subscriptions))
         while publisher.get_subscription_count() <= ours:
@@ -206,12 +203,12 @@ class Session:
 
         until = time.monotonic() + SEND_TIMEOUT
         for publisher in self._publishers.values():
-            # rclpy holds the interpreter's lock while it waits, so it waits in short steps.
+            # In short steps: rclpy holds the GIL while it waits.
             while not publisher.wait_for_all_acked(Duration(seconds=_ACK_POLL)) and time.monotonic() < until:
                 pass
 
-    def _hear_us(self, topic: str, wants: Iterable[Any]) -> bool:
-        """Whether all who listen to a topic are matched with what is published here."""
+    def _all_matched(self, topic: str, wants: Iterable[Any]) -> bool:
+        """Whether all subscribers of a topic are matched with our publishers."""
         types = [info.topic_type for info in wants]
         return all(
             publisher.get_subscription_count() >= types.count(message_type)
@@ -222,16 +219,16 @@ class Session:
     def _others(self, infos: Iterable[Any]) -> list[Any]:
         return [info for info in infos if info.node_name != self._name]
 
-    def _begin(self, wish: _Key) -> None:
+    def _subscribe(self, wish: _Key) -> None:
         from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
         topic, kind, kept = wish
         try:
             known = message_class(kind)
         except LookupError as error:
-            self._trouble(topic, f"{topic} comes as {kind}: {error}")
+            self._listener.on_trouble(topic, f"{topic} comes as {kind}: {error}")
             return
-        # A best-effort reader hears reliable publishers, too; only what is kept for those who come late needs more.
+        # A best-effort subscription matches reliable publishers, too; only transient local needs a reliable one.
         qos = QoSProfile(
             history=HistoryPolicy.KEEP_LAST,
             depth=EVENTS if counts_every_message(kind) else _DEPTH,
@@ -240,8 +237,8 @@ class Session:
         )
         try:
             self._subscriptions[wish] = self._subscription(known, topic, qos)
-        except Exception as error:  # a package that is half installed raises whatever it likes
-            self._trouble(topic, f"{topic} cannot be subscribed to as {kind}: {one_line(error)}")
+        except Exception as error:  # a package that is half installed raises anything
+            self._listener.on_trouble(topic, f"{topic} cannot be subscribed to as {kind}: {one_line(error)}")
 
     def _subscription(self, known: Any, topic: str, qos: Any) -> tuple[Any, Any]:
         from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
@@ -249,19 +246,21 @@ class Session:
 
         events = _events()
 
-        def hear(message: Any) -> None:
+        def receive(message: Any) -> None:
             if self._is_wanted(topic):
-                self._trouble(topic, "")
+                self._listener.on_trouble(topic, "")
                 self._listener.on_message(topic, message)
 
         def refused(event: Any) -> None:
-            self._trouble(topic, _not_coming(topic, qos_policy_name_from_kind(event.last_policy_kind).lower()))
+            self._listener.on_trouble(
+                topic, _not_coming(topic, qos_policy_name_from_kind(event.last_policy_kind).lower())
+            )
 
         def make(**callbacks: Any) -> tuple[Any, Any]:
-            told = events.SubscriptionEventCallbacks(use_default_callbacks=False, **callbacks)
+            on_event = events.SubscriptionEventCallbacks(use_default_callbacks=False, **callbacks)
             group = MutuallyExclusiveCallbackGroup()  # of its own: see `_drop_unreadable`
             create = self._node.create_subscription
-            return create(known, topic, hear, qos, callback_group=group, event_callbacks=told), group
+            return create(known, topic, receive, qos, callback_group=group, event_callbacks=on_event), group
 
         try:
             return make(incompatible_qos=refused)
@@ -269,34 +268,29 @@ class Session:
             return make()
 
     def _drop_unreadable(self, error: Exception) -> bool:
-        """End the subscription whose message led to an error, until the next look; says whether there is one.
+        """End the subscription whose message led to an error, until the next `look`; returns whether there is one.
 
-        rclpy lets its callback group wait for ever for the end of a callback that never began.
+        Otherwise its callback group in rclpy would wait for ever for the end of a callback that never began.
         """
         stuck = [wish for wish, (entity, group) in self._subscriptions.items() if not group.can_execute(entity)]
         for wish in stuck:
-            self._trouble(wish[0], f"a message of {wish[0]} cannot be read: {one_line(error)}")
+            self._listener.on_trouble(wish[0], f"a message of {wish[0]} cannot be read: {one_line(error)}")
             self._node.destroy_subscription(self._subscriptions.pop(wish)[0])
         return bool(stuck)
 
-    def _trouble(self, topic: str, words: str) -> None:
-        if self._troubles.get(topic, "") != words:
-            self._troubles[topic] = words
-            self._listener.on_trouble(topic, words)
-
 
 def one_line(error: Exception) -> str:
-    """What an error says, in one line; its class where it says nothing."""
+    """The text of an error in one line, or its class if it has none."""
     return " ".join(str(error).split()) or type(error).__name__
 
 
 def _full_name(info: Any) -> list[str]:
-    """The name of the node that an endpoint belongs to, with its namespace; empty where it is not known."""
+    """The name of the node of an endpoint, with its namespace; empty where it is unknown."""
     return [] if info.node_name in _UNKNOWN else [f"{info.node_namespace.rstrip('/')}/{info.node_name}"]
 
 
 def _wishes(topic: str, offers: Iterable[Any]) -> set[_Key]:
-    """A subscription for each type. It asks for what is kept only where all publishers keep: it hears all then."""
+    """A subscription for each type; transient local only if all its publishers are, so that it receives from all."""
     from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
     by_type: dict[str, bool] = {}
@@ -308,7 +302,7 @@ def _wishes(topic: str, offers: Iterable[Any]) -> set[_Key]:
 
 
 def _events() -> Any:
-    """The module of rclpy that tells of events."""
+    """The module of rclpy with the event callbacks."""
     try:
         from rclpy import event_handler
     except ImportError:  # before Iron

@@ -1,6 +1,6 @@
-"""What a rosbridge server sends: JSON text, or CBOR with arrays of numbers in one piece.
+"""Frames of a rosbridge server: JSON text, or CBOR with typed arrays.
 
-Of a message, the topic can be told without reading all of it: it stands at the start.
+The topic of a message stands at the start of its frame, so it is read without decoding the rest.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from ._websocket import Frame, one_line
 _TEXT_START = re.compile(r'\s*\{\s*"op"\s*:\s*"publish"\s*,\s*"topic"\s*:\s*("(?:[^"\\]|\\.){0,500}")')
 _CBOR_START = re.compile(rb"\xa3\x62op\x67publish\x65topic([\x60-\x77]|\x78.|\x79..)", re.DOTALL)
 
-# Arrays of numbers in one piece, by their tags: https://www.rfc-editor.org/rfc/rfc8746
+# Typed arrays by their tags: https://www.rfc-editor.org/rfc/rfc8746
 _ARRAYS = {69: "<u2", 70: "<u4", 71: "<u8", 72: "i1", 77: "<i2", 78: "<i4", 79: "<i8", 85: "<f4", 86: "<f8"}
 
 
 def topic_of(frame: Frame) -> str | None:
-    """The topic of a message that is written as servers write it; None for all else, which must be read to know."""
+    """The topic of a message in the layout that servers use; None for other frames, which must be decoded to know."""
     if isinstance(frame, str):
         start = _TEXT_START.match(frame)
         return _text(start[1]) if start else None
@@ -37,21 +37,21 @@ def topic_of(frame: Frame) -> str | None:
 
 
 def read(frame: Frame) -> dict[str, Any]:
-    """What a frame says; UnreadableError when it says nothing."""
+    """The operation in a frame; UnreadableError when there is none."""
     try:
-        said = json.loads(frame) if isinstance(frame, str) else _from_cbor(frame)
+        operation = json.loads(frame) if isinstance(frame, str) else _from_cbor(frame)
     except UnreadableError:
         raise
-    except Exception as error:  # cbor2 raises nearly anything for bytes that are no CBOR
+    except Exception as error:  # cbor2 raises errors of many classes for malformed CBOR
         kind = "JSON" if isinstance(frame, str) else "CBOR"
         raise UnreadableError(f"{len(frame)} bytes came that are no {kind}: {one_line(str(error))}") from None
-    if not isinstance(said, dict):
-        raise UnreadableError(f"no rosbridge message came but {one_line(repr(said)[:80])}")
-    return said
+    if not isinstance(operation, dict):
+        raise UnreadableError(f"no rosbridge message came but {one_line(repr(operation)[:80])}")
+    return operation
 
 
 def has_cbor() -> bool:
-    """Whether CBOR can be read here."""
+    """Whether cbor2 is installed."""
     try:
         import cbor2  # noqa: F401
     except ImportError:
@@ -73,7 +73,7 @@ def _from_cbor(frame: bytes) -> Any:
         raise UnreadableError("binary data came, which nobody asked for and needs cbor2 to be read") from None
 
     def array(*given: Any) -> Any:
-        # Which of its arguments is the tag depends on the version of cbor2.
+        # The position of the tag among the arguments depends on the version of cbor2.
         tag = next(one for one in given if isinstance(one, CBORTag))
         kind = _ARRAYS.get(tag.tag)
         return np.frombuffer(tag.value, kind) if kind and isinstance(tag.value, bytes) else tag

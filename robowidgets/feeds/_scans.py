@@ -1,4 +1,4 @@
-"""The scans of a topic, one after the other, for a loop."""
+"""An iterator over the scans of a topic."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .feed import Feed
 
 FIRST_TIMEOUT = 10.0
-"""Seconds that the first scan may take: a robot may have to be reached, and its topic to be found."""
+"""Seconds for the first scan: the robot may have to be connected and its topic discovered."""
 
 
 def scans_of(feed: Feed, topic: str, timeout: float) -> Iterator[Scan]:
@@ -33,12 +33,12 @@ def scans_of(feed: Feed, topic: str, timeout: float) -> Iterator[Scan]:
         while True:
             until = time.monotonic() + limit
             with arrived:
-                # In short steps: a feed that is closed meanwhile must not be waited for.
+                # In short steps, to notice when the feed is closed.
                 while not newest and not feed.is_closed and (left := until - time.monotonic()) > 0:
                     arrived.wait(min(left, 0.1))
                 message = newest.pop() if newest else None
             if message is None:
-                why = feed.words_of(topic)
+                why = feed.status_of(topic)
                 raise TimeoutError(f"no scan of {topic} for {limit:g} s" + (f": {why}" if why else ""))
             limit = timeout
             yield read(message)

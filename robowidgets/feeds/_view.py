@@ -1,8 +1,7 @@
-"""A running robot on the page: Stop, the widgets that fit its topics, and words while there is none."""
+"""A running robot on the page: Stop, the widgets that fit its topics, and a status line while there is none."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Sequence
 from functools import partial
 from html import escape
@@ -10,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import ipywidgets
 
+from .._core.coalesced_call import CoalescedCall
 from .._layout import WIDE, columns
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..stop_widget import StopWidget
-from ._link import Target
 from ._probe import decided, is_open
+from ._subscription import Target
 from ._topics import Topic
 from .middleware import FeedError
 
@@ -23,13 +23,16 @@ if TYPE_CHECKING:
 
 
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """What `Feed.show` gives: a widget per topic, put up as the topics appear.
+    """What `Feed.show` returns: one widget per topic, added when the topic appears.
 
-    `close` takes all of it off the page; the feed stays open.
+    `close` removes all of it from the page; the feed stays open.
 
     Args:
         feed: what is shown.
         topics: names of topics; none: all that have a widget.
+
+    Attributes:
+        refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
     """
 
     def __init__(self, feed: Feed, topics: Sequence[str] = ()) -> None:
@@ -38,8 +41,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._known: dict[str, Topic] = {}
         self._shown: dict[WidgetChoice, Any] = {}
         self._probes: dict[str, Target] = {}
-        self._turn = threading.Lock()
-        self._stale = self._busy = self._closed = False
+        self._closed = False
+        self.refresh = CoalescedCall(self._refresh)
         self._status = ipywidgets.HTML()
         self._columns = ipywidgets.Box([], layout=WIDE)
         self._stop = StopWidget(feed)
@@ -50,30 +53,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         """The widgets on show, by topic."""
         return {choice.topic: widget for choice, widget in self._shown.items()}
 
-    def refresh(self) -> None:
-        """Put up widgets for topics that have come, and say what is going on; the feed's call.
-
-        One thread does it at a time, without a lock; whoever comes meanwhile leaves it to that one.
-        """
-        with self._turn:
-            self._stale = True
-            if self._busy:
-                return
-            self._busy = True
-        while True:
-            with self._turn:
-                if not self._stale:
-                    self._busy = False
-                    return
-                self._stale = False
-            try:
-                self._refresh()
-            except BaseException:
-                self._busy = False
-                raise
-
     def close(self) -> None:
-        """Take it off the page; doing it again does nothing."""
+        """Remove it from the page; doing it again does nothing."""
         self.feed.forget(self.refresh)
         self._closed = True
         self.refresh()
@@ -87,14 +68,14 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             self._probe(() if self._closed else topics)
             wanted = () if self._closed else choose_widgets(list(self._known.values()))
             if set(wanted) != self._shown.keys():
-                self._put_up(wanted)
+                self._set_widgets(wanted)
         except FeedError:
-            if not self.feed.is_closed:  # what was closed meanwhile takes no more widgets
+            if not self.feed.is_closed:  # a feed that was closed meanwhile connects no widgets
                 raise
-        self._say()
+        self._show_status()
 
     def _probe(self, topics: Sequence[Topic]) -> None:
-        """Look at one message of each topic of which only that tells the widget."""
+        """Subscribe to the topics whose widget can be told only from a message."""
         for topic in topics:
             if topic.name not in self._probes and is_open(topic):
                 self._probes[topic.name] = self.feed.attach(topic.name, partial(self._decide, topic))
@@ -109,12 +90,12 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             self._known[topic.name] = found
             self.refresh()
 
-    def _put_up(self, wanted: Sequence[WidgetChoice]) -> None:
+    def _set_widgets(self, wanted: Sequence[WidgetChoice]) -> None:
         there = {(choice.kind, choice.topic, choice.commanded): choice for choice in self._shown}
         shown = {}
         for choice in wanted:
             before = there.pop((choice.kind, choice.topic, choice.commanded), None)
-            shown[choice] = self._made(choice) if before is None else self._with_command_of(before, choice)
+            shown[choice] = self._make(choice) if before is None else self._with_command(before, choice)
         for choice in there.values():
             widget = self._shown[choice]
             self.feed.disconnect(choice.topic, widget)
@@ -126,15 +107,15 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         for column in old:
             column.close()
 
-    def _made(self, choice: WidgetChoice) -> Any:
+    def _make(self, choice: WidgetChoice) -> Any:
         widget = choice.make()
         self.feed.connect(choice.topic, widget)
         if choice.command:
             self.feed.connect(choice.command, widget.command)
         return widget
 
-    def _with_command_of(self, before: WidgetChoice, choice: WidgetChoice) -> Any:
-        """The widget of a choice, with the commanded speed of another one."""
+    def _with_command(self, before: WidgetChoice, choice: WidgetChoice) -> Any:
+        """The widget of a choice, which now shows the commanded speed of another choice."""
         widget = self._shown[before]
         if before.command != choice.command:
             if before.command:
@@ -143,16 +124,16 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
                 self.feed.connect(choice.command, widget.command)
         return widget
 
-    def _say(self) -> None:
-        """The widgets speak for themselves; here stands what is said of topics that have none."""
+    def _show_status(self) -> None:
+        """Show the status of the topics without a widget; a widget shows the status of its own topic."""
         there = {topic.name: topic for topic in self.feed.topics}
         shown = {name for choice in self._shown for name in choice.topics}
         missing = [name for name in self._names if name not in shown]
-        if self.feed.words:
-            lines = [self.feed.words] if missing or not shown else []
+        if self.feed.status:
+            lines = [self.feed.status] if missing or not shown else []
         elif missing:
-            lines = [_not_shown(there[name]) if name in there else self.feed.words_of(name) for name in missing]
-        elif troubles := [words for name in self._probes.keys() - shown if (words := self.feed.trouble_of(name))]:
+            lines = [_not_shown(there[name]) if name in there else self.feed.status_of(name) for name in missing]
+        elif troubles := [trouble for name in self._probes.keys() - shown if (trouble := self.feed.trouble_of(name))]:
             lines = troubles
         elif shown:
             lines = []

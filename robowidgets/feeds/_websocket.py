@@ -1,4 +1,4 @@
-"""A websocket to a robot that comes back by itself, in a thread of its own."""
+"""A websocket client that reconnects by itself, in a thread of its own."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
+from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
 from ._backoff import Backoff
 from .middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, FeedError
 
@@ -23,44 +24,43 @@ LARGEST = 50_000_000
 """Bytes of the largest message that is read."""
 
 PATIENCE = 5.0
-"""Seconds within which a robot has to answer when it is called."""
+"""Seconds within which a robot must answer a connection attempt."""
 
-_ALIVE = 10.0  # seconds of silence after which a robot is given up
+_ALIVE = 10.0  # seconds without an answer after which the connection is given up
 _PINGS = 10  # pings in that time
-_OVERDUE = 0.005  # seconds for which frames that come without a pause may keep everything else from being done
+_OVERDUE = 0.005  # seconds for which a flood of frames may delay everything else in the thread
 _GOODBYE = 0.5
-_QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
 
 
-class Talk(Protocol):
-    """What is spoken on a line. Everything is called in the thread of the line, `deliver` after some frames."""
+class Handler(Protocol):
+    """The protocol that runs over a connection. The client's thread calls every method."""
 
     def on_open(self) -> None:
-        """A connection begins."""
+        """A connection is established."""
 
     def on_frame(self, frame: Frame) -> None:
-        """A frame came: keep it in place of an older one of its kind, for there may be more behind it."""
+        """A frame was received: keep it in place of an older one of its kind, for more may follow at once."""
 
     def deliver(self) -> None:
-        """Read what was kept, and hand it on."""
+        """Decode the frames that were kept, and pass them on."""
 
-    def on_lost(self, why: str, again_in: float, too_big: bool) -> None:
-        """The connection ended, or there was none; perhaps because of a message larger than `LARGEST`."""
+    def on_lost(self, reason: str, again_in: float, too_big: bool) -> None:
+        """The connection ended, or could not be made; ``too_big``: because of a message larger than `LARGEST`."""
 
     async def finish(self) -> None:
-        """Return when the robot has processed what was published; it is cancelled when that takes too long."""
+        """Return when the robot has processed what was published; cancelled when that takes too long."""
 
 
-class Line:
-    """A connection to an address, opened again with growing pauses whenever it ends.
+class WebSocketClient:
+    """A connection to an address, which is made anew, after growing pauses, whenever it ends.
 
     Raises:
         TypeError, ValueError: the address is not one; the text says how to write it.
     """
 
-    def __init__(self, address: str, talk: Talk, subprotocols: list[str] | None = None) -> None:
+    def __init__(self, address: str, handler: Handler, subprotocols: list[str] | None = None) -> None:
         self.address = checked(address)
-        self._talk = talk
+        self._handler = handler
         self._subprotocols = subprotocols
         self._backoff = Backoff()
         self._lock = threading.Lock()
@@ -68,7 +68,7 @@ class Line:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._task: asyncio.Task[str] | None = None
         self._calls: deque[Callable[[], object]] = deque()
-        self._forget()
+        self._reset()
 
     def open(self) -> None:
         """Connect; FeedError when that can never work."""
@@ -87,7 +87,7 @@ class Line:
         return self._backoff.closed
 
     def close(self) -> None:
-        """End the connection and the thread, from any thread; from its own, it ends as soon as the call returns."""
+        """End the connection and the thread; called in that thread, it ends after the current call."""
         with self._lock:
             if not self.closed:
                 self._backoff.close()
@@ -97,33 +97,33 @@ class Line:
             self._thread.join(CLOSE_TIMEOUT)
 
     def call(self, function: Callable[[], object]) -> None:
-        """Call a function in the thread of the line: at once, or when there is a connection."""
+        """Call a function in the client's thread: at once, or as soon as a connection is established."""
         with self._lock:
             self._calls.append(function)
             if self._loop is not None:
                 self._loop.call_soon_threadsafe(self._run_calls)
 
     def later(self, seconds: float, function: Callable[[], object]) -> None:
-        """Call a function after a while, if the connection is the same by then. In the thread of the line."""
+        """Call a function after a while, unless the connection has ended by then. Called in the client's thread."""
         if self._loop is not None:
             self._loop.call_later(seconds, function)
 
     def write(self, frame: Frame) -> None:
-        """Send a frame; nothing when there is no connection. In the thread of the line."""
-        with contextlib.suppress(Exception):  # the connection ended, which whoever reads from it learns with its reason
+        """Send a frame, if there is a connection. Called in the client's thread."""
+        with contextlib.suppress(Exception):  # the connection has ended; the reading task reports why
             self._send(frame)
 
     def publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
-        """Send a frame and return when the system has taken it, or the robot has answered. In any other thread.
+        """Send a frame and return when the system has taken it, or the robot has answered. Called in any other thread.
 
         Args:
-            frame: makes the frame, in the thread of the line; it may `write` others that must come before.
-            confirm: whether to wait until anything comes from the robot after the frame: the system takes frames for
-                a robot that is gone, too.
+            frame: makes the frame, in the client's thread; it may `write` other frames that must precede it.
+            confirm: whether to wait for an answer of the robot after the frame. The system also takes frames for a
+                robot that is gone.
 
         Raises:
-            FeedError: there is no connection, or it took more than `SEND_TIMEOUT`. A frame that was to be confirmed is
-                still sent as soon as that is possible on this connection; others are not.
+            FeedError: there is no connection, or it took more than `SEND_TIMEOUT`. A frame to be confirmed is still
+                sent as soon as this connection allows it; others are not.
         """
         with self._lock:
             if self._connection is None or self._loop is None:
@@ -138,29 +138,29 @@ class Line:
                 raise FeedError(f"{self.address} does not take what is sent") from None
             silence = max(SEND_TIMEOUT, time.monotonic() - (self._asked_at or math.inf))
             raise FeedError(f"{self.address} has not answered for {silence:.1f} s") from None
-        except Exception as error:  # whatever the network and tornado make up, or it was cancelled
+        except Exception as error:  # whatever the network and tornado raise, or it was cancelled
             raise FeedError(f"the connection to {self.address} ended") from error
 
-    # From here on everything runs in the thread of the line.
+    # -- in the client's thread ----------------------------------------------------------------------------------------
 
     def _run(self) -> None:
         while not self.closed:
-            with contextlib.suppress(asyncio.CancelledError):  # that is how it is closed
-                why = asyncio.run(self._session())
+            with contextlib.suppress(asyncio.CancelledError):  # `close` cancels the task
+                reason = asyncio.run(self._session())
                 if not self.closed:
                     pause = self._backoff.next_pause()
-                    self._talk.on_lost(why, pause, self._too_big)
+                    self._handler.on_lost(reason, pause, self._too_big)
                     self._backoff.wait(pause)
 
     async def _session(self) -> str:
-        """Connect, and stay as long as it goes; returns why it ended."""
-        self._forget()
+        """Connect, and run until the connection ends; returns why."""
+        self._reset()
         with self._lock:
             self._loop, self._task = asyncio.get_running_loop(), asyncio.current_task()
         try:
-            return "" if self.closed else await self._stay(await self._connect())
-        except Exception as error:  # whatever the network, tornado or the other side make up
-            return self._words(error)
+            return "" if self.closed else await self._run_connection(await self._connect())
+        except Exception as error:  # whatever the network, tornado or the other side raise
+            return self._failure(error)
         finally:
             with self._lock:
                 self._loop = self._task = None
@@ -169,7 +169,7 @@ class Line:
         from tornado.httpclient import HTTPRequest
         from tornado.websocket import websocket_connect
 
-        coming = asyncio.ensure_future(
+        connecting = asyncio.ensure_future(
             websocket_connect(
                 HTTPRequest(self.address, connect_timeout=PATIENCE, request_timeout=PATIENCE),
                 on_message_callback=self._on_frame,
@@ -178,28 +178,23 @@ class Line:
             )
         )
         try:
-            return await asyncio.shield(coming)
+            return await asyncio.shield(connecting)
         except asyncio.CancelledError:
-            # It is closed while it connects. Tornado lets go of a connection only when it is there.
-            with contextlib.suppress(Exception):
-                connection: Any = await asyncio.wait_for(coming, _GOODBYE)
-                stream = connection.protocol.stream
-                connection.close()
-                stream.close()
+            await close_when_connected(connecting, _GOODBYE)
             raise
 
-    async def _stay(self, connection: Any) -> str:
+    async def _run_connection(self, connection: Any) -> str:
         stream = connection.protocol.stream
         if self._subprotocols and connection.selected_subprotocol is None:
             stream.close()
             return f"{self.address} speaks none of {', '.join(self._subprotocols)}: something else listens there"
         self._connection, self._stream = connection, stream
         stream.set_nodelay(True)
-        self._listen_in(connection.protocol)
+        report_close_code(connection, self._on_close_code)
         connection.on_message, connection.on_pong = self._on_frame, self._on_answer
         opened = time.monotonic()
         try:
-            self._talk.on_open()
+            self._handler.on_open()
             self._run_calls()
             while self._early:
                 self._on_frame(self._early.popleft())
@@ -209,14 +204,14 @@ class Line:
                 await self._end(connection)
             finally:
                 stream.close()
-        # A robot that takes a call and drops it at once is called again ever more rarely, too.
+        # A robot that accepts a connection and drops it at once also gets ever longer pauses.
         if time.monotonic() - opened > PATIENCE:
-            self._backoff.worked()
+            self._backoff.reset()
         return self._ending(connection)
 
     async def _watch(self) -> None:
         """Return when the connection has ended, or the robot has not answered for `_ALIVE` seconds."""
-        # Intervals without an answer are counted, not seconds: in a stall of this process nothing is read either.
+        # Counts intervals without an answer, not seconds: while this process stalls, nothing is read either.
         unanswered = 0
         while unanswered < _PINGS and not self._ended.is_set():
             self._ping()
@@ -226,47 +221,40 @@ class Line:
         self._silent = not self._ended.is_set()
 
     async def _end(self, connection: Any) -> None:
-        """End a connection in the way that both sides agreed upon, in a moment."""
+        """Close a connection by the closing handshake, within a moment."""
         if self.closed and not self._ended.is_set():
             self._run_calls()
             with contextlib.suppress(asyncio.TimeoutError):
-                await asyncio.wait_for(self._talk.finish(), _GOODBYE)
+                await asyncio.wait_for(self._handler.finish(), _GOODBYE)
         self._connection = None
         connection.close()
         if not self._silent:
             with contextlib.suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._ended.wait(), _GOODBYE)
 
-    def _forget(self) -> None:
+    def _reset(self) -> None:
         self._connection = self._stream = None
         self._early: deque[Frame | None] = deque(maxlen=1000)
         self._written: asyncio.Future[None] | None = None
         self._asked_at: float | None = None
-        """When a ping was sent; None since anything came from the robot."""
+        """When the unanswered ping was sent; None once anything was received."""
         self._answered, self._ended = asyncio.Event(), asyncio.Event()
         self._kept_since: float | None = None
         self._too_big = False
         self._silent = False
 
-    def _listen_in(self, protocol: Any) -> None:
-        """Note why tornado itself ends a connection, for it tells nobody."""
-        close = protocol.close
-
-        def noting(code: int | None = None, reason: str | None = None) -> None:
-            self._too_big = self._too_big or code == 1009
-            close(code, reason)
-
-        protocol.close = noting
+    def _on_close_code(self, code: int | None) -> None:
+        self._too_big = self._too_big or code == 1009
 
     def _on_frame(self, frame: Frame | None) -> Any:
-        """Take a frame; tornado reads the next one when the future that may be returned is done."""
-        if self._stream is None:  # tornado reads the first frames before it says that there is a connection
+        """Take a frame; tornado reads the next one when the returned future, if any, is done."""
+        if self._stream is None:  # tornado passes on the first frames before `websocket_connect` returns
             self._early.append(frame)
         elif frame is None:
             self._ended.set()
         else:
             self._on_answer()
-            self._talk.on_frame(frame)
+            self._handler.on_frame(frame)
             return self._deliver_soon()
         return None
 
@@ -275,7 +263,7 @@ class Line:
         self._answered.set()
 
     def _ping(self) -> None:
-        """Ask the robot for an answer, unless one is outstanding."""
+        """Send a ping, unless one is unanswered."""
         if self._asked_at is None:
             self._asked_at = time.monotonic()
             self._answered.clear()
@@ -283,8 +271,8 @@ class Line:
                 self._connection.ping()
 
     def _deliver_soon(self) -> asyncio.Future[None] | None:
-        # As long as the network has more, tornado reads on and nothing else runs in this thread, so that only the
-        # newest frames are decoded. After `_OVERDUE` it pauses, and what waits is delivered, written, closed.
+        # While the network has more frames, tornado reads on and nothing else runs in this thread, so that only the
+        # newest frames are decoded. After `_OVERDUE` it pauses, and other calls have their turn.
         loop, now = asyncio.get_running_loop(), time.monotonic()
         if self._kept_since is None:
             self._kept_since = now
@@ -297,13 +285,9 @@ class Line:
 
     def _deliver(self) -> None:
         self._kept_since = None
-        self._talk.deliver()
-        self._acknowledge()
-
-    def _acknowledge(self) -> None:
-        """Have Linux say at once what arrived: foxglove's server sends no more before that, for up to 40 ms."""
-        if _QUICKACK is not None and not self._stream.closed():
-            self._stream.socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
+        self._handler.deliver()
+        if not self._stream.closed():
+            acknowledge_at_once(self._stream.socket)
 
     def _run_calls(self) -> None:
         while self._connection is not None and self._calls:
@@ -314,8 +298,8 @@ class Line:
         self._written.add_done_callback(lambda written: written.cancelled() or written.exception())
 
     async def _publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
-        # A speed that cannot be sent now must not reach the robot later, and tornado takes nothing back: it is handed
-        # a frame only when no other waits there, and a speed only while the robot answers.
+        # A speed that cannot be sent now must not reach the robot later, and tornado cannot cancel a write. So tornado
+        # gets a frame only when it has written the one before, and a speed only while the robot answers.
         if not confirm and self._asked_at is not None and time.monotonic() - self._asked_at > SEND_TIMEOUT:
             await self._answered.wait()
         if self._written is not None:
@@ -327,7 +311,7 @@ class Line:
             self._ping()
             await self._answered.wait()
 
-    def _words(self, error: BaseException) -> str:
+    def _failure(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):
             return f"nothing listens at {self.address}; is the robot's bridge running?"
         if isinstance(error, socket.gaierror):
@@ -346,7 +330,7 @@ class Line:
 
 
 def checked(address: object) -> str:
-    """An address as it was given; TypeError or ValueError when it is none."""
+    """The address itself; TypeError or ValueError when it is none."""
     expected = "address: expected one like ws://192.168.1.5:8765"
     if not isinstance(address, str):
         raise TypeError(f"{expected}, got {address!r}")
@@ -361,6 +345,6 @@ def checked(address: object) -> str:
 
 
 def one_line(text: str) -> str:
-    """What a machine wrote, in one line for a person."""
+    """Text from another machine as one printable line of at most 160 characters."""
     line = " ".join("".join(c if c.isprintable() else " " for c in text[:2000]).split())
     return line if len(line) <= 160 else f"{line[:159]}…"

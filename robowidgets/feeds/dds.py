@@ -1,4 +1,4 @@
-"""The topics of ROS 2 where no ROS is installed, over DDS."""
+"""ROS 2 without ROS, over DDS."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ._encode import Encoder
-from ._takes_part import TakesPart, checked_domain
+from ._reconnect_loop import ReconnectLoop, checked_domain
 from .feed import Feed
 from .middleware import FeedError, Listener
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 _SPEED = "geometry_msgs/msg/TwistStamped"
 
 
-class Dds(TakesPart):
-    """A `Middleware` that takes part in a DDS domain.
+class Dds(ReconnectLoop):
+    """A `Middleware` that is a participant in a DDS domain.
 
-    A thread of ours reads; `publish` writes from the thread that calls it.
+    A thread of its own reads; `publish` writes in the thread that calls it.
 
     Raises:
         TypeError, ValueError: no such domain, or no name of an interface.
@@ -60,7 +60,7 @@ class Dds(TakesPart):
         if self._session is not None:
             self._session.wake()
 
-    def _take_part(self, listener: Listener) -> str:
+    def _run_session(self, listener: Listener) -> str:
         from cyclonedds.core import DDSException
 
         try:
@@ -76,14 +76,14 @@ class Dds(TakesPart):
 
         with configured(self._domain, self._interface):
             session = Session(self._domain, listener)
-            # The first message of a process takes 0.15 s to make, for which no speed or zero should wait.
+            # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
             self._encoder.encode("cdr", _SPEED, {})
             struct(_SPEED)
             with self._lock:
                 self._session = session
             try:
                 listener.on_connected()
-                self._backoff.worked()
+                self._backoff.reset()
                 while not self._backoff.closed:
                     self._step(session)
             finally:

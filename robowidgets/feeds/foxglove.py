@@ -1,4 +1,4 @@
-"""Any robot that runs foxglove_bridge, over its websocket.
+"""Robots that run foxglove_bridge, over its websocket.
 
 Protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
 """
@@ -24,8 +24,8 @@ _DATA = Struct("<BIQ")
 _CLIENT_DATA = Struct("<BI")
 _MESSAGE = 1
 _ERROR = 2
-_SETTLE = 0.05  # seconds: the SDK's server forgets one subscription in ten that answers its offer at once
-_NO_CHANNELS = 0.5  # seconds in which a server that has channels says so
+_SETTLE = 0.05  # seconds: the SDK's server loses one subscription in ten that follows its offer at once
+_NO_CHANNELS = 0.5  # seconds within which a server advertises its channels, if it has any
 
 
 class _Stream(NamedTuple):
@@ -80,27 +80,27 @@ class Foxglove(Bridge):
         else:
             payload = self._encoder.encode(encoding, message_type, message)
         key = topic, message_type, encoding
-        self._line.publish(lambda: self._frame_on(key, payload), confirm=is_zero(message))
+        self._client.publish(lambda: self._frame_on(key, payload), confirm=is_zero(message))
 
     def on_frame(self, frame: Frame) -> None:
-        """See `Talk`."""
+        """See `Handler`."""
         if isinstance(frame, bytes):
-            # What is shorter or has another opcode is a time, an answer to what we never ask, or nothing at all.
+            # Shorter frames and other opcodes are times, answers to requests that we never send, or malformed.
             if len(frame) >= _DATA.size and frame[0] == _MESSAGE:
                 stream = self._streams.get(_DATA.unpack_from(frame)[1])
                 if stream is not None:
                     self._keep(stream.topic, stream.type, stream.read, frame)
             return
         try:
-            said = json.loads(frame)
+            operation = json.loads(frame)
         except (ValueError, RecursionError):
-            said = None
-        if isinstance(said, dict):
-            react = self._reactions.get(str(said.get("op")))
+            operation = None
+        if isinstance(operation, dict):
+            react = self._reactions.get(str(operation.get("op")))
             if react is not None:
-                react(said)
+                react(operation)
         else:
-            self._trouble_all(f"{self.where} does not speak foxglove: it said {one_line(frame[:80])!r}")
+            self._report_on_all(f"{self.where} does not speak foxglove: it said {one_line(frame[:80])!r}")
 
     def _begin(self) -> None:
         self._info: dict[str, Any] | None = None
@@ -109,73 +109,73 @@ class Foxglove(Bridge):
         self._graph = Graph()
         self._sent_on: dict[tuple[str, str, str], int] = {}
 
-    def _on_info(self, said: dict[str, Any]) -> None:
-        is_first, self._info = self._info is None, said
+    def _on_info(self, operation: dict[str, Any]) -> None:
+        is_first, self._info = self._info is None, operation
         if is_first:
             self._listener.on_connected()
-        if "connectionGraph" in strings(said.get("capabilities")):
+        if "connectionGraph" in strings(operation.get("capabilities")):
             self._write({"op": "subscribeConnectionGraph"})
-        # A server without a channel advertises nothing, not even that.
-        self._line.later(_NO_CHANNELS, lambda: self._change(set()))
+        # A server without channels sends no advertise at all.
+        self._client.later(_NO_CHANNELS, lambda: self._change(set()))
 
-    def _on_advertise(self, said: dict[str, Any]) -> None:
-        offers = said.get("channels")
+    def _on_advertise(self, operation: dict[str, Any]) -> None:
+        offers = operation.get("channels")
         for channel in map(channel_of, offers if isinstance(offers, list) else []):
             if channel is not None:
                 self._end({channel.id})
                 self._channels[channel.id] = channel
         self._change({channel.topic for channel in self._channels.values()})
 
-    def _on_unadvertise(self, said: dict[str, Any]) -> None:
-        ids = said.get("channelIds")
+    def _on_unadvertise(self, operation: dict[str, Any]) -> None:
+        ids = operation.get("channelIds")
         gone = {i for i in ids if type(i) is int and i in self._channels} if isinstance(ids, list) else set()
         self._end(gone)
         self._change({self._channels.pop(i).topic for i in gone})
 
     def _change(self, topics: set[str]) -> None:
-        self._tell(self._graph.adverts(self._channels.values()))
+        self._listener.on_topics(self._graph.adverts(self._channels.values()))
         if topics & self._wanted:
-            self._line.later(_SETTLE, lambda: self._start_all(topics & self._wanted))
+            self._client.later(_SETTLE, lambda: self._start_all(topics & self._wanted))
 
     def _start_all(self, topics: set[str]) -> None:
         for topic in topics:
             self._start(topic)
 
-    def _on_graph(self, said: dict[str, Any]) -> None:
-        self._graph.update(said)
+    def _on_graph(self, operation: dict[str, Any]) -> None:
+        self._graph.update(operation)
         self._change(set())
 
-    def _on_status(self, said: dict[str, Any]) -> None:
-        words = said.get("message")
-        if said.get("level") != _ERROR or not isinstance(words, str):
+    def _on_status(self, operation: dict[str, Any]) -> None:
+        text = operation.get("message")
+        if operation.get("level") != _ERROR or not isinstance(text, str):
             return
         for topic in self._wanted:
-            if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", words):
-                self._trouble(topic, f"the robot's bridge says: {one_line(words)}")
+            if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", text):
+                self._listener.on_trouble(topic, f"the robot's bridge says: {one_line(text)}")
 
     def _start(self, topic: str) -> None:
-        """Subscribe to each channel of a topic that can be read, and say so when none can."""
+        """Subscribe to each channel of a topic that can be decoded, and report when none can."""
         had = {stream.channel_id for stream in self._streams.values()}
-        words = ""
+        reason = ""
         for channel in self._channels.values():
             if channel.topic != topic or channel.id in had:
                 continue
             try:
                 decode = decoder(channel)
             except UnreadableError as error:
-                words = str(error)
+                reason = str(error)
                 continue
             self._subscriptions += 1
             self._streams[self._subscriptions] = _Stream(topic, channel.id, channel.type, partial(_read, decode))
             self._write({"op": "subscribe", "subscriptions": [{"id": self._subscriptions, "channelId": channel.id}]})
         if not any(stream.topic == topic for stream in self._streams.values()):
-            self._trouble(topic, words)
+            self._listener.on_trouble(topic, reason)
 
     def _stop(self, topic: str) -> None:
         self._end({stream.channel_id for stream in self._streams.values() if stream.topic == topic})
 
     def _end(self, channel_ids: set[int]) -> None:
-        """End what is subscribed of some channels."""
+        """Unsubscribe from some channels."""
         ids = [number for number, stream in self._streams.items() if stream.channel_id in channel_ids]
         for number in ids:
             del self._streams[number]
@@ -183,7 +183,7 @@ class Foxglove(Bridge):
             self._write({"op": "unsubscribe", "subscriptionIds": ids})
 
     def _frame_on(self, key: tuple[str, str, str], payload: bytes) -> bytes:
-        """A message on our channel for a topic, a type and an encoding, which is advertised before its first one."""
+        """The frame of a message on our channel for a topic, a type and an encoding; advertises the channel first."""
         if key not in self._sent_on:
             topic, message_type, encoding = key
             self._sent_on[key] = len(self._sent_on) + 1

@@ -1,4 +1,4 @@
-"""What a feed needs of a middleware: the seam between the adapters and `Feed`."""
+"""The interface between `Feed` and the adapters, one for each middleware."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 EVENTS = 100
-"""Messages that may wait to be handed on, of a kind of which every message counts."""
+"""Longest queue of messages, for kinds of which every message counts."""
 
 SEND_TIMEOUT = 0.5
 """Seconds within which the network must take a message that is published."""
@@ -17,6 +17,10 @@ CLOSE_TIMEOUT = 2.0
 
 class FeedError(Exception):
     """A feed that cannot be opened or used. The text is one line for a person: what, why, and what to do."""
+
+
+class NotYetError(FeedError):
+    """A message that was not sent because the robot has not connected yet. The next attempt may succeed."""
 
 
 class Advert(NamedTuple):
@@ -35,31 +39,32 @@ class Advert(NamedTuple):
 
 
 class Listener(Protocol):
-    """What a middleware tells; a feed. It may be called from any thread, returns at once and never raises.
+    """What a middleware calls; a feed. Every method may be called from any thread, returns at once and never raises.
 
-    No method runs code of the user: the thread that calls may carry speeds. A method may call the middleware back from
-    within, so it is called without a lock that the middleware's methods take.
+    No method runs code of the user, because the calling thread may carry speeds. A method may call the middleware from
+    within, so the caller must hold no lock that the middleware's methods take. Reporting the same again costs little
+    and changes nothing.
     """
 
     def on_connected(self) -> None:
         """The robot can be reached, for the first time or again."""
 
-    def on_lost(self, why: str, again_in: float) -> None:
-        """It cannot be reached, or not any more, and is tried again in so many seconds."""
+    def on_lost(self, reason: str, again_in: float) -> None:
+        """The robot cannot be reached, or no longer; the next attempt follows in so many seconds."""
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
-        """All topics there are now; called when the list changes."""
+        """All topics that are known now; to be called when the list changes."""
 
     def on_message(self, topic: str, message: Any) -> None:
         """A message of a subscribed topic: anything that the ``update`` of a widget takes."""
 
-    def on_trouble(self, topic: str, words: str) -> None:
+    def on_trouble(self, topic: str, reason: str) -> None:
         """Why no message of a subscribed topic comes or can be read, in a sentence; empty when that is over."""
 
-    def on_unheard(self, topic: str, words: str) -> None:
+    def on_unheard(self, topic: str, reason: str) -> None:
         """Why a subscriber does not receive what is published here on a topic, in a sentence; empty when that is over.
 
-        An incompatible quality of service, say.
+        The reason may be an incompatible quality of service.
         """
 
 
@@ -68,24 +73,25 @@ class Middleware(Protocol):
 
     @property
     def where(self) -> str:
-        """What is connected to, for a person: ``ws://127.0.0.1:8765``, ``ROS 2, domain 0``."""
+        """The name of the connection, for a person: ``ws://127.0.0.1:8765``, ``ROS 2, domain 0``."""
 
     def open(self, listener: Listener) -> None:
-        """Connect, and come back by itself with growing pauses. FeedError when that can never work."""
+        """Connect, and reconnect with growing pauses. FeedError when that can never work."""
 
     def subscribe(self, topic: str) -> None:
-        """Hand on the messages of a topic, also of one that is not there yet, also after a connection was lost."""
+        """Pass on the messages of a topic, which may appear later, and again after a lost connection."""
 
     def unsubscribe(self, topic: str) -> None:
-        """Hand on no more messages of a topic."""
+        """Pass on no more messages of a topic."""
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """Hand a message, given as its fields, to the network, and return when the network has it.
+        """Send a message, given as its fields, and return when the network has taken it.
 
-        It is called by one thread at a time, which is none of the middleware's. Nothing is kept for a later connection:
+        One thread at a time calls it, never a thread of the middleware. A message is never kept for a later connection:
         it may be a speed.
 
         Raises:
+            NotYetError: no subscriber has connected yet.
             FeedError: there is no connection, the network does not take the message within `SEND_TIMEOUT`, or messages
                 cannot be published at all.
         """
@@ -93,5 +99,5 @@ class Middleware(Protocol):
     def close(self) -> None:
         """Deliver what was published, disconnect, and end every thread, within `CLOSE_TIMEOUT`.
 
-        Doing it again does nothing. Any thread may do it, one of the middleware's, too.
+        Doing it again does nothing. Any thread may call it, also one of the middleware.
         """

@@ -1,4 +1,4 @@
-"""A recording, played as if it were live."""
+"""A recording, played as if it were a running robot."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 _SHORTEST_ROUND = 0.1
 
 YOURS = " (your program)"
-"""What follows the name of a topic on which a program drives a recording."""
+"""Suffix of the topic on which a program drives a recording."""
 
 
 class Played:
-    """A recording as a `Middleware`: time passes in it, whether somebody looks or not, in a thread of its own.
+    """A recording as a `Middleware`: it plays in a thread of its own, from the moment of opening.
 
     Args:
-        recording: what is played; nothing else may read it meanwhile, and closing the feed closes it.
+        recording: the recording; nothing else may read it meanwhile, and closing the feed closes it.
         speed: seconds of the recording in a second.
         loop: whether it starts anew at its end.
     """
@@ -68,11 +68,11 @@ class Played:
         self._changed.set()
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """See `Middleware`. Nothing moves: it is shown beside what was driven then, which has the topic to itself."""
+        """See `Middleware`. Nothing moves; the speed is listed beside the recorded one, under a topic of its own."""
         if self._closed:
             raise FeedError(f"{self.where} is closed")
         if all(known.name != topic for known in self._recording.topics):
-            return  # the feed shows what it publishes
+            return  # the feed itself shows what it publishes
         own = Advert(f"{topic}{YOURS}", message_type, publishers=("your program",))
         if own not in self._adverts:
             self._adverts = [*self._adverts, own]
@@ -109,7 +109,7 @@ class Played:
                     self._changed.wait()
 
     def _play(self, listener: Listener, names: frozenset[str], started: float) -> bool:
-        """Hand on what is due from now on; whether it came to the end. It returns when other topics are wanted."""
+        """Pass on the samples that are due from now on, until other topics are wanted; returns whether it ended."""
         now = (time.monotonic() - started) * self._speed
         for moment in self._recording.samples(names, start=max(now, 0.0)) if names else ():
             if self._changed.wait(max(0.0, started + moment.seconds / self._speed - time.monotonic())):

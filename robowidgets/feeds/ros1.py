@@ -1,4 +1,4 @@
-"""ROS 1, by rospy."""
+"""ROS 1, through rospy."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 log = logging.getLogger("robowidgets")
 
 POLL = 1.0
-"""Seconds between two questions to the master."""
+"""Seconds between two requests to the master."""
 
 PATIENCE = 3.0
-"""Seconds without a connection to a publisher after which it is asked whether it can be reached."""
+"""Seconds without a connection to a publisher after which its address is tried."""
 
 DATA_COME = "master lost; data still come"
 
@@ -37,12 +37,12 @@ class _Subscription(NamedTuple):
 
 
 class Ros1:
-    """The topics of the master that ROS_MASTER_URI names, through the one node that a process may have.
+    """A `Middleware` on the one node that a process may have, with the master that ROS_MASTER_URI names.
 
     The node is the program's own where it called `rospy.init_node`, else one of ours; it stays until the process ends.
-    A thread asks the master every second what there is, subscribes and publishes, and tells the master again what it
-    forgot when it was restarted. Messages come from rospy's threads: as rospy's objects where the Python package of
-    their type is installed, else read by the definition that their publisher sends.
+    Every second a thread asks the master for its state, subscribes and publishes, and registers anew what a restarted
+    master forgot. Messages come in rospy's threads: as rospy's objects where the Python package of their type is
+    installed, else decoded by the definition that their publisher sends.
     """
 
     def __init__(self, name: str = "robowidgets") -> None:
@@ -52,22 +52,20 @@ class Ros1:
         self._listener: Listener | None = None
         self._thread: threading.Thread | None = None
         self._backoff = Backoff()
-        self._stirred = threading.Event()
+        self._wakeup = threading.Event()
         self._wanted: set[str] = set()
         self._subscriptions: dict[str, _Subscription] = {}
-        self._adverts: list[Advert] = []
-        self._troubles: dict[str, str] = {}
         self._failed: set[str] = set()
         self._decoders: dict[str, Decode] = {}
         self._log = _RospyLog(self)
 
     @property
     def where(self) -> str:
-        """The master, for a person."""
+        """See `Middleware`."""
         return f"ROS 1, {self._master.uri}" if self._master.uri else "ROS 1"
 
     def open(self, listener: Listener) -> None:
-        """Connect, and come back by itself. FeedError without rospy, or where ROS_MASTER_URI names no master."""
+        """See `Middleware`. FeedError without rospy, or where ROS_MASTER_URI names no master."""
         try:
             import rosgraph
             import roslib.message  # noqa: F401
@@ -89,46 +87,42 @@ class Ros1:
         if not good:
             raise FeedError(f"ROS_MASTER_URI: expected something like http://robot:11311, got {uri!r}")
         self._rospy, self._master, self._listener = rospy, Master(uri), listener
-        self._publications = Publications(rospy, self._master, listener.on_unheard, self._stirred.set)
+        self._publications = Publications(rospy, self._master, listener.on_unheard, self._wakeup.set)
         logging.getLogger("rospy.internal").addHandler(self._log)
         self._thread = threading.Thread(target=self._run, name=f"robowidgets {self.where}", daemon=True)
         self._thread.start()
 
     def subscribe(self, topic: str) -> None:
-        """Hand on the messages of a topic, as soon as it is there."""
+        """See `Middleware`."""
         self._wanted.add(topic)
-        self._stirred.set()
+        self._wakeup.set()
 
     def unsubscribe(self, topic: str) -> None:
-        """Hand on no more messages of a topic."""
+        """See `Middleware`."""
         self._wanted.discard(topic)
-        self._troubles.pop(topic, None)
-        self._stirred.set()
+        self._wakeup.set()
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`. FeedError also where the Python package of its type is not installed."""
         self._publications.publish(topic, message_type, message)
 
     def close(self) -> None:
-        """Unsubscribe and end the thread; the node and its publishers stay. See `Middleware`."""
+        """See `Middleware`. The node and its publishers stay."""
         self._backoff.close()
-        self._stirred.set()
+        self._wakeup.set()
         logging.getLogger("rospy.internal").removeHandler(self._log)
         if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(CLOSE_TIMEOUT)  # rospy's own calls to a master have no limit
+            self._thread.join(CLOSE_TIMEOUT)  # rospy's own calls to a master have no time-out
 
-    def failed(self, topic: str, words: str) -> None:
-        """Rospy gave up a connection of a topic: of all that it says until the next try, the first tells why."""
+    def failed(self, topic: str, reason: str) -> None:
+        """Report that rospy gave up a connection of a topic. Until the next attempt only the first reason counts."""
         if topic in self._wanted and topic not in self._failed:
             self._failed.add(topic)
-            self._trouble(topic, words)
+            self._report(topic, reason)
 
-    def _trouble(self, topic: str, words: str) -> None:
-        if self._listener is None or self._backoff.closed or topic not in self._wanted:
-            return
-        if self._troubles.get(topic, "") != words:
-            self._troubles[topic] = words
-            self._listener.on_trouble(topic, words)
+    def _report(self, topic: str, reason: str) -> None:
+        if self._listener is not None and not self._backoff.closed and topic in self._wanted:
+            self._listener.on_trouble(topic, reason)
 
     def _run(self) -> None:
         assert self._listener is not None
@@ -141,36 +135,36 @@ class Ros1:
                 if not connected:
                     self._listener.on_connected()
                     connected = True
-                self._backoff.worked()
+                self._backoff.reset()
                 self._step(state)
             except MasterError as error:
                 hint = "is roscore running, and ROS_MASTER_URI right?"
-                why = f"no ROS master at {self._master.uri} ({error}); {hint}"
-                connected = self._note_master(why) and connected
-            except Exception as error:  # rospy's own, and whatever a master's odd answer may lead to
+                reason = f"no ROS master at {self._master.uri} ({error}); {hint}"
+                connected = self._note_master(reason) and connected
+            except Exception as error:  # rospy's own, and whatever a malformed answer of a master causes
                 log.debug("%s was lost", self.where, exc_info=True)
-                why = f"the rospy node of this process cannot be used: {str(error) or type(error).__name__}"
+                reason = f"the rospy node of this process cannot be used: {str(error) or type(error).__name__}"
                 connected = False
             else:
-                self._stirred.wait(POLL)
-                self._stirred.clear()
+                self._wakeup.wait(POLL)
+                self._wakeup.clear()
                 continue
             pause = self._backoff.next_pause()
             if not connected:
-                self._listener.on_lost(why, pause)
+                self._listener.on_lost(reason, pause)
             self._backoff.wait(pause)
         for subscription in self._subscriptions.values():
             subscription.subscriber.unregister()
         self._subscriptions.clear()
 
-    def _note_master(self, why: str) -> bool:
-        """Say on each topic what it means that the master is lost; return whether connections are left without it."""
-        before, self._publications.master_lost = self._publications.master_lost, why
+    def _note_master(self, reason: str) -> bool:
+        """Report a lost master, or its return, on each topic; returns whether connections are left without it."""
+        before, self._publications.master_lost = self._publications.master_lost, reason
         live = {topic for topic, subscription in self._subscriptions.items() if _is_live(subscription)}
-        if before or why:
-            words = f"master lost, trying again: {why}" if why else ""
+        if before or reason:
+            lost = f"master lost, trying again: {reason}" if reason else ""
             for topic in list(self._wanted):
-                self._trouble(topic, DATA_COME if words and topic in live else words)
+                self._report(topic, DATA_COME if lost and topic in live else lost)
         return bool(live) or self._publications.connected
 
     def _start_node(self) -> None:
@@ -183,10 +177,7 @@ class Ros1:
     def _step(self, state: State) -> None:
         assert self._listener is not None
         self._publications.state = state
-        adverts = self._adverts_of(state)
-        if adverts != self._adverts:
-            self._adverts = adverts
-            self._listener.on_topics(adverts)
+        self._listener.on_topics(self._adverts_of(state))
         for topic, subscription in list(self._subscriptions.items()):
             if topic not in self._wanted or state.types.get(topic, subscription.kind) != subscription.kind:
                 del self._subscriptions[topic]
@@ -202,7 +193,7 @@ class Ros1:
         import roslib.message
 
         # All subscribers of a process share one class and one queue for a topic. So the class is the one that the rest
-        # of the program would use, and nothing is set that would make it miss messages.
+        # of the program would use, and no option is set that would make the program miss messages.
         message_class = roslib.message.get_message_class(kind) or self._rospy.AnyMsg
         subscriber = self._rospy.Subscriber(
             topic, message_class, self._receive, callback_args=topic, buff_size=1 << 20, tcp_nodelay=True
@@ -210,21 +201,21 @@ class Ros1:
         self._subscriptions[topic] = _Subscription(subscriber, kind, time.monotonic())
 
     def _look_after(self, topic: str, state: State) -> None:
-        """Put right what a restarted master forgot and rospy gave up; say why there is no connection to a publisher."""
+        """Restore what a restarted master forgot or rospy gave up; report why there is no connection to a publisher."""
         subscription, me = self._subscriptions[topic], self._rospy.get_name()
         impl = subscription.subscriber.impl
         for connection in impl.connections:
-            if connection.done:  # rospy keeps some that were refused, and then connects to their node no more
+            if connection.done:  # rospy keeps some refused ones, and then never connects to their node again
                 impl.remove_connection(connection)
         nodes = [node for node in state.publishers.get(topic, ()) if node != me]
         forgotten = me not in state.subscribers.get(topic, ()) or topic in self._failed
         if impl.connections:
             self._subscriptions[topic] = subscription._replace(since=time.monotonic())
         elif nodes and time.monotonic() - subscription.since > PATIENCE:
-            why = self._master.unreachable(nodes)
-            if why:
-                self._trouble(topic, f"{topic} is published, but {why}")
-            forgotten = forgotten or not why
+            reason = self._master.unreachable(nodes)
+            if reason:
+                self._report(topic, f"{topic} is published, but {reason}")
+            forgotten = forgotten or not reason
         if forgotten:
             self._failed.discard(topic)
             self._master.register_subscriber(me, topic, subscription.kind, self._rospy.get_node_uri())
@@ -248,9 +239,9 @@ class Ros1:
             try:
                 message = self._decode(topic, message)
             except DecodeError as error:
-                self._trouble(topic, f"{topic}: a message of it cannot be read: {error}")
+                self._report(topic, f"{topic}: a message of it cannot be read: {error}")
                 return
-        self._trouble(topic, DATA_COME if self._publications.master_lost else "")
+        self._report(topic, DATA_COME if self._publications.master_lost else "")
         self._listener.on_message(topic, message)
 
     def _decode(self, topic: str, message: Any) -> Any:
@@ -264,12 +255,12 @@ class Ros1:
 
 
 def _is_live(subscription: _Subscription) -> bool:
-    """Whether a publisher is connected; of one that rospy only tries to reach, it knows no definition yet."""
+    """Whether a publisher is connected; while rospy only tries to connect, it knows no definition."""
     return any(c.md5sum and not c.done for c in subscription.subscriber.impl.connections)
 
 
 class _RospyLog(logging.Handler):
-    """Hands on what rospy only logs about a topic: the threads of its connections have the names of their topics."""
+    """Reports the errors of a topic that rospy only logs. The threads of its connections are named after the topics."""
 
     def __init__(self, feed: Ros1) -> None:
         super().__init__(logging.WARNING)
@@ -277,10 +268,10 @@ class _RospyLog(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         lines = record.getMessage().strip().splitlines() or [""]
-        name, _, words = lines[-1].rpartition("Error: ")
+        name, _, text = lines[-1].rpartition("Error: ")
         what = "a message of it cannot be read" if name.endswith("Deserialization") else "no connection to a publisher"
         if record.threadName:
-            self._feed.failed(record.threadName, f"{record.threadName}: {what}: {one_line(Exception(words))}")
+            self._feed.failed(record.threadName, f"{record.threadName}: {what}: {one_line(Exception(text))}")
 
 
 def ros1(name: str = "robowidgets") -> Feed:

@@ -1,4 +1,4 @@
-"""ROS 2, by rclpy."""
+"""ROS 2, through rclpy."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
+from ._reconnect_loop import ReconnectLoop, checked_domain
 from ._ros2_messages import fill, message_class
 from ._ros2_session import Session, one_line
-from ._takes_part import TakesPart, checked_domain
 from .feed import Feed
 from .middleware import SEND_TIMEOUT, FeedError, Listener
 
 log = logging.getLogger("robowidgets")
 
 LOOK = 1.0
-"""Seconds between two looks at the topics."""
+"""Seconds between two queries of the topics."""
 
 EARLY_LOOK = 0.2
-"""The same while a session is young, as the robot's topics become known one after another then."""
+"""The same while a session is young, when the robot's topics are discovered one after another."""
 
 
-class Ros2(TakesPart):
-    """A `Middleware` on a node of its own, in a context of its own: no program spins it or shuts it down.
+class Ros2(ReconnectLoop):
+    """A `Middleware` on a node and a context of its own, which no program spins or shuts down.
 
-    A thread looks at the topics and hands on messages; what is published is published by the thread that asks for it.
+    A thread queries the topics and passes on messages; `publish` publishes in the thread that calls it.
 
     Raises:
         TypeError, ValueError: no node, no domain, or both at once.
@@ -46,7 +46,7 @@ class Ros2(TakesPart):
         self._changed = threading.Condition(self._lock)
         self._session: Session | None = None
         self._down = ""
-        """Why no session is about to come, until the next attempt."""
+        """Why there is no session until the next attempt."""
         self._matched: set[tuple[str, str]] = set()
 
     @property
@@ -82,7 +82,7 @@ class Ros2(TakesPart):
                     raise FeedError(f"cannot publish on {topic!r}: {one_line(error)}") from None
 
     def _await_session(self, until: float) -> Session:
-        """The session, or the one that comes in its place when rclpy's signal handler has shut it down."""
+        """The session, or the next one when rclpy's signal handler has shut it down."""
         with self._changed:
             while True:
                 if self._backoff.closed or self._down:
@@ -99,23 +99,23 @@ class Ros2(TakesPart):
         if self._session is not None:
             self._session.wake()
 
-    def _take_part(self, listener: Listener) -> str:
+    def _run_session(self, listener: Listener) -> str:
         try:
             self._set_session(None)
             shut_down = False
             while not self._backoff.closed:
-                self._have_session(listener, shut_down)
+                self._use_session(listener, shut_down)
                 shut_down = True
         except Exception as error:  # rclpy has a class of its own for each reason
             log.debug("%s was lost", self.where, exc_info=True)
             self._set_session(None, down=f"{self.where} cannot be used: {one_line(error)}")
         return self._down
 
-    def _have_session(self, listener: Listener, one_was_shut_down: bool) -> None:
-        """Use a session until it is closed, or until an interrupt shut it down: the next one begins at once then."""
+    def _use_session(self, listener: Listener, one_was_shut_down: bool) -> None:
+        """Run one session until it is closed, or until an interrupt shuts it down; the next one then begins at once."""
         session = Session(self._domain_id, listener, self._is_wanted, self._matched)
         try:
-            self._attend(session, listener, one_was_shut_down)
+            self._spin(session, listener, one_was_shut_down)
         except Exception:
             if session.ok() or self._session is None:
                 raise
@@ -123,14 +123,14 @@ class Ros2(TakesPart):
             self._set_session(None)
             session.close()
 
-    def _attend(self, session: Session, listener: Listener, one_was_shut_down: bool) -> None:
-        told = session.look()
-        self._set_session(session)  # before anything is told: a zero may wait for it
+    def _spin(self, session: Session, listener: Listener, one_was_shut_down: bool) -> None:
+        adverts = session.look()
+        self._set_session(session)  # before any report: a zero may wait for it
         if one_was_shut_down:
             listener.on_lost(f"{self.where} cannot be used: rclpy was shut down", 0.0)
         listener.on_connected()
-        self._backoff.worked()
-        listener.on_topics(told)
+        self._backoff.reset()
+        listener.on_topics(adverts)
         due = 0.0
         followed: set[str] = set()
         while not self._backoff.closed and session.ok():
@@ -138,10 +138,7 @@ class Ros2(TakesPart):
                 wanted = set(self._wanted)
             if wanted != followed or time.monotonic() >= due:
                 followed, due = wanted, time.monotonic() + (EARLY_LOOK if session.is_young else LOOK)
-                adverts = session.look()
-                if adverts != told:
-                    told = adverts
-                    listener.on_topics(adverts)
+                listener.on_topics(session.look())
                 session.follow(wanted)
             session.spin_once(max(0.0, due - time.monotonic()))
 
@@ -182,10 +179,10 @@ def _filled(topic: str, message_type: str, message: Mapping[str, Any]) -> Any:
 
 
 def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
-    """A feed from ROS 2, by rclpy, on a node of its own.
+    """A feed of ROS 2 through rclpy, on a node of its own.
 
     Args:
-        node: a node of the program's, whose domain is used. The node itself is not: the program spins it or not.
+        node: a node of the program. Only its domain is used, so it need not be spun.
         domain_id: the domain; by default what ``ROS_DOMAIN_ID`` says.
 
     Raises:

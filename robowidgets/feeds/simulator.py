@@ -1,4 +1,4 @@
-"""The built-in robot, driven in real time: a feed without any middleware."""
+"""The built-in simulated robot in real time: a feed without any middleware."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..messages import to_speed
 from ..samples.numbers import finite
 from ..simulator import Robot, World
 from ..simulator import wander as wander_about
-from ._drive import TWIST
+from ._twist import TWIST
 from .feed import Feed
 from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 
@@ -23,22 +23,22 @@ TOPICS = (
 )
 
 LET_GO = 3.0
-"""Seconds without a speed from outside after which the robot wanders again."""
+"""Seconds without a speed on ``/cmd_vel`` after which the robot wanders again."""
 
 _LATEST = 1.0
 _START = (0.2, -0.85, 0.5)
 
 
 class Simulated:
-    """A simulated robot as a `Middleware`: time passes for it as it does for us, in a thread of its own.
+    """A simulated robot as a `Middleware`: it runs in real time, in a thread of its own.
 
-    It obeys speeds on ``/cmd_vel`` while somebody sends them. Else it wanders about and backs off from what it bumps
-    into, or stands still.
+    It obeys the speeds on ``/cmd_vel`` while some come. Else it wanders about and backs off from what it bumps into, or
+    stands still.
 
     Args:
         robot: the robot; nothing else may use it meanwhile.
-        hz: how often a second it tells its speed and its bumpers. Scans come at the rate of its scanner, or at this one
-            if that is lower.
+        hz: rate of its speeds and bumpers, per second. Scans come at the rate of its scanner, or at this one if that is
+            lower.
         wander: whether it wanders while nobody drives it.
     """
 
@@ -73,7 +73,7 @@ class Simulated:
         self._subscribed -= {topic}
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
-        """See `Middleware`. It understands every message that holds a speed."""
+        """See `Middleware`. It takes every message that holds a speed."""
         if topic != "/cmd_vel":
             raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
         speed = to_speed(message)
@@ -93,15 +93,15 @@ class Simulated:
         scan = None
         due = time.monotonic()
         while not self._ended.wait(max(0.0, due - time.monotonic())):
-            # Where a busy cell held this thread up, lost time is made up for, but not what is long past.
+            # Time that a busy cell took from this thread is made up for, up to `_LATEST` seconds.
             due = max(due + self._step, time.monotonic() - _LATEST)
             ways = self._steer(ways)
             self._robot.step(self._step)
-            told = {"/odom": self._robot.speed(), "/cmd_vel": self._robot.command(), "/bumper": self._robot.touch()}
+            samples = {"/odom": self._robot.speed(), "/cmd_vel": self._robot.command(), "/bumper": self._robot.touch()}
             if "/scan" in self._subscribed and self._robot.scan() is not scan:
-                scan = told["/scan"] = self._robot.scan()
-            for topic in self._subscribed & told.keys():
-                listener.on_message(topic, told[topic])
+                scan = samples["/scan"] = self._robot.scan()
+            for topic in self._subscribed & samples.keys():
+                listener.on_message(topic, samples[topic])
 
     def _steer(self, ways: Iterator[None]) -> Iterator[None]:
         driven = self._driven

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from .._core.robot_widget import HEAD
+from .._core.robot_widget import FRAME_HEADER
 from .._widget_choice import WidgetChoice
 from ..recordings import RecordingData
 from ..recordings.topics import Moment
@@ -169,4 +169,4 @@ def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], n
 
 def _header(sample: Any) -> bytes:
     """Of a frame that the page numbers itself, from a source that has no rate."""
-    return HEAD.pack(0.0, nan, sample.stamp_ns or 0, sample._arrived)
+    return FRAME_HEADER.pack(0.0, nan, sample.stamp_ns or 0, sample._arrived)

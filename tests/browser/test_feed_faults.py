@@ -41,12 +41,12 @@ def test_a_feed_lives_through_an_interrupt_and_starts_anew_after_a_restart(noteb
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
     expect_moving(nb.widget(0))
-    assert nb.python("print(repr(feed.words))") == "''\n"
+    assert nb.python("print(repr(feed.status))") == "''\n"
     shoot(nb.output(0), "feed-interrupted")
     nb.restart_kernel()
     nb.run(0)
     expect_moving(nb.widget(0))
-    assert nb.python("print(repr(feed.words))") == "''\n"
+    assert nb.python("print(repr(feed.status))") == "''\n"
 
 
 def test_a_feed_is_live_on_two_pages_and_on_one_that_was_reloaded_while_a_cell_was_busy(
@@ -70,4 +70,4 @@ def test_a_feed_is_live_on_two_pages_and_on_one_that_was_reloaded_while_a_cell_w
     nb.open()
     expect_moving(nb.widget(0))
     shoot(nb.output(0), "feed-reloaded")
-    assert nb.python("print(repr(feed.words))") == "''\n"
+    assert nb.python("print(repr(feed.status))") == "''\n"

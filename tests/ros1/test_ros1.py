@@ -52,9 +52,10 @@ def feed(quick) -> Iterator[feeds.Feed]:
 class Told(Ears):
     """Keeps all that was told of who does not hear."""
 
-    def on_unheard(self, topic: str, words: str) -> None:
-        super().on_unheard(topic, words)
-        self.said.append(words)
+    def on_unheard(self, topic: str, reason: str) -> None:
+        if self.unheard.get(topic, "") != reason:
+            self.said.append(reason)
+        super().on_unheard(topic, reason)
 
     def advert(self, topic: str) -> Advert:
         return next((advert for advert in self.topics or () if advert.name == topic), Advert(topic, ""))
@@ -154,15 +155,15 @@ def test_data_still_come_when_the_master_is_lost_and_the_widget_says_both(feed, 
         came = laser.scan
         wait_for(lambda: laser.scan is not came, "a scan comes without a master")
         assert laser._source["words"] == "master lost; data still come"
-        assert not feed.words
+        assert not feed.status
         wait_for(lambda: "master lost, trying again: " in other._source["words"], "the other widget says what it lacks")
         assert f"no ROS master at http://127.0.0.1:{master.port}" in other._source["words"]
         publisher.kill()
-        wait_for(lambda: f"no ROS master at http://127.0.0.1:{master.port}" in feed.words, "now nothing is left")
+        wait_for(lambda: f"no ROS master at http://127.0.0.1:{master.port}" in feed.status, "now nothing is left")
         assert "is roscore running, and ROS_MASTER_URI right?" in laser._source["words"]
     finally:
         master.start()
-    wait_for(lambda: not feed.words, "the feed is connected again")
+    wait_for(lambda: not feed.status, "the feed is connected again")
     publish("/four/scan", "scan", 8)
     wait_for(lambda: rays(laser) == 8, "a scan of a publisher comes that only the new master knows")
     wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
@@ -404,6 +405,17 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
     wait_for(lambda: middleware.told.unheard[topic] == "", "nothing is left to say")
 
 
+def test_the_first_speed_waits_until_the_robot_has_connected(feed, robot, monkeypatch):
+    heard = robot("/first/cmd_vel").heard
+    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 0.001)
+    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 20.0)  # the machine may be busy
+    feed.driving = feeds.Driving("/first/cmd_vel")
+    wait_for(lambda: any(topic.name == "/first/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
+    feed.drive(0.25)
+    wait_for(lambda: 0.25 in heard, "the robot hears it")
+    wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
+
+
 def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middleware, robot, master):
     there = robot("/gone/cmd_vel")
     driven(feed, "/gone/cmd_vel", hold=1.0)
@@ -416,10 +428,10 @@ def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middlew
         feed.drive(0.5, 0.0)
         wait_for(lambda: 0.5 in there.heard, "the robot hears a speed without a master")
         wait_for(lambda: there.heard[-1] == 0.0, "the robot hears zero")
-        assert not feed.words
+        assert not feed.status
         there.process.kill()
         there.process.wait()
-        wait_for(lambda: feed.words, "nobody is left")
+        wait_for(lambda: feed.status, "nobody is left")
         with pytest.raises(FeedError, match="/gone/cmd_vel: nobody is connected, and there is no ROS master at http:"):
             feed._middleware.publish("/gone/cmd_vel", STAMPED, {})
     finally:
@@ -477,11 +489,11 @@ def test_other_publishers_of_a_topic_are_named(middleware, publish):
 
 
 def test_an_error_of_any_kind_is_told_and_it_is_tried_again(feed, monkeypatch):
-    wait_for(lambda: not feed.words, "it is connected")
+    wait_for(lambda: not feed.status, "it is connected")
     with monkeypatch.context() as patch:
         patch.setattr(feed._middleware, "_adverts_of", lambda state: state["odd"])
-        wait_for(lambda: "the rospy node of this process cannot be used: tuple indices must be" in feed.words, "told")
-    wait_for(lambda: not feed.words, "it is connected again")
+        wait_for(lambda: "the rospy node of this process cannot be used: tuple indices must be" in feed.status, "told")
+    wait_for(lambda: not feed.status, "it is connected again")
 
 
 def test_what_rospy_logs_may_be_empty(feed):
@@ -564,11 +576,11 @@ def test_a_plain_subscriber_feeds_a_widget_from_its_own_thread_beside_a_feed(fee
 
 
 def test_a_master_that_does_not_answer_is_told_of_and_holds_up_nobody(master, monkeypatch):
-    monkeypatch.setattr("robowidgets.feeds._ros1_master.SECONDS", 0.2)
+    monkeypatch.setattr("robowidgets.feeds._ros1_master.TIMEOUT", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
         with feeds.ros1() as feed:
-            wait_for(lambda: "(no answer within 0.2 s)" in feed.words, "the feed says that it does not answer")
+            wait_for(lambda: "(no answer within 0.2 s)" in feed.status, "the feed says that it does not answer")
             thread, started = feed._middleware._thread, time.monotonic()
         assert time.monotonic() - started < CLOSE_TIMEOUT
         assert not thread.is_alive()
@@ -600,9 +612,9 @@ import rospy
 from robowidgets import feeds
 from tests.unit.waiting import wait_for
 feed = feeds.ros1()
-wait_for(lambda: not feed.words, "it is connected")
+wait_for(lambda: not feed.status, "it is connected")
 rospy.signal_shutdown("by the test")
-wait_for(lambda: "cannot be used: rospy was shut down in this process" in feed.words, "the feed says so")
+wait_for(lambda: "cannot be used: rospy was shut down in this process" in feed.status, "the feed says so")
 feed.close()
 try:
     feeds.ros1()

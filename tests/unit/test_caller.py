@@ -56,9 +56,9 @@ thread.join()
 assert refused()
 """,
     "a thread that asks whether a cell runs": """
-from robowidgets._core.caller import a_cell_runs
+from robowidgets._core.caller import cell_is_running
 def ask():
-    thread = threading.Thread(target=lambda: told.append(a_cell_runs()))
+    thread = threading.Thread(target=lambda: told.append(cell_is_running()))
     thread.start()
     thread.join()
 told = []

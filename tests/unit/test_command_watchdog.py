@@ -100,7 +100,7 @@ def test_what_a_slow_sink_kept_waiting_too_long_is_not_sent(watchdog: CommandWat
     time.sleep(0.06)
     sink.gate.set()
     watchdog.sent_in_time(first)
-    with pytest.raises(TimeoutError, match="what sends speeds was busy for longer than the speed holds"):
+    with pytest.raises(TimeoutError, match="the function that sends speeds was busy for longer than the speed holds"):
         watchdog.sent_in_time(late)
     wait_for(lambda: sink.speeds == [FORWARD, ZERO], "zero follows")
 
@@ -111,7 +111,7 @@ def test_a_sink_that_hangs_is_told_to_who_waits_and_holds_nobody_for_ever(
     sink.gate.clear()
     watchdog.drive(FORWARD)
     wait_for(lambda: sink.got, "the sink is at work")
-    with pytest.raises(TimeoutError, match=r"what sends speeds has not come back for 0\.\d s"):
+    with pytest.raises(TimeoutError, match=r"the function that sends speeds has not returned for 0\.\d s"):
         watchdog.sent_in_time(watchdog.stop(), 0.2)
     assert watchdog.busy_for > 0.1
     with pytest.raises(TimeoutError):

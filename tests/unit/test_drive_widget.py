@@ -161,7 +161,7 @@ class TestFromThePage:
     ) -> None:
         token = pad.press()
         pad._handle_custom_msg({"act": "hold", "press": "p", "token": token, "forward": 1, **message}, [])
-        assert f"the page sent what is no speed: {text}" in caplog.text
+        assert f"the page sent an invalid message: {text}" in caplog.text
         assert pad.hear("hold", token=token, forward=1)["over"] == "released"
         pad.rests()
         assert pad.heard
@@ -170,7 +170,7 @@ class TestFromThePage:
     @pytest.mark.parametrize("content", [None, 3, [1, 2], "drive", {}])
     def test_what_is_no_message_is_logged(self, pad: Pad, content: Any, caplog: pytest.LogCaptureFixture) -> None:
         pad._handle_custom_msg(content, [])
-        assert "the page sent what is no speed: expected a message of the pad" in caplog.text
+        assert "the page sent an invalid message: expected a message of the pad" in caplog.text
 
 
 class TestSink:
@@ -260,7 +260,7 @@ class TestSink:
         pad.hear("hold", token=pad.press(), forward=1)
         wait_for(lambda: pad._watchdog.busy_for > HOLD, "it hangs")
         assert pad.hear("press")["over"] == "hangs"
-        assert pad.told["error"] == "What drives the robot has not come back for 1 s"
+        assert pad.told["error"] == "The function that drives the robot has not returned for 1 s"
         back.set()
         pad.rests()
         assert "token" in pad.hear("press")

@@ -16,7 +16,7 @@ from traitlets import TraitError
 import robowidgets
 from robowidgets import LaserWidget, Scan, Validity
 from robowidgets._core.pacer import pacer
-from robowidgets._core.robot_widget import HEAD
+from robowidgets._core.robot_widget import FRAME_HEADER
 
 from .pages import Page
 
@@ -320,7 +320,7 @@ class TestUpdate:
 
     def test_a_stamp_that_no_clock_can_say_is_no_stamp(self, laser: LaserWidget) -> None:
         laser.update(MESSAGE | {"header": {"stamp": {"sec": 10**30, "nanosec": 0}, "frame_id": ""}})
-        assert HEAD.unpack_from(laser.get_state()["_frame"])[2] == 0
+        assert FRAME_HEADER.unpack_from(laser.get_state()["_frame"])[2] == 0
 
 
 class TestFrame:
@@ -341,7 +341,7 @@ class TestFrame:
         frame = laser.get_state()["_frame"]
         assert isinstance(frame, bytes)
         assert same(shown(laser, frame), scan)
-        assert len(frame) == HEAD.size + 40 + 4 * (scan.ranges.size + scan.intensities.size)
+        assert len(frame) == FRAME_HEADER.size + 40 + 4 * (scan.ranges.size + scan.intensities.size)
 
     def test_ray_counts_may_change_from_scan_to_scan(self, laser: LaserWidget, page: Page) -> None:
         for count in (360, 1, 720, 0, 3):
@@ -429,7 +429,7 @@ class TestAngleOffset:
         pacer.flush()
         assert laser.scan.angle_min == pytest.approx(-0.5 - pi / 2)
         assert shown(laser, page.state["_frame"]).angle_min == pytest.approx(-0.5 - pi / 2)
-        assert HEAD.unpack_from(page.state["_frame"])[0] == 1, "it is still the one scan that came"
+        assert FRAME_HEADER.unpack_from(page.state["_frame"])[0] == 1, "it is still the one scan that came"
         assert page.state["_about"]["frame_id"] == "laser"
         laser.angle_offset = 0
         assert laser.scan.angle_min == pytest.approx(-0.5)

@@ -192,7 +192,7 @@ class TestWhatGoesWrongLater:
         assert not page.asked
         runs = iter([True, True, False])
         monkeypatch.setattr(_png, "PATIENCE", 0.01)
-        monkeypatch.setattr(_png, "a_cell_runs", lambda: next(runs))
+        monkeypatch.setattr(_png, "cell_is_running", lambda: next(runs))
 
         async def save() -> None:
             await widget.save_png(tmp_path / "a.png")

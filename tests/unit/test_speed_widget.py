@@ -16,7 +16,7 @@ from rosbags.highlevel import AnyReader
 from traitlets import TraitError
 
 from robowidgets import Speed
-from robowidgets._core.robot_widget import HEAD
+from robowidgets._core.robot_widget import FRAME_HEADER
 from robowidgets.samples import AXES
 from robowidgets.speed_widget import SpeedWidget
 
@@ -33,8 +33,8 @@ STAMPED = {"header": {"stamp": {"sec": 3, "nanosec": 4}, "frame_id": "base_link"
 def sent(speed: SpeedWidget) -> tuple[int, list[float], list[float], list[float], list[float]]:
     """What a page that opens now gets: what is there, measured, commanded, least, greatest."""
     frame = speed.get_state()["_frame"]
-    there, _, _, _, *values = struct.unpack_from("<ddqd24d", frame, HEAD.size)
-    assert len(frame) == HEAD.size + struct.calcsize("<ddqd24d")
+    there, _, _, _, *values = struct.unpack_from("<ddqd24d", frame, FRAME_HEADER.size)
+    assert len(frame) == FRAME_HEADER.size + struct.calcsize("<ddqd24d")
     return (int(there), *(values[i : i + 6] for i in range(0, 24, 6)))
 
 
@@ -89,10 +89,10 @@ class TestUpdate:
         speed = SpeedWidget()
         speed.command(TWIST)
         speed.command(TWIST)
-        assert HEAD.unpack_from(speed.get_state()["_frame"])[0] == 2
+        assert FRAME_HEADER.unpack_from(speed.get_state()["_frame"])[0] == 2
         speed.update(TWIST)
         speed.command(TWIST)
-        assert HEAD.unpack_from(speed.get_state()["_frame"])[0] == 3
+        assert FRAME_HEADER.unpack_from(speed.get_state()["_frame"])[0] == 3
 
     def test_a_real_recording_is_shown(self, data: Path) -> None:
         speed = SpeedWidget(linear_limits=0.2)

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from robowidgets._core.command_watchdog import PROGRAM, ZERO, CommandWatchdog
-from robowidgets._core.driving_widget import answer_beside_cells
 from robowidgets.feeds import Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 
@@ -120,15 +119,3 @@ def test_a_bar_has_no_press(bar: StopWidget, caplog: pytest.LogCaptureFixture) -
 def test_what_has_no_watchdog_is_refused(robot: Any) -> None:
     with pytest.raises(TypeError, match=r"^StopWidget\(\): expected a feed or a watchdog, got "):
         StopWidget(robot)
-
-
-def test_messages_go_to_the_subshell_that_the_page_named() -> None:
-    comm: Any = SimpleNamespace(_reply_subshell_for=lambda _data, _named: None)
-    answer_beside_cells(comm)
-    assert comm._reply_subshell_for({"method": "custom"}, "subshell") == "subshell"
-
-
-def test_a_kernel_without_routes_is_left_alone() -> None:
-    comm = SimpleNamespace()
-    answer_beside_cells(comm)
-    assert vars(comm) == {}

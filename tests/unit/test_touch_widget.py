@@ -15,7 +15,7 @@ from traitlets import TraitError
 
 from robowidgets import Touch, TouchMode, TouchState, TouchWidget
 from robowidgets._core.pacer import pacer
-from robowidgets._core.robot_widget import HEAD
+from robowidgets._core.robot_widget import FRAME_HEADER
 from robowidgets.samples.touch_tracker import TouchTracker
 
 FREE, TOUCHED, UNKNOWN = TouchState.FREE, TouchState.TOUCHED, TouchState.UNKNOWN
@@ -28,7 +28,7 @@ def contact(*names: str) -> dict:
 
 
 def rows(frame: bytes) -> Rows:
-    return {name: (state, touches, seconds) for name, state, touches, seconds in json.loads(frame[HEAD.size :])}
+    return {name: (state, touches, seconds) for name, state, touches, seconds in json.loads(frame[FRAME_HEADER.size :])}
 
 
 def sent(touch: TouchWidget) -> Rows:
@@ -211,12 +211,12 @@ class TestRecordings:
         for now in (1, 2, 3):
             touch.show(tracker, now)
         assert sent(touch) == {}
-        assert HEAD.unpack_from(touch._frame)[0] == 0
+        assert FRAME_HEADER.unpack_from(touch._frame)[0] == 0
         tracker.apply(Touch({"left": True}), 4)
         for now in (5, 6):
             touch.show(tracker, now)
         sent(touch)
-        assert HEAD.unpack_from(touch._frame)[0] == 1
+        assert FRAME_HEADER.unpack_from(touch._frame)[0] == 1
 
     def test_no_release_is_awaited(self, touch: TouchWidget, next_frame: Callable[[TouchWidget], Rows]) -> None:
         tracker = TouchTracker(hold=3600.0)

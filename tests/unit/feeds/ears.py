@@ -1,4 +1,4 @@
-"""A listener that keeps what it is told."""
+"""A listener that keeps what a middleware reports, each change once."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Ears:
     def on_connected(self) -> None:
         self.connected += 1
 
-    def on_lost(self, why: str, again_in: float) -> None:
+    def on_lost(self, reason: str, again_in: float) -> None:
         self.pauses.append(again_in)
-        self.lost.append(why)
+        self.lost.append(reason)
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
         self.topics = list(topics)
@@ -36,12 +36,13 @@ class Ears:
         self.messages.append((topic, message))
         self.then(topic, message)
 
-    def on_trouble(self, topic: str, words: str) -> None:
-        self.troubles[topic] = words
-        self.said.append(words)
+    def on_trouble(self, topic: str, reason: str) -> None:
+        if self.troubles.get(topic, "") != reason:
+            self.troubles[topic] = reason
+            self.said.append(reason)
 
-    def on_unheard(self, topic: str, words: str) -> None:
-        self.unheard[topic] = words
+    def on_unheard(self, topic: str, reason: str) -> None:
+        self.unheard[topic] = reason
 
     def of(self, topic: str) -> list[Any]:
         return [message for name, message in self.messages if name == topic]

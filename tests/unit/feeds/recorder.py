@@ -1,4 +1,4 @@
-"""A listener that keeps what a middleware tells."""
+"""A listener that keeps what a middleware reports, each change once."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ class Recorder:
         self.topics: list[Advert] = []
         self.messages: list[tuple[str, Any]] = []
         self.troubles: list[tuple[str, str]] = []
+        self._last: dict[tuple[str, str], str] = {}
         self.then: Callable[[], None] = lambda: None
 
     def on_connected(self) -> None:
         self.connected += 1
 
-    def on_lost(self, why: str, again_in: float) -> None:
-        self.lost.append((why, again_in))
+    def on_lost(self, reason: str, again_in: float) -> None:
+        self.lost.append((reason, again_in))
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
         self.topics = list(topics)
@@ -32,11 +33,16 @@ class Recorder:
         self.messages.append((topic, message))
         self.then()
 
-    def on_trouble(self, topic: str, words: str) -> None:
-        self.troubles.append((topic, words))
+    def on_trouble(self, topic: str, reason: str) -> None:
+        self._note("trouble", topic, reason)
 
-    def on_unheard(self, topic: str, words: str) -> None:
-        self.troubles.append((topic, words))
+    def on_unheard(self, topic: str, reason: str) -> None:
+        self._note("unheard", topic, reason)
+
+    def _note(self, kind: str, topic: str, reason: str) -> None:
+        if self._last.get((kind, topic), "") != reason:
+            self._last[kind, topic] = reason
+            self.troubles.append((topic, reason))
 
     def words(self, topic: str) -> str:
         """What is wrong with a topic now."""

@@ -21,7 +21,7 @@ def test_the_first_pause_is_short_again_once_it_worked():
     backoff = Backoff()
     for _ in range(5):
         backoff.next_pause()
-    backoff.worked()
+    backoff.reset()
     assert backoff.next_pause() <= FIRST
 
 

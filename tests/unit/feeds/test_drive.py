@@ -12,6 +12,7 @@ import pytest
 
 from robowidgets._core.command_watchdog import RefusedError
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
+from robowidgets.feeds.middleware import NotYetError
 
 from ..waiting import wait_for
 from .scripted import CMD_VEL, ODOM, SCAN, Scripted, twist
@@ -277,7 +278,7 @@ def test_a_zero_into_a_dead_connection_is_sent_again_when_it_is_back(driven: Dri
 def test_a_robot_that_was_not_driven_lately_is_left_alone_when_it_is_back(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in ("_core.command_watchdog", "feeds._drive"):
+    for module in ("_core.command_watchdog", "feeds._twist"):
         monkeypatch.setattr(f"robowidgets.{module}.RECENT", 0.0)
     feed, script = driven(CMD_VEL, hold=60.0)
     feed.drive(0.3, 0.0)
@@ -371,6 +372,68 @@ def test_driving_waits_a_moment_for_the_robot_and_no_longer(driven: Driven, monk
         other.drive(0.1)
 
 
+def connects_after(attempts: int, script: Scripted, monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Have a subscriber connect only after so many attempts to publish; returns the times of all attempts."""
+    publish, tried = script.publish, []
+
+    def publish_later(topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        tried.append(time.monotonic())
+        if len(tried) <= attempts:
+            raise NotYetError("/robot listens to it, but has not connected")
+        publish(topic, message_type, message)
+
+    monkeypatch.setattr(script, "publish", publish_later)
+    return tried
+
+
+def test_the_first_speed_is_tried_again_while_its_subscriber_connects(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = driven(CMD_VEL, hold=60.0)
+    connects_after(3, script, monkeypatch)
+    feed.drive(0.3)
+    assert script.speeds == [(0.3, 0.0)]
+
+
+def test_a_subscriber_that_does_not_connect_is_named_in_time(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 0.3)
+    feed, script = driven(CMD_VEL)
+    tried = connects_after(1000, script, monkeypatch)
+    with pytest.raises(FeedError, match="cannot drive: /robot listens to it, but has not connected"):
+        feed.drive(0.3)
+    assert len(tried) > 1
+    assert tried[-1] - tried[0] < 2.0
+    for _ in range(2):  # later speeds are not tried again
+        tried.clear()
+        with pytest.raises(FeedError, match="has not connected"):
+            feed.drive(0.3)
+        assert len(tried) == 1
+
+
+def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 20.0)
+    feed, script = driven(CMD_VEL)
+    tried = connects_after(3, script, monkeypatch)
+    stop = threading.Thread(target=lambda: (wait_for(lambda: tried, "it is tried"), feed.watchdog.stop()))
+    stop.start()
+    with pytest.raises(FeedError, match="has not connected"):
+        feed.drive(0.3)
+    stop.join()
+    wait_for(lambda: script.speeds, "zero is sent")
+    assert set(script.speeds) == {(0.0, 0.0)}
+
+
+def test_a_latched_stop_ends_the_attempts(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 20.0)
+    feed, script = driven(CMD_VEL)
+    tried = connects_after(1000, script, monkeypatch)
+    latch = threading.Thread(target=lambda: (wait_for(lambda: tried, "it is tried"), setattr(feed, "stopped", True)))
+    latch.start()
+    with pytest.raises(FeedError, match=r"has not connected|stop is latched"):
+        feed.drive(0.3)
+    latch.join()
+
+
 def test_words_for_what_cannot_be_driven(driven: Driven) -> None:
     feed, script = driven(CMD_VEL._replace(type="std_msgs/msg/String"))
     with pytest.raises(FeedError, match="cannot drive: /cmd_vel is std_msgs/msg/String, expected geometry_msgs"):
@@ -404,7 +467,7 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
     feed.drive(0.1)
     assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel; speeds go to /base/cmd_vel"]
     feed.driving = Driving(topic="/base/cmd_vel")
-    assert feed.drive_words == ""
+    assert feed.drive_status == ""
 
 
 @pytest.mark.parametrize(
@@ -423,17 +486,17 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
 def test_a_speed_that_is_cut_is_told_until_one_is_not(driven: Driven, speed: tuple[float, float], words: str) -> None:
     feed, _ = driven(CMD_VEL, hold=60.0)
     feed.drive(*speed)
-    assert feed.drive_words == words
+    assert feed.drive_status == words
     feed.drive(0.1)
-    assert feed.drive_words == ""
+    assert feed.drive_status == ""
     feed.drive(*speed)
     feed.stop()
-    assert feed.drive_words == ""
+    assert feed.drive_status == ""
     feed.drive(*speed)
     feed.driving = Driving(max_linear=1000.0, max_angular=1000.0)
-    assert feed.drive_words == ""
+    assert feed.drive_status == ""
     feed.drive(*speed)
-    assert feed.drive_words == ""
+    assert feed.drive_status == ""
 
 
 def test_that_speeds_are_cut_is_logged_once_whatever_the_numbers(
@@ -469,7 +532,7 @@ def _driving_threads() -> list[threading.Thread]:
 def test_where_nobody_can_tell_who_listens_nothing_is_said(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, script = driven(SCAN._replace(wanted=None))
     feed.drive(0.1)
-    assert (feed.drive_words, caplog.records) == ("", [])
+    assert (feed.drive_status, caplog.records) == ("", [])
     assert script.speeds == [(0.1, 0.0)]
 
 
@@ -479,15 +542,15 @@ def test_a_hand_on_a_pad_outranks_a_program_which_is_told(driven: Driven) -> Non
     feed.watchdog.take("press")
     with pytest.raises(FeedError, match="cannot drive: a hand drives from a pad"):
         feed.drive(0.2)
-    feed.drive_by_hand(5.0, 0.0, "press")
+    feed.driver.drive_by_hand(5.0, 0.0, "press")
     wait_for(
         lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0), (0.5, 0.0)], "the hand's speed is sent, cut to the limits"
     )
-    assert feed.drive_words == "5 m/s is cut to 0.5"
+    assert feed.drive_status == "5 m/s is cut to 0.5"
     feed.watchdog.let_go("press")
-    wait_for(lambda: feed.drive_words == "", "what was said of the hand's speed ends with it")
+    wait_for(lambda: feed.drive_status == "", "what was said of the hand's speed ends with it")
     with pytest.raises(FeedError, match="cannot drive: the press on the pad is over"):
-        feed.drive_by_hand(0.1, 0.0, "press")
+        feed.driver.drive_by_hand(0.1, 0.0, "press")
     feed.drive(0.2)
 
 
@@ -506,12 +569,12 @@ def test_stop_latches_until_it_is_released(driven: Driven) -> None:
 
 
 def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds.feed.PAGE_TIMEOUT", 0.2)
+    monkeypatch.setattr("robowidgets.feeds._driver.PAGE_TIMEOUT", 0.2)
     feed, script = driven(CMD_VEL)
     feed.driving = Driving(needs_page=True)
     with pytest.raises(FeedError, match="cannot drive: no page that shows this feed or its pad answers"):
         feed.drive(0.2)
-    feed.page_seen()
+    feed.driver.page_seen()
     feed.drive(0.2)
     wait_for(lambda: refused(feed), "the page is gone")
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "the robot stops")
@@ -529,15 +592,15 @@ def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, mon
 )
 def test_who_else_publishes_speeds_is_named(driven: Driven, others: tuple[str, ...], words: str) -> None:
     feed, _ = driven(CMD_VEL._replace(offered=True, publishers=others))
-    assert feed.drive_words == words
+    assert feed.drive_status == words
 
 
 def test_who_does_not_hear_what_is_published_is_told_and_again_when_it_does(driven: Driven) -> None:
     feed, script = driven(CMD_VEL)
     script.listener.on_unheard("/cmd_vel", "a subscriber of /cmd_vel is not compatible")
-    assert feed.drive_words == "a subscriber of /cmd_vel is not compatible"
+    assert feed.drive_status == "a subscriber of /cmd_vel is not compatible"
     script.listener.on_unheard("/cmd_vel", "")
-    assert feed.drive_words == ""
+    assert feed.drive_status == ""
 
 
 def test_what_is_driven_is_shown_as_commanded_whoever_knows_the_topic(driven: Driven) -> None:

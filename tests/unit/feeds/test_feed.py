@@ -19,7 +19,7 @@ import pytest
 
 from robowidgets import DriveWidget, LaserWidget, Scan, SpeedWidget, feeds
 from robowidgets.feeds import Advert, Feed, FeedError
-from robowidgets.feeds._ending import still_open
+from robowidgets.feeds._open_feeds import open_feeds
 
 from ..waiting import wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
@@ -127,7 +127,7 @@ def test_once_a_topic_that_was_mended_delivers_the_widget_is_titled_after_it_and
     script.listener.on_message("/scan", scan())
     assert laser.title == "/scan"
     assert source(laser) == {"topic": "/scan", "type": SCAN.type, "words": "", "error": "", "lost": False}
-    assert feed.words_of("/scna") == complaint
+    assert feed.status_of("/scna") == complaint
     script.listener.on_lost("no route to host", 1.0)
     script.listener.on_connected()
     assert (laser.title, source(laser)["words"]) == ("/scan", "waiting for /scan")
@@ -426,7 +426,7 @@ def test_a_middleware_that_cannot_be_opened_leaves_nothing_behind(monkeypatch: p
     monkeypatch.setattr(script, "open", refuse)
     with pytest.raises(FeedError, match="rclpy is not installed"):
         Feed(script)
-    assert still_open == set()
+    assert open_feeds == set()
 
 
 def test_a_hundred_opens_and_closes_leave_no_thread_and_no_memory() -> None:

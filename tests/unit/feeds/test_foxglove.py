@@ -397,10 +397,10 @@ def test_a_robot_that_was_lost_while_it_drove_is_stopped_though_its_server_takes
         server.drop()
         wait_for(lambda: server.opened == 2, "it is called again")
         server.send({"op": "status", "level": 0, "message": "soon"})
-        assert feed.words
+        assert feed.status
         server.send(server.info)
         wait_for(lambda: _speeds(server)[1:] == [0.0], "zero came")
-        assert not feed.words
+        assert not feed.status
 
 
 def _speeds(server: OldFoxglove) -> list[float]:

@@ -129,10 +129,10 @@ def test_what_has_not_come_back_for_a_second_is_named_with_its_line_on_widget_an
     line = behave.__code__.co_firstlineno + 1
     feed.connect("/scan", behave, laser)
     script.listener.on_message("/scan", scan())
-    words = f"your function `behave`, line {line}, has not come back for"
+    words = f"your function `behave`, line {line}, has not returned for"
     wait_for(lambda: source(laser)["error"].startswith(f"{words} 2 s"), "the widget counts the seconds")
     assert words in repr(feed)
-    assert words in feed.words_of("/scan")
+    assert words in feed.status_of("/scan")
     gate.set()
     wait_for(lambda: source(laser)["error"] == "", "it came back")
 

@@ -67,8 +67,8 @@ def test_topics_that_are_connected_later_join_at_the_same_time() -> None:
 def test_a_topic_that_no_widget_shows_is_said_not_to_come(tmp_path: Path) -> None:
     with feeds.recording(robot.write(tmp_path / "drive")) as feed:
         feed.connect("/log", lambda _: None)
-        wait_for(lambda: "only" in feed.words_of("/log"), "it is said")
-        assert feed.words_of("/log") == "/log: a recording hands on only what a widget shows"
+        wait_for(lambda: "only" in feed.status_of("/log"), "it is said")
+        assert feed.status_of("/log") == "/log: a recording hands on only what a widget shows"
 
 
 def test_a_real_recording_plays(data: Path) -> None:
@@ -133,7 +133,7 @@ def test_a_program_drives_it_and_its_speeds_are_shown_beside_those_that_were_dri
         then = view.widgets["/odom"]
         assert then.command_title == "/cmd_vel"
         assert not then.commanded or then.commanded.values[::5] != (0.25, 0.5)
-        assert feed.drive_words == "the recording publishes /cmd_vel, too"
+        assert feed.drive_status == "the recording publishes /cmd_vel, too"
         wait_for(lambda: own.speed.values[::5] == (0.0, 0.0), "and the zero that follows")
 
 

@@ -95,7 +95,7 @@ def test_it_may_be_closed_in_a_callback() -> None:
     feed = feeds.simulator(hz=100.0)
     feed.connect("/scan", lambda _: feed.close())
     wait_for(lambda: "robowidgets-simulator" not in {t.name for t in threading.enumerate()}, "its thread has ended")
-    wait_for(lambda: feed.words == "the feed is closed", "it says so")
+    wait_for(lambda: feed.status == "the feed is closed", "it says so")
 
 
 def test_a_robot_whose_listener_was_held_up_does_not_race_after_lost_time() -> None:

@@ -18,7 +18,7 @@ from robowidgets.repair._one_clock import steps_back, was_set
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
-from robowidgets._core.robot_widget import HEAD
+from robowidgets._core.robot_widget import FRAME_HEADER
 from robowidgets._widget_choice import WidgetChoice
 from robowidgets.kinds import LASER
 from robowidgets.player._frames import SampleFrames
@@ -47,7 +47,7 @@ def order(recording: Recording, topic: str = SCAN) -> list[int]:
 
 def without_arrival(frame: bytes) -> bytes:
     """A frame without the time at which its sample was read."""
-    return frame[:24] + frame[HEAD.size :]
+    return frame[:24] + frame[FRAME_HEADER.size :]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from robowidgets import SpeedWidget
-from robowidgets._core.robot_widget import HEAD
+from robowidgets._core.robot_widget import FRAME_HEADER
 from robowidgets.player._frames import TICK, TimedFrame, pack
 from robowidgets.player.player import Player
 from robowidgets.recording import open
@@ -50,7 +50,7 @@ def agree(player: Player, seed: int) -> None:
                 was, now = view.widget._unpack(frame), view.widget._unpack(timed.frame)
                 assert repr((was.measured, was.commanded)) == repr((now.measured, now.commanded)), seconds
             elif view.choice.kind.name == "laser":
-                assert frame[HEAD.size :] == timed.frame[HEAD.size :], (seconds, view.choice.topic)
+                assert frame[FRAME_HEADER.size :] == timed.frame[FRAME_HEADER.size :], (seconds, view.choice.topic)
             else:
                 states = view.widget.states
                 assert {row[0]: row[1] for row in rows(timed)} == {n: s.name.lower() for n, s in states.items()}
@@ -60,7 +60,7 @@ def agree(player: Player, seed: int) -> None:
 
 
 def rows(timed: TimedFrame) -> list:
-    return json.loads(timed.frame[HEAD.size :])
+    return json.loads(timed.frame[FRAME_HEADER.size :])
 
 
 def test_a_robot_that_drives(player: Player) -> None:

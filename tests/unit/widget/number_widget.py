@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import traitlets
 
-from robowidgets._core.robot_widget import HEAD, RobotWidget
+from robowidgets._core.robot_widget import FRAME_HEADER, RobotWidget
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class NumberWidget(RobotWidget[Number]):
 
 
 def number_in(frame: bytes) -> int | None:
-    return struct.unpack_from("<q", frame, HEAD.size)[0] if frame else None
+    return struct.unpack_from("<q", frame, FRAME_HEADER.size)[0] if frame else None
 
 
 def head_of(frame: bytes) -> tuple[float, float, int, float]:
     """Sequence number, rate, stamp and arrival."""
-    return HEAD.unpack_from(frame)
+    return FRAME_HEADER.unpack_from(frame)
 
 
 def in_a_thread(call: object, *args: object) -> None:

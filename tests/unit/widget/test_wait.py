@@ -122,7 +122,7 @@ class TestTheNextOne:
             widget.wait(0)
 
     def test_the_player_of_a_recording_is_asked_what_it_shows(self, widget: NumberWidget, clock: Clock) -> None:
-        widget.live, widget.led = False, True
+        widget.has_rate, widget.driven_by_player = False, True
         widget.update(1)
         clock.now += 3600
         assert [widget.wait(0).value for _ in range(3)] == [1, 1, 1]
@@ -135,7 +135,7 @@ class TestTheTimeout:
     def test_is_three_periods_from_one_second_to_ten(
         self, widget: NumberWidget, clock: Clock, rate: float, seconds: float
     ) -> None:
-        widget._came = waits = Waits(widget._storing)
+        widget._sample_arrived = waits = Waits(widget._sample_lock)
         feed_at(rate, clock, lambda: (widget.update(1), widget.wait()))
         with pytest.raises(TimeoutError):
             widget.wait()
@@ -143,14 +143,14 @@ class TestTheTimeout:
         assert waits.timeouts[-1] == pytest.approx(seconds)
 
     def test_is_ten_seconds_before_the_first(self, widget: NumberWidget) -> None:
-        widget._came = waits = Waits(widget._storing)
+        widget._sample_arrived = waits = Waits(widget._sample_lock)
         with pytest.raises(TimeoutError, match=r"^NumberWidget had nothing to show in 10 s: no feed is connected"):
             widget.wait()
         assert waits.timeouts == [10]
 
     def test_is_ten_seconds_where_a_source_speaks_in_events(self, clock: Clock) -> None:
         touch = TouchWidget()
-        touch._came = waits = Waits(touch._storing)
+        touch._sample_arrived = waits = Waits(touch._sample_lock)
         for mode, seconds in ((TouchMode.EVENT, 10), (TouchMode.LEVEL, 1)):
             feed_at(10, clock, lambda mode=mode: (touch.update(Touch({"left": True}, mode)), touch.wait()))
             with pytest.raises(TimeoutError):
@@ -158,7 +158,7 @@ class TestTheTimeout:
             assert waits.timeouts[-1] == seconds
 
     def test_is_what_it_is_told(self, widget: NumberWidget, clock: Clock) -> None:
-        widget._came = waits = Waits(widget._storing)
+        widget._sample_arrived = waits = Waits(widget._sample_lock)
         feed_at(40, clock, lambda: (widget.update(1), widget.wait(7)))
         for seconds in (0, 0.25, 30, 1e300):
             with pytest.raises(TimeoutError):

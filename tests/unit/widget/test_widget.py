@@ -22,7 +22,7 @@ from robowidgets._core import named_widget as _named_widget
 from robowidgets._core import robot_widget as _widget
 from robowidgets._core.named_widget import MOST_LOGGED, bundle
 from robowidgets._core.pacer import pacer
-from robowidgets._core.robot_widget import RETELL, RETOLD
+from robowidgets._core.robot_widget import RESYNC_S, RESYNC_TRAITS
 
 from ..pages import Page
 from ..waiting import wait_for
@@ -176,11 +176,11 @@ class TestToThePage:
         widget.update(2)
         pacer.flush()
         assert page.sent("title") == ["/number"]
-        later = time.monotonic() + RETELL
+        later = time.monotonic() + RESYNC_S
         monkeypatch.setattr(_widget, "time", SimpleNamespace(monotonic=lambda: later))
         widget._show(Number(3), {"value": 2})
         pacer.flush()
-        assert page.messages[-1].keys() == {"_frame", *RETOLD}
+        assert page.messages[-1].keys() == {"_frame", *RESYNC_TRAITS}
         assert page.messages[-1]["title"] == "/number"
         widget.update(4)
         pacer.flush()
@@ -243,7 +243,7 @@ class TestToThePage:
         holds, leave = threading.Event(), threading.Event()
 
         def hold() -> None:
-            with widget._storing, widget._sending:
+            with widget._sample_lock, widget._send_lock:
                 holds.set()
                 leave.wait(20)
 

@@ -1,4 +1,4 @@
-"""Closing what is open when the process ends: a robot may be driving."""
+"""Closing open feeds when the process ends: a robot may be driving."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from .._core.command_watchdog import stop_all
 log = logging.getLogger("robowidgets")
 
 END_TIMEOUT = 4.0
-"""Seconds after which the end of the process closes no further feed."""
+"""Seconds after which no further feed is closed."""
 
 
 class Closable(Protocol):
-    """What can be closed; a feed."""
+    """A feed."""
 
     def close(self) -> None:
         """Close it."""
 
     def on_fork(self) -> None:
-        """Learn that this is a process that was forked off: the threads stayed behind."""
+        """Close in a forked process, without the threads."""
 
 
-still_open: set[Closable] = set()
-"""What is closed at the end. A process that was forked off has none of it."""
+open_feeds: set[Closable] = set()
+"""The feeds that are closed at the end of the process; a forked process has none."""
 
 
 def close_first() -> None:
-    """At the end, close before all ends that was registered until now: that of rospy, say, by which zero is sent."""
+    """Close the feeds before the exit handlers that are registered already: rospy's would end its node before zero."""
     atexit.unregister(_close_all)
     atexit.register(_close_all)
 
 
 def _close_all() -> None:
-    stop_all()  # first: another feed may take its time to close
+    stop_all()  # before closing, which may take seconds for each feed
     until = time.monotonic() + END_TIMEOUT
-    for one in list(still_open):
+    for one in list(open_feeds):
         if time.monotonic() > until:
             log.error("the process ends without waiting for a feed to close: %r", one)
             return
@@ -47,15 +47,15 @@ def _close_all() -> None:
 
 
 def _forget_all() -> None:
-    for one in still_open:
+    for one in open_feeds:
         one.on_fork()
-    still_open.clear()
+    open_feeds.clear()
 
 
 def _close(one: Closable) -> None:
     try:
         one.close()
-    except Exception:  # the others must be stopped, too
+    except Exception:  # the other feeds must be closed, too
         log.exception("a feed could not be closed")
 
 

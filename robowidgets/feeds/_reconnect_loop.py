@@ -1,4 +1,4 @@
-"""What middlewares have in common that take part in a network in a thread of their own."""
+"""The base of the middlewares that run a session in a thread of their own: DDS and ROS 2."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from .middleware import CLOSE_TIMEOUT, Listener
 LAST_DOMAIN = 232
 
 
-class TakesPart(ABC):
-    """The thread, which takes part again and again with growing pauses, and the topics that it should listen to."""
+class ReconnectLoop(ABC):
+    """Runs a session in a thread, and another one after a growing pause whenever it ends; holds the wanted topics."""
 
     def __init__(self) -> None:
         self._backoff = Backoff()
@@ -47,23 +47,23 @@ class TakesPart(ABC):
 
     def _run(self, listener: Listener) -> None:
         while not self._backoff.closed:
-            why = self._take_part(listener)
+            reason = self._run_session(listener)
             if not self._backoff.closed:
                 pause = self._backoff.next_pause()
-                listener.on_lost(why, pause)
+                listener.on_lost(reason, pause)
                 self._backoff.wait(pause)
 
     @abstractmethod
     def _wake(self) -> None:
-        """Let the thread see what there is to do; the lock is held."""
+        """Wake the thread, because the wanted topics changed or it is to end; the lock is held."""
 
     @abstractmethod
-    def _take_part(self, listener: Listener) -> str:
-        """Take part until it is closed, or until that cannot go on: why."""
+    def _run_session(self, listener: Listener) -> str:
+        """Run a session until it is closed or fails; returns why it failed."""
 
 
 def checked_domain(name: str, domain: object) -> int:
-    """The number of a domain; TypeError or ValueError by the name of the argument when it is none."""
+    """The domain itself; TypeError or ValueError, with the name of the argument, when it is none."""
     if not isinstance(domain, int) or isinstance(domain, bool):
         raise TypeError(f"{name}: expected a whole number, as in ROS_DOMAIN_ID, got {domain!r}")
     if not 0 <= domain <= LAST_DOMAIN:

@@ -1,0 +1,124 @@
+"""Fixes for Python, Linux and other packages: each changes or bypasses something that is not ours.
+
+Each function is one fix, and its docstring says what is wrong, what the fix does and what happens without it. With
+``ROBOWIDGETS_PLATFORM_FIXES=off`` in the environment of the kernel all of them do nothing: to find out whether a fix
+causes a problem, or whether a new version still needs it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import os
+import signal
+import socket
+import sys
+from collections.abc import Callable
+from typing import Any
+
+ENABLED = os.environ.get("ROBOWIDGETS_PLATFORM_FIXES", "").strip().lower() != "off"
+
+SWITCH_INTERVAL = 0.0001
+"""Seconds that a thread waits before it asks another one for the interpreter lock."""
+
+_DEFAULT_SWITCH_INTERVAL = 0.005
+_QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
+_pads = itertools.cycle([" " * width for width in range(63, -1, -1)])
+
+
+def shorten_switch_interval() -> None:
+    """Let our threads get the interpreter lock (GIL) soon, for the whole process.
+
+    By default a thread waits 5 ms before it asks for the lock, and that wait begins anew each time the lock changes
+    hands. A loop that reads a file or prints every millisecond so starves all other threads, and the page stands still.
+    The fix sets 0.1 ms, unless the program has set an interval itself.
+    """
+    if ENABLED and sys.getswitchinterval() == _DEFAULT_SWITCH_INTERVAL:
+        sys.setswitchinterval(SWITCH_INTERVAL)
+
+
+def message_padding() -> dict[str, str]:
+    """An extra field for a message to the page, which makes each message shorter than the one before.
+
+    Jupyter's server leaves Nagle's algorithm on, so it holds a small message back until the previous one is
+    acknowledged. Linux takes messages of equal length for full segments and delays their acknowledgement by 40 ms. So
+    every third frame of the display would be missing. Messages of different length are acknowledged at once.
+    """
+    return {"pad": next(_pads)} if ENABLED else {}
+
+
+def route_by_message(comm: Any) -> None:
+    """Have a widget's comm handle messages of the page beside a running cell, so that Stop does not wait for the cell.
+
+    JupyterLab has a subshell for widgets, a thread beside the main one, and names it in each message. ipykernel 7.1 to
+    7.3 handle the message there. ipykernel 7.4 handles it in the shell from which the widget last sent something. That
+    is nearly always the main one, where the message waits for the end of the cell. The fix makes one comm use the name
+    in the message instead; its handlers must be safe in any thread. ipykernel 6 has no subshells.
+    """
+    if ENABLED and hasattr(comm, "_reply_subshell_for"):
+        comm._reply_subshell_for = lambda _data, named_by_message: named_by_message
+
+
+def call_on_interrupt(call: Callable[[], None]) -> None:
+    """Call a function as soon as the running cell is interrupted, before the interrupt is raised.
+
+    IPython's own event comes after the traceback was made, and not at all where the cell catches the interrupt: a robot
+    would drive on meanwhile. ipykernel sets Python's SIGINT handler anew for each cell, so each cell must call this. A
+    handler of the program stays, and so does rclpy's, which is in C: Python neither shows it nor could restore it.
+    Without the fix, only the event is left.
+    """
+
+    def on_interrupt(number: int, frame: Any) -> None:
+        call()
+        signal.default_int_handler(number, frame)
+
+    if ENABLED and not _rclpy_handles_signals() and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, on_interrupt)
+
+
+def _rclpy_handles_signals() -> bool:
+    signals = sys.modules.get("rclpy.signals")
+    return signals is not None and signals.get_current_signal_handlers_options() != signals.SignalHandlerOptions.NO
+
+
+def acknowledge_at_once(sock: socket.socket) -> None:
+    """Have Linux acknowledge what a socket has received, now.
+
+    The Foxglove SDK's server leaves Nagle's algorithm on: it sends no more until its last message is acknowledged, and
+    Linux delays that by up to 40 ms. The option lasts for one acknowledgement only, so each delivery calls this.
+    """
+    if ENABLED and _QUICKACK is not None:
+        sock.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
+
+
+def report_close_code(connection: Any, report: Callable[[int | None], None]) -> None:
+    """Report the code with which tornado itself closes a websocket, such as 1009 for a message that is too large.
+
+    tornado tells its user only the code that the other side sent. The fix wraps the method by which the protocol of one
+    connection closes it. Without the fix, a topic whose messages are too large ends each new connection.
+    """
+    protocol = connection.protocol
+    close = protocol.close
+
+    def reporting(code: int | None = None, reason: str | None = None) -> None:
+        report(code)
+        close(code, reason)
+
+    if ENABLED:
+        protocol.close = reporting
+
+
+async def close_when_connected(connecting: asyncio.Future[Any], seconds: float) -> None:
+    """Close a tornado websocket that is still connecting.
+
+    Cancelling tornado's ``websocket_connect`` leaves the socket open. The fix waits for the connection for some seconds
+    and closes it then, with its socket. Without the fix, the socket stays open until it is garbage-collected.
+    """
+    if not ENABLED:
+        return
+    with contextlib.suppress(Exception):  # whatever keeps it from connecting; there is nothing to close then
+        connection: Any = await asyncio.wait_for(connecting, seconds)
+        stream = connection.protocol.stream
+        connection.close()
+        stream.close()

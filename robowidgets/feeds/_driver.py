@@ -1,0 +1,162 @@
+"""Driving the robot of a feed."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from typing import TYPE_CHECKING
+
+from .._core.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
+from ..samples import Speed
+from ._driving import DriveStatus, Driving
+from ._twist import TwistPublisher
+from .middleware import FeedError, Middleware, NotYetError
+
+if TYPE_CHECKING:
+    from .feed import Feed
+
+PAGE_TIMEOUT = 3.0
+"""Seconds without a message from any page after which no page is there."""
+
+CONNECT_TIMEOUT = 2.0
+"""Seconds after the first `drive` on a topic for which a speed is tried again while a subscriber connects."""
+
+RETRY_PAUSE = 0.05
+"""Seconds between two such attempts."""
+
+
+class Driver:
+    """Checks speeds against limits, connection and latch, and hands them to the watchdog of a feed.
+
+    Args:
+        feed: the feed; it knows the connection and the topics.
+        middleware: publishes the speeds.
+
+    Attributes:
+        watchdog: sends the speeds.
+    """
+
+    def __init__(self, feed: Feed, middleware: Middleware) -> None:
+        self._feed = feed
+        self._driving = Driving()
+        self._status = DriveStatus()
+        self._twists = TwistPublisher(middleware)
+        self._connected_by: float | None = None
+        """When a subscriber should have connected; None before the first `drive` on the topic."""
+        self._page_at = float("-inf")
+        self._by_hand = False
+        self.watchdog = CommandWatchdog(self._send, not_sent=FeedError)
+        self.watchdog.watch(self._after_send)
+
+    @property
+    def driving(self) -> Driving:
+        """See `Feed.driving`."""
+        return self._driving
+
+    @driving.setter
+    def driving(self, driving: Driving) -> None:
+        if not isinstance(driving, Driving):
+            raise TypeError(f"driving: expected feeds.Driving(topic=..., max_linear=...), got {driving!r}")
+        if self.watchdog.owes_zero:
+            with contextlib.suppress(FeedError, TimeoutError):  # the watchdog logs it and sends zero later
+                self.watchdog.sent_in_time(self.watchdog.stop())
+        self._driving, self._status.cut, self._connected_by = driving, "", None
+
+    @property
+    def status(self) -> str:
+        """See `Feed.drive_status`."""
+        return self._feed.status or self._status.of(self._driving.topic, self._feed.adverts)
+
+    def drive(self, linear: float, angular: float) -> None:
+        """See `Feed.drive`."""
+        velocity, stops = self._within(linear, angular), self.watchdog.stops
+        self._feed.await_subscriber(self._driving.topic)
+        self._status.log(self._feed.where, self._driving.topic, self._feed.adverts)
+        if self._connected_by is None:
+            self._connected_by = time.monotonic() + CONNECT_TIMEOUT
+        while not self._try_drive(velocity, stops):
+            self._feed.wait_until(lambda: False, RETRY_PAUSE)
+
+    def drive_by_hand(self, linear: float, angular: float, press: str) -> None:
+        """Publish the speed of a press on a pad, without waiting. Raises as `Feed.drive`."""
+        self._by_hand = True
+        self._request(self._within(linear, angular), press)
+
+    def stop(self) -> None:
+        """See `Feed.stop`."""
+        self._status.cut = ""
+        self._feed.await_subscriber(self._driving.topic)
+        self._feed.check_open()
+        try:
+            self.watchdog.sent_in_time(self.watchdog.stop())
+        except (FeedError, TimeoutError) as error:
+            follows = "; zero follows when it can be sent" if self.watchdog.owes_zero else ""
+            raise FeedError(f"cannot stop: {self._feed.status or error}{follows}") from None
+
+    def page_seen(self) -> None:
+        """Note that a page which shows the feed, or a pad of it, is there."""
+        self._page_at = time.monotonic()
+
+    def on_connected(self) -> None:
+        """Send the zeros that are owed."""
+        self._twists.on_connected()
+        self.watchdog.on_connected()
+
+    def on_unheard(self, topic: str, reason: str) -> bool:
+        """Note why a subscriber does not receive speeds; returns whether that is new. See `Listener`."""
+        is_new = self._status.unheard.get(topic, "") != reason
+        self._status.unheard[topic] = reason
+        return is_new
+
+    def _within(self, linear: float, angular: float) -> Velocity:
+        velocity = self._driving.within(linear, angular)
+        self._status.cut = self._driving.cut(linear, angular)
+        return velocity
+
+    def _try_drive(self, velocity: Velocity, stops: int) -> bool:
+        """Send the speed of a program. False: a subscriber is still connecting, so try again.
+
+        After a stop, which another thread may have asked for, it is not tried again.
+        """
+        if velocity != ZERO and self._feed.in_abandoned_function:
+            raise FeedError("cannot drive: this function was disconnected or replaced while it was at work")
+        request = self._request(velocity, PROGRAM)
+        try:
+            self.watchdog.sent_in_time(request)
+        except (FeedError, TimeoutError) as error:
+            is_connecting = isinstance(error, NotYetError) and time.monotonic() < (self._connected_by or 0.0)
+            if is_connecting and self.watchdog.stops == stops:
+                return False
+            raise FeedError(f"cannot drive: {self._feed.status or error}") from None
+        return True
+
+    def _request(self, velocity: Velocity, driver: str) -> Request:
+        """Ask the watchdog to send a speed, unless something speaks against it."""
+        self._feed.check_open()
+        if self._feed.status:
+            raise FeedError(f"cannot drive: {self._feed.status}")
+        if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_TIMEOUT:
+            raise FeedError(
+                "cannot drive: no page that shows this feed or its pad answers, and driving.needs_page asks for one; "
+                "beside a busy cell only ipykernel 7 or later hears the page"
+            )
+        if velocity != ZERO:
+            self._feed.list_driven(self._driving.topic)
+        try:
+            return self.watchdog.drive(velocity, self._driving.hold, driver)
+        except RefusedError as error:
+            raise FeedError(f"cannot drive: {error}") from None
+
+    def _send(self, linear: float, angular: float) -> None:
+        """The sink of the watchdog, called in its thread."""
+        if linear or angular:
+            self._feed.check_open()
+        self._twists.send(self._driving.topic, linear, angular, self._feed.adverts)
+
+    def _after_send(self) -> None:
+        watchdog = self.watchdog
+        if self._by_hand and watchdog.sent == ZERO and not watchdog.driver:
+            self._by_hand, self._status.cut = False, ""  # the press is over, and so is the cut of its speed
+        if watchdog.error is None:
+            linear, angular = watchdog.sent
+            self._feed.show_sent(self._driving.topic, Speed((linear, 0.0, 0.0), (0.0, 0.0, angular)))

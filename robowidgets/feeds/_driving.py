@@ -1,0 +1,120 @@
+"""How a feed drives: its limits, and the reasons why the robot may not move as commanded."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+from .._core.command_watchdog import HOLD
+from .._core.limits import is_past
+from ..kinds import SPEED, is_command
+from ..samples.numbers import OF_DEGREES, finite, is_angle
+from .middleware import Advert
+
+log = logging.getLogger("robowidgets")
+
+
+@dataclass(frozen=True)
+class Driving:
+    """How a feed drives the robot.
+
+    Args:
+        topic: where speeds are published.
+        max_linear: m/s, forward and backward; more is cut.
+        max_angular: rad/s, both ways; more is cut.
+        hold: seconds after which a speed that was not renewed is followed by zero.
+        needs_page: whether speeds are refused while no page shows the feed or a pad of it, so that a robot stops when
+            the browser is closed. A page that is busy or hidden for minutes counts as closed; so does a page whose
+            messages a busy kernel does not receive.
+
+    Raises:
+        TypeError: something is not a number, the topic no text, or needs_page neither True nor False.
+        ValueError: a limit that is not finite and above 0, or an empty topic.
+    """
+
+    topic: str = "/cmd_vel"
+    max_linear: float = 0.5
+    max_angular: float = 1.0
+    hold: float = HOLD
+    needs_page: bool = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.topic, str):
+            raise TypeError(f"topic: expected the name of a topic as text, got {self.topic!r}")
+        if not self.topic.strip():
+            raise ValueError(f"topic: expected the name of a topic, such as /cmd_vel, got {self.topic!r}")
+        if not isinstance(self.needs_page, bool):
+            raise TypeError(f"needs_page: expected True or False, got {self.needs_page!r}")
+        for field in fields(self)[1:4]:
+            value = finite(field.name, getattr(self, field.name), "SI units")
+            if value <= 0:
+                raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
+
+    def within(self, linear: float, angular: float) -> tuple[float, float]:
+        """A speed in m/s and rad/s, cut to the limits. ValueError for NaN and infinity."""
+        return (
+            _cut(finite("linear", linear, "m/s"), self.max_linear),
+            _cut(finite("angular", angular, "rad/s"), self.max_angular),
+        )
+
+    def cut(self, linear: float, angular: float) -> str:
+        """What `within` cuts of a speed, as text; empty when it cuts nothing."""
+        given = ((linear, self.max_linear, "m/s"), (angular, self.max_angular, "rad/s"))
+        cuts = [
+            f"{value:g} {unit} is cut to {_cut(value, limit):g}"
+            for value, limit, unit in given
+            if is_past(value, (-limit, limit))
+        ]
+        if cuts and abs(angular) > self.max_angular and not is_angle(angular):
+            cuts.append(f"in degrees? {OF_DEGREES}")
+        return "; ".join(cuts)
+
+
+def _cut(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))
+
+
+class DriveStatus:
+    """The reasons why the robot may not move as commanded.
+
+    Attributes:
+        cut: how the last speed was cut; empty when it was not.
+        unheard: by topic, why a subscriber does not receive speeds, as the middleware reports it.
+    """
+
+    def __init__(self) -> None:
+        self.cut = ""
+        self.unheard: dict[str, str] = {}
+        self._logged: set[str] = set()
+
+    def of(self, topic: str, adverts: Sequence[Advert]) -> str:
+        """All reasons that concern a command topic, as text; empty when there are none."""
+        reasons = (_unheard(topic, adverts), self.unheard.get(topic), _contested(topic, adverts), self.cut)
+        return "; ".join(filter(None, reasons))
+
+    def log(self, where: str, topic: str, adverts: Sequence[Advert]) -> None:
+        """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate."""
+        unheard, contested = _unheard(topic, adverts), _contested(topic, adverts)
+        for key, reason in ((unheard, unheard), (contested, contested), ("cut", self.cut)):
+            if reason and key not in self._logged:
+                self._logged.add(key)
+                log.warning("%s: %s", where, reason)
+
+
+def _unheard(name: str, adverts: Sequence[Advert]) -> str:
+    """Text for a topic without a subscriber, naming the command topics that have one; empty when one may exist."""
+    here = [advert.wanted for advert in adverts if advert.name == name]
+    # A middleware that knows of no subscriber on any topic may be unable to report them.
+    tells = not adverts or any(advert.wanted is not None for advert in adverts)
+    if any(wanted is not False for wanted in here) if here else not tells:
+        return ""
+    heard = dict.fromkeys(a.name for a in adverts if a.wanted and is_command(a.name) and a.type in SPEED.types)
+    return f"nobody listens to {name}" + (f"; speeds go to {', '.join(heard)}" if heard else "")
+
+
+def _contested(name: str, adverts: Sequence[Advert]) -> str:
+    """Text for a topic on which another node publishes speeds, too; empty when none does."""
+    others = [advert for advert in adverts if advert.name == name and advert.offered]
+    names = dict.fromkeys(publisher for advert in others for publisher in advert.publishers)
+    return f"{', '.join(names) or 'somebody else'} publishes {name}, too" if others else ""

@@ -1,0 +1,119 @@
+"""A topic to which widgets or functions are connected."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from .._core.named_widget import MOST_LOGGED
+from .._core.robot_widget import RobotWidget
+from ..drive_widget import DriveWidget
+from ._topics import Topic, no_such
+from ._two_scanners import TwoScanners
+
+log = logging.getLogger("robowidgets")
+
+
+class Target(NamedTuple):
+    """Code of this package that takes the messages of a topic in the transport's thread, and its widget, if any.
+
+    Functions of a program are called by `FunctionCaller` instead.
+    """
+
+    call: Callable[[Any], object]
+    widget: RobotWidget[Any] | None
+
+    @property
+    def is_primary(self) -> bool:
+        """Whether the widget shows the topic itself; a commanded speed, for one, is shown beside the measured one."""
+        return self.widget is not None and getattr(self.call, "__name__", "") == "update"
+
+
+def target_of(given: Any) -> Target | Callable[[Any], object]:
+    """The target for a widget, or for a method of one (`SpeedWidget.command`); a function as it is."""
+    if isinstance(given, RobotWidget):
+        update = getattr(given, "update", None)
+        if callable(update):
+            return Target(update, given)
+    elif callable(given) and not isinstance(given, type):
+        owner = getattr(given, "__self__", None)
+        return Target(given, owner) if isinstance(owner, RobotWidget) else given
+    hint = f"; make one of it: {given.__name__}()" if isinstance(given, type) else ""
+    if isinstance(given, DriveWidget):
+        hint = "; a pad that drives is connected to a feed: pad.connect(feed)"
+    raise TypeError(
+        f"expected a widget, a method of one like speed.command, or a function of a message; got {given!r}{hint}"
+    )
+
+
+class Subscription:
+    """A topic, the targets of its messages, and its status.
+
+    Attributes:
+        trouble: why no message comes or can be read, as the middleware says.
+        receives: whether messages come now.
+        has_received: whether one ever came.
+    """
+
+    def __init__(self, topic: str) -> None:
+        self.topic = topic
+        self.targets: tuple[Target, ...] = ()
+        self.type = ""
+        self.trouble = ""
+        self.receives = False
+        self.has_received = False
+        self._retyped = ""
+        self._failed = ""
+        self._scanners = TwoScanners()
+        self._logged: set[str] = set()
+
+    def take(self, message: Any) -> bool:
+        """Pass a message to the targets; returns whether the status may have changed. Raises nothing."""
+        before = (self.receives, self._failed, self._scanners.status)
+        failures = [self._pass_on(target, message) for target in self.targets]
+        self._scanners.see(message)
+        self._failed = next(filter(None, reversed(failures)), "")
+        self.receives = self.has_received = True
+        return before != (True, self._failed, self._scanners.status)
+
+    def update(self, topic: Topic | None) -> None:
+        """Take over what is known of the topic now; None when it is missing."""
+        if topic is None or not topic.offered:
+            self.receives = False
+        kind = topic.type if topic else ""
+        if kind and self.type and kind != self.type:
+            self._retyped = f"{self.topic} was {self.type} and is now {kind}"
+        self.type = kind or self.type
+
+    def status(self, topics: dict[str, Topic] | None, *, is_primary: bool = True) -> str:
+        """What is wrong with the topic; empty when all is well.
+
+        A topic that is not primary may stay silent: commanded speeds come only while somebody drives.
+        """
+        if self.receives:
+            several = f"{self.topic} is published as {self.type.replace(', ', ' and as ')}" if ", " in self.type else ""
+            return "; ".join(
+                filter(None, (self.trouble, self._failed, several or self._retyped, self._scanners.status))
+            )
+        topic = topics.get(self.topic) if topics is not None else None
+        missing = no_such(self.topic, topics) if topics is not None and not topic and not self.has_received else ""
+        if missing or self.trouble:
+            return "; ".join(filter(None, (missing, self.trouble)))
+        if not is_primary:
+            return ""
+        if topics is not None and (topic is None or not topic.offered):
+            return f"nobody publishes {self.topic} {'any more' if self.has_received else 'yet'}"
+        return f"waiting for {self.topic}"
+
+    def _pass_on(self, target: Target, message: Any) -> str:
+        """Call a target; returns what it raised, as text."""
+        try:
+            target.call(message)
+        except (Exception, SystemExit) as error:  # it would end the transport's thread, and so the feed
+            failure = f"a message of {self.topic} could not be used: {type(error).__name__}: {error}"
+            if failure not in self._logged and len(self._logged) < MOST_LOGGED:
+                self._logged.add(failure)
+                log.exception(failure)
+            return failure
+        return ""

@@ -1,0 +1,144 @@
+"""The subscriptions of a feed, and the status that each widget shows of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from .._core.robot_widget import RobotWidget
+from ._functions import FunctionCaller
+from ._subscription import Subscription, Target
+from ._topics import Topic
+
+_Connected = tuple[Subscription, Target]
+
+
+class SubscriptionTable:
+    """The subscriptions of a feed, by topic. The feed's lock is held wherever something changes.
+
+    Args:
+        down: why no message comes on any topic, to begin with.
+        functions: the functions that are connected, too.
+
+    Attributes:
+        topics: the known topics, by name; None until they are listed.
+        down: why no message comes on any topic; empty when all is well.
+    """
+
+    def __init__(self, down: str, functions: FunctionCaller) -> None:
+        self._functions = functions
+        self.by_topic: dict[str, Subscription] = {}
+        self.topics: dict[str, Topic] | None = None
+        self.down = down
+        self._widgets: dict[RobotWidget[Any], list[_Connected]] = {}
+
+    def connect(self, topic: str, targets: Sequence[Target]) -> None:
+        """Add targets to a topic, except those that it has already."""
+        subscription = self.by_topic.get(topic)
+        if subscription is None:
+            subscription = self.by_topic[topic] = Subscription(topic)
+            subscription.update((self.topics or {}).get(topic))
+        for target in targets:
+            if target in subscription.targets:
+                continue
+            subscription.targets += (target,)
+            if target.widget is not None:
+                self._widgets.setdefault(target.widget, []).append((subscription, target))
+        self.show(subscription)
+
+    def disconnect(self, topic: str, targets: Sequence[Target] | None) -> None:
+        """Remove these targets from a topic; None: all."""
+        subscription = self.by_topic.get(topic)
+        if subscription is None:
+            return
+        gone = subscription.targets if targets is None else targets
+        subscription.targets = tuple(target for target in subscription.targets if target not in gone)
+        for target in gone:
+            if target.widget is not None:
+                left = [pair for pair in self._widgets.pop(target.widget, []) if pair != (subscription, target)]
+                if left:
+                    self._widgets[target.widget] = left
+                self._show_on(target.widget)
+        self.prune()
+
+    def prune(self) -> None:
+        """Remove the subscriptions to which nothing is connected any more."""
+        used = {function.topic for function in self._functions.functions}
+        self.by_topic = {topic: one for topic, one in self.by_topic.items() if one.targets or topic in used}
+
+    def learn(self, topics: dict[str, Topic]) -> None:
+        """Take over which topics there are now."""
+        self.topics = topics
+        for subscription in self.by_topic.values():
+            subscription.update(topics.get(subscription.topic))
+        self.show_all()
+
+    def lose(self, why: str) -> None:
+        """Note that no message comes until the connection is back."""
+        self.down = why
+        for subscription in self.by_topic.values():
+            subscription.receives = False
+        self.show_all()
+
+    def status_of(self, topic: str) -> str:
+        """What is wrong with a topic, connected or not; empty when all is well."""
+        status = self.down or (self.by_topic.get(topic) or Subscription(topic)).status(self.topics)
+        return "; ".join(filter(None, (status, self._functions.status_of(topic))))
+
+    def show(self, subscription: Subscription) -> None:
+        """Show the status on the widgets of a subscription."""
+        for target in subscription.targets:
+            if target.widget is not None:
+                self._show_on(target.widget)
+
+    def show_all(self) -> None:
+        """Show the status on every widget."""
+        for widget in self._widgets:
+            self._show_on(widget)
+
+    def _show_on(self, widget: RobotWidget[Any]) -> None:
+        connected = sorted(self._widgets.get(widget, []), key=_rank)
+        if not connected:
+            widget._source = {}
+            return
+        _set_titles(widget, connected)
+        first = connected[0][0]
+        listed = [one.status(self.topics, is_primary=one is first) for one in self._without_replaced(widget, connected)]
+        failed = (self._functions.status_of(subscription.topic) for subscription, _ in connected)
+        widget._source = {
+            "topic": first.topic,
+            "type": first.type,
+            "words": self.down or "; ".join(dict.fromkeys(filter(None, listed))),
+            "error": "; ".join(filter(None, failed)),
+            "lost": bool(self.down) and not first.receives,
+        }
+
+    def _without_replaced(self, widget: RobotWidget[Any], connected: Sequence[_Connected]) -> list[Subscription]:
+        """The subscriptions, except those to missing topics whose target gets messages of a topic connected later."""
+        in_order = self._widgets[widget]
+        return [
+            subscription
+            for subscription, target in connected
+            if self.topics is None
+            or subscription.topic in self.topics
+            or not any(
+                later.has_received and target == other
+                for later, other in in_order[in_order.index((subscription, target)) + 1 :]
+            )
+        ]
+
+
+def _rank(connected: _Connected) -> tuple[bool, bool, bool]:
+    """Sorts primary topics first, and of those the ones that receive messages, or once did."""
+    subscription, target = connected
+    return not target.is_primary, not subscription.receives, not subscription.has_received
+
+
+def _set_titles(widget: RobotWidget[Any], connected: Sequence[_Connected]) -> None:
+    """Title a widget after its first primary topic, and a speed widget's commands after their first topic."""
+    first, target = connected[0]
+    if target.is_primary:
+        widget._name_after(first.topic)
+    command = getattr(widget, "command", None)
+    for subscription in [subscription for subscription, target in connected if target.call == command][:1]:
+        widget._name_after(subscription.topic, "command_title")

@@ -1,0 +1,86 @@
+"""Fixes for other packages, and the switch that turns them off."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from robowidgets._core.platform_fixes import message_padding, report_close_code, route_by_message
+
+EVERY_FIX = """
+import asyncio, json, signal, socket, sys
+from types import SimpleNamespace
+from robowidgets._core import platform_fixes as fixes
+
+async def close_a_pending_connection():
+    closed = []
+    stream = SimpleNamespace(close=lambda: closed.append("socket"))
+    connection = SimpleNamespace(protocol=SimpleNamespace(stream=stream), close=lambda: closed.append("websocket"))
+    connecting = asyncio.get_running_loop().create_future()
+    connecting.set_result(connection)
+    await fixes.close_when_connected(connecting, 1.0)
+    return closed == ["websocket", "socket"]
+
+fixes.shorten_switch_interval()
+comm = SimpleNamespace(_reply_subshell_for=None)
+fixes.route_by_message(comm)
+fixes.call_on_interrupt(lambda: None)
+options = []
+fixes.acknowledge_at_once(SimpleNamespace(setsockopt=lambda *option: options.append(option)))
+close = lambda code, reason: None
+protocol = SimpleNamespace(close=close)
+fixes.report_close_code(SimpleNamespace(protocol=protocol), print)
+print(json.dumps({
+    "switch interval": sys.getswitchinterval() < 0.005,
+    "padding": bool(fixes.message_padding()),
+    "subshell": comm._reply_subshell_for is not None,
+    "interrupt": signal.getsignal(signal.SIGINT) is not signal.default_int_handler,
+    "acknowledgement": bool(options) or not hasattr(socket, "TCP_QUICKACK"),
+    "close code": protocol.close is not close,
+    "pending connection": asyncio.run(close_a_pending_connection()),
+}))
+"""
+
+
+@pytest.mark.parametrize(("switch", "applied"), [("", True), ("on", True), ("off", False), ("OFF", False)])
+def test_one_switch_in_the_environment_turns_every_fix_off(switch: str, applied: bool) -> None:
+    # Where a parent ignores SIGINT, Python starts without its own handler.
+    program = f"import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n{EVERY_FIX}"
+    environment = os.environ | {"ROBOWIDGETS_PLATFORM_FIXES": switch}
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True, timeout=60
+    )
+    assert set(json.loads(done.stdout).items()) == {(fix, applied) for fix in json.loads(done.stdout)}
+
+
+def test_no_two_messages_in_a_row_are_padded_to_the_same_length() -> None:
+    lengths = [len(message_padding()["pad"]) for _ in range(200)]
+    assert all(first != second for first, second in pairwise(lengths))
+
+
+def test_messages_go_to_the_subshell_that_the_page_named() -> None:
+    comm: Any = SimpleNamespace(_reply_subshell_for=lambda _data, _named: None)
+    route_by_message(comm)
+    assert comm._reply_subshell_for({"method": "custom"}, "subshell") == "subshell"
+
+
+def test_a_kernel_without_subshells_is_left_alone() -> None:
+    comm = SimpleNamespace()
+    route_by_message(comm)
+    assert vars(comm) == {}
+
+
+def test_a_close_code_is_reported_and_the_connection_closed_with_it() -> None:
+    closed: list[Any] = []
+    reported: list[int | None] = []
+    protocol = SimpleNamespace(close=lambda *given: closed.append(given))
+    report_close_code(SimpleNamespace(protocol=protocol), reported.append)
+    protocol.close(1009, "message too big")
+    assert (reported, closed) == ([1009], [(1009, "message too big")])
