@@ -1,12 +1,14 @@
 // One self-contained script and stylesheet per widget: Jupyter loads each as a single text, in which relative imports
-// cannot resolve.
+// cannot resolve. Arguments: the folder of the widgets, and the one to build into; without them, those of robowidgets.
 import { readdirSync } from "node:fs";
+import { join } from "node:path";
 import { context } from "esbuild";
 
 const watch = process.argv.includes("--watch");
+const [from = ".", to = "../static"] = process.argv.slice(2).filter((argument) => !argument.startsWith("--"));
 const build = await context({
-  entryPoints: readdirSync(".").filter((name) => /_widget\.(ts|css)$/.test(name)),
-  outdir: "../static",
+  entryPoints: readdirSync(from).flatMap((name) => (/_widget\.(ts|css)$/.test(name) ? join(from, name) : [])),
+  outdir: to,
   bundle: true,
   format: "esm",
   target: "es2022",

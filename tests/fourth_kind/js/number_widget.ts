@@ -1,0 +1,43 @@
+import { Reader } from "../../../robowidgets/js/shared/bytes.ts";
+import { Card } from "../../../robowidgets/js/shared/card.ts";
+import { make, setText } from "../../../robowidgets/js/shared/dom.ts";
+import type { Initialized, Rendered } from "../../../robowidgets/js/shared/model.ts";
+import { perAnimationFrame } from "../../../robowidgets/js/shared/schedule.ts";
+import { type Frame, readHead, Stream } from "../../../robowidgets/js/shared/stream.ts";
+import type { About, SampleTraits } from "../../../robowidgets/js/shared/traits.ts";
+
+interface Numbered extends Frame {
+  value: number;
+}
+
+interface NumberAbout extends About {
+  unit?: string;
+}
+
+function decodeNumber(bytes: DataView): Numbered {
+  const reader = new Reader(bytes);
+  return { ...readHead(reader), value: reader.float64() };
+}
+
+/** Called once per model, so that its views share one stream. */
+export default () => {
+  let stream: Stream<Numbered>;
+  return {
+    initialize({ model, signal }: Initialized<SampleTraits>) {
+      stream = new Stream(model, decodeNumber, signal);
+    },
+    render({ model, el, signal }: Rendered<SampleTraits>) {
+      const value = make("div", "rw-number-value");
+      const draw = () => {
+        const { unit = "" } = stream.about as NumberAbout;
+        card.update([], "number");
+        setText(value, stream.shown ? `${stream.shown.value} ${unit}`.trim() : card.waiting("number"));
+      };
+      const redraw = perAnimationFrame(draw, signal);
+      const card = new Card(el, "number", model, stream, redraw, signal);
+      card.picture.append(value);
+      stream.listen(redraw, signal);
+      redraw();
+    },
+  };
+};
