@@ -164,6 +164,7 @@ def plain_page(
     def open_page(
         cells: Sequence[str],
         *,
+        run: bool = True,
         scale: int = 1,
         width: int = 1200,
         height: int = 900,
@@ -176,7 +177,8 @@ def plain_page(
         opened.append(PlainPage(page, page_server, cells))
         opened[-1].open()
         opened[-1].theme(theme)
-        opened[-1].run_all()
+        if run:
+            opened[-1].run_all()
         return opened[-1]
 
     yield open_page

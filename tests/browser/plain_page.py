@@ -28,6 +28,8 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, StaticFileHandler
 from tornado.websocket import WebSocketHandler
 
+from robowidgets.feeds import Feed
+
 from .notebook import CellError
 
 FOLDER = Path(__file__).parent
@@ -115,7 +117,9 @@ class PlainPage:
         self._settle()
 
     def close(self) -> None:
-        """Close all its widgets."""
+        """Close all its widgets and feeds."""
+        for feed in [value for value in self._namespace.values() if isinstance(value, Feed)]:
+            feed.close()
         Widget.close_all()
         comm.create_comm = self._create_comm
         del self._server.pages[self._name]

@@ -9,6 +9,7 @@ from playwright.sync_api import Locator, expect
 
 from .laser import FAN, SETUP, eventually, layers, locate
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
 # Counts in the distance of ray 9, which is the nearest: 0.6012, 0.6022 and so on, and computes between two scans.
@@ -40,8 +41,8 @@ def nearest(card: Locator) -> str:
     return card.locator(".rw-nearest").inner_text()
 
 
-def test_frozen_by_button_key_or_python_the_picture_holds_still(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST])
+def test_frozen_by_button_key_or_python_the_picture_holds_still(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")
     picture, popup = card.locator(".rw-picture"), card.locator(".rw-popup:visible")

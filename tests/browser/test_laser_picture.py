@@ -9,6 +9,7 @@ from playwright.sync_api import Locator, expect
 
 from .laser import DARK, FAN, LIGHT, SETUP, Picture, eventually, layers, listen, locate, words
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
 CIRCLE = [(2 + 0.05 * i, 20.0 * i) for i in range(18)]
@@ -18,8 +19,8 @@ def card_of(nb: Notebook, index: int = 0) -> Locator:
     return nb.widget(index).locator(".rw-card")
 
 
-def test_every_reading_stands_at_its_place_in_the_area(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST])
+def test_every_reading_stands_at_its_place_in_the_area(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST])
     nb.resize(700)
     card = card_of(nb)
     place, picture = locate(card), Picture(card)
@@ -55,8 +56,8 @@ def test_every_reading_stands_at_its_place_in_the_area(notebook: Callable[..., N
     expect(card.locator(".rw-notice")).to_contain_text("one ray, angle_increment is not a number: drawn at angle_min")
 
 
-def test_arcs_and_rays_are_labelled_and_change_while_it_runs(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST], run=False)
+def test_arcs_and_rays_are_labelled_and_change_while_it_runs(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST], run=False)
     listen(nb.page)
     nb.run_all()
     nb.resize(700)
@@ -84,8 +85,8 @@ def test_arcs_and_rays_are_labelled_and_change_while_it_runs(notebook: Callable[
     eventually(lambda: words(card), {"−0.3°", "[519]"})
 
 
-def test_an_empty_picture_says_why_and_words_stay_words(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([f"{SETUP}\nlaser.title = '<b>/scan</b> &amp;'\nlaser"])
+def test_an_empty_picture_says_why_and_words_stay_words(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([f"{SETUP}\nlaser.title = '<b>/scan</b> &amp;'\nlaser"])
     card = card_of(nb)
     empty = card.locator(".rw-empty")
     expect(empty).to_have_text("waiting for a scan")
@@ -117,8 +118,8 @@ def test_an_empty_picture_says_why_and_words_stay_words(notebook: Callable[..., 
     expect(card.locator(".rw-notice")).to_be_hidden()
 
 
-def test_marks_header_and_footer_are_switched(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook(
+def test_marks_header_and_footer_are_switched(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page(
         [f"{SETUP}\nlaser.update(**fan({{3: inf, 4: inf, 7: -inf, 11: nan, 12: nan, 13: nan, 15: 0.3}}))\nlaser"]
     )
     nb.resize(740)
@@ -146,8 +147,8 @@ def test_marks_header_and_footer_are_switched(notebook: Callable[..., Notebook])
     expect(card.locator(".rw-class-too_close")).to_have_attribute("aria-pressed", "false")
 
 
-def test_colours_follow_theme_and_intensities_and_every_size_is_sharp(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([f"{SETUP}\nlaser.update(**fan(intensities=100.0 * np.arange(19)))\nlaser"], scale=2, run=False)
+def test_colours_follow_theme_and_intensities_and_every_size_is_sharp(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([f"{SETUP}\nlaser.update(**fan(intensities=100.0 * np.arange(19)))\nlaser"], scale=2, run=False)
     listen(nb.page)
     nb.run_all()
     card = card_of(nb)

@@ -11,6 +11,7 @@ from playwright.sync_api import Locator, expect
 
 from .laser import FAN, SETUP, Picture, eventually, locate
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
 ANCHOR = """laser.update(ranges=np.full(1040, 2.0), angle_min=np.radians(-130), angle_increment=np.radians(0.25),
@@ -51,8 +52,8 @@ def of(index: int) -> tuple[str, str, str, str, str]:
     return tuple(part.replace("-", "−") for part in parts)  # type: ignore[return-value]
 
 
-def test_pointing_names_the_ray_live_and_python_knows_it(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST])
+def test_pointing_names_the_ray_live_and_python_knows_it(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")
     picture, popup = card.locator(".rw-picture"), popups(card)
@@ -87,8 +88,8 @@ def test_pointing_names_the_ray_live_and_python_knows_it(notebook: Callable[...,
     eventually(lambda: nb.python("print(laser.hovered, laser.pinned)"), "None 635\n")
 
 
-def test_the_pop_up_keeps_in_the_box_and_off_the_ray_it_names(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST])
+def test_the_pop_up_keeps_in_the_box_and_off_the_ray_it_names(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST])
     card = nb.widget(0).locator(".rw-card")
     picture, popup = card.locator(".rw-picture"), popups(card)
     for width in (320, 700):
@@ -164,8 +165,8 @@ def test_clicks_and_keys_pin_and_walk_and_the_notebook_keeps_still(notebook: Cal
     eventually(lambda: nb.page.evaluate(CELLS), [False, False, True])
 
 
-def test_a_finger_does_all_of_it(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST], touch=True)
+def test_a_finger_does_all_of_it(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST], touch=True)
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")
     picture, popup = card.locator(".rw-picture"), popups(card)

@@ -8,6 +8,7 @@ from playwright.sync_api import Locator, expect
 
 from .laser import FAN, SETUP, eventually, layers, locate
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
 THREAD = "import threading\nthread = threading.Thread(target=laser.update, args=[{}])\nthread.start(); thread.join()"
@@ -90,9 +91,9 @@ def test_after_a_restart_the_cells_run_again_and_a_closed_widget_goes(notebook: 
 
 
 def test_a_bad_message_in_a_thread_is_told_and_the_last_good_picture_stays(
-    notebook: Callable[..., Notebook],
+    plain_page: Callable[..., PlainPage],
 ) -> None:
-    nb = notebook([FIRST])
+    nb = plain_page([FIRST])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")
     notice = card.locator(".rw-notice")

@@ -8,6 +8,7 @@ from playwright.sync_api import Locator, expect
 
 from .laser import FAN, LIGHT, SETUP, Picture, eventually, listen, locate, words
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
 SCROLLED = "() => document.querySelector('.jp-Notebook .jp-WindowedPanel-outer').scrollTop"
@@ -17,8 +18,8 @@ def reaches(card: Locator, metres: str) -> None:
     expect(card.locator(".rw-range")).to_have_text(f"{metres} m")
 
 
-def test_wheel_buttons_keys_fit_and_python_zoom(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST], run=False)
+def test_wheel_buttons_keys_fit_and_python_zoom(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST], run=False)
     listen(nb.page)
     nb.run_all()
     nb.resize(700)

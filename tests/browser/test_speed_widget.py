@@ -12,6 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from .chromium import shoot
 from .notebook import CellError, Notebook
+from .plain_page import PlainPage
 
 SPEED = """
 from math import inf, nan
@@ -119,8 +120,8 @@ def colour(shown: Locator) -> str:
 
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 1), ("dark", 2)])
-def test_no_words_touch_at_any_width(notebook: Callable[..., Notebook], theme: str, scale: int) -> None:
-    nb = notebook([STATES, *NAMES], scale=scale, theme=theme)
+def test_no_words_touch_at_any_width(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
+    nb = plain_page([STATES, *NAMES], scale=scale, theme=theme)
     for width in (320, 520, 1200):
         nb.resize(width)
         for i, name in enumerate(NAMES, 1):
@@ -132,8 +133,8 @@ def test_no_words_touch_at_any_width(notebook: Callable[..., Notebook], theme: s
         shoot(usual, f"speed-hover-{theme}-{width}")
 
 
-def test_the_first_data_move_nothing(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_the_first_data_move_nothing(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0).locator(".rw-card")
     for width in (320, 700):
         nb.resize(width)
@@ -146,8 +147,8 @@ def test_the_first_data_move_nothing(notebook: Callable[..., Notebook]) -> None:
         assert card.evaluate(PLACES) == before
 
 
-def test_frozen_before_the_first_speed_it_says_so(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_frozen_before_the_first_speed_it_says_so(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0).locator(".rw-card")
     card.locator(".rw-freeze").click()
     nb.python("speed.update(linear=(0.5, 0, 0))")
@@ -156,8 +157,8 @@ def test_frozen_before_the_first_speed_it_says_so(notebook: Callable[..., Notebo
     expect(card.locator(".rw-empty")).to_be_hidden()
 
 
-def test_bars_go_up_and_down_to_scale_with_the_exact_number(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_bars_go_up_and_down_to_scale_with_the_exact_number(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(0.5, -0.25, 0), angular=(1, -1, 0.1))")
     expect(value(card, "linear.x")).to_have_text("0.50")
@@ -167,8 +168,8 @@ def test_bars_go_up_and_down_to_scale_with_the_exact_number(notebook: Callable[.
         assert drawn(card, name, ".rw-bar") == pytest.approx(speed, abs=0.02), name
 
 
-def test_a_bar_past_its_limit_turns_red_with_a_mark_and_words(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_a_bar_past_its_limit_turns_red_with_a_mark_and_words(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(1.1, -1.1, 0.9), angular=(0, 0, 0))")
     expect(axis(card, "linear.x").locator(".rw-axis-state")).to_have_text("▲over max")
@@ -184,8 +185,8 @@ def test_a_bar_past_its_limit_turns_red_with_a_mark_and_words(notebook: Callable
     assert axis(card, "linear.z").locator(".rw-limit-label:visible").all_inner_texts() == ["−1", "0.5"]
 
 
-def test_a_bar_longer_than_the_scale_is_cut_and_its_number_exact(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_a_bar_longer_than_the_scale_is_cut_and_its_number_exact(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(12.34, -inf, 1.2), angular=(0, 0, 0))")
     expect(value(card, "linear.x")).to_have_text("12.34")
@@ -198,8 +199,8 @@ def test_a_bar_longer_than_the_scale_is_cut_and_its_number_exact(notebook: Calla
     assert drawn(card, "linear.x", ".rw-bar") == pytest.approx(1.25, abs=0.02)
 
 
-def test_no_value_is_said_and_not_drawn_as_zero(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_no_value_is_said_and_not_drawn_as_zero(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(nan, 0, 0), angular=(0, 0, nan))")
     expect(value(card, "linear.x")).to_have_text("no value")
@@ -210,8 +211,8 @@ def test_no_value_is_said_and_not_drawn_as_zero(notebook: Callable[..., Notebook
     expect(axis(card, "linear.x").locator(".rw-bar")).to_be_visible()
 
 
-def test_a_planar_robot_shows_three_axes_and_tells_of_the_others(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_a_planar_robot_shows_three_axes_and_tells_of_the_others(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(0.5, 0, 1.5), angular=(0, 0, 0.1))")
     expect(card.locator("[data-axis]")).to_have_count(6)
@@ -226,8 +227,8 @@ def test_a_planar_robot_shows_three_axes_and_tells_of_the_others(notebook: Calla
     expect(value(card, "linear.z")).to_have_text("1.50")
 
 
-def test_a_command_is_a_tick_on_the_measured_bar(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_a_command_is_a_tick_on_the_measured_bar(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     tick = axis(card, "linear.x").locator(".rw-tick")
     nb.python("speed.command(linear=(0.8, 0, -3), angular=(0, 0, nan))")
@@ -243,8 +244,8 @@ def test_a_command_is_a_tick_on_the_measured_bar(notebook: Callable[..., Noteboo
     assert drawn(card, "linear.x", ".rw-bar") == pytest.approx(0.5, abs=0.02)
 
 
-def test_peaks_hold_what_was_never_painted_until_they_are_reset(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_peaks_hold_what_was_never_painted_until_they_are_reset(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     peaks = axis(card, "linear.x").locator(".rw-peak")
     reset = card.get_by_role("button", name="Reset the peaks")
@@ -269,8 +270,8 @@ def test_peaks_hold_what_was_never_painted_until_they_are_reset(notebook: Callab
     assert nb.python("speed.peaks['linear.x']") == "(0.2, 0.2)"
 
 
-def test_the_picture_freezes_by_button_by_space_and_from_python(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_the_picture_freezes_by_button_by_space_and_from_python(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     freeze = card.locator(".rw-freeze")
     move = "speed.update(linear=({}, 0, 0), angular=(0, 0, 0))"
@@ -292,8 +293,8 @@ def test_the_picture_freezes_by_button_by_space_and_from_python(notebook: Callab
         expect(value(card, "linear.x")).to_have_text("0.90")
 
 
-def test_pointing_at_an_axis_tells_it_exactly_and_stays_in_the_box(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_pointing_at_an_axis_tells_it_exactly_and_stays_in_the_box(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     popup = card.locator(".rw-popup")
     nb.python("speed.hold_peaks = True; speed.command(linear=(0.6, 0, 0), angular=(0, 0, 0))")
@@ -321,8 +322,8 @@ def test_pointing_at_an_axis_tells_it_exactly_and_stays_in_the_box(notebook: Cal
     expect(popup).to_be_hidden()
 
 
-def test_arrow_keys_walk_the_axes(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_arrow_keys_walk_the_axes(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     picture, named = card.locator(".rw-picture"), card.locator(".rw-popup-expression")
     for key, name in [("ArrowRight", "linear.x"), ("ArrowRight", "linear.y"), ("End", "angular.z"),
@@ -333,8 +334,8 @@ def test_arrow_keys_walk_the_axes(notebook: Callable[..., Notebook]) -> None:
     expect(named).to_be_hidden()
 
 
-def test_a_finger_taps_an_axis(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED], touch=True)
+def test_a_finger_taps_an_axis(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED], touch=True)
     card = nb.widget(0)
     axis(card, "linear.y").tap()
     expect(card.locator(".rw-popup-expression")).to_have_text("linear.y")
@@ -354,8 +355,8 @@ def test_bars_move_while_a_cell_runs(notebook: Callable[..., Notebook]) -> None:
         nb.wait(busy)
 
 
-def test_an_error_is_said_and_the_last_good_speed_stays(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SPEED])
+def test_an_error_is_said_and_the_last_good_speed_stays(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(0.5, 0, 0), angular=(0, 0, 0))")
     nb.python("import threading; threading.Thread(target=speed.command, args=('<b>stop</b>',)).start()")
