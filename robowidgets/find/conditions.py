@@ -107,6 +107,8 @@ def speed_above(limit: float, axis: str = "linear.x", topic: str | None = None) 
 def gap(seconds: float, topic: str | None = None) -> Condition:
     """Nothing came for longer than some time: from the sample before to the one after, or to the end of the recording.
 
+    Each silence is a span of its own, also where a single sample lies between two.
+
     Args:
         seconds: above 0.
         topic: None: any topic of scans or measured speeds. Touch sensors and commands may be silent for long.
@@ -175,7 +177,8 @@ class _Touched(Condition):
             there = ", ".join(labels) or "none"
             raise ValueError(f"label: {touches.topic} has no sensor {self._label!r}; it has {there}")
         states = touches.states if self._label is None else touches.states[:, [labels.index(self._label)]]
-        is_touched, is_known = (states == TouchState.TOUCHED).any(axis=1), (states != TouchState.UNKNOWN).any(axis=1)
+        is_touched = (states == TouchState.TOUCHED).any(axis=1)
+        is_known = touches.lists_touches | (states != TouchState.UNKNOWN).any(axis=1)
         return steps(touches.times_ns, np.where(is_touched, YES, np.where(is_known, NO, UNKNOWN)))
 
     def __str__(self) -> str:
@@ -258,8 +261,12 @@ class _Gap(Condition):
         # Silence before the first sample and after the last counts too.
         ends = np.array([search.recording.start_ns or 0, search.end_ns], np.int64)
         edges = np.unique(np.concatenate((ends[:1], times, ends[1:])))
-        silent = np.diff(edges) > self._seconds * 1e9
-        return Steps(edges, np.append(np.where(silent, YES, NO), NO).astype(np.int8))
+        silent = np.append(np.diff(edges) > self._seconds * 1e9, False)
+        # A sample between two silences parts them: the second begins a nanosecond after it.
+        again = np.flatnonzero(silent[1:] & silent[:-1]) + 1
+        values = np.where(silent, YES, NO).astype(np.int8)
+        values[again] = NO
+        return Steps(np.insert(edges, again + 1, edges[again] + 1), np.insert(values, again + 1, YES))
 
     def __str__(self) -> str:
         return f"gap longer than {self._seconds:g} s" + (f" in {self._topic}" if self._topic else "")

@@ -1,7 +1,7 @@
 """How each kind of message speaks of touch: one row per dialect, tried from top to bottom.
 
 Sources: the message definitions of kobuki_msgs, create_msgs, irobot_create_msgs, turtlebot3_msgs, neato2_interfaces,
-gazebo_msgs, ros_gz_interfaces, std_msgs and sensor_msgs.
+neato_node (ROS 1), gazebo_msgs, ros_gz_interfaces, std_msgs and sensor_msgs.
 """
 
 from __future__ import annotations
@@ -61,12 +61,15 @@ _CREATE = {"left": "is_left_pressed", "right": "is_right_pressed"} | {
 _NEATO = {place: place.replace(" ", "_") for place in ("left side", "left front", "right front", "right side")}
 
 
+_NEATO_ROS1 = dict(zip(_NEATO, ("leftSide", "leftFront", "rightFront", "rightSide"), strict=True))
+
+
 def _create(message: Any) -> Said:
     return {sensor: flag(message, name) for sensor, name in _CREATE.items() if has(message, name)}
 
 
-def _neato(message: Any) -> Said:
-    return {sensor: code(message, name, _PRESS) == 1 for sensor, name in _NEATO.items()}
+def _neato(message: Any, names: Mapping[str, str]) -> Said:
+    return {sensor: code(message, name, _PRESS) == 1 for sensor, name in names.items()}
 
 
 def _event(message: Any, which: str, sensors: tuple[str, ...], states: tuple[str, str]) -> Said:
@@ -161,6 +164,11 @@ def _contact_list(types: tuple[str, ...], items: str, first: str, second: str) -
     return Dialect(types, _with(items), TouchMode.PRESENCE, (), read, of_contacts=True)
 
 
+def _neato_bump(type_name: str, names: Mapping[str, str]) -> Dialect:
+    read = partial(_neato, names=names)
+    return Dialect((type_name,), _with(*names.values()), TouchMode.LEVEL, tuple(names), read)
+
+
 _LEVEL, _PRESENCE = TouchMode.LEVEL, TouchMode.PRESENCE
 
 DIALECTS = (
@@ -169,7 +177,8 @@ DIALECTS = (
         ("create_msgs/Bumper", "ca_msgs/Bumper"), _with("is_left_pressed", "is_right_pressed"), _LEVEL, (), _create
     ),
     Dialect(("std_msgs/Bool",), lambda m: is_flag(get(m, "data")), _LEVEL, (), lambda m: {"touch": flag(m, "data")}),
-    Dialect(("neato2_interfaces/Bump",), _with(*_NEATO.values()), _LEVEL, tuple(_NEATO), _neato),
+    _neato_bump("neato2_interfaces/Bump", _NEATO),
+    _neato_bump("neato_node/Bump", _NEATO_ROS1),
     Dialect((), _is_plain, _LEVEL, (), lambda message: message),
     _kobuki_event("BumperEvent", "bumper", _BUMPERS, _PRESS),
     _kobuki_event("CliffEvent", "sensor", _CLIFFS, ("floor", "cliff")),

@@ -179,6 +179,12 @@ CASES = {
         LEVEL,
         {"left side": False, "left front": True, "right front": False, "right side": True},
     ),
+    "neato, ROS 1": (
+        "neato_node/Bump",
+        {"leftFront": 1, "leftSide": 0, "rightFront": 0, "rightSide": 1},
+        LEVEL,
+        {"left side": False, "left front": True, "right front": False, "right side": True},
+    ),
 }
 SENSORS = {
     "kobuki_msgs/BumperEvent": ("left", "center", "right"),
@@ -188,7 +194,9 @@ SENSORS = {
     "kobuki_msgs/SensorState": tuple(FREE_KOBUKI),
     "irobot_create_msgs/HazardDetectionVector": CREATE3,
     "turtlebot3_msgs/SensorState": ("front", "back"),
-    "neato2_interfaces/Bump": ("left side", "left front", "right front", "right side"),
+    **dict.fromkeys(
+        ("neato2_interfaces/Bump", "neato_node/Bump"), ("left side", "left front", "right front", "right side")
+    ),
 }
 
 

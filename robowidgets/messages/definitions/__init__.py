@@ -2,7 +2,7 @@
 
 A file each, ``<package>/msg/<Name>.msg``: the fields, in their order, are those of the package of that name, the same
 for ROS 1 and ROS 2. Sources: kobuki_msgs, create_msgs, irobot_create_msgs, turtlebot3_msgs, neato2_interfaces,
-gazebo_msgs, ros_gz_interfaces.
+neato_node, gazebo_msgs, ros_gz_interfaces.
 """
 
 from __future__ import annotations

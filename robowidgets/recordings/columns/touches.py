@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...samples import Touch, TouchState
+from ...samples import Touch, TouchMode, TouchState
 from ...samples.touch_tracker import TouchTracker
 from ._memory import Memory
 from ._store import Store
@@ -34,6 +34,7 @@ class Table:
 
     def __init__(self, topic: str, chunks: Iterable[SampleChunk], tracker: TouchTracker, memory: Memory) -> None:
         self.dialect = ""
+        self.mode = TouchMode.LEVEL
         rows = _Growing()
         latest: int | None = None
         same: Touch | None = None
@@ -49,7 +50,7 @@ class Table:
                     # Where nothing is going to be released, the same message again changes nothing.
                     same = touch if tracker.next_change_ns(time_ns) is None else None
                 latest = time_ns
-                self.dialect = touch.dialect
+                self.dialect, self.mode = touch.dialect, touch.mode
             memory.check(rows.nbytes, f"{topic}: the table of touches", "set recording.memory")
         rows.release(tracker, None)
         memory.take(rows.nbytes, f"{topic}: the table of touches", "set recording.memory")
@@ -132,6 +133,11 @@ class Touches(Series[Touch]):
     def states(self) -> NDArray[np.uint8]:
         """Shape (N, L), values of `TouchState`: 0 free, 1 touched, 2 unknown."""
         return self._picked(self._known.states)
+
+    @property
+    def lists_touches(self) -> bool:
+        """Whether each message lists the sensors that are touched, so that an empty one says that none is."""
+        return self._known.mode is TouchMode.PRESENCE
 
     @property
     def said(self) -> NDArray[np.bool_]:

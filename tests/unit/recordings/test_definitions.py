@@ -11,7 +11,7 @@ from robowidgets.messages.touch import TOUCH_TYPES
 
 PACKAGES = (
     *("kobuki_msgs", "create_msgs", "irobot_create_msgs", "turtlebot3_msgs", "neato2_interfaces", "gazebo_msgs"),
-    *("ros_gz_interfaces", *SAME_AS),
+    *("neato_node", "ros_gz_interfaces", *SAME_AS),
 )
 
 # The first 16 digits of RIHS01, from the code that ROS 2 generates for these packages.
@@ -32,6 +32,7 @@ ROS2 = {
 ROS1 = {
     "kobuki_msgs/msg/CliffEvent": "c5b106efbb1427a94f517c5e05f06295",
     "ca_msgs/msg/Bumper": "18fe5b1d31e6a8db180b924157ac665e",
+    "neato_node/msg/Bump": "459d87767ce0f2ebdc162046e9ad2c13",
     "turtlebot3_msgs/msg/SensorState": "7250c1dc0b61c4190e78f528f599285f",
     "gazebo_msgs/msg/ContactState": "48c0ffb054b8c444f870cecea1ee50d9",
     "gazebo_msgs/msg/ContactsState": "acbcb1601a8e525bf72509f18e6f668d",

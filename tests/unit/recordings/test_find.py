@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import robowidgets
 from robowidgets import RecordingError, conditions
 from robowidgets.find._function import Function
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
+from robowidgets.messages.definitions import definitions
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.spans import Span, Spans
 
@@ -121,6 +124,21 @@ class TestReadyMade:
         touches = {0.0: True, 2.0: True, 3.0: False}  # released at 0.15 s and 2.15 s by themselves
         recording = robowidgets.open(hazards.write(tmp_path / "x", touches))
         assert found(recording, conditions.gap(1.9, topic="/hazard_detection")) == [(0, 2)]
+
+    def test_an_empty_list_of_contacts_says_that_nothing_touches(self, tmp_path: Path) -> None:
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        for name, text in definitions("gazebo_msgs").items():
+            store.register(get_types_from_msg(text, name))
+        header = store.types["std_msgs/msg/Header"](store.types["builtin_interfaces/msg/Time"](0, 0), "")
+        contacts = "gazebo_msgs/msg/ContactsState"
+        with Writer(tmp_path / "x", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+            connection = writer.add_connection("/contacts", contacts, typestore=store)
+            for seconds in range(4):
+                raw = store.serialize_cdr(store.types[contacts](header, []), contacts)
+                writer.write(connection, sweeps.START_NS + seconds * 10**9, raw)
+        recording = robowidgets.open(tmp_path / "x")
+        assert [span[:2] for span in recording.find(~conditions.touched())] == [(0, 3)]
+        assert len(recording.find(conditions.touched())) == 0
 
     def test_a_gap_of_nothing_is_refused_with_words(self, tmp_path: Path) -> None:
         recording = robowidgets.open(hazards.write(tmp_path / "x", {0.0: True, 2.0: True}))

@@ -42,6 +42,12 @@ class TestSilent:
         assert ">/odom, /scan</td>" in spans._repr_html_()
         assert spans.to_pandas()["silent"].tolist() == [("/odom", "/scan"), ("/scan",)]
 
+    def test_are_not_joined_across_a_single_sample(self, tmp_path: Path) -> None:
+        recording = robowidgets.open(topics.write(tmp_path / "y", {"/scan": [(3.0 * i, 1.0) for i in range(11)]}))
+        spans = recording.find(conditions.gap(2))
+        assert [(round(span.start, 3), round(span.end, 3)) for span in spans] == [(3 * i, 3 * i + 3) for i in range(10)]
+        assert spans.seconds == pytest.approx(30)
+
     def test_names_those_that_are_silent_in_what_was_found(self, recording: robowidgets.Recording) -> None:
         def late(moment: Any) -> bool:
             return bool(moment.seconds >= 30)
