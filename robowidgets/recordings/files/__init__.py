@@ -87,10 +87,10 @@ def _open_folder(path: Path) -> Source:
     if not files:
         there = listed(sorted(entry.name for entry in path.iterdir()), _NAMED_AT_MOST) or "nothing"
         raise RecordingError(f"{path}: no recording in this folder: expected .db3, .mcap or .bag files, got {there}")
-    if not metadata and len({_OWN.sub("", file.name) for file in files}) > 1:
+    if metadata is None and len({_OWN.sub("", file.name) for file in files}) > 1:
         there = listed([file.name for file in files], _NAMED_AT_MOST)
         raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {there}")
-    problems = _missing(path, metadata)
+    problems = _missing(path, metadata or "")
     return _whole(lambda: _open_chain(files, problems), files, problems) or open_repaired(files, problems)
 
 
@@ -104,10 +104,13 @@ def _open_chain(files: Sequence[Path], problems: Sequence[str]) -> Chain:
         return Chain(sources, problems)
 
 
-def _metadata(path: Path) -> str:
-    """The text of the metadata; empty where there is none."""
+def _metadata(path: Path) -> str | None:
+    """The text of the metadata, empty where it cannot be read; None where there is none."""
     file = path / _METADATA
-    return file.read_text(errors="replace") if file.exists() else ""
+    try:
+        return file.read_text(errors="replace") if file.exists() else None
+    except OSError:  # the files tell as much
+        return ""
 
 
 def _missing(path: Path, metadata: str) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 
 from ...messages.channel import Channel
-from ...repair import Message, Source
+from ...repair import Message, RecordingError, Source
 
 
 class FallbackSource:
@@ -20,6 +20,7 @@ class FallbackSource:
         self._first = first
         self._open_repaired = open_repaired
         self._repaired: Source | None = None
+        self._closed = False
         self.channels = first.channels
         self.start_ns, self.end_ns = first.start_ns, first.end_ns
 
@@ -42,6 +43,8 @@ class FallbackSource:
                     yield message
                 return
             except Exception:  # rosbags raises anything; the reader made for damage finds out and tells
+                if self._closed:
+                    raise RecordingError("the recording is closed: open it again") from None
                 self._repaired = self._open_repaired()
         yield from self._resume(self._repaired, channels, latest, stop_ns, given)
 
@@ -54,6 +57,7 @@ class FallbackSource:
 
     def close(self) -> None:
         """See `Source`."""
+        self._closed = True
         self._first.close()
         if self._repaired:
             self._repaired.close()

@@ -2,72 +2,79 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from pathlib import Path
 
 import pytest
-from robowidgets.recordings.chain import Chain, open_chain
 
-from robowidgets.repair import open_file
-from robowidgets.repair.source import RecordingError
+from robowidgets.recordings.files import open_source
+from robowidgets.repair import RecordingError, Source
 
-from .written import START_NS, STEP_NS, messages, read, write_bag
+from .written import START_NS, STEP_NS, Message, messages, read, write_bag
 
 
 def split(folder: Path) -> list[Path]:
-    """One recording in three files, whose times overlap."""
-    held = messages(90)
-    parts = [held[:40], held[40:60:2] + held[70:], held[41:60:2] + held[60:70]]
+    """One recording in three files, whose times overlap: speeds are written before the scans of the same time."""
+    edges = {"/scan": (0, 40, 60, 90), "/cmd_vel": (0, 46, 66, 90)}
+    parts: list[list[Message]] = [[], [], []]
+    for i, message in enumerate(messages(90)):
+        parts[bisect_right(edges[message[0]], i) - 1].append(message)
     return [write_bag(folder / f"drive_{number}.bag", part) for number, part in enumerate(parts)]
 
 
-def test_files_become_one_recording_in_the_order_of_time(tmp_path: Path) -> None:
-    source = open_chain(split(tmp_path), open_file)
-    assert read(source) == messages(90)
-    assert [(channel.topic, channel.count) for channel in source.channels] == [("/scan", 60), ("/cmd_vel", 30)]
-    assert len({channel.id for channel in source.channels}) == 2
-    assert (source.start_ns, source.end_ns, source.problems) == (START_NS, START_NS + 89 * STEP_NS, ())
+class TestWholeFiles:
+    @pytest.fixture
+    def source(self, tmp_path: Path) -> Source:
+        split(tmp_path)
+        return open_source(tmp_path)
 
+    def test_become_one_recording_in_the_order_of_time(self, source: Source) -> None:
+        assert read(source) == messages(90)
+        assert [(channel.topic, channel.count) for channel in source.channels] == [("/scan", 60), ("/cmd_vel", 30)]
+        assert len({channel.id for channel in source.channels}) == 2
+        assert (source.start_ns, source.end_ns, source.problems) == (START_NS, START_NS + 89 * STEP_NS, ())
+        assert [source.last_ns(channel) for channel in source.channels] == [
+            START_NS + 88 * STEP_NS,
+            START_NS + 89 * STEP_NS,
+        ]
 
-def test_some_channels_within_some_time(tmp_path: Path) -> None:
-    source = open_chain(split(tmp_path), open_file)
-    speeds = [channel for channel in source.channels if channel.topic == "/cmd_vel"]
-    window = source.messages(speeds, START_NS + 38 * STEP_NS, START_NS + 44 * STEP_NS)
-    assert [(time_ns - START_NS) // STEP_NS for _, time_ns, _ in window] == [38, 41]
-    assert list(source.messages(())) == []
+    def test_give_some_channels_within_some_time(self, source: Source) -> None:
+        speeds = [channel for channel in source.channels if channel.topic == "/cmd_vel"]
+        window = source.messages(speeds, START_NS + 38 * STEP_NS, START_NS + 44 * STEP_NS)
+        assert [(time_ns - START_NS) // STEP_NS for _, time_ns, _ in window] == [38, 41]
+        assert list(source.messages(())) == []
+
+    def test_are_all_closed_with_it(self, source: Source) -> None:
+        source.close()
+        source.close()
+        with pytest.raises(RecordingError, match="is closed"):
+            read(source)
 
 
 def test_a_file_that_cannot_be_read_is_told_beside_the_rest(tmp_path: Path) -> None:
     paths = split(tmp_path)
     paths[0].write_bytes(b"")
     paths[1].write_bytes(paths[1].read_bytes()[:-60])
-    source = open_chain(paths, open_file)
-    assert read(source) == messages(90)[40:]
+    source = open_source(tmp_path)
+    held = messages(90)
+    assert read(source) == [message for i, message in enumerate(held) if i >= 40 and i not in (41, 44)]
     assert source.problems == (
         "drive_0.bag: the file is empty (0 bytes): expected a recording; copy it again or record again",
-        "drive_1.bag: the recording was cut off: read 30 messages, up to 2.5 s",
+        "drive_1.bag: the recording was cut off: read 20 messages, up to 1.2 s",
     )
+    source.close()
 
 
 def test_when_no_file_can_be_read_the_first_says_why(tmp_path: Path) -> None:
-    paths = [tmp_path / "drive_0.bag", tmp_path / "drive_1.bag"]
-    paths[0].write_bytes(b"#ROSRECORD V1.2\n")
-    paths[1].touch()
+    (tmp_path / "drive_0.bag").write_bytes(b"#ROSRECORD V1.2\n")
+    (tmp_path / "drive_1.bag").touch()
     with pytest.raises(RecordingError, match=r"^drive_0\.bag: a bag of format 1\.2"):
-        open_chain(paths, open_file)
+        open_source(tmp_path)
 
 
-def test_closing_closes_every_file_and_does_what_was_asked_once(tmp_path: Path) -> None:
-    calls: list[str] = []
-    sources = [(path.name, open_file(path)) for path in split(tmp_path)]
-    chain = Chain(sources, on_close=lambda: calls.append("closed"))
-    chain.close()
-    chain.close()
-    assert calls == ["closed"]
-    for _, source in sources:
-        with pytest.raises(RecordingError, match="is closed"):
-            read(source)
-
-
-def test_no_source_and_no_message_have_no_time() -> None:
-    chain = Chain([])
-    assert (chain.start_ns, chain.end_ns, chain.channels, read(chain)) == (None, None, (), [])
+def test_files_without_a_message_have_no_time(tmp_path: Path) -> None:
+    for number in range(2):
+        write_bag(tmp_path / f"drive_{number}.bag", [])
+    source = open_source(tmp_path)
+    assert (source.start_ns, source.end_ns, read(source)) == (None, None, [])
+    source.close()

@@ -14,18 +14,15 @@ from typing import Any
 import pytest
 
 import robowidgets
-from robowidgets import RecordingError
-from robowidgets.messages.decoding import shape_of
-from robowidgets.repair.source import Channel
 
 if sys.version_info >= (3, 14):
     from compression import zstd
 else:
     from backports import zstd
 
+from ..repair.test_hostile import CLAIMS
 from . import sweeps
-from .test_salvage_hostile import CLAIMS
-from .written import MCAP_END, MCAP_MAGIC, mcap_chunk, mcap_head, string
+from .written import MCAP_END, MCAP_MAGIC, mcap_chunk, mcap_head, record, string
 
 SECONDS = 5
 LEVELS = 60
@@ -152,18 +149,28 @@ NESTED = {
 }
 
 
+def write_defined(path: Path, definition: str) -> Path:
+    """A file with one message, of a type that the file defines."""
+    schema = record(0x03, struct.pack("<H", 1) + string("a/msg/T0") + string("ros2msg") + string(definition))
+    channel = record(0x04, struct.pack("<HH", 1, 1) + string("/topic") + string("cdr") + struct.pack("<I", 0))
+    message = record(0x05, struct.pack("<HIQQ", 1, 0, 1, 1) + bytes(8))
+    path.write_bytes(MCAP_MAGIC + schema + channel + message + MCAP_END)
+    return path
+
+
 @pytest.mark.parametrize("name", NESTED)
-def test_a_definition_that_nests_without_end_is_not_followed(name: str) -> None:
+def test_a_definition_that_nests_without_end_is_not_followed(tmp_path: Path, name: str) -> None:
+    path = write_defined(tmp_path / "x.mcap", NESTED[name])
     start = time.process_time()
-    channel = Channel(1, "/topic", "a/msg/T0", "cdr", NESTED[name], 1)
-    with pytest.raises(RecordingError, match="the definition of its messages in the file is not one that can be"):
-        shape_of(channel)
+    recording = robowidgets.open(path)
     assert time.process_time() - start < SECONDS
+    assert recording.problems[0].startswith("/topic: the definition of its messages in the file is not one that can be")
 
 
-def test_a_definition_of_many_fields_is_read_all_the_same() -> None:
+def test_a_definition_of_many_fields_is_read_all_the_same(tmp_path: Path) -> None:
     definition = "\n".join(f"int8 x{i}" for i in range(2000))
-    assert len(shape_of(Channel(1, "/topic", "a/msg/T0", "cdr", definition, 1))) == 2000
+    recording = robowidgets.open(write_defined(tmp_path / "x.mcap", definition))
+    assert recording.problems == ("none of its topics has a widget that shows it",)
 
 
 @pytest.mark.parametrize("rays", [1 << 20, (1 << 30) - 1])

@@ -1,19 +1,38 @@
-"""CARMEN logs: clocks, lines and the log as a whole."""
+"""CARMEN logs: their lines, their clocks, and the log as a whole."""
 
 from __future__ import annotations
 
-from math import degrees, nan, pi
+import gzip
+from collections.abc import Callable, Sequence
+from math import degrees, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
-from robowidgets.recordings.timeline import Moment
-from robowidgets.repair._carmen_clock import steady
 
-from robowidgets import Scan, Speed
-from robowidgets.repair._carmen import CarmenLog
-from robowidgets.repair._carmen_lines import LONGEST, new_scan, old_scan, range_max_of, speed, time_of, word_of
+import robowidgets
+from robowidgets import Recording, RecordingError, Scan, Speed
+from robowidgets.repair import open_repaired
+from robowidgets.repair._carmen_lines import LONGEST
+
+from ..recordings.clock_back import START_NS
 
 S = 1_000_000_000
+EPOCH = START_NS / 1e9
+
+Open = Callable[..., Recording]
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Open:
+    """Opens a log of these lines."""
+
+    def open_log(*lines: bytes) -> Recording:
+        path = tmp_path / "drive.log"
+        path.write_bytes(b"\n".join((b"# CARMEN", *lines)) + b"\n")
+        return robowidgets.open(path)
+
+    return open_log
 
 
 def flaser(count: int = 180, time: float = 1.0, far: float = 81.83) -> bytes:
@@ -21,42 +40,69 @@ def flaser(count: int = 180, time: float = 1.0, far: float = 81.83) -> bytes:
     return f"FLASER {count} {ranges} 0 0 0 0 0 0 {time} host {time}".encode()
 
 
-def odom(forward: float = 0.5, turn: float = -0.1, time: float = 1.0) -> bytes:
+def odom(forward: float = 0.5, turn: float = -0.1, time: object = 1.0) -> bytes:
     return f"ODOM 1 2 0.5 {forward} {turn} 0 {time} host {time}".encode()
 
 
+def scan_of(recording: Recording) -> Scan:
+    (moment,) = (moment for moment in recording.samples() if isinstance(moment.sample, Scan))
+    assert isinstance(moment.sample, Scan)
+    return moment.sample
+
+
 class TestTheClock:
-    def test_is_kept_when_it_runs(self) -> None:
-        assert steady([1.0, 1.5, 1.5, 2.0]) == ([S, 1_500_000_000, 1_500_000_000, 2 * S], True, "")
+    def open(self, log: Open, times: Sequence[object]) -> Recording:
+        return log(*(odom(time=time) for time in times))
 
-    def test_is_held_when_it_goes_back_a_little(self) -> None:
-        times, timed, line = steady([1.0, 2.0, 1.5, 1.75, 3.0])
-        assert times == [S, 2 * S, 2 * S, 2 * S, 3 * S]
-        assert timed
-        assert line == "the clock goes back once, by up to 0.50 s: order is kept, time held meanwhile"
+    def check(self, recording: Recording, *seconds: float) -> None:
+        assert [moment.seconds for moment in recording.samples("ODOM")] == pytest.approx(seconds)
 
-    def test_goes_on_when_it_was_set_back_for_good(self) -> None:
-        times, _, line = steady([100.0, 101.0, 3.0, 4.0, 6.0])
-        assert times == [100 * S, 101 * S, 101 * S, 102 * S, 104 * S]
-        assert "once, by up to 98.00 s" in line
+    def test_is_kept_when_it_runs(self, log: Open) -> None:
+        recording = self.open(log, [1.0, 1.5, 1.5, 2.0])
+        self.check(recording, 0, 0.5, 0.5, 1)
+        assert (recording.start_ns, recording.problems) == (S, ())
 
-    def test_is_not_taken_for_set_back_by_one_stray_time(self) -> None:
-        times, _, _ = steady([100.0, 101.0, 0.0, 102.0, 103.0])
-        assert times == [100 * S, 101 * S, 101 * S, 102 * S, 103 * S]
+    def test_is_held_when_it_goes_back_a_little(self, log: Open) -> None:
+        recording = self.open(log, [1.0, 2.0, 1.5, 1.75, 3.0])
+        self.check(recording, 0, 1, 1, 1, 2)
+        assert recording.problems == ("the clock goes back once, by up to 0.50 s: order is kept, time held meanwhile",)
 
-    def test_is_replaced_when_it_stands_still(self) -> None:
-        times, timed, line = steady([0.0] * 30)
-        assert times == [i * S // 10 for i in range(30)]
-        assert not timed
-        assert line.startswith("the clock stood still (1 different time in 30 lines): the lines are set 0.1 s apart")
+    def test_goes_on_when_it_was_set_back_for_good(self, log: Open) -> None:
+        recording = self.open(log, [100.0, 101.0, 3.0, 4.0, 6.0])
+        self.check(recording, 0, 1, 1, 2, 4)
+        assert "once, by up to 98.00 s" in recording.problems[0]
 
-    def test_may_miss_in_places(self) -> None:
-        times, _, line = steady([nan, 1.0, nan, 2.0])
-        assert times == [S, S, S, 2 * S]
-        assert "goes back" in line
+    def test_is_not_taken_for_set_back_by_one_stray_time(self, log: Open) -> None:
+        self.check(self.open(log, [100.0, 101.0, 0.0, 102.0, 103.0]), 0, 1, 1, 2, 3)
 
-    def test_of_nothing_is_nothing(self) -> None:
-        assert steady([]) == ([], True, "")
+    def test_is_replaced_when_it_stands_still(self, log: Open) -> None:
+        recording = self.open(log, [0.0] * 30)
+        self.check(recording, *(i / 10 for i in range(30)))
+        assert recording.problems[0] == (
+            "the clock stood still (1 different time in 30 lines): the lines are set 0.1 s apart, in their order"
+        )
+
+    def test_may_miss_in_places(self, log: Open) -> None:
+        recording = self.open(log, ["nan", 1.0, "none", 2.0])
+        self.check(recording, 0, 0, 0, 1)
+        assert recording.start_ns == S
+        assert recording.problems == ()
+
+    def test_goes_on_after_a_leap_ahead(self, log: Open) -> None:
+        recording = self.open(log, [1.0, 2.0, EPOCH, EPOCH + 1])
+        assert recording.problems == (
+            "the clock jumps ahead once, by 19,675.9 days: time goes on from where it was, dated 2023-11-14",
+        )
+        self.check(recording, 0, 1, 1, 2)
+        assert recording.end_ns == START_NS + S
+
+    @pytest.mark.parametrize("stray", ["inf", "1e300", "nan", "-1e300", "4e9"])
+    def test_is_not_led_astray_by_one_time(self, log: Open, stray: str) -> None:
+        recording = self.open(log, [EPOCH, EPOCH + 1, stray, EPOCH + 2, EPOCH + 3])
+        assert recording.start_ns == START_NS
+        seconds = [moment.seconds for moment in recording.samples("ODOM")]
+        assert len(seconds) == 5
+        assert seconds[-1] == pytest.approx(2.5, abs=0.5)
 
 
 class TestAScan:
@@ -64,129 +110,158 @@ class TestAScan:
         ("count", "first", "step"),
         [(180, -90, 1), (181, -90, 1), (360, -90, 0.5), (361, -90, 0.5), (401, -50, 0.25), (91, -90, 2)],
     )
-    def test_is_spread_as_carmen_spreads_it(self, count: int, first: float, step: float) -> None:
-        scan = old_scan(flaser(count), LONGEST)
+    def test_is_spread_as_carmen_spreads_it(self, log: Open, count: int, first: float, step: float) -> None:
+        scan = scan_of(log(flaser(count)))
         assert len(scan) == count
         assert degrees(scan.angle_min) == pytest.approx(first)
         assert degrees(scan.angle_increment) == pytest.approx(step)
 
-    def test_has_its_numbers_time_and_frame(self) -> None:
-        scan = old_scan(flaser(time=12.5), LONGEST)
+    def test_has_its_numbers_time_and_frame(self, log: Open) -> None:
+        scan = scan_of(log(flaser(time=12.5)))
         assert scan.ranges[1:3].tolist() == pytest.approx([0.1, 0.2])
         assert scan.stamp_ns == 12_500_000_000
         assert scan.frame_id == "front_laser"
-        assert old_scan(flaser().replace(b"FLASER", b"RLASER"), LONGEST).frame_id == "rear_laser"
+        assert scan_of(log(flaser().replace(b"FLASER", b"RLASER"))).frame_id == "rear_laser"
 
-    def test_of_the_newer_format_tells_its_own_angles_and_limits(self) -> None:
+    def test_looks_from_the_right_to_the_left(self, log: Open) -> None:
+        scan = scan_of(log(flaser()))
+        assert scan.angles[0] == pytest.approx(-pi / 2)
+        assert scan.y[1] < 0
+
+    def test_of_the_newer_format_tells_its_own_angles_and_limits(self, log: Open) -> None:
         line = b"ROBOTLASER1 0 -1.5 3.0 0.75 30.0 0.01 0 5 1 2 3 4 5 5 9 8 7 6 5 0 0 0 0 0 0 0.1 0.2 0 0 0 7.5 host 7.6"
-        scan = new_scan(line)
+        scan = scan_of(log(line))
         assert (len(scan), scan.angle_min, scan.angle_increment, scan.range_max) == (5, -1.5, 0.75, 30.0)
         assert scan.intensities.tolist() == [9, 8, 7, 6, 5]
         assert scan.frame_id == "robotlaser1"
-        raw = new_scan(b"RAWLASER2 0 0 3.14 0 30.0 0.01 0 3 1 2 3 0 7.5 host 7.6")
+        raw = scan_of(log(b"RAWLASER2 0 0 3.14 0 30.0 0.01 0 3 1 2 3 0 7.5 host 7.6"))
         assert raw.angle_increment == pytest.approx(3.14 / 2)
 
     @pytest.mark.parametrize(
-        "line", [b"FLASER 180 1 2 3", b"FLASER x 1 2 3 4 5 6 7 8 9 10", flaser()[:300], b"FLASER -1 0 0 0 0 0 0 0 h 0"]
+        "line",
+        [
+            b"FLASER 180 1 2 3",
+            b"FLASER x 1 2 3 4 5 6 7 8 9 10",
+            flaser()[:300],
+            b"FLASER -1 0 0 0 0 0 0 0 h 0",
+            b"ROBOTLASER1 0 -1.5 3.0 0.75 30.0 0.01 0 500 1 2 3 4 5 host 7.6",
+        ],
     )
-    def test_that_was_cut_is_refused(self, line: bytes) -> None:
-        with pytest.raises(ValueError, match=r"the line is cut|it is cut|invalid literal"):
-            old_scan(line, LONGEST)
-
-    def test_that_was_cut_is_refused_in_the_newer_format_too(self) -> None:
-        with pytest.raises(ValueError, match="the line is cut"):
-            new_scan(b"ROBOTLASER1 0 -1.5 3.0 0.75 30.0 0.01 0 500 1 2 3 4 5 host 7.6")
+    def test_that_was_cut_is_left_out_and_gives_no_time(self, log: Open, line: bytes) -> None:
+        recording = log(odom(time=1), line, odom(time=2))
+        assert [(topic.name, topic.count) for topic in recording.topics] == [("ODOM", 2)]
+        assert recording.duration == 1
+        (problem,) = recording.problems
+        word = line.split()[0].decode()
+        assert problem.startswith(f"{word}: lines that cannot be read are left out, such as: ")
+        assert problem.endswith(("the line is cut", "it is cut", "invalid literal for int() with base 10: b'x'"))
 
 
 class TestTheLongestRange:
-    def test_is_carmens_where_nothing_is_coded(self) -> None:
-        assert range_max_of([flaser(far=19.0)]) == LONGEST
-        assert range_max_of([]) == LONGEST
+    def test_is_carmens_where_nothing_is_coded(self, log: Open) -> None:
+        assert scan_of(log(flaser(far=19.0))).range_max == LONGEST
+        assert scan_of(log(flaser(0))).range_max == LONGEST
 
     @pytest.mark.parametrize(("code", "longest"), [(81.83, 80.0), (51.15, 51.13), (32.767, 32.74), (8.191, 80.0)])
-    def test_ends_below_the_number_that_means_nothing(self, code: float, longest: float) -> None:
-        assert range_max_of([flaser(far=code)]) == longest
+    def test_ends_below_the_number_that_means_nothing(self, log: Open, code: float, longest: float) -> None:
+        assert scan_of(log(flaser(far=code))).range_max == pytest.approx(longest)
 
 
-def test_a_speed_is_forward_and_turning() -> None:
-    assert speed(odom(0.5, -0.1, 2.0)) == Speed((0.5, 0.0, 0.0), (0.0, 0.0, -0.1), 2 * S, "base_link")
+class TestASpeed:
+    def test_is_forward_and_turning(self, log: Open) -> None:
+        (moment,) = log(odom(0.5, -0.1, 2.0)).samples("ODOM")
+        assert moment.sample == Speed((0.5, 0.0, 0.0), (0.0, 0.0, -0.1), 2 * S, "base_link")
 
+    def test_that_was_cut_is_left_out(self, log: Open) -> None:
+        recording = log(odom(time=1), b"ODOM 1 2 3", odom(time=2))
+        assert recording.topics[0].count == 2
+        assert recording.problems == (
+            "ODOM: lines that cannot be read are left out, such as: "
+            "expected 10 words or more in a line ODOM, got 4: it is cut",
+        )
 
-def test_lines_tell_their_name_and_time() -> None:
-    assert word_of(flaser()) == "FLASER"
-    assert word_of(b"# a comment") == word_of(b"") == word_of(b"FLASERS 1") == ""
-    assert time_of(odom(time=3.25)) == 3.25
-    assert np.isnan(time_of(b"ODOM 1 2 3 nonsense"))
+    def test_comes_with_the_pose_of_the_robot(self, log: Open) -> None:
+        (transform,) = log(odom()).transforms()
+        assert (transform.parent, transform.child) == ("odom", "base_link")
+        assert transform.pose[:3] == (1.0, 2.0, 0.0)
+
+    def test_that_holds_no_numbers_is_told(self, log: Open) -> None:
+        recording = log(odom(), b"ODOM x y z fast slow 0 2.0 host 2.0")
+        samples = [moment.sample for moment in recording.samples("ODOM")]
+        assert len(samples) == 2
+        assert np.isnan(samples[1].values).any()
 
 
 class TestALog:
-    TEXT = b"\n".join(
-        [
-            b"# CARMEN",
-            b"PARAM a b nohost 0",
-            odom(time=1),
-            flaser(time=2),
-            odom(0.6, time=3),
-            b"FLASER 180 1 2",
-            odom(time=5),
-        ]
+    LINES = (
+        b"PARAM a b nohost 0",
+        odom(time=1),
+        flaser(time=2),
+        b"",
+        b"FLASERS 1",
+        odom(0.6, time=3),
+        b"FLASER 180 1 2",
+        odom(time=5),
     )
 
-    def moments(self, log: CarmenLog, *topics: str, start: int | None = None, stop: int | None = None) -> list[Moment]:
-        return list(log.moments(topics, start, stop))
+    def test_lists_its_messages_as_topics(self, log: Open) -> None:
+        recording = log(*self.LINES)
+        assert [(topic.name, topic.type, topic.count, topic.widget) for topic in recording.topics] == [
+            ("ODOM", "nav_msgs/msg/Odometry", 3, "speed"),
+            ("FLASER", "sensor_msgs/msg/LaserScan", 1, "laser"),
+        ]
+        assert (recording.start_ns, recording.end_ns) == (S, 5 * S)
+        assert recording.topics[0].rate == pytest.approx(0.5)
 
-    def test_lists_its_messages_as_topics(self) -> None:
-        log = CarmenLog(self.TEXT)
-        told = [(topic.name, topic.type, topic.count, topic.widget) for topic in log.topics]
-        assert told == [("ODOM", "CARMEN ODOM", 3, "speed"), ("FLASER", "CARMEN FLASER", 2, "laser")]
-        assert (log.start_ns, log.end_ns) == (S, 5 * S)
-        assert log.topics[0].rate == pytest.approx(0.5)
-
-    def test_gives_its_lines_in_their_order_and_leaves_out_what_is_cut(self) -> None:
-        log = CarmenLog(self.TEXT)
-        assert [(m.topic, m.time_ns // S) for m in self.moments(log, "FLASER", "ODOM")] == [
+    def test_gives_its_lines_in_their_order(self, log: Open) -> None:
+        assert [(m.topic, m.time_ns // S) for m in log(*self.LINES).samples()] == [
             ("ODOM", 1), ("FLASER", 2), ("ODOM", 3), ("ODOM", 5)
         ]  # fmt: skip
-        assert log.problems[-1].startswith(
-            "FLASER: lines that cannot be shown are left out, such as: expected 11 words"
-        )
 
-    def test_gives_a_part_of_its_time(self) -> None:
-        log = CarmenLog(self.TEXT)
-        assert [(m.time_ns // S, m.seconds) for m in self.moments(log, "ODOM", start=2 * S, stop=5 * S)] == [(3, 2.0)]
-        assert self.moments(log, "FLASER", start=3 * S) == []
+    def test_gives_a_part_of_its_time(self, log: Open) -> None:
+        recording = log(*self.LINES)
+        assert [(m.time_ns // S, m.seconds) for m in recording.samples("ODOM", 1, 4)] == [(3, 2.0)]
+        assert list(recording.samples("FLASER", 2)) == []
 
-    def test_knows_the_last_sample_at_a_time(self) -> None:
-        log = CarmenLog(self.TEXT)
-        at = [log.last("ODOM", round(seconds * S)) for seconds in (0.9, 1.0, 2.9, 3.0, 99.0)]
+    def test_knows_the_last_sample_at_a_time(self, log: Open) -> None:
+        recording = log(*self.LINES)
+        at = [recording.at("ODOM", seconds) for seconds in (-0.1, 0.0, 1.9, 2.0, 98.0)]
         assert [moment and moment.time_ns // S for moment in at] == [None, 1, 1, 3, 5]
-        scan = log.last("FLASER", 99 * S)
+        scan = recording.at("FLASER", 98)
         assert scan is not None
         assert isinstance(scan.sample, Scan)
         assert scan.time_ns == 2 * S
 
-    def test_counts_what_a_mapper_wrote_for_itself_apart(self) -> None:
-        text = b"\n".join([odom(time=1), flaser(time=2), odom(0.0, 0.0, 0.0), b"NEFF 26.4", odom(time=3)])
-        log = CarmenLog(text)
-        assert [(topic.name, topic.count, topic.widget) for topic in log.topics] == [
-            ("ODOM", 2, "speed"), ("FLASER", 1, "laser"), ("NEFF", 1, None)
-        ]  # fmt: skip
-        assert log.problems == ()
-        assert [m.time_ns // S for m in self.moments(log, "ODOM")] == [1, 3]
+    def test_counts_what_a_mapper_wrote_for_itself_apart(self, log: Open) -> None:
+        recording = log(odom(time=1), flaser(time=2), odom(0.0, 0.0, 0.0), b"NEFF 26.4", odom(time=3))
+        assert [(topic.name, topic.type, topic.count, topic.widget) for topic in recording.topics] == [
+            ("ODOM", "nav_msgs/msg/Odometry", 2, "speed"),
+            ("FLASER", "sensor_msgs/msg/LaserScan", 1, "laser"),
+            ("NEFF", "geometry_msgs/msg/Pose2D", 1, None),
+        ]
+        assert recording.problems == ()
+        assert [m.time_ns // S for m in recording.samples("ODOM")] == [1, 3]
 
-    def test_tells_what_was_wrong_with_its_file_and_its_clock(self) -> None:
-        log = CarmenLog(b"\n".join(odom(time=0) for _ in range(20)), ["the file was cut off"])
-        assert log.problems[0] == "the file was cut off"
-        assert log.problems[1].startswith("the clock stood still")
-        assert log.topics[0].rate is None
+    def test_without_lines_is_empty(self, log: Open) -> None:
+        recording = log(b"PARAM a b nohost 0")
+        assert (recording.topics, recording.start_ns, recording.end_ns) == ((), None, None)
+        assert list(recording.samples()) == []
+        assert recording.problems == ("there is no message in it: nothing was recorded",)
 
-    def test_without_lines_is_empty(self) -> None:
-        log = CarmenLog(b"PARAM a b nohost 0\n")
-        assert (log.topics, log.start_ns, log.end_ns, log.last("ODOM", 0)) == ((), None, None, None)
-        assert self.moments(log, "ODOM") == []
+    def test_of_which_every_line_is_cut_says_so(self, log: Open) -> None:
+        with pytest.raises(RecordingError, match=r"^drive\.log: .*nothing can be saved"):
+            log(b"FLASER 180 1 2", b"FLASER 180 1 2 3")
 
-    def test_scans_look_from_the_right_to_the_left(self) -> None:
-        scan = self.moments(CarmenLog(self.TEXT), "FLASER")[0].sample
-        assert isinstance(scan, Scan)
-        assert scan.angles[0] == pytest.approx(-pi / 2)
-        assert scan.y[1] < 0
+    def test_whose_compression_was_cut_gives_what_it_holds(self, tmp_path: Path) -> None:
+        path = tmp_path / "cut.log.gz"
+        path.write_bytes(gzip.compress(b"\n".join(odom(time=i + i * i / 1e6) for i in range(5000)))[:-2000])
+        source = open_repaired([path])
+        assert 1000 < source.channels[0].count < 5000
+        assert source.problems[0] == "the file was cut off or is damaged: read what could be decompressed"
+
+    def test_of_one_file_among_several_is_read_with_them(self, tmp_path: Path) -> None:
+        paths = [tmp_path / "1.log", tmp_path / "2.log.gz"]
+        paths[0].write_bytes(odom(time=1))
+        paths[1].write_bytes(gzip.compress(odom(time=2)))
+        source = open_repaired(paths)
+        assert [time_ns for _, time_ns, _ in source.messages(source.channels)] == [S, 2 * S]
