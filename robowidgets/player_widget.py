@@ -37,13 +37,13 @@ class PlayerWidget(anywidget.AnyWidget):
     selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None.").tag(sync=True)
     marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start.").tag(sync=True)
 
-    _stretch = traitlets.Float(1.0).tag(sync=True)
+    _segment = traitlets.Float(1.0).tag(sync=True)
     _targets = traitlets.List(traitlets.Unicode()).tag(sync=True)
     _pauses = traitlets.List(traitlets.Float()).tag(sync=True)
     _followers = traitlets.List(traitlets.Unicode()).tag(sync=True)
     _first = traitlets.Dict().tag(sync=True, echo_update=False)
     _start = traitlets.Float(None, allow_none=True, help="Seconds since the epoch; None: no date.").tag(sync=True)
-    _words = traitlets.Unicode().tag(sync=True)
+    _status = traitlets.Unicode().tag(sync=True)
     _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)
 
     def when_asked(self, call: Callable[[], Any]) -> None:

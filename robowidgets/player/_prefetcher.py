@@ -284,7 +284,7 @@ class Prefetcher:
             self._largest = max(self._largest, size)
             dropped = self._dropped()
         self._send(
-            {"stretch": index, "drop": dropped, "abouts": [abouts for abouts, _ in packed]}, [raw for _, raw in packed]
+            {"segment": index, "drop": dropped, "abouts": [abouts for abouts, _ in packed]}, [raw for _, raw in packed]
         )
         with self._change:
             self._answer.notify_all()

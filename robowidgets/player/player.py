@@ -153,14 +153,14 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         return PlayerWidget(
             duration=self.recording.duration,
             time=seconds,
-            _stretch=SEGMENT,
+            _segment=SEGMENT,
             _targets=[view.widget.model_id for view in self.views],
             _pauses=[_pause(self.recording, view.choice) for view in self.views],
             _followers=[self.scanogram.model_id] if self.scanogram else [],
             _start=start_ns / 1e9 if has_date(start_ns) else None,
             _note=note,
             _first={
-                "stretch": index,
+                "segment": index,
                 "drop": [],
                 "abouts": [abouts for abouts, _ in packed],
                 "tracks": [raw for _, raw in packed],
@@ -177,7 +177,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar.send(content, buffers)
 
     def _complain(self, words: str) -> None:
-        self.bar._words = words
+        self.bar._status = words
 
     def _widgets(self) -> ipywidgets.Box:
         widgets = ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)

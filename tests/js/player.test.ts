@@ -107,7 +107,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
     loop: false,
     selection: null,
     marks: [],
-    _stretch: 1,
+    _segment: 1,
     _first: {},
     _pauses: [],
     ...values,
@@ -121,7 +121,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
   const playback = new Playback(fake.model, Promise.resolve(moved), controller.signal);
   await Promise.resolve();
   const give = (index: number) =>
-    fake.tell({ stretch: index, drop: [], abouts: [[{ frame_id: `${index}` }]] }, [
+    fake.tell({ segment: index, drop: [], abouts: [[{ frame_id: `${index}` }]] }, [
       packed([index, 0, FRAME], [index + 0.5, 0, FRAME]),
     ]);
   for (const index of segments) give(index);
@@ -143,7 +143,7 @@ test("what is old is told with its age, whether it is new on show or not", async
     [7, 7],
     [8, -1],
   ] as const) {
-    fake.tell({ stretch: index, drop: [], abouts: [[{ frame_id: "laser" }]] }, [packed([time, 0, frame])]);
+    fake.tell({ segment: index, drop: [], abouts: [[{ frame_id: "laser" }]] }, [packed([time, 0, frame])]);
   }
   const told = (time: number) => {
     playback.seek(time);

@@ -134,7 +134,7 @@ export class PlayerBar {
       this.#play.ariaLabel = this.#play.title;
     }
     this.#loop.ariaPressed = String(this.#model.get("loop"));
-    setText(this.#words, this.#model.get("_words") || (waits ? "waiting for the kernel" : ""));
+    setText(this.#words, this.#model.get("_status") || (waits ? "waiting for the kernel" : ""));
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(duration);

@@ -52,13 +52,13 @@ export class Playback {
   constructor(model: Model<PlayerTraits>, moved: Promise<Moved>, signal: AbortSignal) {
     this.#model = model;
     this.#time = model.get("time");
-    this.#segments = new Segments(model.get("_stretch"));
+    this.#segments = new Segments(model.get("_segment"));
     this.#prefetcher = new Prefetcher(this.#segments, (time) => model.send({ pointed: time }), signal);
     this.#tell = throttle(() => setTraits(model, { time: this.#time }), TELL_MS, signal);
     this.#nextFrame = perAnimationFrame(() => this.#advance(), signal);
     onChange(model, ["time"], () => this.#onTime(), signal);
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
-    onChange(model, ["speed", "loop", "selection", "marks", "_words"], () => this.#changed(), signal);
+    onChange(model, ["speed", "loop", "selection", "marks", "_status"], () => this.#changed(), signal);
     onMessage(model, (message: Message, buffers) => this.#onMessage(message, buffers), signal);
     const first = model.get("_first");
     if (first.tracks) this.#onMessage(first, first.tracks);
@@ -169,7 +169,7 @@ export class Playback {
     this.#nextFrame();
   }
 
-  #onMessage({ seek, stretch = 0, drop = [], abouts = [] }: Message, buffers: DataView[]): void {
+  #onMessage({ seek, segment = 0, drop = [], abouts = [] }: Message, buffers: DataView[]): void {
     if (seek !== undefined) {
       this.seek(seek);
       return;
@@ -178,7 +178,7 @@ export class Playback {
       return { frames: decodeFrames(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
     });
     this.#segments.drop(drop);
-    this.#segments.put(stretch, tracks);
+    this.#segments.put(segment, tracks);
     this.#prefetcher.came();
     // Also what is on show may have come anew.
     this.#show();

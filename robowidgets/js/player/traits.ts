@@ -10,7 +10,7 @@ export interface PlayerTraits {
   selection: [number, number] | null;
   marks: Mark[];
   /** Seconds of a segment. */
-  _stretch: number;
+  _segment: number;
   /** Names of the models of the widgets that show frames. */
   _targets: string[];
   /** For each target, seconds after which its newest frame is old; 0: never. */
@@ -21,14 +21,15 @@ export interface PlayerTraits {
   _first: Partial<SegmentMessage>;
   /** Seconds since the epoch. */
   _start: number | null;
-  _words: string;
+  /** Why the recording can be read no further; else empty. */
+  _status: string;
   _note: string;
 }
 
 /** A segment of the recording: the frames of each target, in the buffers of the message. */
 export interface SegmentMessage {
   /** Its number. */
-  stretch: number;
+  segment: number;
   /** Numbers of segments that the page is to forget. */
   drop: number[];
   /** For each target, what is said of its frames. */

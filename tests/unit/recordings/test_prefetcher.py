@@ -42,9 +42,9 @@ class Page:
     def take(self, content: dict, buffers: list[bytes]) -> None:
         for index in content["drop"]:
             self.bytes.pop(index)
-        self.has.append(content["stretch"])
+        self.has.append(content["segment"])
         self.dropped.append(content["drop"])
-        self.bytes[content["stretch"]] = sum(map(len, buffers))
+        self.bytes[content["segment"]] = sum(map(len, buffers))
 
 
 @contextmanager

@@ -209,8 +209,8 @@ def test_a_page_that_has_nothing_gets_the_time_on_show_first(path: Path, monkeyp
         player.time = 5.5
         player.bar._handle_custom_msg({"have": "nothing"}, [])
         wait_for(lambda: len(sent) >= 6, "the last five seconds came, and the one before")
-    segments = [(content, buffers) for content, buffers in sent if "stretch" in content]
-    assert [content["stretch"] for content, _ in segments] == [5, 6, 4, 7, 8, 9, 10][: len(segments)]
+    segments = [(content, buffers) for content, buffers in sent if "segment" in content]
+    assert [content["segment"] for content, _ in segments] == [5, 6, 4, 7, 8, 9, 10][: len(segments)]
     assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in segments)
 
 
@@ -231,7 +231,7 @@ def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
 
 def test_the_first_look_is_in_the_state_of_the_bar(player: Player) -> None:
     first = player.bar._first
-    assert first["stretch"] == int(player.time)
+    assert first["segment"] == int(player.time)
     assert [len(track) for track in first["tracks"]] == [
         len(raw) for _, raw in segment([view.track for view in player.views], 0)
     ]
