@@ -126,14 +126,23 @@ class Model {
   }
 }
 
-socket.onmessage = ({ data: bytes }) => {
+async function take(bytes) {
   const { header, buffers } = unpack(bytes);
   const { kind, comm, data } = header;
   if (kind === "settled") settled.shift()();
-  else if (kind === "comm_open") models.set(comm, new Model(comm, putBuffers(data.state, data.buffer_paths, buffers)));
-  else if (kind === "comm_close") models.get(comm)?.ended?.abort();
+  else if (kind === "comm_open") {
+    const model = new Model(comm, putBuffers(data.state, data.buffer_paths, buffers));
+    models.set(comm, model);
+    if (model.get("_esm")) await model.widget;
+  } else if (kind === "comm_close") models.get(comm)?.ended?.abort();
   else if (data.method === "update") models.get(comm).set_state(putBuffers(data.state, data.buffer_paths, buffers));
   else if (data.method === "custom") models.get(comm).fire("msg:custom", data.content, buffers);
+}
+
+// One message after the other, each when the widget of the one before is there.
+let taken = opened;
+socket.onmessage = ({ data: bytes }) => {
+  taken = taken.then(() => take(bytes));
 };
 
 function outputOf(cell) {

@@ -10,8 +10,11 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, expect
 
+from robowidgets._core import command_watchdog, press
+
 from .chromium import shoot
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 PAD = """
 import threading, time
@@ -32,7 +35,7 @@ while not pathlib.Path({stop!r}).exists():
 SPEEDS = "[speed for _, *speed in heard]"
 
 
-def pad_of(nb: Notebook, cell: int = 0) -> Locator:
+def pad_of(nb: Notebook | PlainPage, cell: int = 0) -> Locator:
     return nb.widget(cell).locator(".rw-pad")
 
 
@@ -44,34 +47,43 @@ watchdog.CommandWatchdog.drive.__defaults__ = (10, watchdog.PROGRAM)
 SLOW_CLOCK = "() => { const now = performance.now.bind(performance); performance.now = () => now() / 20; }"
 
 
-def unhurried(nb: Notebook) -> None:
+@pytest.fixture(autouse=True)
+def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What `unhurried` changes in this process, on a plain page, does not outlast a test."""
+    monkeypatch.setattr(command_watchdog, "HOLD", command_watchdog.HOLD)
+    monkeypatch.setattr(press, "HOLD", press.HOLD)
+    drive = command_watchdog.CommandWatchdog.drive
+    monkeypatch.setattr(drive, "__defaults__", drive.__defaults__)
+
+
+def unhurried(nb: Notebook | PlainPage) -> None:
     """Have page and kernel wait ten seconds for each other, not half of one: a machine may have much else to do."""
     nb.python(UNHURRIED)
     nb.page.evaluate(SLOW_CLOCK)
 
 
-def says(nb: Notebook, words: str, cell: int = 0) -> None:
+def says(nb: Notebook | PlainPage, words: str, cell: int = 0) -> None:
     expect(nb.widget(cell).locator(".rw-words")).to_have_text(words)
 
 
-def numbers(nb: Notebook, linear: str, angular: str) -> None:
+def numbers(nb: Notebook | PlainPage, linear: str, angular: str) -> None:
     expect(nb.widget(0).locator(".rw-readout-value")).to_have_text([linear, angular])
 
 
-def heard(nb: Notebook) -> list[list[float]]:
+def heard(nb: Notebook | PlainPage) -> list[list[float]]:
     """The speeds that the robot heard, without repeats."""
     speeds: list[list[float]] = eval(nb.python(SPEEDS))
     return [speed for i, speed in enumerate(speeds) if i == 0 or speed != speeds[i - 1]]
 
 
-def grab(nb: Notebook, right: float, below: float) -> None:
+def grab(nb: Notebook | PlainPage, right: float, below: float) -> None:
     """Press the pointer on the middle of the pad and drag it to shares of half its size."""
     drag(nb, 0, 0)
     nb.page.mouse.down()
     drag(nb, right, below)
 
 
-def drag(nb: Notebook, right: float, below: float) -> None:
+def drag(nb: Notebook | PlainPage, right: float, below: float) -> None:
     """Move the pointer to a place on the pad: shares of half its size from the middle."""
     box: Any = pad_of(nb).bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -86,8 +98,8 @@ LEAVE = {
 }
 
 
-def test_the_knob_drives_ahead_and_to_the_left_until_it_is_let_go(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([PAD])
+def test_the_knob_drives_ahead_and_to_the_left_until_it_is_let_go(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([PAD])
     unhurried(nb)
     says(nb, "stopped")
     numbers(nb, "0.00", "0.00")
@@ -145,8 +157,8 @@ def test_keys_drive_until_one_looks_away_and_the_notebook_does_not_see_them(note
         nb.page.keyboard.up("ArrowUp")
 
 
-def test_a_finger_drives_and_a_cancelled_touch_stops(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([PAD], touch=True)
+def test_a_finger_drives_and_a_cancelled_touch_stops(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([PAD], touch=True)
     unhurried(nb)
     box: Any = pad_of(nb).bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + 5
@@ -346,8 +358,8 @@ def test_stop_on_the_pad_latches_until_driving_is_allowed(notebook: Callable[...
     says(nb, "nobody may drive")
 
 
-def test_two_views_of_one_pad_give_way_to_the_newest_press(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([PAD, "pad"])
+def test_two_views_of_one_pad_give_way_to_the_newest_press(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([PAD, "pad"])
     unhurried(nb)
     for cell in (0, 1):
         pad_of(nb, cell).dispatch_event("pointerdown", {"pointerId": 1, "button": 0})
@@ -355,8 +367,8 @@ def test_two_views_of_one_pad_give_way_to_the_newest_press(notebook: Callable[..
     says(nb, "driven from another pad", 0)
 
 
-def test_two_pads_of_one_robot_give_way_to_the_newest_press(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FEED, "two = DriveWidget()\ntwo.connect(feed)\ntwo"])
+def test_two_pads_of_one_robot_give_way_to_the_newest_press(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FEED, "two = DriveWidget()\ntwo.connect(feed)\ntwo"])
     unhurried(nb)
     for cell in (0, 1):
         pad_of(nb, cell).dispatch_event("pointerdown", {"pointerId": 1, "button": 0})
@@ -364,8 +376,8 @@ def test_two_pads_of_one_robot_give_way_to_the_newest_press(notebook: Callable[.
     says(nb, "driven from another pad", 0)
 
 
-def test_what_is_wrong_is_said(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook(["from robowidgets import DriveWidget\npad = DriveWidget()\npad"])
+def test_what_is_wrong_is_said(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page(["from robowidgets import DriveWidget\npad = DriveWidget()\npad"])
     says(nb, "no feed")
     nb.python(
         "class Robot:\n    def drive(self, linear, angular):\n        raise OSError('no route to the <b>robot</b>')"
@@ -396,9 +408,9 @@ pad
 
 
 def test_of_a_feed_it_says_how_speeds_are_cut_without_moving_and_that_it_is_closed(
-    notebook: Callable[..., Notebook],
+    plain_page: Callable[..., PlainPage],
 ) -> None:
-    nb = notebook([FEED])
+    nb = plain_page([FEED])
     unhurried(nb)
     notice = nb.widget(0).locator(".rw-notice")
     grab(nb, 0, -1)

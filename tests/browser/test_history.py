@@ -12,6 +12,7 @@ from playwright.sync_api import Locator, expect
 from .chromium import shoot
 from .laser import SETUP, eventually, layers
 from .notebook import Notebook
+from .plain_page import PlainPage
 from .test_laser_live import BUSY, FIRST, freeze_of, nearest
 
 BACK = re.compile(r"^−\d\.\d\d s from newest$")
@@ -134,8 +135,8 @@ def test_python_a_second_view_and_a_reload_have_the_sample_stepped_to(notebook: 
     expect(card.locator(".rw-steps")).to_be_hidden()
 
 
-def test_speeds_and_touches_of_an_earlier_sample_are_right(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook(
+def test_speeds_and_touches_of_an_earlier_sample_are_right(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page(
         [
             "from robowidgets import SpeedWidget, TouchWidget\nfrom robowidgets._core.pacer import pacer\n"
             "speed, touch = SpeedWidget(hold_peaks=True), TouchWidget()\nspeed",
@@ -161,7 +162,9 @@ def test_speeds_and_touches_of_an_earlier_sample_are_right(notebook: Callable[..
 
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
-def test_the_bar_moves_nothing(notebook: Callable[..., Notebook], theme: Literal["light", "dark"], scale: int) -> None:
+def test_the_bar_moves_nothing(
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
+) -> None:
     feed = (
         "from robowidgets import SpeedWidget, TouchWidget\n"
         "speed, touch = SpeedWidget(title='/odom'), TouchWidget(title='/bumper')\n"
@@ -172,7 +175,7 @@ def test_the_bar_moves_nothing(notebook: Callable[..., Notebook], theme: Literal
         "    pacer.flush()\n"
         "speed"
     )
-    nb = notebook([TWENTY, feed, "touch"], scale=scale, theme=theme)
+    nb = plain_page([TWENTY, feed, "touch"], scale=scale, theme=theme)
     for width in (320, 1200):
         nb.resize(width)
         for index, name in enumerate(("laser", "speed", "touch")):
@@ -189,8 +192,8 @@ def test_the_bar_moves_nothing(notebook: Callable[..., Notebook], theme: Literal
             freeze_of(card).click()
 
 
-def test_a_finger_drags(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([TWENTY, "feed(*range(1, 20))"], touch=True)
+def test_a_finger_drags(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([TWENTY, "feed(*range(1, 20))"], touch=True)
     nb.resize(320)
     card = nb.widget(0).locator(".rw-card")
     freeze_of(card).tap()
@@ -210,8 +213,8 @@ def test_a_finger_drags(notebook: Callable[..., Notebook]) -> None:
     expect(card.locator(".rw-nearest")).to_have_text(re.compile("0.61 m"))
 
 
-def test_silence_and_the_words_of_a_feed_are_told(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([TWENTY])
+def test_silence_and_the_words_of_a_feed_are_told(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([TWENTY])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")
     facts, notice, empty, silence = (card.locator(f".rw-{name}") for name in ("facts", "notice", "empty", "silence"))

@@ -10,6 +10,7 @@ from playwright.sync_api import Locator, expect
 
 from .chromium import shoot
 from .notebook import Notebook
+from .plain_page import PlainPage
 from .test_png import differences, download, seen
 from .test_speed_widget import NAMES, OVERLAPS, STATES
 
@@ -98,10 +99,10 @@ def test_rows_and_grids_shrink_to_the_room_that_there_is(notebook: Callable[...,
 
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
-def test_a_card_fills_the_height_that_it_is_given(notebook: Callable[..., Notebook], theme: str, scale: int) -> None:
+def test_a_card_fills_the_height_that_it_is_given(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
     heights = (300, 600)
     cells = [f"{kind}(height='{height}px')" for kind in KINDS for height in heights]
-    nb = notebook([SETUP, *cells], theme=theme, scale=scale)
+    nb = plain_page([SETUP, *cells], theme=theme, scale=scale)
     nb.resize(700)
     for index, cell in enumerate(cells, 1):
         card = nb.widget(index).locator(".rw-card")
@@ -115,8 +116,8 @@ def test_a_card_fills_the_height_that_it_is_given(notebook: Callable[..., Notebo
         shoot(nb.widget(index), f"{cell.split('(')[0]}-{heights[(index - 1) % 2]}px-high-{theme}")
 
 
-def test_a_height_can_be_given_and_taken_back(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SETUP, "shown = laser()\nshown"])
+def test_a_height_can_be_given_and_taken_back(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP, "shown = laser()\nshown"])
     nb.resize(700)
     card = nb.widget(1).locator(".rw-card")
     usual = room(card)
@@ -135,8 +136,8 @@ def test_a_height_can_be_given_and_taken_back(notebook: Callable[..., Notebook])
         assert room(card)["picture"] == usual["picture"], f"{given} of a height that nobody gave"
 
 
-def test_too_little_height_leaves_a_picture_to_look_at(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SETUP, *[f"{kind}(height='90px')" for kind in KINDS]])
+def test_too_little_height_leaves_a_picture_to_look_at(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP, *[f"{kind}(height='90px')" for kind in KINDS]])
     nb.resize(700)
     for index, least in enumerate((120, 150, 120, 200), 1):
         got = room(nb.widget(index).locator(".rw-card"))
@@ -145,9 +146,9 @@ def test_too_little_height_leaves_a_picture_to_look_at(notebook: Callable[..., N
         assert got["hidden"] > 0, "scrolls in its card"
 
 
-def test_a_png_is_as_high_as_the_card(notebook: Callable[..., Notebook]) -> None:
+def test_a_png_is_as_high_as_the_card(plain_page: Callable[..., PlainPage]) -> None:
     cells = [f"{kind}(height='{height}px')" for kind in KINDS for height in (300, 600)]
-    nb = notebook([SETUP, *cells], scale=2)
+    nb = plain_page([SETUP, *cells], scale=2)
     nb.resize(600)
     for index, cell in enumerate(cells, 1):
         card = nb.widget(index).locator(".rw-card")
@@ -158,10 +159,10 @@ def test_a_png_is_as_high_as_the_card(notebook: Callable[..., Notebook]) -> None
 
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
-def test_nothing_is_cut_down_to_200_pixels(notebook: Callable[..., Notebook], theme: str, scale: int) -> None:
+def test_nothing_is_cut_down_to_200_pixels(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
     names = [*NAMES, *[f"{kind}()" for kind in KINDS], "DriveWidget()"]
     cells = [f"on_show.append({name})\non_show[-1]" for name in names]
-    nb = notebook([f"{STATES}\n{SETUP}\non_show = []", *cells], theme=theme, scale=scale)
+    nb = plain_page([f"{STATES}\n{SETUP}\non_show = []", *cells], theme=theme, scale=scale)
     for width in (200, 240, 281, 300):
         nb.python(f"for shown in on_show:\n    shown.layout.width = '{width}px'")
         for index, name in enumerate(names, 1):
@@ -173,8 +174,8 @@ def test_nothing_is_cut_down_to_200_pixels(notebook: Callable[..., Notebook], th
             shoot(card, f"narrow-{index}-{theme}-{width}")
 
 
-def test_freezing_moves_nothing_in_a_narrow_header(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SETUP, "l = laser(width='200px')\nl", "s = speed(width='200px')\ns"])
+def test_freezing_moves_nothing_in_a_narrow_header(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP, "l = laser(width='200px')\nl", "s = speed(width='200px')\ns"])
     for index, update in ((1, "l.update(l.scan)"), (2, "s.update(linear=(0, 0, 0))")):
         header = nb.widget(index).locator(".rw-header")
         before = header.evaluate("(header) => header.offsetHeight")

@@ -10,6 +10,7 @@ from playwright.sync_api import expect
 
 from .chromium import shoot
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 TILT = """
 import robowidgets
@@ -28,8 +29,8 @@ laser
 
 @pytest.mark.parametrize("file", ["tilt_laser.bag", "turtlebot3_gazebo.bag", "hokuyo_people.bag"])
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
-def test_laser(notebook: Callable[..., Notebook], data: Path, file: str, theme: str, scale: int) -> None:
-    nb = notebook([TILT.format(path=str(data / "good" / file), index=3)], scale=scale, theme=theme)
+def test_laser(plain_page: Callable[..., PlainPage], data: Path, file: str, theme: str, scale: int) -> None:
+    nb = plain_page([TILT.format(path=str(data / "good" / file), index=3)], scale=scale, theme=theme)
     card = nb.widget(0).locator(".rw-card")
     stem = file.split(".")[0]
     for width in (320, 700, 1200):
@@ -84,9 +85,9 @@ def test_widgets_stand_side_by_side_in_a_row(notebook: Callable[..., Notebook]) 
     shoot(nb.output(0), "row-light")
 
 
-def test_laser_states(notebook: Callable[..., Notebook]) -> None:
+def test_laser_states(plain_page: Callable[..., PlainPage]) -> None:
     names = ["waiting", "nothing", "zeros", "classes", "colored", "refused"]
-    nb = notebook([STATES, *names], scale=2)
+    nb = plain_page([STATES, *names], scale=2)
     nb.resize(600)
     for i, name in enumerate(names, 1):
         shoot(nb.widget(i).locator(".rw-card"), f"laser-state-{name}")

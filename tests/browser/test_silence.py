@@ -12,6 +12,7 @@ from playwright.sync_api import Locator, expect
 from .chromium import shoot
 from .laser import SETUP, eventually
 from .notebook import Notebook
+from .plain_page import PlainPage
 from .test_laser_live import freeze_of
 from .test_png import differences, download, seen
 
@@ -45,7 +46,7 @@ DIMMED = """(card) => [...card.querySelectorAll(".rw-layer, .rw-board, .rw-field
 })"""
 
 
-def cards(nb: Notebook) -> list[Locator]:
+def cards(nb: Notebook | PlainPage) -> list[Locator]:
     return [nb.widget(index).locator(".rw-card") for index in range(3)]
 
 
@@ -87,9 +88,9 @@ def stands_free(card: Locator) -> bool:
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 1), ("dark", 2)])
 def test_a_silent_picture_is_dimmed_and_says_for_how_long_at_every_width(
-    notebook: Callable[..., Notebook], theme: Literal["light", "dark"], scale: int
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
 ) -> None:
-    nb = notebook([WIDGETS, "speed", "touch"], scale=scale, theme=theme)
+    nb = plain_page([WIDGETS, "speed", "touch"], scale=scale, theme=theme)
     nb.python("update()")
     for card in cards(nb):
         is_new(card)
@@ -108,8 +109,8 @@ def test_a_silent_picture_is_dimmed_and_says_for_how_long_at_every_width(
         is_new(card)
 
 
-def test_a_frozen_picture_is_not_dimmed(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([WIDGETS, "speed", "touch"])
+def test_a_frozen_picture_is_not_dimmed(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([WIDGETS, "speed", "touch"])
     nb.python("go_live()")
     for card, kind in zip(cards(nb), KINDS, strict=True):
         is_old(card)
@@ -136,8 +137,8 @@ def test_a_page_that_is_loaded_in_the_silence_does_not_take_the_picture_for_new(
         is_new(card)
 
 
-def test_a_lost_connection_dims_what_speaks_in_events_too(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([WIDGETS, "speed", "touch"])
+def test_a_lost_connection_dims_what_speaks_in_events_too(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([WIDGETS, "speed", "touch"])
     nb.python(
         "for state in (1, 0, 1):\n    touch.update({'bumper': 1, 'state': state}); pacer.flush(); time.sleep(0.2)\n"
         "source = {'topic': '/bumper', 'type': 'kobuki_msgs/BumperEvent', 'words': ''}\n"
@@ -155,8 +156,8 @@ def test_a_lost_connection_dims_what_speaks_in_events_too(notebook: Callable[...
     is_new(card)
 
 
-def test_a_png_of_it_is_as_dimmed_as_it_is(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([WIDGETS, "speed", "touch"], scale=2)
+def test_a_png_of_it_is_as_dimmed_as_it_is(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([WIDGETS, "speed", "touch"], scale=2)
     nb.python("go_live()")
     for card in cards(nb):
         is_old(card)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,6 +13,7 @@ from playwright.sync_api import Locator, expect
 from ..unit.waiting import wait_for
 from .chromium import shoot
 from .notebook import CellError, Notebook
+from .plain_page import PlainPage
 from .test_drive_widget import ALONE
 
 FEED = """
@@ -68,21 +69,21 @@ def deaf(notebook: Callable[..., Notebook]) -> Notebook:
     return nb
 
 
-def stop_of(nb: Notebook, cell: int = 0) -> Locator:
+def stop_of(nb: Notebook | PlainPage, cell: int = 0) -> Locator:
     return nb.widget(cell).locator(".rw-stop")
 
 
-def allow_of(nb: Notebook) -> Locator:
+def allow_of(nb: Notebook | PlainPage) -> Locator:
     return nb.widget(0).locator(".rw-allow")
 
 
-def says(nb: Notebook, words: str, hint: str | None = None) -> None:
+def says(nb: Notebook | PlainPage, words: str, hint: str | None = None) -> None:
     expect(nb.widget(0).locator(".rw-stop-text")).to_have_text(words)
     if hint is not None:
         expect(nb.widget(0).locator(".rw-hint")).to_have_text(hint)
 
 
-def press(nb: Notebook, cell: int = 0) -> float:
+def press(nb: Notebook | PlainPage, cell: int = 0) -> float:
     """Press Stop, without letting go, and tell when."""
     box: Any = stop_of(nb, cell).bounding_box()
     nb.page.mouse.move(box["x"] + 20, box["y"] + 20)
@@ -91,7 +92,7 @@ def press(nb: Notebook, cell: int = 0) -> float:
     return at
 
 
-def start_busy(nb: Notebook, body: str) -> tuple[int, Path]:
+def start_busy(nb: Notebook | PlainPage, body: str) -> tuple[int, Path]:
     """Keep the kernel busy until a file is there."""
     stop = nb.lab.files / f"{nb.path}-stop"
     busy = nb.append(BUSY_UNTIL.format(stop=str(stop), body=body))
@@ -125,10 +126,24 @@ def test_beside_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..
     assert nb.python("refused") == "'cannot drive: stop is latched until somebody releases it'"
 
 
+@pytest.fixture
+def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[Callable[..., PlainPage]]:
+    """A plain page, whose cell starts a program that drives; it ends with the test."""
+    opened: list[PlainPage] = []
+
+    def open_page(cells: list[str], **more: Any) -> PlainPage:
+        opened.append(plain_page(cells, **more))
+        return opened[-1]
+
+    yield open_page
+    for nb in opened:
+        nb.python("runs = False")
+
+
 def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_code(
-    notebook: Callable[..., Notebook],
+    driven_page: Callable[..., PlainPage],
 ) -> None:
-    nb = notebook([FEED])
+    nb = driven_page([FEED])
     says(nb, PROGRAM, "Escape stops, too")
     expect(allow_of(nb)).not_to_be_visible()
     place = stop_of(nb).bounding_box()
@@ -304,8 +319,8 @@ LOOKS = {
 
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
-def test_looks(notebook: Callable[..., Notebook], theme: Literal["light", "dark"], scale: int) -> None:
-    nb = notebook([FEED], scale=scale, theme=theme)
+def test_looks(driven_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int) -> None:
+    nb = driven_page([FEED], scale=scale, theme=theme)
     for width in (280, 400, 1100):
         nb.resize(width)
         places = []
@@ -321,4 +336,5 @@ def test_looks(notebook: Callable[..., Notebook], theme: Literal["light", "dark"
                 shoot(nb.widget(0), f"stop-{look}-{theme}-forced")
                 nb.page.emulate_media(forced_colors="none")
         assert all(place == places[0] for place in places), "Stop moved"
+        nb.python("runs = False; feed.close()")
         nb.run_all()

@@ -11,6 +11,7 @@ from playwright.sync_api import Locator, expect
 from .chromium import shoot
 from .laser import eventually
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 BUMPERS = """
 from robowidgets import TouchWidget
@@ -74,8 +75,8 @@ def overlaps(widget: Locator) -> list[str]:
 
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 1), ("dark", 2)])
-def test_every_layout_fits_at_every_width(notebook: Callable[..., Notebook], theme: str, scale: int) -> None:
-    nb = notebook([BUMPERS, KOBUKI, AROUND, ODD], scale=scale, theme=theme)
+def test_every_layout_fits_at_every_width(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
+    nb = plain_page([BUMPERS, KOBUKI, AROUND, ODD], scale=scale, theme=theme)
     for width in (320, 700, 1200):
         nb.resize(width)
         for index, (name, count) in enumerate({"waiting": 0, "kobuki": 8, "around": 10, "odd": 3}.items()):
@@ -161,8 +162,8 @@ while not Path("seen").exists():
     nb.wait(cell)
 
 
-def test_settings_change_while_it_runs_and_text_stays_text(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([ODD])
+def test_settings_change_while_it_runs_and_text_stays_text(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([ODD])
     widget = nb.widget(0)
     shows(widget, "<img src=x onerror=alert(1)> & a label that has no end", "touched")
     shows(widget, "front_bumper_collision", "free")
