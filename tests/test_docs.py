@@ -29,6 +29,10 @@ SECONDS = 120
 
 _FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"!?\[[^\]]*\]\(([^)#\s]+)|<img[^>]*\bsrc=\"([^\"]+)\"")
+_SECTION_LINK = re.compile(r"\]\(([^)#\s]*)#([^)\s]+)\)")
+_HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
+_PATH = re.compile(r"`((?:robowidgets|tests|docs|scripts|benchmarks|notebooks)/[^`\s]*)`")
+MADE_BY_TESTS = {"tests/screenshots/", "tests/screenshots/failed/"}
 
 every_file = pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 
@@ -112,3 +116,24 @@ def test_every_link_to_a_file_leads_to_one(file: Path) -> None:
     links = [link[1] or link[2] for link in _LINK.finditer(file.read_text(encoding="utf-8"))]
     lost = [link for link in links if "://" not in link and not (file.parent / link).exists()]
     assert lost == []
+
+
+@every_file
+def test_every_link_to_a_section_leads_to_one(file: Path) -> None:
+    lost = []
+    for target, section in _SECTION_LINK.findall(file.read_text(encoding="utf-8")):
+        if "://" not in target and section not in sections(file.parent / target if target else file):
+            lost.append(f"{target}#{section}")
+    assert lost == []
+
+
+def sections(file: Path) -> set[str]:
+    """The names by which links reach the headings of a page."""
+    headings = _HEADING.findall(file.read_text(encoding="utf-8"))
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_every_path_in_the_map_of_the_code_is_there() -> None:
+    paths = set(_PATH.findall((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))) - MADE_BY_TESTS
+    assert len(paths) > 20
+    assert [path for path in sorted(paths) if not any(ROOT.glob(path))] == []
