@@ -246,11 +246,11 @@ class ScanogramWidget(SavesPng, NamedWidget):
                 # The same question of the page is a new one.
                 self._wanted = []
 
-    def _say(self, words: str) -> None:
-        if words != self._png_error:
+    def _set_png_error(self, error: str) -> None:
+        if error != self._png_error:
             notes = [note for note in self._about.get("notes", ()) if note != self._png_error]
-            self._png_error = words
-            self._about = {**self._about, "notes": [*notes, words] if words else notes}
+            self._png_error = error
+            self._about = {**self._about, "notes": [*notes, error] if error else notes}
 
     def _scans_first(self, call: str) -> Picture:
         if self._picture is None:

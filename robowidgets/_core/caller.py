@@ -1,4 +1,4 @@
-"""Who calls: a person, who reads the error, or a callback, which an error would end unseen."""
+"""Telling calls from a cell, where a person reads the error, from callbacks, where an error would go unseen."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def called_from_cell() -> bool:
 
 
 def cell_is_running() -> bool:
-    """Whether the main thread is at work on a cell; not while the cell awaits something."""
+    """Whether the main thread is running a cell; False while the cell awaits something."""
     return _is_in_a_cell(sys._current_frames().get(threading.main_thread().ident or 0))
 
 

@@ -1,6 +1,6 @@
-"""What a cell of a notebook made goes when the cell is run again: its output is replaced then.
+"""Cleaning up after notebook cells: closes the widgets that an earlier run of the same cell created.
 
-ipywidgets keeps every widget until it is closed, and IPython what a cell gave: none of it would go by itself.
+ipywidgets keeps every widget until it is closed, and IPython keeps the results of cells, so neither is freed by itself.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from .platform_fixes import call_on_interrupt
 
 
 class Closable(Protocol):
-    """What can be closed, again too."""
+    """An object with an idempotent `close`."""
 
     def close(self) -> None:
-        """Let go of all that it holds."""
+        """Release all resources."""
 
 
 _made: dict[str, tuple[str, WeakSet[Any]]] = {}
-"""By cell: its last run that made something, and what that made."""
+"""By cell, the last run that made something, and what it made."""
 
 
 def take_the_place(made: Closable) -> list[Any]:
-    """Close what earlier runs of the running cell made, and return it; something else stands in its place now.
+    """Register an object of the running cell, and close those of the cell's earlier runs; returns the closed ones.
 
-    Nothing where no cell runs, or where the notebook does not say which one it is.
+    Does nothing when no cell runs, or when the notebook does not identify its cells.
     """
     cell, run = running_cell()
     if not cell:
@@ -47,10 +47,10 @@ _on_failed: list[Callable[[], None]] = []
 
 
 def on_failed_cell(call: Callable[[], None]) -> None:
-    """Call a function when this cell or a later one is interrupted or raises; nothing outside cells.
+    """Call a function when this cell or a later one is interrupted or raises; does nothing outside cells.
 
-    It is called in the main thread, perhaps in the handler of a signal, so it must wait for nothing. To be called from
-    every cell of the main thread that wants it.
+    The main thread calls it, perhaps in a signal handler, so it must not wait. Each cell that wants this must register
+    it again, from the main thread.
     """
     shell = _shell()
     if shell is None:
@@ -74,7 +74,7 @@ def _call_all() -> None:
 
 
 def close_all(widget: Any) -> None:
-    """Close a widget with all that is in it; again does nothing."""
+    """Close a widget with everything in it; doing it again does nothing."""
     for inner in getattr(widget, "children", ()):
         close_all(inner)
     for own in (widget.layout, getattr(widget, "style", None)):
@@ -84,7 +84,7 @@ def close_all(widget: Any) -> None:
 
 
 def running_cell() -> tuple[str, str]:
-    """Names of the cell that runs and of this run of it; empty where nobody tells."""
+    """The ids of the running cell and of this run; empty where the notebook sends none."""
     request: dict[str, Any] = getattr(_shell(), "get_parent", dict)()
     return request.get("metadata", {}).get("cellId", ""), request.get("header", {}).get("msg_id", "")
 

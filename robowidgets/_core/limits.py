@@ -1,4 +1,4 @@
-"""Traits for limits round zero, as a speed has them."""
+"""Traits for limits around zero, as speeds have them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ import traitlets
 from ..samples import AXES
 
 LARGEST = 1e6
-"""No limit lies farther from zero: m/s or rad/s."""
+"""The largest absolute limit, in m/s or rad/s."""
 
 Pair = tuple[float, float]
 
 
 def is_past(value: float, limits: Pair) -> bool:
-    """Whether a value lies outside its limits by more than rounding (1e-6); NaN does not."""
+    """Whether a value lies outside its limits by more than rounding (1e-6); False for NaN."""
     low, high = limits
     return value < low - _slack(low) or value > high + _slack(high)
 

@@ -1,4 +1,4 @@
-"""What is named: a widget's front end, its title, and the traits and keywords that it knows."""
+"""The base of all widgets: front end, title, and errors for unknown keywords and traits."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ log = logging.getLogger("robowidgets")
 STATIC = Path(__file__).parents[1] / "static"
 
 MOST_LOGGED = 50
-"""Different errors of one widget that the log tells; a source gone mad must not fill it."""
+"""Different errors of one widget that are logged; a faulty source must not fill the log."""
 
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
@@ -47,21 +47,21 @@ def _static_file(name: str) -> Any:
 
 
 _with_front_end: dict[type, type] = {}
-"""Classes of widgets, and for each the one that has its front end as traits."""
+"""By widget class, its subclass that has the front end as traits."""
 
 
 class NamedWidget(anywidget.AnyWidget):
-    """A widget with a title, that refuses what it has no name for and logs each error once."""
+    """A widget with a title, which refuses unknown keywords and traits, and logs each error once."""
 
     title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
     header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
 
     _keywords: tuple[str, ...] = ()
-    """Keywords that are no traits."""
+    """Keywords that are not traits."""
     _closed = False
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
-        """Refuse what has no name before there is anything to clean up."""
+        """Refuse positional arguments before anything is created."""
         if unnamed:
             raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
         return super().__new__(cls, **kwargs)
@@ -76,9 +76,9 @@ class NamedWidget(anywidget.AnyWidget):
         super().__init__(**kwargs)
 
     def add_traits(self, **traits: Any) -> None:
-        """As anywidget asks for with every widget: give it the front end as traits, by a class that has them.
+        """Give the widget the front end as traits, as anywidget does for every widget, but make the class only once.
 
-        The class is made once, not for every widget: that takes as long as all the rest of making one.
+        Making a class for every widget would double the time of making a widget.
         """
         known = _with_front_end.get(type(self))
         if known is not None and traits.keys() <= vars(known).keys():
@@ -86,7 +86,7 @@ class NamedWidget(anywidget.AnyWidget):
             return
         plain = type(self)
         super().add_traits(**traits)
-        if isinstance(getattr(plain, "_esm", None), str):  # one that is reloaded differs from widget to widget
+        if isinstance(getattr(plain, "_esm", None), str):  # with hot reload the class differs from widget to widget
             _with_front_end[plain] = type(self)
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -96,7 +96,7 @@ class NamedWidget(anywidget.AnyWidget):
         super().__setattr__(name, value)
 
     def close(self) -> None:
-        """Take the widget off the page."""
+        """Remove the widget from the page."""
         super().close()
         self._closed = True
 
@@ -111,7 +111,7 @@ class NamedWidget(anywidget.AnyWidget):
         return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, NamedWidget))
 
     def _name_after(self, topic: str, trait: str = "title") -> None:
-        """Be titled after a topic, in place of the one before, unless a person gave a title."""
+        """Set the title to a topic, instead of the previous topic, unless the user gave a title."""
         before = self._named_after.get(trait)
         if topic != before and getattr(self, trait) in ("", before):
             self._named_after[trait] = topic
@@ -124,7 +124,7 @@ class NamedWidget(anywidget.AnyWidget):
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
-    """The name that was meant, most likely: one that begins so, else one spelt nearly so; None when there is none."""
+    """The most similar known name: one that starts with it, else one spelt alike; None when there is none."""
     names = list(known)
     longer = [other for other in names if other.startswith(name)]
     return next(iter(difflib.get_close_matches(name, longer or names, n=1)), None)

@@ -1,4 +1,4 @@
-"""The pace at which samples go to the page: newest wins, one budget for all widgets of the process."""
+"""Pacing what is sent to the page: the newest state wins, and all widgets of the process share one budget."""
 
 from __future__ import annotations
 
@@ -17,35 +17,35 @@ log = logging.getLogger("robowidgets")
 
 INTERVAL = 1 / 75
 """Seconds between two messages of one widget: a little less than between two frames of a display, so that each frame
-has a new one, and a young one, however they meet."""
+has a new and recent one, whatever their phase."""
 
 MESSAGES_PER_SECOND = 240
-"""Of all widgets together. JupyterLab's server drops what exceeds 1000 in 3 s on a connection, prints included."""
+"""Of all widgets together. JupyterLab's server drops messages beyond 1000 in 3 s on a connection, prints included."""
 
 BYTES_PER_SECOND = 20_000_000
-"""Of all widgets together. A page takes no more."""
+"""Of all widgets together. A page processes no more."""
 
 REST = INTERVAL / 4
-"""Seconds between the end of a send and the next of the same widget, at least, however late the first one was."""
+"""Shortest time in seconds from the end of a send to the next send of the same widget, even after a late one."""
 
 FIRST_PAUSE = 1.0
-"""Seconds after a send that failed, or was interrupted, until the next try. Each further failure doubles the pause."""
+"""Seconds from a send that failed, or was interrupted, to the next attempt. Each further failure doubles the pause."""
 
 LONGEST_PAUSE = 30.0
-"""Seconds that no pause between two tries exceeds."""
+"""Seconds of the longest pause between two attempts."""
 
 BURST = 0.05
-"""Seconds of budget that may be spent at once after a rest."""
+"""Seconds of budget that may be spent at once after a pause."""
 
 PATIENCE = 1.0
-"""Seconds that the end of a cell waits for a send that hangs."""
+"""Seconds for which the end of a cell waits for a send that hangs."""
 
 
 class Sender(Protocol):
-    """What the pacer calls; a widget."""
+    """A widget, which the pacer calls."""
 
     def send_newest(self) -> int:
-        """Send what is newest to the page and return the bytes sent."""
+        """Send the newest state to the page; returns the number of bytes sent."""
 
 
 class _Failure(NamedTuple):
@@ -59,8 +59,8 @@ class _Failure(NamedTuple):
 class Pacer:
     """Calls `send_newest` of each marked sender, as soon as the pace allows, from a thread of its own.
 
-    Marking only stores, never waits for a send, and may be done from any thread at any rate. What was marked last is
-    always sent in the end: nothing queues but the set of those who have something to say.
+    Marking only stores and never waits for a send, so any thread may mark at any rate. The queue holds marked senders,
+    not their states, and the last state of each sender is always sent in the end.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -69,15 +69,15 @@ class Pacer:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew with nothing marked: a forked process has the locks, but not the threads that hold them."""
-        # Held, it may be asked for again: the collector closes widgets at any moment, which forgets them here.
+        """Reset to nothing marked. A forked process inherits held locks, but not the threads that hold them."""
+        # RLock: the garbage collector may close a widget, and call `forget()`, while this thread holds it.
         self._lock = threading.RLock()
-        # Rung by letting it go: a lock alone costs a caller less than half of what a condition does.
-        self._bell = threading.Lock()
-        self._bell.acquire()
+        # Wake-up signal: `release()` wakes the thread. Half the cost of a Condition for callers.
+        self._wakeup = threading.Lock()
+        self._wakeup.acquire()
         self._turn = threading.Lock()
         self._due: dict[Sender, float] = {}
-        # By identity: looked up several times for each send, and the numbers of those gone are few.
+        # Keyed by id(), which is faster to look up; `forget` removes the entries.
         self._earliest: dict[int, float] = {}
         self._failures: dict[int, _Failure] = {}
         self._timers: dict[Sender, float] = {}
@@ -85,7 +85,7 @@ class Pacer:
         self._thread: threading.Thread | None = None
 
     def mark(self, sender: Sender) -> None:
-        """Note that a sender has something newer to send."""
+        """Note that a sender has a newer state to send."""
         if sender in self._due:
             return
         with self._lock:
@@ -93,7 +93,7 @@ class Pacer:
             self._wake()
 
     def mark_at(self, sender: Sender, when: float | None) -> None:
-        """Mark a sender at a time of the monotonic clock; None takes the appointment back."""
+        """Mark a sender at a later time of the monotonic clock; None cancels that."""
         with self._lock:
             if when is None:
                 self._timers.pop(sender, None)
@@ -110,7 +110,7 @@ class Pacer:
                 numbers.pop(id(sender), None)
 
     def flush(self) -> None:
-        """Send at once, in the caller's thread, whatever is marked, and see what is being sent to its end."""
+        """Send everything that is marked now, in the caller's thread, after waiting for the send that is under way."""
         if not self._turn.acquire(timeout=PATIENCE):
             return
         try:
@@ -126,8 +126,8 @@ class Pacer:
             self._turn.release()
 
     def _wake(self) -> None:
-        if self._bell.locked():
-            self._bell.release()
+        if self._wakeup.locked():
+            self._wakeup.release()
         if self._thread is None:
             self._start()
 
@@ -141,7 +141,7 @@ class Pacer:
             ipython = sys.modules.get("IPython")
             shell = ipython.get_ipython() if ipython else None
             if shell is not None:
-                # A notebook that is saved or exported after its last cell holds what that cell showed.
+                # So that a notebook saved or exported after its last cell contains the state that the cell left.
                 shell.events.register("post_execute", self.flush)
 
     def _run(self) -> None:
@@ -149,17 +149,17 @@ class Pacer:
             while True:
                 wait = self._send_one()
                 if wait == 0 and not self._due and not self._timers:
-                    # Without another look, which would hold the interpreter: the thread that carries the message out
-                    # of the process is awake by now, and takes half as much again when it has to wait.
+                    # Sleep without re-checking: that would hold the GIL while the I/O thread is sending, and make
+                    # the send take half as long again.
                     wait = None
                 if wait != 0:
-                    self._bell.acquire(timeout=-1 if wait is None else min(wait, threading.TIMEOUT_MAX))
+                    self._wakeup.acquire(timeout=-1 if wait is None else min(wait, threading.TIMEOUT_MAX))
         finally:
             self._thread = None
 
     def _send_one(self) -> float | None:
-        """Send for whoever is due, 0; else seconds until somebody may be, None when nothing is marked."""
-        # Taken and sent in one turn: who waits for the turn knows that nothing is under way.
+        """Send for one due sender and return 0; else the seconds until one is due, None when nothing is marked."""
+        # Holding `_turn` for both steps: whoever acquires it knows that no send is under way.
         with self._turn:
             with self._lock:
                 sender, wait = self._next()
@@ -179,8 +179,8 @@ class Pacer:
             sender = min(self._due, key=self._due.__getitem__)
             when = max(self._due[sender], self._free_at)
             if when <= now:
-                # Out of the table before it is sent: what comes meanwhile marks it again. The pace is kept from beat
-                # to beat: the milliseconds by which a busy cell delays this thread must not add up.
+                # Removed before the send, so that a newer state marks it again. The interval starts at the time it was
+                # due, not at the time of sending: delays by a busy cell must not add up.
                 self._earliest[id(sender)] = self._due.pop(sender) + INTERVAL
                 return sender, 0.0
             times.append(when)
@@ -203,11 +203,11 @@ class Pacer:
                 self._free_at = max(self._free_at, now - BURST) + max(1 / MESSAGES_PER_SECOND, size / BYTES_PER_SECOND)
 
     def _on_failure(self, sender: Sender, error: Exception) -> float:
-        """Log the error, unless the sender's last failure was the same a short time ago; return the pause to make."""
+        """Log the error, unless the last failure was the same and recent; returns the pause before the next attempt."""
         now, text = self._clock(), f"{type(error).__name__}: {error}"
         last = self._failures.get(id(sender), _Failure("", now, 0.0))
-        # Two failures without a success between them are at most one pause and the wait for the budget apart. A sender
-        # that fails now and then would log each time if a success alone ended its failure.
+        # Consecutive failures are at most one pause and the wait for the budget apart. The time decides, not a success
+        # in between: a sender that fails now and then would log each time.
         if text != last.text or now - last.at > 2 * LONGEST_PAUSE:
             log.error(
                 "robowidgets: could not send to the page; trying again, and not logging this error again",

@@ -1,4 +1,4 @@
-"""The PNG of what a widget shows: Python asks, a page draws and answers, and the file is written."""
+"""Saving a widget as a PNG: Python sends a request, a page draws the picture, and Python writes the file."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from .caller import cell_is_running
 log = logging.getLogger("robowidgets")
 
 PATIENCE = 10.0
-"""Seconds without an answer after which nothing seems to show the widget. While a cell runs, none is to be expected."""
+"""Seconds without an answer after which no page seems to show the widget; not counted while a cell runs."""
 
 _URL = "data:image/png;base64,"
 
 
 class Saving:
-    """A picture on its way into a file. It comes by itself; a cell that needs it there can ``await`` it.
+    """A picture that is being saved. A cell that needs the file can ``await`` it.
 
-    Awaiting gives the path, or raises what kept the file from being written.
+    Awaiting returns the path, or raises the error that kept the file from being written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -55,7 +55,7 @@ class Saving:
 
 
 class SavesPng(anywidget.AnyWidget):
-    """A widget of which a page can make a picture. For subclasses: `_say` and `_catch_up`."""
+    """A widget that a page can save as a picture. Subclasses implement `_set_png_error` and `_catch_up`."""
 
     def __init__(self, **kwargs: Any) -> None:
         self._asked: dict[int, Saving] = {}
@@ -67,16 +67,16 @@ class SavesPng(anywidget.AnyWidget):
     def save_png(self, path: str | os.PathLike[str]) -> Saving:
         """Write what the widget shows now into a PNG file, at least twice as fine as on the screen.
 
-        A page must show the widget, for a page draws the picture. The call returns at once; the file is there a moment
-        later, or once the cell has ended, because many kernels hear no page before. Where it must be there within the
-        cell, ``await laser.save_png("corner.png")``. What goes wrong later is said on the widget and in the log.
+        The page that shows the widget draws the picture. The call returns at once, and the file is written a moment
+        later, or after the cell has ended, because many kernels process no message of a page before. To have the file
+        within the cell, use ``await laser.save_png("corner.png")``. Later errors appear on the widget and in the log.
 
         Args:
-            path: where to; a file that is there already is replaced.
+            path: the file; an existing one is replaced.
 
         Raises:
-            TypeError: no path. ValueError: a name that does not end in .png. OSError: a folder that is not there, or
-                where nothing may be written. RuntimeError: no notebook, or the widget is closed.
+            TypeError: no path. ValueError: a name that does not end in .png. OSError: a missing folder, or one that is
+                not writable. RuntimeError: no notebook, or the widget is closed.
         """
         target = _checked(path)
         if self.comm is None:
@@ -85,21 +85,21 @@ class SavesPng(anywidget.AnyWidget):
             raise RuntimeError("save_png() needs a notebook: a page that shows the widget draws the picture")
         number, saving = next(self._numbers), Saving(target)
         self._asked[number] = saving
-        self._say("")
+        self._set_png_error("")
         self._catch_up()
         self.send({"png": number})
         self._wait()
         return saving
 
-    def _say(self, words: str) -> None:
-        """Say on the widget what went wrong; nothing, when there is nothing to say any more."""
+    def _set_png_error(self, error: str) -> None:
+        """Show on the widget what went wrong; empty removes the text."""
         raise NotImplementedError
 
     def _catch_up(self) -> None:
-        """Send whatever the page does not show yet."""
+        """Send the state that the page does not show yet."""
 
     def _on_answer(self, _widget: Any, content: dict[str, Any], _buffers: Any) -> None:
-        # The first page that answers takes the question away: there may be several.
+        # Several pages may answer; the first one counts.
         saving = self._asked.pop(content.get("png", 0), None)
         if saving is None:
             return
@@ -108,11 +108,11 @@ class SavesPng(anywidget.AnyWidget):
         except OSError as error:
             self._fail(saving, error)
         else:
-            self._say("")
+            self._set_png_error("")
             saving._end()
 
     def _wait(self) -> None:
-        """Lose patience with all that is asked for, some seconds after the last was."""
+        """Restart the time-out for all pictures that are outstanding."""
         if self._patience is not None:
             self._patience.cancel()
         self._patience = threading.Timer(PATIENCE, self._on_silence)
@@ -124,21 +124,21 @@ class SavesPng(anywidget.AnyWidget):
             self._wait()
             return
         for saving in list(self._asked.values()):
-            words = (
+            error = (
                 f"no page that shows this widget has answered for {PATIENCE:g} s; have it in view and call save_png() "
                 "again. If a cell is still awaiting something, the kernel may hear the page only when it ends"
             )
-            self._fail(saving, TimeoutError(words))
+            self._fail(saving, TimeoutError(error))
 
     def _fail(self, saving: Saving, error: Exception) -> None:
-        words = f"{saving.path} was not written: {error}"
-        log.error("%s: %s", type(self).__name__, words)
-        self._say(words)
-        saving._end(type(error)(words))
+        text = f"{saving.path} was not written: {error}"
+        log.error("%s: %s", type(self).__name__, text)
+        self._set_png_error(text)
+        saving._end(type(error)(text))
 
 
 def _checked(path: str | os.PathLike[str]) -> Path:
-    """Where to write, if that can be done."""
+    """The absolute path, if it can be written."""
     if not isinstance(path, (str, os.PathLike)):
         raise TypeError(f"save_png(): expected the path of a file, got {path!r}")
     target = Path(path).resolve()
@@ -154,7 +154,7 @@ def _checked(path: str | os.PathLike[str]) -> Path:
 
 
 def _write(target: Path, url: str) -> None:
-    """Put the picture of a data URL where it belongs, whole or not at all."""
+    """Write the picture of a data URL into a file, all of it or nothing."""
     if not url.startswith(_URL):
         raise OSError(f"the page could not draw the picture; it answered {url[:40]!r}")
     part = target.with_name(f"{target.name}.part")

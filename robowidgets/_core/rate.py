@@ -1,39 +1,39 @@
-"""How often something comes."""
+"""The rate of arrivals."""
 
 from __future__ import annotations
 
 from collections import deque
 
 SPACING = 0.1
-"""Seconds between two marks: what comes faster is counted, not kept."""
+"""Seconds between two marks: faster arrivals are counted, but get no mark."""
 
 WINDOW = 3.0
-"""Seconds of the past that count."""
+"""Seconds over which the rate is measured."""
 
 SHORTEST = 0.25
-"""Seconds that must have passed before a rate means anything: a loop over a recording is no rate."""
+"""Seconds of arrivals that a rate needs at least: a loop over a recording has no rate."""
 
 
 class RateMeter:
-    """Tells the rate of what is counted elsewhere, over the last seconds. Times are of one monotonic clock."""
+    """Measures the rate of a counter over the last seconds. Times are of one monotonic clock."""
 
     def __init__(self) -> None:
         self._marks: deque[tuple[float, int]] = deque()
 
     def rate(self, count: int, last: float) -> float:
-        """Arrivals per second, up to the last one; NaN while nothing can be said.
+        """Arrivals per second, up to the last one; NaN while it is unknown.
 
-        To be asked again and again: between two of its marks it knows of nothing.
+        Call it regularly: it sees the counter only then.
 
         Args:
             count: how many have arrived, never fewer than before.
-            last: when the last one did.
+            last: when the last one arrived.
         """
         if not count:
             return float("nan")
         if not self._marks or last - self._marks[-1][0] >= SPACING:
             self._marks.append((last, count))
-            # After a pause the old mark stays until the rate can be told of the new ones.
+            # After a pause the old mark stays until the new ones are enough for a rate.
             while last - self._marks[0][0] > WINDOW and len(self._marks) > 2 and last - self._marks[1][0] >= SHORTEST:
                 self._marks.popleft()
         first, before = self._marks[0]

@@ -1,4 +1,4 @@
-"""What the widgets share: the way of a sample to the page, freezing, words when something is wrong."""
+"""The base of the widgets that show samples: sending samples to the page, freezing, and errors."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ from .rate import RateMeter
 from .traits import Flag, bytes_trait
 
 FRAME_HEADER = struct.Struct("<ddqd")
-"""Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and when
-its sample arrived, in seconds of Python's monotonic clock, which the page has no use for."""
+"""Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and its
+time of arrival in seconds of Python's monotonic clock, which only Python reads."""
 
 SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
 """Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
 where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
 
 LONGEST_HISTORY = 600
-"""Seconds; what is kept longer is a recording."""
+"""Seconds of the longest history; a recording holds more."""
 
 MOST_ABOUTS = 12_000
-"""Different words about samples that are remembered: one for each that the page keeps."""
+"""How many texts on samples are remembered: one for each sample that the page keeps."""
 
 RESYNC_TRAITS = ("title", "_about", "_source")
-"""Traits that only Python writes, and that go along with a frame again and again: a server that is flooded with prints
-drops messages and tells nobody, and a page may take a state that it asked for earlier for a newer one."""
+"""Traits that only Python writes, which are sent again with a frame at intervals: a server that is flooded with prints
+silently drops messages, and a page may overwrite new traits with an older state that it requested before."""
 
 RESYNC_S = 5.0
-"""Seconds from one time to the next."""
+"""Seconds between two such frames."""
 
 S = TypeVar("S")
 
@@ -49,9 +49,9 @@ S = TypeVar("S")
 class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
-    Subclasses pack samples to bytes and back, and hand new ones to `_show`. A sample is only stored by the caller; it
-    is packed and sent by the pacer, so that any thread may update a widget at any rate. So are the traits that a
-    program sets, because a loop may set them at any rate too.
+    Subclasses pack samples to bytes and back, and pass new ones to `_show`. The calling thread only stores a sample,
+    and the pacer packs and sends it, so any thread may update a widget at any rate. The pacer also sends the traits
+    that a program sets, because a loop may set them at any rate, too.
     """
 
     footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
@@ -63,13 +63,13 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     ).tag(sync=True)
 
     has_rate = True
-    """Whether samples come as they are measured. Where somebody leafs through a recording, there is no rate to tell."""
+    """Whether samples come as they are measured, at a rate; False for samples that are picked from a recording."""
 
     driven_by_player = False
-    """Whether something in the page, a player, puts the samples on show there: then none are sent."""
+    """True while a player in the page feeds this widget; Python then sends no frames."""
 
     wide = False
-    """Whether it stands in the wide column where several widgets are on show."""
+    """Whether it stands in the wide column of a view with several widgets."""
 
     frame_traits: tuple[str, ...] = ()
     """Names of the traits on which its frames depend, besides the sample."""
@@ -95,10 +95,10 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._changed = False
         self._waiting = 0
         self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
-        """From which sample on what was said."""
+        """The texts on samples, each with the sequence number of its first sample."""
         self._frozen_meta: dict[str, Any] = {}
         self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
-        """Of the two traits that only the pacer sends, what it sent last."""
+        """`_frame` and `_about` as they were sent last; only the pacer sends them."""
         self._unsent: set[str] = set()
         self._resync_at = time.monotonic() + RESYNC_S
         self._make_locks()
@@ -106,29 +106,29 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         super().__init__(**kwargs)
 
     def _make_locks(self) -> None:
-        """Have locks that nobody holds; called again in a forked process, where who held them may not be."""
+        """Make free locks; again in a forked process, which has no threads that could release the old ones."""
         self._sample_lock = threading.RLock()
         self._send_lock = threading.RLock()
         self._sample_arrived = threading.Condition(self._sample_lock)
         self._given = threading.local()
-        """By thread, the sequence number of the sample that `wait` gave it last."""
+        """By thread, the sequence number of the sample that `wait` returned last."""
 
     # -- what a person uses --------------------------------------------------------------------------------------------
 
     def wait(self, timeout: float | None = None) -> Any:
         """The next sample, frozen or not, so that a loop never acts on an old one.
 
-        It never gives one twice to the same thread. The newest one is given at once if this thread has not had it, and
-        if it is no older than the default time-out; else the call waits. Of speeds it is the measured one. In the
-        player of a recording it is what is shown, at once. Any thread may wait. A sample that the waiting thread itself
-        would hand to the widget cannot come meanwhile.
+        A thread never gets the same sample twice. It gets the newest one at once if it has not had it, and if that is
+        no older than the default time-out; else the call waits. A speed widget returns the measured speed. In the
+        player of a recording the call returns the shown sample at once. Any thread may wait, except the one that
+        updates the widget.
 
         Args:
-            timeout: seconds that it waits, 0 or more. None: three periods of the source, at least 1 s and at most 10 s;
-                10 s for a source without a rate: one that has just begun, or that speaks in events.
+            timeout: seconds to wait, 0 or more. None: three periods of the source, at least 1 s and at most 10 s; 10 s
+                for a source without a rate, which has just begun or sends events.
 
         Raises:
-            TimeoutError: none came; the text says how old the last one is, and what is known of why.
+            TimeoutError: none came; the text gives the age of the last one and the reason, if it is known.
             TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
         """
         limit = self._longest_silence()
@@ -156,11 +156,11 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
     def _pack(self, sample: S) -> bytes:
-        """The bytes of a frame after its head."""
+        """The bytes of a frame after its header."""
         raise NotImplementedError
 
     def _newest_sample(self) -> Any:
-        """What `wait` gives; None before the first."""
+        """The sample that `wait` returns; None before the first one."""
         return self._newest
 
     def _longest_silence(self) -> float:
@@ -169,12 +169,12 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         return min(max(SHORTEST_SILENCE, 3 / rate), LONGEST_SILENCE) if rate > 0 else LONGEST_SILENCE
 
     def _show(self, sample: S, about: dict[str, Any], *, counts: bool = True) -> None:
-        """Store the newest sample, with what is to be said of it in words, for the page to show.
+        """Store the newest sample, with the texts on it, for the page to show.
 
-        Unless it counts, it stays the sample that came before, only known better.
+        With ``counts=False`` it is an improved version of the previous sample, not a new one.
         """
         with self._sample_lock:
-            # Past __setattr__, which takes longer than all the rest.
+            # Bypasses __setattr__, which would take longer than everything else here.
             mine = self.__dict__
             mine["_newest"], mine["_newest_about"], mine["_changed"] = sample, about, True
             if counts:
@@ -185,7 +185,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
-        """Say on the widget why a message could not be shown; raise where a person calls, log in a callback."""
+        """Show why a message could not be shown; then raise the error in a cell, and log it in a callback."""
         text = str(error)
         with self._sample_lock:
             self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
@@ -197,21 +197,21 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     def _why_none(self, seconds: float) -> str:
         error = self._newest_about.get("error", "")
-        words = [self._source.get("words", ""), f"what came could not be shown: {error}" if error else ""]
+        reasons = [self._source.get("words", ""), f"what came could not be shown: {error}" if error else ""]
         sample = self._newest_sample()
         if not self._source and not error and sample is None:
-            words.append("no feed is connected to it; feed.connect(topic, widget) does that")
-        why = "; ".join(filter(None, words))
+            reasons.append("no feed is connected to it; feed.connect(topic, widget) does that")
+        why = "; ".join(filter(None, reasons))
         none = f"nothing to show in {seconds:g} s"
         if sample is not None:
             age = time.monotonic() - self._arrived
             none = f"no new {type(sample).__name__.lower()} for {age:.{'1f' if age >= 1 else '2g'}} s"
         return f"{type(self).__name__} {self.title}".rstrip() + f" had {none}" + f": {why}" * bool(why)
 
-    def _say(self, words: str) -> None:
-        if words != self._png_error:
+    def _set_png_error(self, error: str) -> None:
+        if error != self._png_error:
             with self._sample_lock:
-                self._png_error = words
+                self._png_error = error
                 self._changed = True
             pacer.mark(self)
 
@@ -226,14 +226,14 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     @property
     def rate(self) -> float:
-        """Samples per second over the last seconds in which some came; NaN while none can be said."""
+        """Samples per second over the last seconds in which some came; NaN while it is unknown."""
         if not self.has_rate:
             return float("nan")
         with self._sample_lock:
             return self._meter.rate(self._sequence, self._arrived)
 
     def send_newest(self) -> int:
-        """Send the newest sample to the page; the pacer's call. Returns the bytes sent."""
+        """Send the newest sample to the page; returns the number of bytes sent. The pacer calls it."""
         if os.getpid() != self._process:
             self._log_once(
                 "nothing reaches the page from a forked process; hand messages to the notebook's own, "
@@ -241,7 +241,9 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             )
             return 0
         with self._send_lock:
-            values = self._trait_values  # past the descriptors of traits, which take longer than all the rest
+            values = (
+                self._trait_values
+            )  # bypasses the traits' descriptors, which would take longer than everything else here
             comm = values.get("comm")
             if comm is None:
                 return 0
@@ -262,7 +264,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 self._resync_at = time.monotonic() + RESYNC_S
             try:
                 if keys == ["_frame"]:
-                    # As ipywidgets would pack it, many times a second.
+                    # The message that ipywidgets would build, without its cost.
                     update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]], **message_padding()}
                     comm.send(data=update, buffers=[frame])
                 elif keys:
@@ -275,7 +277,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             return len(frame) if "_frame" in keys else 0
 
     def send_state(self, key: str | Iterable[str] | None = None) -> None:
-        """Send traits to the page, with the next sample; all of them, which a page asks for, at once."""
+        """Send traits to the page with the next sample; without names, when a page requests all of them, at once."""
         if key is None or self.comm is None:
             super().send_state(key)
             return
@@ -284,32 +286,32 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         pacer.mark(self)
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:  # noqa: ARG002
-        """The synced state, with the newest sample in it: what a new view, a reload and a saved notebook get.
+        """The synced state with the newest sample, for a new view, a reloaded page and a saved notebook.
 
-        Defaults are never dropped: the front end, which knows none, is itself the default of a trait.
+        Defaults are never dropped: the front end does not know them, and is itself the default of a trait.
         """
         if key is None:
             self._bring_up_to_date()
         state: dict[str, Any] = super().get_state(key)
         if key is None and self._sequence and (self.rate > 0 or self._source):
-            # A page that is loaded has not seen it come, and cannot know how old it is.
+            # A page that loads the state has not seen the sample arrive and cannot know its age.
             state["_silence"] = time.monotonic() - self._arrived
         return state
 
     def _get_embed_state(self, drop_defaults: bool = False) -> dict[str, Any]:
-        """What an exported page gets, which shows the picture as it was then, and not its age."""
+        """The state for an exported page, which shows the last picture without its age."""
         state: dict[str, Any] = super()._get_embed_state(drop_defaults)
         state["state"]["_silence"] = 0.0
         return state
 
     def close(self) -> None:
-        """Take the widget off the page."""
+        """Remove the widget from the page."""
         with self._send_lock:
             super().close()
             pacer.forget(self)
 
     def _bring_up_to_date(self) -> None:
-        """Pack the newest sample into the state, without a message: these two travel at the pacer's pace."""
+        """Pack the newest sample into `_frame` and `_about` without sending them, as setting the traits would."""
         with self._send_lock:
             with self._sample_lock:
                 if not self._changed:
@@ -338,20 +340,20 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     @traitlets.validate("paused")
     def _before_paused(self, proposal: Any) -> Any:
-        """Hold the sample on show before the widget counts as frozen: another thread may read it at any moment."""
+        """Keep the shown sample before `paused` is True, because another thread may read it at any moment."""
         if proposal["value"] and not self.paused:
-            self._hold()
+            self._freeze()
         return proposal["value"]
 
     @traitlets.observe("paused")
     def _after_paused(self, _change: Any) -> None:
         if self.paused:
-            self._hold()
+            self._freeze()
         elif self._held:
             self._held = b""
 
-    def _hold(self) -> None:
-        """Hold the sample on show; the page does so itself when a person freezes it."""
+    def _freeze(self) -> None:
+        """Keep the shown sample; when a person freezes the picture, the page does so itself."""
         with self._send_lock:
             if not self._held:
                 self._bring_up_to_date()
@@ -362,8 +364,8 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._frozen_meta = self._about
         if self._held and not self.driven_by_player:
             number, *_ = FRAME_HEADER.unpack_from(self._held)
-            said = (about for first, about in reversed(self._abouts) if first <= number)
-            self._frozen_meta = next(said, self._about)
+            texts = (about for first, about in reversed(self._abouts) if first <= number)
+            self._frozen_meta = next(texts, self._about)
 
 
 _made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()

@@ -1,4 +1,4 @@
-"""Kinds of traits that all widgets use."""
+"""Trait types that all widgets use."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import traitlets
 
 
 class Flag(traitlets.Bool[Any, Any]):
-    """True or False; those of NumPy, which its comparisons give, count too."""
+    """True or False, also as NumPy's own, which its comparisons return."""
 
     def validate(self, obj: Any, value: Any) -> bool:
         """The flag as Python's own."""
