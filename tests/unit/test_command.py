@@ -324,7 +324,7 @@ def test_find_that_is_interrupted_prints_what_it_found(capsys, monkeypatch):
     def interrupted(*arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("robowidgets.recordings.speed_series.chunks_of", interrupted)
+    monkeypatch.setattr("robowidgets.recordings.columns.speeds.Speeds.chunks", interrupted)
     assert main(["find", str(robowidgets.SAMPLE), "--speed-above", "0.1"]) == 130
     assert capsys.readouterr().out.splitlines()[-1] == "# stopped at 0.000: nothing after that was looked at"
 

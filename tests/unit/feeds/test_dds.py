@@ -28,7 +28,7 @@ from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
 from robowidgets.feeds._encode import Encoder
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
-from robowidgets.repair.source import RecordingError
+from robowidgets.messages.decoding import DecodeError
 
 from ..waiting import wait_for
 from .recorder import Recorder
@@ -491,7 +491,7 @@ def test_a_range_of_a_publisher_that_does_not_describe_it_is_read_by_the_definit
     decode = decoder(RANGE, "")
     assert (decode(old).range, hasattr(decode(old), "variance")) == (1.5, False)
     assert (decode(new).range, decode(new).variance) == (1.5, 0.25)
-    with pytest.raises(RecordingError, match=f"{len(old) - 4} bytes that are no {RANGE}"):
+    with pytest.raises(DecodeError, match=f"{len(old) - 4} bytes that are no {RANGE}"):
         decode(old[:-4])
 
 

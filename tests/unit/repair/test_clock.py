@@ -16,7 +16,7 @@ from rosbags.rosbag2.storage_mcap import McapReader
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
-from robowidgets._core.robot_widget import HEAD
+from robowidgets._core.robot_widget import FRAME_HEADER
 from robowidgets._widget_choice import WidgetChoice
 from robowidgets.kinds import LASER
 from robowidgets.messages.compression import zstd
@@ -123,7 +123,7 @@ class TestARecordingWithARepairedClock:
 
 def without_arrival(frame: bytes) -> bytes:
     """A frame without the time at which its sample was read."""
-    return frame[:24] + frame[HEAD.size :]
+    return frame[:24] + frame[FRAME_HEADER.size :]
 
 
 @pytest.mark.parametrize("kind", KINDS)
