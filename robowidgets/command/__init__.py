@@ -19,8 +19,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Do what the arguments say.
 
     Returns:
-        0 when it is done; 1 when it could not be done, after one line on stderr that says why. ``find`` is as grep: 1
-        when nothing was found, 2 when it could not look. Arguments that make no sense exit with 2.
+        0 when it is done; 1 when it could not be done, 2 for ``repair``, after one line on stderr that says why.
+        ``find`` is as grep: 1 when nothing was found, 2 when it could not look. Arguments that make no sense exit
+        with 2.
     """
     arguments = _parser().parse_args(argv)
     try:
@@ -58,6 +59,14 @@ def _find(arguments: argparse.Namespace) -> int:
     text, code = _questions.find(arguments, _warn)
     _say(text)
     return code
+
+
+def _write_repaired(arguments: argparse.Namespace) -> None:
+    # Imported here: the other commands need not wait for mcap.
+    from ._repair import repair
+
+    for line in repair(arguments.file, arguments.output, force=arguments.force):
+        _say(line)
 
 
 def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace) -> None:
@@ -112,6 +121,19 @@ def _parser() -> argparse.ArgumentParser:
     find.add_argument("file", type=Path, metavar="FILE", help=of_file)
     _questions.add_find(find)
     find.set_defaults(do=_find, failed=2)
+
+    mend = commands.add_parser(
+        "repair",
+        help="write a damaged recording as an MCAP file that every tool reads",
+        description="Write all that can be read of a recording, by a clock that never goes back, as an MCAP file.",
+        epilog="Exits with 0 when the file was written, 2 when it could not be.",
+    )
+    mend.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    mend.add_argument(
+        "--output", type=Path, metavar="OUT.mcap", help="where to write it (default: FILE_repaired.mcap beside FILE)"
+    )
+    mend.add_argument("--force", action="store_true", help="replace a file that is there already")
+    mend.set_defaults(do=_write_repaired, failed=2)
 
     for command in (demo, show):
         command.add_argument(

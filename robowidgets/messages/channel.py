@@ -33,3 +33,8 @@ def definition_text(encoding: str, type_name: str, text: str) -> str:
     if encoding in _IDL and text and not text.startswith(_LINE):
         return f"{_LINE}\nIDL: {type_name}\n{text}"
     return text if encoding in _MESSAGE or encoding in _IDL else ""
+
+
+def is_idl(definition: str) -> bool:
+    """Whether the definition of a `Channel` is in IDL."""
+    return definition.startswith(f"{_LINE}\nIDL: ")

@@ -64,6 +64,16 @@ def decoder_of(channel: Channel) -> Decode:
     return decode
 
 
+def definition_of(channel: Channel) -> str:
+    """The text of a channel's definition; where the file holds none, of the type that is known; else empty."""
+    if channel.definition.strip() or channel.encoding not in ENCODINGS:
+        return channel.definition
+    try:
+        return store_of(channel).generate_msgdef(channel.type, ros_version=1 if channel.encoding == "ros1" else 2)[0]
+    except DecodeError:
+        return ""
+
+
 def store_of(channel: Channel) -> Typestore:
     """What knows the type of a channel; DecodeError when nothing does."""
     find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__

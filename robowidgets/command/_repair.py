@@ -1,0 +1,61 @@
+"""The command ``robowidgets repair``: a recording written anew, without what was wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+from .._core.text import many
+from ..recordings.files import open_source
+from ..repair.write import write
+
+_PACKED = (".gz", ".zst", ".zstd", ".active")
+_SUFFIXES = (".bag", ".clf", ".db3", ".log", ".mcap")
+
+
+def repair(file: Path, output: Path | None, *, force: bool) -> Iterator[str]:
+    """Write a recording as an MCAP file.
+
+    Args:
+        file: the recording.
+        output: the MCAP file; None for one beside the recording, with ``_repaired`` at the end of its name.
+        force: whether to replace a file that is there already.
+
+    Returns:
+        Lines on what was wrong, and on what was written, as soon as it is known.
+
+    Raises:
+        RecordingError: nothing of it can be read, or the file cannot be written.
+        OSError: the output is there already, or belongs to the recording.
+    """
+    recording = file.absolute().parent if file.name == "metadata.yaml" else file
+    output = _beside(recording) if output is None else output
+    _check(recording, output, force)
+    with closing(open_source(recording)) as source:
+        opened = source.problems
+        yield from (f"! {line}" for line in opened)
+        written = write(source, output)
+        problems = (*(line for line in source.problems if line not in opened), *written.problems)
+    yield from (f"! {line}" for line in problems)
+    if not (*opened, *problems):
+        yield f"Nothing is wrong with {recording}"
+    amount = f"{many(written.messages, 'message')}, {written.seconds:,.1f} s, {written.size / 1e6:,.1f} MB"
+    yield f"Wrote {output}: {amount}"
+
+
+def _beside(recording: Path) -> Path:
+    name = recording.absolute().name
+    for suffixes in (_PACKED, _SUFFIXES):
+        name = next((name.removesuffix(suffix) for suffix in suffixes if name.endswith(suffix)), name)
+    return recording.absolute().with_name(f"{name}_repaired.mcap")
+
+
+def _check(recording: Path, output: Path, force: bool) -> None:
+    place, own = output.resolve(), recording.resolve()
+    if place == own or (recording.is_dir() and place.parent == own):
+        raise FileExistsError(f"{output}: is part of the recording itself; name another file with --output")
+    if output.is_dir():
+        raise IsADirectoryError(f"{output}: is a folder; name a file with --output")
+    if output.exists() and not force:
+        raise FileExistsError(f"{output}: is there already; replace it with --force, or name another with --output")

@@ -1,0 +1,97 @@
+"""A source as an MCAP file that every tool reads: indexed, in chunks, by a clock that never goes back."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+from mcap.writer import Writer
+
+from .._core.progress import Progress
+from ..messages.channel import Channel, is_idl
+from ..messages.decoding import definition_of
+from .source import RecordingError, Source
+
+_PROFILES = {"cdr": "ros2", "ros1": "ros1"}
+
+
+class Written(NamedTuple):
+    """What is in a written file: messages, seconds from the first to the last, bytes; and lines on what is not."""
+
+    messages: int
+    seconds: float
+    size: int
+    problems: tuple[str, ...]
+
+
+def write(source: Source, path: Path) -> Written:
+    """Write all messages of a source into an MCAP file, in chunks compressed with zstd.
+
+    The file appears under its name when it is complete, and replaces one that is there. Until then, and only until
+    then, a file ending in ``.part`` lies beside it. A definition that the source lacks is written where the type is
+    known. What the source gives until it can be read no further is written, too.
+
+    Raises:
+        RecordingError: it cannot be written, or the source gives nothing; the text says why.
+    """
+    if (source.start_ns or 0) < 0:
+        raise RecordingError(f"{path}: cannot be written: the clock begins before 1970, and MCAP holds no such times")
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("xb") as file:
+            try:
+                count, problems = _write_messages(source, file, path.name)
+                file.flush()
+                os.fsync(file.fileno())
+                size = file.tell()
+                part.replace(path)
+            except BaseException:
+                part.unlink()
+                raise
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from None
+    return Written(count, ((source.end_ns or 0) - (source.start_ns or 0)) / 1e9, size, tuple(problems))
+
+
+def _write_messages(source: Source, file: BinaryIO, name: str) -> tuple[int, list[str]]:
+    """Write them; how many there were, and lines on what is missing."""
+    writer = Writer(file)
+    encodings = {channel.encoding for channel in source.channels}
+    writer.start(_PROFILES.get(encodings.pop(), "") if len(encodings) == 1 else "", "robowidgets")
+    ids, problems = _register(writer, source.channels)
+    count = 0
+    try:
+        with Progress(sum(channel.count for channel in source.channels), f"Writing {name}") as bar:
+            for channel, time_ns, data in source.messages(source.channels):
+                writer.add_message(ids[channel.id], time_ns, data, time_ns)
+                count += 1
+                bar.update(1)
+    except RecordingError as error:
+        if not count:
+            raise
+        problems.append(f"the file can be read no further: {error}")
+    writer.finish()
+    return count, problems
+
+
+def _register(writer: Writer, channels: Sequence[Channel]) -> tuple[dict[int, int], list[str]]:
+    """Name the channels in the file: their ids there, by their ids in the source; and lines on lost definitions."""
+    schemas: dict[tuple[str, str, str], int] = {}
+    ids, problems = {}, []
+    for channel in channels:
+        name, encoding, text = channel.type, "", definition_of(channel)
+        if channel.encoding == "ros1":
+            name, encoding = name.replace("/msg/", "/"), "ros1msg"
+        elif channel.encoding == "cdr" and text:
+            encoding = "ros2idl" if is_idl(text) else "ros2msg"
+        else:
+            text = ""
+        if channel.encoding not in _PROFILES:
+            problems.append(f"{channel.topic}: its messages, encoded as {channel.encoding!r}, have no definition now")
+        key = name, encoding, text
+        if name and key not in schemas:
+            schemas[key] = writer.register_schema(name, encoding, text.encode())
+        ids[channel.id] = writer.register_channel(channel.topic, channel.encoding, schemas.get(key, 0))
+    return ids, problems
