@@ -69,6 +69,11 @@ def walk_carmen(path: Path) -> Walk:
                 continue
             words.append(word)
             lines.append(line)
+    if len(lines) > 1 and text.endswith(lines[-1]) and _is_before(lines[-1], lines[-2]):
+        # A number that was cut is a smaller one.
+        words.pop()
+        lines.pop()
+        problems = problems or ["the log was cut off within its last line, which is left out"]
     timed = [i for i, word in enumerate(words) if word != ESTIMATE]
     monotonic, about_times = repaired_log([time_ns_of(lines[i]) for i in timed])
     times = [monotonic[0] if monotonic else 0] * len(lines)
@@ -93,6 +98,12 @@ def walk_carmen(path: Path) -> Walk:
         damage=Damage(),
         problems=tuple(filter(None, (*problems, about_times, *left_out.values()))),
     )
+
+
+def _is_before(line: bytes, other: bytes) -> bool:
+    """Whether a line has an earlier time than another."""
+    time, other_time = time_ns_of(line), time_ns_of(other)
+    return time is None or (other_time is not None and time < other_time)
 
 
 def _encoder(word: str, lines: list[bytes]) -> Callable[[bytes], bytes]:
