@@ -4,7 +4,7 @@ The readers walk a file from its start, trust no index in it, and take no more m
 the file claims. `Source.problems` tells what was wrong.
 """
 
-from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, Arrivals, was_set
+from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, was_set
 from ._open import find_files, has_messages, open_repaired
 from .source import Message, RecordingError, Source
 
@@ -12,6 +12,7 @@ __all__ = [
     "JITTER_NS",
     "LEAP_NS",
     "REAL_FROM_NS",
+    "RESET_NS",
     "Arrivals",
     "Message",
     "RecordingError",

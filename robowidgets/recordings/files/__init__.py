@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path, PurePath
 
-from ..._core.text import listed
+from ..._core.text import listed, many
 from ...repair import RecordingError, Source, find_files, open_repaired, was_set
 from . import _rosbags
 from ._chain import Chain
@@ -19,10 +19,21 @@ _OPENERS = {
     b"SQLite format 3\0": _rosbags.open_sqlite,
 }
 _METADATA = "metadata.yaml"
-_OWN = re.compile(r"\d+|\.zstd?$")
+_SUFFIX = re.compile(r"\.(bag|db3|mcap)(\.zstd?)?$")
+_NUMBER = re.compile(r"\d+")
 _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
-_PACKED = re.compile(r"^\s*compression_mode:\s*['\"]?(file|message)", re.MULTILINE | re.IGNORECASE)
+_COUNT = re.compile(r"^  message_count:\s*(\d+)", re.MULTILINE)
+_START = re.compile(r"^  starting_time:\s*\n\s+nanoseconds_since_epoch:\s*(\d+)", re.MULTILINE)
+_SECOND = 1_000_000_000
 _NAMED_AT_MOST = 5
+
+
+class _SeveralError(RecordingError):
+    """Files in one folder that are no parts of one recording."""
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        there = listed([file.name for file in files], _NAMED_AT_MOST)
+        super().__init__(f"{files[0].parent}: {len(files)} recordings in this folder: open one of them: {there}")
 
 
 def open_source(path: Path) -> Source:
@@ -60,6 +71,8 @@ def _whole(
             if not was_set(source.arrivals()):
                 stack.pop_all()
                 return FallbackSource(source, lambda: open_repaired(files, problems))
+    except _SeveralError:
+        raise
     except Exception:  # rosbags raises anything; the reader made for damage finds out what is wrong, and tells it
         pass
     return None
@@ -78,30 +91,60 @@ def _open_by_rosbags(path: Path) -> _rosbags.RosbagsSource:
 
 
 def _open_folder(path: Path) -> Source:
-    """A rosbag2 folder, by its metadata or, where they are missing or of no use, file by file."""
-    files = find_files(path)
+    """The files of a rosbag2 folder: those that its metadata name, else all."""
     metadata = _metadata(path)
-    # rosbags unpacks compressed files and messages for as long as there is room.
-    if metadata and not _PACKED.search(metadata) and (source := _whole(lambda: _rosbags.open_folder(path), files)):
-        return source
+    named = {PurePath(name).name for name in _NAMED.findall(metadata or "")}
+    files = find_files(path)
+    files = [file for file in files if file.name in named] or files
     if not files:
         there = listed(sorted(entry.name for entry in path.iterdir()), _NAMED_AT_MOST) or "nothing"
         raise RecordingError(f"{path}: no recording in this folder: expected .db3, .mcap or .bag files, got {there}")
-    if metadata is None and len({_OWN.sub("", file.name) for file in files}) > 1:
-        there = listed([file.name for file in files], _NAMED_AT_MOST)
-        raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {there}")
-    problems = _missing(path, metadata or "")
-    return _whole(lambda: _open_chain(files, problems), files, problems) or open_repaired(files, problems)
+    if metadata is None and not _counts_up([file.name for file in files]):
+        raise _SeveralError(files)
+    missing = sorted(name for name in named if not (path / name).exists())
+    problems = [f"{_METADATA} names {', '.join(missing)}, not in the folder: read the files that are"] * bool(missing)
+
+    def open_chain() -> Chain:
+        chain = _open_chain(files)
+        if metadata is None and not chain.follows_on():
+            chain.close()
+            raise _SeveralError(files)
+        chain.problems = tuple(problems or _disagreement(metadata or "", chain))
+        return chain
+
+    return _whole(open_chain, files, problems) or open_repaired(files, problems)
 
 
-def _open_chain(files: Sequence[Path], problems: Sequence[str]) -> Chain:
+def _counts_up(names: Sequence[str]) -> bool:
+    """Whether files are named as a recorder names the parts of one recording: alike, with a last number that counts."""
+    stems = [_SUFFIX.sub("", name) for name in names]
+    numbers = [int(found[-1]) for stem in stems if (found := _NUMBER.findall(stem))]
+    alike = len({_NUMBER.sub("", stem) for stem in stems}) == 1
+    first = min(numbers, default=0)
+    return len(names) == 1 or (alike and numbers == list(range(first, first + len(names))))
+
+
+def _open_chain(files: Sequence[Path]) -> Chain:
     with ExitStack() as stack:
         sources = []
         for file in files:
             sources.append(_open_by_rosbags(file))
             stack.callback(sources[-1].close)
         stack.pop_all()
-        return Chain(sources, problems)
+        return Chain(sources)
+
+
+def _disagreement(metadata: str, source: Source) -> list[str]:
+    """A line about metadata that belong to other files, or were written before the last message was."""
+    count, start = sum(channel.count for channel in source.channels), source.start_ns
+    told_count, told_start = _COUNT.search(metadata), _START.search(metadata)
+    if told_count and int(told_count[1]) != count:
+        told = f"{many(int(told_count[1]), 'message')}, the files hold {count:,}"
+    elif told_start and start is not None and abs(int(told_start[1]) - start) > _SECOND:
+        told = "another start than the files have"
+    else:
+        return []
+    return [f"{_METADATA} tells of {told}: read what they hold"]
 
 
 def _metadata(path: Path) -> str | None:
@@ -111,10 +154,3 @@ def _metadata(path: Path) -> str | None:
         return file.read_text(errors="replace") if file.exists() else None
     except OSError:  # the files tell as much
         return ""
-
-
-def _missing(path: Path, metadata: str) -> list[str]:
-    """A line about the files that the metadata name and that are not there."""
-    names = {PurePath(name).name for name in _NAMED.findall(metadata)}
-    missing = sorted(name for name in names if not (path / name).exists())
-    return [f"{_METADATA} names {', '.join(missing)}, not in the folder: read the files that are"] if missing else []

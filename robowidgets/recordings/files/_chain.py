@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from heapq import merge
+from itertools import pairwise
 
 from ...messages.channel import Channel
-from ...repair import Arrivals, Message
+from ...repair import RESET_NS, Arrivals, Message
 from ._index import joined, renumbered
 from ._rosbags import RosbagsSource
 
@@ -18,12 +19,11 @@ class Chain:
 
     Args:
         sources: one for each file, in their order; closed with the chain.
-        problems: of all of them.
     """
 
-    def __init__(self, sources: Sequence[RosbagsSource], problems: Sequence[str] = ()) -> None:
+    def __init__(self, sources: Sequence[RosbagsSource]) -> None:
         self._sources = sources
-        self.problems = tuple(problems)
+        self.problems: tuple[str, ...] = ()
         counts: dict[Channel, int] = {}
         for source in sources:
             for channel in source.channels:
@@ -44,6 +44,13 @@ class Chain:
     def arrivals(self) -> Arrivals:
         """The order of arrival in one file after the other."""
         return joined(renumbered(s.arrivals(), {c.id: self._ids[_same(c)] for c in s.channels}) for s in self._sources)
+
+    def follows_on(self) -> bool:
+        """Whether each file has the topics of the one before, and goes on where that ends."""
+        topics = [{(c.topic, c.type) for c in source.channels} for source in self._sources]
+        times = [times for s in self._sources if (times := s.arrivals().times).size]
+        in_order = all(later[0] >= times[-1] - RESET_NS for times, later in pairwise(times))
+        return in_order and all(some <= others or others <= some for some, others in pairwise(topics))
 
     def last_ns(self, channel: Channel) -> int | None:
         """See `Source`."""

@@ -128,31 +128,6 @@ class SqliteIndex:
         return int(row[0]) if row else None
 
 
-class FolderIndex:
-    """The indexes of the files of a folder.
-
-    Args:
-        reader: a DirectoryReader.
-    """
-
-    def __init__(self, reader: Any) -> None:
-        ids = {(connection.topic, connection.msgtype): connection.id for connection in reader.connections}
-        self._files: list[tuple[Index, dict[int, int]]] = []
-        """With the number in the folder of each connection of the file."""
-        for storage in reader.storages:
-            index = McapIndex(storage) if isinstance(storage, McapReader) else SqliteIndex(storage)
-            self._files.append((index, {c.id: ids.get((c.topic, c.msgtype), 0) for c in storage.connections}))
-
-    def arrivals(self) -> Arrivals:
-        """See `Index`: of one file after the other."""
-        return joined(renumbered(index.arrivals(), ids) for index, ids in self._files)
-
-    def last_ns(self, number: int) -> int | None:
-        """See `Index`."""
-        times = (index.last_ns(own) for index, ids in self._files for own, ours in ids.items() if ours == number)
-        return max((time for time in times if time is not None), default=None)
-
-
 def joined(parts: Iterable[Arrivals]) -> Arrivals:
     """Arrivals one after the other."""
     none = np.empty(0, np.int64)

@@ -12,14 +12,13 @@ from typing import Any
 from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag1.reader import decompressors
-from rosbags.rosbag2.reader import DirectoryReader
 from rosbags.rosbag2.storage_mcap import DECOMPRESSORS, McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from ...messages.channel import Channel, definition_text
 from ...messages.compression import MAX_CHUNK, inflate, plain
 from ...repair import Arrivals, Message, RecordingError
-from ._index import BagIndex, FolderIndex, Index, McapIndex, SqliteIndex
+from ._index import BagIndex, Index, McapIndex, SqliteIndex
 
 _NEVER = 2**63 - 1
 
@@ -60,12 +59,6 @@ def open_sqlite(path: Path) -> RosbagsSource:
     """A ``.db3``. Raises as `open_bag`."""
     _check(path)
     return RosbagsSource(Sqlite3Reader(path), SqliteIndex)
-
-
-def open_folder(path: Path) -> RosbagsSource:
-    """A folder with a ``metadata.yaml``. Raises as `open_bag`."""
-    _check(path)
-    return RosbagsSource(DirectoryReader(path), FolderIndex)
 
 
 class RosbagsSource:

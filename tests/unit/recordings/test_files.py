@@ -17,7 +17,8 @@ from robowidgets.recordings import RecordingError
 from robowidgets.recordings.files import open_source
 from robowidgets.recordings.files._fallback import FallbackSource
 
-from .written import Message, messages, write_bag, write_db3, write_indexed_mcap
+from . import topics
+from .written import START_NS, STEP_NS, Message, messages, write_bag, write_db3, write_indexed_mcap
 
 LOG = b"\n".join(f"ODOM 1 2 0.5 0.{i} 0.1 0 {i}.0 host {i}.0".encode() for i in range(9)) + b"\n"
 
@@ -177,13 +178,64 @@ def test_a_folder_of_many_things_names_some(tmp_path: Path) -> None:
         open(tmp_path)
 
 
-@pytest.mark.parametrize("other", ["kitchen.bag", "drive_1.mcap", "driven_1.bag"])
+@pytest.mark.parametrize("other", ["kitchen.bag", "drive_2.bag", "driven_1.bag"])
 def test_recordings_of_different_names_are_not_taken_for_one(tmp_path: Path, other: str) -> None:
     write_bag(tmp_path / "drive_0.bag", messages(3))
     (tmp_path / other).touch()
     named = ", ".join(sorted(["drive_0.bag", other]))
     with pytest.raises(RecordingError, match=f"2 recordings in this folder: open one of them: {named}$"):
         open(tmp_path)
+
+
+class TestFilesWithoutMetadata:
+    """Joined only where they are the parts of one recording."""
+
+    def folder(self, tmp_path: Path, *parts: list[Message]) -> Path:
+        folder = tmp_path / "runs"
+        folder.mkdir()
+        for number, held in enumerate(parts):
+            shutil.copy(write_indexed_mcap(tmp_path / f"part_{number}", held), folder / f"run_{number}.mcap")
+        return folder
+
+    def test_that_follow_on_are_one(self, tmp_path: Path) -> None:
+        held = messages(60)
+        assert read_count(self.folder(tmp_path, held[:30], held[30:])) == {"/scan": 40, "/cmd_vel": 20}
+
+    def test_that_are_copies_of_one_run_are_not(self, tmp_path: Path) -> None:
+        held = messages(300)
+        with pytest.raises(RecordingError, match=r"2 recordings in this folder: open one of them: run_0\.mcap, run_1"):
+            open(self.folder(tmp_path, held, held))
+
+    def test_that_hold_other_topics_are_not(self, tmp_path: Path) -> None:
+        folder = self.folder(tmp_path, messages(60))
+        (other,) = topics.write(tmp_path / "other", {"/other_scan": [(1000, 1.0)]}).glob("*.mcap")
+        shutil.copy(other, folder / "run_1.mcap")
+        with pytest.raises(RecordingError, match="2 recordings in this folder"):
+            open(folder)
+
+
+class TestMetadata:
+    def test_of_other_files_are_not_believed(self, tmp_path: Path) -> None:
+        short, long = write_db3(tmp_path / "short", messages(30)), write_db3(tmp_path / "long", messages(60))
+        shutil.copy(long.parent / "metadata.yaml", short.parent)
+        text = (short.parent / "metadata.yaml").read_text().replace("long.db3", "short.db3")
+        (short.parent / "metadata.yaml").write_text(text)
+        with open(short.parent) as recording:
+            assert sum(topic.count for topic in recording.topics) == 30
+            assert recording.duration == pytest.approx(29 * STEP_NS / 1e9)
+            assert recording.problems[0] == (
+                "metadata.yaml tells of 60 messages, the files hold 30: read what they hold"
+            )
+
+    def test_of_another_day_are_not_believed(self, tmp_path: Path) -> None:
+        path = write_db3(tmp_path / "x", messages(30))
+        metadata = path.parent / "metadata.yaml"
+        metadata.write_text(metadata.read_text().replace(str(START_NS), str(START_NS + 86_400 * 10**9)))
+        with open(path.parent) as recording:
+            assert recording.start_ns == START_NS
+            assert recording.problems[0] == (
+                "metadata.yaml tells of another start than the files have: read what they hold"
+            )
 
 
 def test_a_split_whose_last_file_was_not_yet_compressed_is_one_recording(tmp_path: Path) -> None:

@@ -126,7 +126,8 @@ def without_arrival(frame: bytes) -> bytes:
     return frame[:24] + frame[FRAME_HEADER.size :]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+# Files without metadata whose times do not follow on are several recordings.
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "bare_split"])
 def test_a_clock_that_is_set_back_for_good_goes_on_from_where_it_was(tmp_path: Path, kind: str) -> None:
     recording = robowidgets.open(KINDS[kind](tmp_path, drive(step(3600.0))))
     assert recording.problems == (SET_BACK_3600,)
