@@ -20,7 +20,7 @@ from .samples import AXES, Scan
 from .scanogram.clock import Clock
 from .scanogram.levels import BUDGET, Levels
 from .scanogram.parts import detail, overview
-from .scanogram.scans import Held, Scans, Sweep
+from .scanogram.scans import Scans, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
             raise ValueError(f"ranges: expected at least one scan of one ray, got shape {distances.shape}")
         scan = Scan(distances[0], angle_min, angle_increment, range_min, range_max)
         start = int(times[0]) if start_ns is None else start_ns
-        self._put(Held(times, [distances]), Sweep.of(scan), start, notes=scan.notes)
+        self._put(ScansInMemory(times, [distances]), Sweep.of(scan), start, notes=scan.notes)
 
     def set_speeds(
         self,
