@@ -28,7 +28,7 @@ class Steps(NamedTuple):
         return known[np.searchsorted(self.times, times, side="right")]
 
     def during(self, times: NDArray[np.int64], which: np.ufunc) -> NDArray[np.int8]:
-        """The least (`np.minimum`) or greatest (`np.maximum`) value at some moments, which include all of its own times."""
+        """The least (`np.minimum`) or greatest (`np.maximum`) value at some moments, all of `times` among them."""
         values = self.at(times)
         if len(self.times):
             own, first = np.unique(self.times, return_index=True)

@@ -105,7 +105,7 @@ def speed_above(limit: float, axis: str = "linear.x", topic: str | None = None) 
 
 
 def gap(seconds: float, topic: str | None = None) -> Condition:
-    """No sample came for longer than some time: from the sample before to the one after, or to the end of the recording.
+    """No sample came for longer than some time: from one sample to the next, or to the end of the recording.
 
     Each silence is a span of its own, also where a single sample lies between two.
 
