@@ -1,4 +1,4 @@
-"""The bar that plays a recording: one time for all the widgets that show it."""
+"""The bar that plays a recording, with one time for all widgets that show it."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Span = tuple[float, float]
 
 
 class PlayerWidget(anywidget.AnyWidget):
-    """Play, stop, step, jump and drag through a recording, in the page: none of it needs the kernel.
+    """Buttons and a slider to play, stop, step, jump and drag through a recording; none of it needs the kernel.
 
-    It moves the widgets whose models it is given, frame by frame, from stretches of the recording that Python sends
-    ahead. Space plays and stops, `,` and `.` step from scan to scan, arrow keys jump, `n` and `p` go from mark to mark,
+    It shows frames in the widgets whose models it is given, from segments of the recording that Python sends ahead.
+    Space plays and stops, `,` and `.` step from scan to scan, arrow keys jump, `n` and `p` go from mark to mark,
     `l` plays it again and again, `+` and `-` change the speed: all over the player that it is part of, where what has
     the focus has no use for the key. Beside the seconds stands the date and time of day, in UTC, if there is one.
 
@@ -47,19 +47,19 @@ class PlayerWidget(anywidget.AnyWidget):
     _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)
 
     def when_asked(self, call: Callable[[], Any]) -> None:
-        """Call back whenever a page says that it has nothing of the recording."""
+        """Call back whenever a page tells that it has no segment."""
         self.on_msg(lambda _widget, content, _buffers: content.get("have") == "nothing" and call())
 
     def when_pointed(self, call: Callable[[float], Any]) -> None:
-        """Call back with the time at which a person points, or to which the page has gone, and which it lacks."""
+        """Call back with a time in a segment that the page lacks: under the pointer, or the time on show."""
         self.on_msg(lambda _widget, content, _buffers: "pointed" in content and call(content["pointed"]))
 
     def when_stepped(self, call: Callable[[float, int], Any]) -> None:
-        """Call back with a time from which a person steps on (1) or back (-1) to a sample that the page lacks."""
+        """Call back when a step forward (1) or back (-1) from a time leads to a sample that the page lacks."""
         self.on_msg(lambda _widget, content, _buffers: "step" in content and call(*content["step"]))
 
     @property
     def span(self) -> Span:
-        """From where to where it is played."""
+        """The span that is played, (start, end) in seconds."""
         start, end = self.selection if self.loop and self.selection else (0.0, self.duration)
         return min(start, self.duration), min(end, self.duration)

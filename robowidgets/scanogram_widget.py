@@ -20,7 +20,7 @@ from .samples import AXES, Scan
 from .scanogram.clock import Clock
 from .scanogram.levels import BUDGET, Levels
 from .scanogram.parts import detail, overview
-from .scanogram.scans import Held, Scans, Sweep
+from .scanogram.scans import Scans, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ _LIMITS: dict[str, Pair] = dict.fromkeys(AXES, (-1.0, 1.0))
 
 @dataclass(frozen=True)
 class Picture:
-    """What a scanogram shows: the scans in their levels of detail, and the strips under them."""
+    """The content of a scanogram: the scans in their levels of detail, and the strips under them."""
 
     levels: Levels
     clock: Clock
@@ -163,7 +163,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
             raise ValueError(f"ranges: expected at least one scan of one ray, got shape {distances.shape}")
         scan = Scan(distances[0], angle_min, angle_increment, range_min, range_max)
         start = int(times[0]) if start_ns is None else start_ns
-        self._put(Held(times, [distances]), Sweep.of(scan), start, notes=scan.notes)
+        self._put(ScansInMemory(times, [distances]), Sweep.of(scan), start, notes=scan.notes)
 
     def set_speeds(
         self,
@@ -193,7 +193,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         self._draw(replace(picture, speed=strip, duration=duration))
 
     def set_touches(self, spans: Iterable[tuple[float, float, str]], title: str = "") -> None:
-        """Show under the scans when something was touched.
+        """Show spans of touches under the scans.
 
         Args:
             spans: (start, end, name of the sensor), in seconds from the start.
@@ -229,7 +229,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         notes: Sequence[str] = (),
         budget: int = BUDGET,
     ) -> None:
-        """Show scans from wherever they lie."""
+        """Show scans, in memory or in a file."""
         clock = Clock(scans.times_ns, start_ns)
         end = max(duration, float(clock.ends[-1]))
         self._draw(Picture(Levels(scans, sweep, budget), clock, start_ns, end), (*notes, *clock.notes))
@@ -243,7 +243,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
                 self._edition += 1
                 self._frame = self._pack(picture)
                 self._detail = b""
-                # The same question of the page is a new one.
+                # Cleared, so that the same request of the page is a change again.
                 self._wanted = []
 
     def _set_png_error(self, error: str) -> None:
@@ -258,7 +258,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         return self._picture
 
     def _pack(self, picture: Picture) -> bytes:
-        """All of it, coarsely."""
+        """The overview."""
         levels, clock, speed, touch = picture.levels, picture.clock, picture.speed, picture.touch
         arrays: dict[str, NDArray[Any]] = {}
         facts: dict[str, Any] = {
@@ -284,7 +284,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
 
     @traitlets.observe("_wanted")
     def _look_closer(self, change: Any) -> None:
-        """Send what the page looks at, as finely as it can show it."""
+        """Send the part that the page looks at, as finely as it can show it."""
         picture = self._picture
         if picture is None or len(change["new"]) != 3:
             return
@@ -295,7 +295,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
             arrays |= {"speed_starts": part.starts, "speeds": part.extremes}
         try:
             cells = detail(picture.levels, picture.clock, start, end, int(columns))
-        except Exception as error:  # whatever a file does when it is read again: the coarse picture stays
+        except Exception as error:  # any error of reading the file again: the coarse picture stays
             self._about = {**self._about, "error": f"no finer detail: {error}"}
             self._log_once(f"no finer detail: {error}")
             return

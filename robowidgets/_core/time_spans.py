@@ -1,4 +1,4 @@
-"""Traits for stretches of time."""
+"""Traits for times and spans of time."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Seconds(traitlets.TraitType[Any, Any]):
 
 
 class Marks(traitlets.TraitType[Any, Any]):
-    """(start, end, text) for each stretch that is marked, 0 <= start <= end in seconds from the start.
+    """Marked spans as (start, end, text), 0 <= start <= end in seconds from the start.
 
     What `Recording.find` gives is taken as it is.
     """

@@ -1,4 +1,4 @@
-"""The command ``robowidgets``: a tour, a recording in JupyterLab, what is in a recording and when it happened."""
+"""The command ``robowidgets``: a tour, a recording in JupyterLab, its topics, and spans in which conditions held."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from . import _lab, _notebooks
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Do what the arguments say.
+    """Run the command with some arguments.
 
     Returns:
         0 when it is done; 1 when it could not be done, 2 for ``repair``, after one line on stderr that says why.
@@ -82,7 +82,7 @@ def _say(text: str) -> None:
     try:
         print(text, flush=True)
     except BrokenPipeError:
-        # Nobody reads on, as `head` does. What is left must not be written again at the end of Python.
+        # The reader, such as `head`, has ended. Python must not flush the rest to it at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -1,4 +1,4 @@
-"""What the command asks a recording: what it holds, and when something held."""
+"""The commands ``info`` and ``find``: the topics of a recording, and the spans in which conditions held."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _USED_BY = {
     "silent": "gap",
     **{kind.sample_name: condition for condition, kind in _LOOKS_AT.items()},
 }
-"""Which condition an option belongs to."""
+"""The condition that an option belongs to."""
 
 _GIVES = {
     "--touched": "label",
@@ -46,7 +46,7 @@ _NAMED_BY: dict[str | None, str] = {
     None: "--silent",
     **{kind.name: f"--{kind.sample_name}" for kind in _LOOKS_AT.values()},
 }
-"""Which option names a topic of a kind; of no kind: the topic with a gap."""
+"""The option that names a topic of a kind; None: the topic with a gap."""
 
 
 class QuestionError(Exception):
@@ -131,7 +131,7 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
             option = _NAMED_BY[error.widget]
             raise QuestionError(f"{error.there}: name the topic, as in {option} {error.topics[0]}") from None
         finally:
-            # Also where it failed: damage may be why.
+            # Also after an error, which damage may have caused.
             for line in recording.problems:
                 warn(f"! {line}")
     code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED

@@ -12,12 +12,12 @@ from urllib.parse import quote
 
 
 def is_installed() -> bool:
-    """Whether JupyterLab and a Python kernel are there."""
+    """Whether JupyterLab and a Python kernel are installed."""
     return find_spec("jupyterlab") is not None and find_spec("ipykernel") is not None
 
 
 def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
-    """What JupyterLab is told.
+    """The arguments of JupyterLab.
 
     Args:
         notebook: the file to open; its folder is all that the page can reach.
@@ -27,7 +27,7 @@ def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
     told = [
         f"--ServerApp.root_dir={notebook.parent}",
         f"--LabApp.default_url=/lab/tree/{quote(notebook.name)}",
-        f"--LabApp.workspaces_dir={notebook.parent / '.workspaces'}",  # the person's own tabs stay out of it
+        f"--LabApp.workspaces_dir={notebook.parent / '.workspaces'}",  # a workspace of its own, without the user's tabs
         "--ServerApp.ip=127.0.0.1",
         "--Application.log_level=WARN",
     ]
@@ -35,7 +35,7 @@ def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
         told += [f"--ServerApp.port={port}", "--ServerApp.port_retries=0"]
     if not browser:
         told.append("--ServerApp.open_browser=False")
-    if hasattr(os, "geteuid") and os.geteuid() == 0:  # in containers people are root; the address and the token guard
+    if hasattr(os, "geteuid") and os.geteuid() == 0:  # as in containers; the address and the token protect it
         told.append("--ServerApp.allow_root=True")
     return told
 
@@ -53,7 +53,7 @@ def run(notebook: Path, port: int | None, browser: bool, say: Callable[[str], No
     server = LabApp.initialize_server(arguments(notebook, port, browser))
     server.web_app.settings["page_config_hook"] = _without_announcements
 
-    # A server that is told to stop interrupts the cell that runs, and the run ends while the server's loop still turns.
+    # A server that is stopped interrupts the running cell, so the run ends while its event loop still runs.
     def say_if_open(line: str) -> None:
         if not server._stopping:
             say(line)
@@ -61,13 +61,13 @@ def run(notebook: Path, port: int | None, browser: bool, say: Callable[[str], No
     def show(ran: Future[None]) -> None:
         if not server._stopping:
             server.start_app()
-        ran.result()  # raises what the run did not foresee, for the log
+        ran.result()  # raises unexpected errors of the run, for the log
 
     server.io_loop.add_future(server.io_loop.asyncio_loop.create_task(run_cells(server, notebook, say_if_open)), show)
     server.start_ioloop()
 
 
 def _without_announcements(_handler: Any, page_config: dict[str, Any]) -> dict[str, Any]:
-    """No question about news over the notebook, and no look at the web for new releases."""
+    """Without the question about news, and without asking the web for new releases."""
     disabled = [*page_config["disabledExtensions"], "@jupyterlab/apputils-extension:announcements"]
     return page_config | {"disabledExtensions": disabled}

@@ -1,1 +1,1 @@
-"""When something held in a recording."""
+"""Finding the spans of time in which a condition held."""

@@ -1,4 +1,4 @@
-"""Whether something holds, over time."""
+"""Steps in time: from when on a condition holds, does not hold, or is unknown."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 NO, UNKNOWN, YES = 0, 1, 2
-"""In this order, so that "and" is the least of two, "or" the greatest, and "not" the distance from the other end."""
+"""In this order, so that "and" is the minimum, "or" the maximum, and "not" ``YES - value``."""
 
 
 class Steps(NamedTuple):
-    """From each time on, until the next, whether something holds: ``NO``, ``UNKNOWN`` or ``YES``.
+    """Whether a condition holds from each time until the next: ``NO``, ``UNKNOWN`` or ``YES``.
 
     ``times``: nanoseconds, shape (N,), ascending; before the first it is unknown. ``values``: shape (N,).
     Several values at one time all hold at that moment, and the last of them from then on.
@@ -23,12 +23,12 @@ class Steps(NamedTuple):
     values: NDArray[np.int8]
 
     def at(self, times: NDArray[np.int64]) -> NDArray[np.int8]:
-        """What holds from some times on."""
+        """The values from some times on."""
         known = np.concatenate((np.array([UNKNOWN], np.int8), self.values))
         return known[np.searchsorted(self.times, times, side="right")]
 
     def during(self, times: NDArray[np.int64], which: np.ufunc) -> NDArray[np.int8]:
-        """The least (`np.minimum`) or greatest of what holds at some moments, all of its own among them."""
+        """The least (`np.minimum`) or greatest (`np.maximum`) value at some moments, all of `times` among them."""
         values = self.at(times)
         if len(self.times):
             own, first = np.unique(self.times, return_index=True)
@@ -37,16 +37,16 @@ class Steps(NamedTuple):
 
 
 def steps(times: ArrayLike, values: ArrayLike) -> Steps:
-    """Steps from times in the order of arrival: one that goes back counts as the latest before it."""
-    held = np.asarray(times, np.int64)
-    return Steps(np.maximum.accumulate(held) if held.size else held, np.asarray(values, np.int8))
+    """Steps from times in the order of arrival: a time that goes back counts as the latest before it."""
+    arrived = np.asarray(times, np.int64)
+    return Steps(np.maximum.accumulate(arrived) if arrived.size else arrived, np.asarray(values, np.int8))
 
 
 def combined(parts: Sequence[Steps], how: Callable[..., Any]) -> Steps:
-    """Steps of several, at every time of any of them.
+    """Several steps as one, at every time of any of them.
 
-    Where one has several values at a time, any of them may go with any of another: the order tells nothing. So there
-    are the least and the greatest of what may come of it, and then what holds from there on.
+    Where parts have several values at one time, their order across parts is unknown. So the result has the least and
+    the greatest possible value at that time, and then the value from there on.
     """
     times = np.unique(np.concatenate([part.times for part in parts]))
     after = how([part.at(times) for part in parts], axis=0)
@@ -57,14 +57,14 @@ def combined(parts: Sequence[Steps], how: Callable[..., Any]) -> Steps:
 
 
 def inverted(part: Steps) -> Steps:
-    """What holds where this does not."""
+    """The opposite of the steps."""
     return Steps(part.times, (YES - part.values).astype(np.int8))
 
 
 def spans(part: Steps, end_ns: int) -> list[tuple[int, int]]:
-    """From when to when it holds; what holds at the last time goes on to ``end_ns``.
+    """The spans (start, end) in which a condition holds; what holds at the last time goes on to ``end_ns``.
 
-    What holds only at a moment, and not from there on, is from that moment to the same.
+    A span starts and ends at the same time where the condition holds only at that moment.
     """
     moments = np.unique(part.times)
     times = np.repeat(moments, 2)

@@ -1,4 +1,4 @@
-"""Ready-made conditions for `Recording.find`, and what combines them: ``&``, ``|`` and ``~``.
+"""Ready-made conditions for `Recording.find`, joined by ``&``, ``|`` and ``~``.
 
 Each looks at whole columns at a time, while the next part of the file is read and decompressed on the other core. The
 last scan or speed before a silence is stale one usual step after its time; a silence is a pause of more than 2 s and
@@ -36,11 +36,11 @@ __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"
 
 
 class Condition(ABC):
-    """Something that holds at some times of a recording and at others not, or of which nothing is known yet."""
+    """Something that holds at some times of a recording, does not hold at others, and may be unknown."""
 
     @abstractmethod
     def steps(self, search: Search) -> Steps:
-        """When it holds, as far as the search gets."""
+        """The steps of the condition, as far as the search gets."""
 
     def __and__(self, other: Any) -> Condition:
         return _Joined(" & ", np.min, self, other)
@@ -67,14 +67,14 @@ def touched(label: str | None = None, topic: str | None = None) -> Condition:
     """A touch sensor is touched.
 
     Args:
-        label: the name of the sensor; None: any of those of which something is known.
+        label: the name of the sensor; None: any sensor.
         topic: as in `Recording.touches`.
     """
     return _Touched(label, topic)
 
 
 def nearest_below(distance: float, sector: Sector | str | None = None, topic: str | None = None) -> Condition:
-    """`Scan.distance` is below a distance. Where that is NaN, neither this nor its opposite holds.
+    """`Scan.distance` is below a distance. Where it is NaN, neither this nor its opposite holds.
 
     Args:
         distance: metres.
@@ -105,7 +105,7 @@ def speed_above(limit: float, axis: str = "linear.x", topic: str | None = None) 
 
 
 def gap(seconds: float, topic: str | None = None) -> Condition:
-    """Nothing came for longer than some time: from the sample before to the one after, or to the end of the recording.
+    """No sample came for longer than some time: from one sample to the next, or to the end of the recording.
 
     Each silence is a span of its own, also where a single sample lies between two.
 
@@ -256,7 +256,7 @@ class _Gap(Condition):
     def _of(self, search: Search, topic: str) -> Steps:
         series = search.recording.series(topic)
         times = search.times(series)
-        # Without the rows that no message told.
+        # Without rows for releases, which no message told of.
         times = times[series.said[: len(times)]]
         # Silence before the first sample and after the last counts too.
         ends = np.array([search.recording.start_ns or 0, search.end_ns], np.int64)

@@ -28,12 +28,12 @@ class Chunked(Protocol):
 class Search:
     """One search through a recording.
 
-    It may be interrupted: then conditions are known up to ``end_ns``, and the search goes no further than that.
+    After an interrupt conditions are known up to ``end_ns`` only, and the search goes no further.
 
     Args:
-        recording: where to look.
+        recording: the recording.
         topics: see `Recording.find`.
-        bar: is told how many samples were looked at.
+        bar: the progress bar; counts the samples that were looked at.
     """
 
     def __init__(self, recording: RecordingData, topics: str | Iterable[str] | None, bar: Any) -> None:
@@ -42,7 +42,7 @@ class Search:
         self.end_ns = recording.end_ns or 0
         self.is_cut = False
         self.silences: list[tuple[str, Steps]] = []
-        """Topics, and when they were silent for longer than was asked."""
+        """Topics, and the steps that hold where they were silent for too long."""
         self._bar = bar
 
     def over(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
@@ -51,7 +51,7 @@ class Search:
         return mark_stale(found, [(found.times, np.ones(len(found.times), bool))], self.end_ns)
 
     def times(self, series: Chunked) -> NDArray[np.int64]:
-        """When the samples of a series came."""
+        """The times of the samples of a series, shape (N,)."""
         return self._tested(series, lambda chunk: np.full(len(chunk), NO, np.int8)).times
 
     def _tested(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
@@ -65,24 +65,24 @@ class Search:
                 times.append(chunk.times_ns)
                 self.looked_at(len(chunk))
         except KeyboardInterrupt:
-            # What was tested last may not have been taken in.
+            # An interrupt between the two appends leaves values without times.
             del values[len(times) :]
             self.cut(int(times[-1][-1]) if len(times) > 1 else self.recording.start_ns or 0)
         return steps(np.concatenate(times), np.concatenate(values))
 
     def looked_at(self, count: int) -> None:
-        """Tell of progress."""
+        """Advance the progress bar."""
         self._bar.update(count)
 
     def cut(self, time_ns: int) -> None:
-        """Go no further than a time."""
+        """Search no further than a time."""
         self.end_ns = min(self.end_ns, time_ns)
         self.is_cut = True
 
-    def found(self, held: Steps) -> list[Span]:
-        """From when to when something held, and what was silent meanwhile."""
-        inside = held.times <= self.end_ns
-        found = spans(Steps(held.times[inside], held.values[inside]), self.end_ns)
+    def found(self, result: Steps) -> list[Span]:
+        """The spans in which a condition held, with the topics that were silent in each."""
+        inside = result.times <= self.end_ns
+        found = spans(Steps(result.times[inside], result.values[inside]), self.end_ns)
         silences = [
             (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
         ]
@@ -101,21 +101,21 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
     with Progress(total, "Finding", " samples") as bar, one_bar():
         search = Search(recording, topics, bar)
         try:
-            held = wanted.steps(search)
+            result = wanted.steps(search)
         except KeyboardInterrupt:
-            # Where a condition does not look from sample to sample, nothing is known of any time.
+            # A condition over whole columns was interrupted: it is unknown at all times.
             search.cut(start_ns)
-            held = steps([], [])
+            result = steps([], [])
     return Spans(
         str(wanted),
-        search.found(held),
+        search.found(result),
         (search.end_ns - start_ns) / 1e9 if search.is_cut else None,
         recording.problems,
     )
 
 
 def _silent(silences: list[tuple[str, NDArray[np.int64]]], start_ns: int, end_ns: int) -> dict[str, None]:
-    """The topics with a silence in a stretch of time, each once, in order."""
+    """The topics with a silence in a span of time, each once, in order."""
     names: dict[str, None] = {}
     for topic, when in silences:
         next_one = np.searchsorted(when[:, 1], start_ns, side="right")

@@ -1,1 +1,1 @@
-"""A recording in Rerun: what it saw in the world, beside the widgets that show the hard data."""
+"""A recording in Rerun, which shows the scans in the world, beside the widgets that show the numbers."""

@@ -1,4 +1,4 @@
-"""Rerun's own library, which robowidgets does without until it is asked for."""
+"""The library of Rerun, which is imported when it is needed: it is an extra."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def library(name: str) -> Any:
     """A module of rerun-sdk.
 
     Raises:
-        ImportError: it is not installed, or is too old; the text says what to type.
+        ImportError: it is not installed, or too old; the text says how to install it.
     """
     try:
         module = import_module(name)

@@ -1,4 +1,4 @@
-"""What the Rerun viewer in a page fetches, served from this machine to this machine."""
+"""The HTTP server from which the Rerun viewer in a page fetches its code and data, on this machine only."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ Content = Callable[[], Iterable[bytes]]
 class Server:
     """An HTTP server on a free port of 127.0.0.1, for as long as the process lives.
 
-    Every page in the browser may ask it, for those of JupyterLab come from another port; so nothing is found without a
-    secret that is part of each address.
+    Any page in the browser can send it requests, because JupyterLab has another port; so each address contains a
+    secret.
     """
 
     def __init__(self) -> None:
@@ -42,29 +42,29 @@ class Server:
         threading.Thread(target=self._server.serve_forever, name="robowidgets-rerun", daemon=True).start()
 
     def put(self, name: str, content: Content) -> str:
-        """Serve what a function gives, called anew for each that asks; the address."""
+        """Serve the bytes that a function yields, called for each request, and return their address."""
         path = f"/{self._secret}/{name}"
         self._contents[path] = content
         return f"http://{HOST}:{self._server.server_port}{path}"
 
     def drop(self, address: str) -> None:
-        """Serve it no longer."""
+        """Stop serving an address."""
         self._contents.pop(address.removeprefix(f"http://{HOST}:{self._server.server_port}"), None)
 
 
 @cache
 def server() -> Server:
-    """The one of this process."""
+    """The server of this process."""
     return Server()
 
 
 def kept_here(script: str) -> str:
-    """A module that fetches from where it came from, and from nowhere else.
+    """A JavaScript module whose ``fetch`` reaches only the server that it came from.
 
-    The viewer looks for newer releases of itself in the web whenever it starts, and no option turns that off.
+    The viewer asks the web for newer releases of itself whenever it starts, and no option turns that off.
 
     Raises:
-        RuntimeError: it fetches in a way that is not known.
+        RuntimeError: the module may fetch in another way.
     """
     script = script.replace("arg0.fetch(arg1", "fetch(arg1")
     if ".fetch(" in script:
@@ -73,7 +73,7 @@ def kept_here(script: str) -> str:
 
 
 def read(path: Path) -> Iterator[bytes]:
-    """The content of a file."""
+    """The content of a file, in pieces."""
     with path.open("rb") as file:
         while piece := file.read(_PIECE):
             yield piece
@@ -84,9 +84,9 @@ class _Handler(BaseHTTPRequestHandler):
 
     def __init__(self, contents: dict[str, Content], *given: object) -> None:
         self._contents = contents
-        super().__init__(*given)  # type: ignore[arg-type]  # what the server gives, untouched
+        super().__init__(*given)  # type: ignore[arg-type]  # handed on as the server gives them
 
-    def do_GET(self) -> None:  # as http.server calls it
+    def do_GET(self) -> None:  # the name that http.server calls
         content = self._contents.get(self.path)
         if content is None:
             self.send_error(404)
@@ -102,10 +102,10 @@ class _Handler(BaseHTTPRequestHandler):
                     self.wfile.write(b"%x\r\n%b\r\n" % (len(piece), piece))
             self.wfile.write(b"0\r\n\r\n")
         except ConnectionError:
-            self.close_connection = True  # the page was closed before it had all
+            self.close_connection = True  # the page was closed meanwhile
         except Exception:
             log.exception("robowidgets: the Rerun viewer gets no more of %s", Path(self.path).name)
             self.close_connection = True
 
-    def log_message(self, format: str, *args: object) -> None:  # noqa: A002  # as http.server calls it
-        """Nothing: a notebook is no place for the log of a server."""
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002  # the name of http.server
+        """Log nothing: requests would be printed in the notebook."""

@@ -1,4 +1,4 @@
-"""Where the scans of a recording stand in the world."""
+"""The poses of a recording's scanners in the world."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _BASES = ("base_footprint", "base_link")
 
 
 class World:
-    """The frame in which odometry is expressed, or the root of tf where there is none, and the robot in it.
+    """The world frame, which is that of odometry, else the root of tf, and the frame of the robot in it.
 
     Args:
-        recording: whose.
-        scanners: the frames of its scans.
+        recording: the recording.
+        scanners: names of the frames of its scans.
     """
 
     def __init__(self, recording: RecordingData, scanners: Sequence[str]) -> None:
@@ -36,12 +36,12 @@ class World:
             f"Nothing says where {frame or 'the scanner'} is on the robot: its scans stand at {self.robot}."
             for frame in lost
         ]
-        """What is not known, a line each, for a person."""
+        """One line for each thing that is unknown, for the reader."""
         if scanners and self.robot == self.name:
             self.notes.append("Neither odometry nor tf says where the robot was: all scans stand at one place.")
 
     def path(self) -> tuple[NDArray[np.int64], Poses] | None:
-        """Log times, and where the robot was at them; None when it is not known."""
+        """Log times, shape (N,), and the poses of the robot at them; None when they are unknown."""
         chain = self._frames.chain(self.robot)
         tracks = [track for name in chain[: chain.index(self.name)] if (track := self._frames.track(name))]
         if not tracks:
@@ -50,7 +50,7 @@ class World:
         return track.times_ns, self._frames.poses(self.robot, self.name, track.times_ns, track.stamps_ns)
 
     def poses(self, frame: str, times_ns: NDArray[np.int64], stamps_ns: NDArray[np.int64]) -> Poses:
-        """Where a scanner was, at some log times and stamps: where the robot was, if nothing says where on it."""
+        """The poses of a scanner at some log times and stamps; those of the robot where its place on it is unknown."""
         name = _plain(frame)
         if self.name not in self._frames.chain(name):
             name = self.robot

@@ -26,11 +26,11 @@ HEIGHT = 720
 """Pixels."""
 
 PACE = 0.05
-"""Seconds between two times that are taken from the viewer while it plays."""
+"""Seconds between two times that are taken over from the viewer while it plays."""
 
 PATIENCE = 0.5
-"""Seconds for which the viewer's answer to a time is waited for before the next is told: it draws a picture for each,
-and a slow one would fall behind. Not for ever, because while a cell runs no answer is heard."""
+"""Seconds to wait for the viewer to confirm a time before the next one is sent: it draws a picture for each, and a slow
+viewer would fall behind. Limited, because no answer is heard while a cell runs."""
 
 _numbers = count(1)
 
@@ -38,11 +38,11 @@ _numbers = count(1)
 class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no types
     """A recording in the Rerun viewer.
 
-    The page fetches viewer and data from this process alone, which reads the file for it, piece by piece: the browser
-    must run on the same machine.
+    The page fetches the viewer and the data from this process, which reads the file piece by piece. The browser must
+    run on the same machine.
 
     Args:
-        recording: what is shown; it may be read on, or closed.
+        recording: the recording; it may be read on, or closed.
         topics: names of topics in it; none: all that have a widget.
 
     Raises:
@@ -60,7 +60,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self.duration = recording.duration
         self._start_ns = recording.start_ns or 0
         self._lock = threading.RLock()
-        # A viewer's answers come when no cell runs: all must be known again that was told until then.
+        # Answers arrive when no cell runs, so all times sent until then must be recognised.
         self._told: deque[int] = deque(maxlen=100_000)
         self._heard: int | None = None
         self._shown: int | None = None
@@ -82,7 +82,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         super().close()
 
     def send_newest(self) -> int:
-        """Bring time and viewer together; the pacer's call."""
+        """Bring time and viewer in line; called by the pacer."""
         with self._lock:
             self._next = time.monotonic() + PACE
             heard, self._heard = self._heard, None
@@ -101,7 +101,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         pacer.mark(self)
 
     def _tell(self) -> None:
-        """Tell the viewer the time, if it does not show that already."""
+        """Send the time to the viewer, unless it shows it already."""
         with self._lock:
             now = round(self.time * 1e9)
             if not self._is_open or now == self._shown:
@@ -114,11 +114,11 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self._viewer.set_time_ctrl(SECONDS, duration_nanos=now, play=False)
 
     def _hear(self, text: str) -> None:
-        """Take in what happened in the viewer. It also says where it was told to go: that is no news."""
+        """Handle an event of the viewer, which also echoes the times that it was sent."""
         event = json.loads(text)
         kind = event["type"]
         if kind == "recording_open":
-            # A page that has just loaded it, and knows nothing of the time yet.
+            # The page has just loaded the recording, and has no time yet.
             with self._lock:
                 self._told.clear()
                 self._is_open = True
@@ -144,7 +144,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
 
 
 def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
-    # No bars: these are the pieces of a page that is on show already.
+    # Without progress bars: the page is on show already.
     with one_bar(), RecordingData(path) as recording:
         log = Log(recording, topics)
         stream = log.stream()
@@ -155,7 +155,7 @@ def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
 
 @cache
 def _viewer() -> Any:
-    """Rerun's widget, which by itself would fetch the viewer from the web."""
+    """Rerun's widget, made to fetch the viewer from this process, not from the web."""
     notebook = library("rerun_notebook")
     server().put(notebook.WASM_PATH.name, partial(read, notebook.WASM_PATH))
     script = kept_here(notebook.WIDGET_PATH.read_text(encoding="utf-8")).encode()

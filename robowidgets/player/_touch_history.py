@@ -1,4 +1,4 @@
-"""What is known of the touch sensors of a recording at any of its times."""
+"""The states of touch sensors at any time of a recording."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ _KEPT_EVERY = 200
 
 
 class TouchHistory:
-    """Keeps track of a topic's touches, and of the way there, so that going back is quick.
+    """Tracks the touches of a topic, with checkpoints on the way, so that going back is quick.
 
     Args:
-        recording: where the touches are.
-        topic: a topic of it that a touch widget shows.
+        recording: the recording.
+        topic: a topic of touches in it.
     """
 
     def __init__(self, recording: RecordingData, topic: str) -> None:
         self._recording = recording
         self._topic = topic
         self._start_ns = recording.start_ns or 0
-        # Each knows all that was said before its time. The last is where the last look ended.
+        # Checkpoints: the tracker's state just before each time. `_here` caches where the last query ended.
         self._times = [self._start_ns]
         self._trackers = [TouchTracker()]
         first = next(recording.samples(topic), None)
         if first and isinstance(first.sample, Touch) and first.sample.mode is not TouchMode.PRESENCE:
-            # Which sensors there are is known before they speak.
+            # The sensors of the topic are known before their first messages.
             self._trackers[0].apply(replace(first.sample, touched={}), self._start_ns)
         self._here = (self._start_ns, self._trackers[0])
 
     def at(self, time_ns: int) -> TouchTracker:
-        """A tracker that was told all up to a time of the recording, that time included."""
+        """A tracker that has applied all touches up to a time of the recording, included."""
         kept = max(bisect_right(self._times, time_ns) - 1, 0)
         since_ns, tracker = self._times[kept], self._trackers[kept]
         if since_ns < self._here[0] <= time_ns:

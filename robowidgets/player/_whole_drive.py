@@ -1,4 +1,4 @@
-"""The whole drive above the widgets of a player: its scanogram, unless that takes long to make."""
+"""The scanogram above the widgets of a player, unless it takes long to make."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..scanogram_widget import ScanogramWidget
 from .scanogram import scanogram
 
 MOST_READINGS = 100_000_000
-"""Of a drive with more a scanogram is made only when it is asked for: it reads them all."""
+"""A scanogram of more readings is made only on request: it reads them all."""
 
 _LOOKED_AT = 20
 
@@ -23,16 +23,16 @@ _LOOKED_AT = 20
 def whole_drive(
     recording: RecordingData, topic: str, beside: Collection[str], wanted: bool | None
 ) -> tuple[ScanogramWidget | None, str]:
-    """The scanogram of a topic, if there is one, and words for a person who may miss it.
+    """The scanogram of a topic, if there is one, else a line for the reader who may expect one.
 
     Args:
-        recording: what is shown.
-        topic: the one with the scans; empty: there is none.
-        beside: those of which the speed and the touches under them may be.
+        recording: the recording.
+        topic: the topic with the scans; empty: none.
+        beside: topics whose speed and touches may be shown under the scans.
         wanted: whether to make it; None: if that does not take long.
 
     Raises:
-        RecordingError: it is wanted, and holds no scan with rays.
+        RecordingError: it is wanted, and the topic holds no scan with rays.
     """
     if not topic or wanted is False:
         return None, ""
@@ -49,9 +49,9 @@ def whole_drive(
 
 
 def _too_long(recording: RecordingData, topic: str) -> str:
-    """Why a scanogram of a topic would take long to make, and how to have it; empty when it would not."""
+    """Why a scanogram would take long, and how to have it made; empty when it would not."""
     count = sum(t.count for t in recording.topics if t.name == topic)
-    # Not of the first alone, which may be empty.
+    # Of several scans, because the first may be empty.
     firsts = islice(recording.samples(topic), _LOOKED_AT)
     rays = max((len(moment.sample) for moment in firsts if isinstance(moment.sample, Scan)), default=0)
     if count * rays <= MOST_READINGS:

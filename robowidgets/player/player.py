@@ -35,7 +35,7 @@ _TINY = 1e-7
 _LOOKED_AT = 20
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 _VIEWER = "660px"
-"""With less, Rerun hides its time."""
+"""In less width Rerun hides its time."""
 
 
 class View(NamedTuple):
@@ -47,19 +47,19 @@ class View(NamedTuple):
 
 
 class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """What `Recording.show` gives: the widgets for topics of a recording, and one time that all of them show.
+    """Widgets for the topics of a recording, and one time that all of them show: what `Recording.show` gives.
 
-    Each widget shows the last sample at that time or before it; a commanded speed is a tick on the bars of the measured
-    one, and has bars of its own where none was measured. Playing, stepping and dragging happen in the page, from what
-    was sent ahead, also while a cell runs. `close` takes all of it off the page and closes the recording. So does
-    running the cell again that made it.
+    Each widget shows the last sample at that time or before it. A commanded speed is a tick on the bars of the measured
+    one, and has bars of its own where none was measured. The page plays, steps and drags by itself, from segments of
+    the recording that Python sends ahead, so it goes on while a cell runs. `close` takes everything off the page and
+    closes the recording; running its cell again does the same.
 
     Args:
-        recording: what is shown. Nothing else may read it meanwhile.
+        recording: the recording. Nothing else may read it meanwhile.
         topics: names of topics in it; none: all that have a widget.
-        scanogram: whether the whole drive stands above them as one picture, of the first topic with scans; None: if
-            that is ready in a few seconds. Where it is not, a line says so.
-        rerun: whether the Rerun viewer stands beside them, on the same time.
+        scanogram: whether a scanogram of the first topic with scans stands above them; None: if it is ready in a few
+            seconds; else a line says that it is left out.
+        rerun: whether the Rerun viewer stands beside them, at the same time.
 
     Raises:
         UnknownTopicError: it has no such topic, or one that no widget shows.
@@ -68,10 +68,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     time = Seconds(help="Seconds from the start of the recording, on show now. Settable.")
     playing = Flag(False, help="Whether it plays. Settable.")
-    speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording in one on the wall. Settable.")
-    loop = Flag(False, help="Whether it begins again at the end; of the selection, if there is one. Settable.")
-    selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None. Settable.")
-    marks = Marks(help="What is marked on slider and picture: (start, end, text), in seconds from the start. Settable.")
+    speed = traitlets.Float(1.0, min=0.1, max=10.0, help="Seconds of the recording per second. Settable.")
+    loop = Flag(False, help="Whether it starts again at the end, or at the end of the selection. Settable.")
+    selection = TimeSpan(help="The span that is looped: (start, end) in seconds from the start, or None. Settable.")
+    marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds from the start. Settable.")
 
     _prefetcher: Prefetcher | None = None
     scanogram: ScanogramWidget | None = None
@@ -97,7 +97,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.bar = self._make_bar(note)
         above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
         super().__init__([self._problems, *above, self._widgets()])
-        self.add_class("rw-recording")  # by which the bar knows whose keys it takes
+        self.add_class("rw-recording")  # the bar takes the keys of this element
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
             self.observe(self._to_bar, name)

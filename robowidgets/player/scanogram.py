@@ -1,4 +1,4 @@
-"""The scans, speeds and touches of a recording, for a scanogram."""
+"""The scanogram of a recording: its scans, with speeds and touches under them."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ from ..repair import RecordingError
 from ..samples import Scan, TouchState
 from ..scanogram.by_angle import keeps_indices, on_rays, rays_at
 from ..scanogram.levels import BUDGET
-from ..scanogram.scans import Held, Scans, Sweep, cut
+from ..scanogram.scans import Scans, ScansInMemory, Sweep, cut
 from ..scanogram_widget import ScanogramWidget
 
-HELD_BYTES = 256 << 20
-"""Scans up to so many bytes are held in memory; where there are more, they are read again when they are looked at."""
+MEMORY_BYTES = 256 << 20
+"""Up to so many bytes of scans are kept in memory; more are read from the file again when they are looked at."""
 
-LOOKED_AT_BYTES = 32 << 20
-"""Of those that are read again, so many bytes are kept."""
+CACHE_BYTES = 32 << 20
+"""Most bytes that are cached of scans that are read again."""
 
 _FINER = 2
-"""How many times as many rays as is usual a scan may have."""
+"""A scan in the picture has at most so many times the usual number of rays."""
 
 _KNOWN = 1000
 
 
-class Onto:
-    """Puts scans on the rays of one sweep. Those with more rays than it has none of there.
+class RayMapper:
+    """Puts scans on the rays of one sweep. Scans with more rays than the sweep are left out: all their rays are NaN.
 
     Args:
         sweep: the rays.
@@ -48,11 +48,11 @@ class Onto:
         self._rays = lru_cache(_KNOWN)(lambda of: rays_at(of, sweep))
 
     def fits(self, like: Scan) -> bool:
-        """Whether scans like this one are in the picture."""
+        """Whether scans of this geometry are in the picture."""
         return 0 < len(like) <= self.sweep.ray_count
 
     def keeps_indices(self, like: Scan) -> bool:
-        """Whether their rays have the same indices there."""
+        """Whether rays of scans of this geometry keep their indices."""
         return not self.fits(like) or self._is_same(like) or keeps_indices(self._rays(Sweep.of(like)))
 
     def __call__(self, chunk: ScanChunk) -> Iterator[NDArray[np.float32]]:
@@ -61,7 +61,7 @@ class Onto:
             yield chunk.ranges
             return
         rays = self._rays(Sweep.of(chunk.like)) if self.fits(chunk.like) else np.full(self.sweep.ray_count, -1)
-        # A few at a time, for there may be many more rays than they had.
+        # A few at a time: the sweep may have many more rays than the scans.
         for ranges in cut([chunk.ranges], self.sweep.ray_count):
             yield on_rays(ranges, rays)
 
@@ -72,25 +72,25 @@ class Onto:
         )  # fmt: skip
 
 
-class Read:
-    """Scans that are read from a file whenever they are needed.
+class ScansInFile:
+    """Scans that are read from a file when they are needed.
 
     Args:
-        series: where they are.
-        onto: puts those of a chunk on the rays of the picture.
+        series: the scans.
+        mapper: puts the scans of a chunk on the rays of the picture.
     """
 
-    def __init__(self, series: ScanSeries, onto: Onto) -> None:
-        self._series, self._onto = series, onto
+    def __init__(self, series: ScanSeries, mapper: RayMapper) -> None:
+        self._series, self._mapper = series, mapper
         self.times_ns = series.times_ns
 
     def chunks(self) -> Iterator[NDArray[np.float32]]:
         """See `Scans`."""
-        return cut(ranges for chunk in self._series.chunks() for ranges in self._onto(chunk))
+        return cut(ranges for chunk in self._series.chunks() for ranges in self._mapper(chunk))
 
     def read(self, start: int, stop: int) -> NDArray[np.float32]:
         """See `Scans`."""
-        return np.concatenate([ranges for chunk in self._series[start:stop].chunks() for ranges in self._onto(chunk)])
+        return np.concatenate([ranges for chunk in self._series[start:stop].chunks() for ranges in self._mapper(chunk)])
 
 
 def scanogram(
@@ -122,61 +122,61 @@ def _fill(widget: ScanogramWidget, recording: RecordingData, topic: str | None, 
 
 
 def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries) -> None:
-    most = min(HELD_BYTES, recording.memory)
-    held = _held(scans, most)
+    most = min(MEMORY_BYTES, recording.memory)
+    loaded = _loaded(scans, most)
     counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
     if not counts:
         raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} holds no scan with rays")
     usual = max(counts, key=lambda rays: counts[rays])
-    # As fine as the finest of one scanner, so that no ray is left out; some count differently in each turn.
+    # As many rays as the finest scan of one scanner, so that none is left out; some scanners vary from turn to turn.
     rays = max(count for count in counts if count <= _FINER * usual)
     if 4 * rays * len(scans) > most:
-        held = None
-    if held is None:
-        # A file of its own, so that the recording given may be closed.
+        loaded = None
+    if loaded is None:
+        # A file of its own, so that the given recording may be closed.
         widget._file = RecordingData(recording.path)
-        widget._file.memory = min(LOOKED_AT_BYTES, recording.memory)
+        widget._file.memory = min(CACHE_BYTES, recording.memory)
         series = widget._file.scans(scans.topic)
         likes = [(chunk.like, len(chunk)) for chunk in series.chunks()]
     else:
-        likes = [(chunk.like, len(chunk)) for chunk in held]
+        likes = [(chunk.like, len(chunk)) for chunk in loaded]
     first = next(like for like, _ in likes if len(like) == rays)
-    onto = Onto(Sweep.of(first))
-    by_angle = not all(onto.keeps_indices(like) for like, _ in likes)
+    mapper = RayMapper(Sweep.of(first))
+    by_angle = not all(mapper.keeps_indices(like) for like, _ in likes)
     source: Scans = (
-        Read(series, onto)
-        if held is None
-        else Held(scans.times_ns, [ranges for chunk in held for ranges in onto(chunk)])
+        ScansInFile(series, mapper)
+        if loaded is None
+        else ScansInMemory(scans.times_ns, [ranges for chunk in loaded for ranges in mapper(chunk)])
     )
     widget._put(
         source,
-        onto.sweep._replace(by_angle=by_angle),
+        mapper.sweep._replace(by_angle=by_angle),
         recording.start_ns or 0,
         duration=recording.duration,
-        notes=[*_about(likes, onto, by_angle), *first.notes],
+        notes=[*_about(likes, mapper, by_angle), *first.notes],
         budget=min(BUDGET, recording.memory // 4),
     )
     if not widget.title:
         widget.title = scans.topic
 
 
-def _about(likes: list[tuple[Scan, int]], onto: Onto, by_angle: bool) -> Iterator[str]:
-    """What is to be said of scans that have not all the same rays."""
-    left_out = sum(count for like, count in likes if not onto.fits(like))
+def _about(likes: list[tuple[Scan, int]], mapper: RayMapper, by_angle: bool) -> Iterator[str]:
+    """Notes on scans whose rays differ."""
+    left_out = sum(count for like, count in likes if not mapper.fits(like))
     if left_out:
         of = sum(count for _, count in likes)
-        yield f"{left_out:,} of {of:,} scans have no rays, or more than {onto.sweep.ray_count:,}: not in the picture"
+        yield f"{left_out:,} of {of:,} scans have no rays, or more than {mapper.sweep.ray_count:,}: not in the picture"
     if by_angle:
-        counts = sorted({len(like) for like, _ in likes if onto.fits(like)})
+        counts = sorted({len(like) for like, _ in likes if mapper.fits(like)})
         some = f"{counts[0]:,} to {counts[-1]:,} rays" if len(counts) > 1 else "rays at other angles now and then"
         yield f"the scans have {some}: drawn by angle, without indices"
-    limits = {(like.range_min, like.range_max) for like, _ in likes if onto.fits(like)}
+    limits = {(like.range_min, like.range_max) for like, _ in likes if mapper.fits(like)}
     if len(limits) > 1:
         yield "range_min and range_max change: those of the first scan count"
 
 
-def _held(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
-    """All chunks, on the first way through the file; None where their ranges take more than so many bytes."""
+def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
+    """All chunks, read once; None where their ranges take more than ``most`` bytes."""
     chunks, size = [], 0
     for chunk in scans.chunks():
         size += chunk.ranges.nbytes
@@ -187,7 +187,7 @@ def _held(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
 
 
 def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic]) -> None:
-    """The first measured speed; a commanded one where none was measured."""
+    """Put the first measured speed under the scans; a commanded one where none was measured."""
     for topic in sorted(topics, key=lambda topic: topic.commanded):
         speeds = recording.speeds(topic.name)
         if len(speeds):
@@ -202,7 +202,7 @@ def _put_touches(widget: ScanogramWidget, recording: RecordingData, topics: list
 
 
 def touched(touches: Touches, end: float) -> Iterator[tuple[float, float, str]]:
-    """When each sensor was touched: start and end in seconds from the start, and its name."""
+    """The spans in which each sensor was touched: start and end in seconds from the start, and its name."""
     times = np.append(np.maximum.accumulate(touches.seconds), max([end, *touches.seconds[-1:]]))
     for label, states in zip(touches.labels, touches.states.T, strict=True):
         edges = np.diff(np.concatenate(([False], states == TouchState.TOUCHED, [False])).astype(np.int8))

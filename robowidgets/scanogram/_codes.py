@@ -1,4 +1,4 @@
-"""Ranges as whole numbers whose order says which of several is shown where there is room for one."""
+"""Ranges as whole numbers, of which the least is shown where several share a pixel."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from numpy.typing import NDArray
 Codes = NDArray[np.uint16]
 
 FARTHEST = 65_000
-"""Code of the farthest reading there may be; that of range_min is 0, and those between lie evenly between."""
+"""The code of the farthest possible reading; the code of range_min is 0, and codes are linear in between."""
 
 TOO_CLOSE, OUTSIDE_LIMITS, NO_MEASUREMENT, NOTHING_IN_RANGE = 65_531, 65_532, 65_533, 65_534
 NO_SCAN = 65_535
 
 WITHOUT_READING = (TOO_CLOSE, NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS)
-"""Codes of the classes of `Validity` from TOO_CLOSE on, in its order."""
+"""The codes of the classes of `Validity` from TOO_CLOSE on, in its order."""
 
 
 def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
     """Ranges in metres as codes of the same shape.
 
-    The least code of several rays is what is shown of them: the nearest reading; where there is none, the first of too
-    close, outside the limits, no measurement, nothing in range. So nothing near vanishes in a coarse picture.
+    Of several rays the least code is shown: the nearest reading; without a reading, the first of too close, outside the
+    limits, no measurement, nothing in range. So nothing near vanishes in a coarse picture.
 
     Source: REP-117 for the classes.
     """
     low, high = np.float32(range_min), np.float32(far)
     reading = ranges >= low
     reading &= ranges <= high
-    with np.errstate(invalid="ignore", over="ignore"):  # what is no reading gets its code below
+    with np.errstate(invalid="ignore", over="ignore"):  # others than readings get their codes below
         scaled = ranges - low
         scaled *= np.float32(FARTHEST / (float(high) - float(low)))
         codes: Codes = scaled.astype(np.uint16)
@@ -41,9 +41,9 @@ def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
 
 
 def fold(codes: Codes, count: int, axis: int = 0) -> Codes:
-    """The least of each ``count`` codes along an axis; the last may stand for fewer."""
+    """The least of each ``count`` codes along an axis; the last may be of fewer."""
     if axis == 0:
-        while count % 2 == 0:  # half by half is five times as fast
+        while count % 2 == 0:  # halving is five times as fast as reduceat
             even = len(codes) // 2 * 2
             half = np.minimum(codes[0:even:2], codes[1:even:2])
             codes = half if even == len(codes) else np.concatenate((half, codes[even:]))

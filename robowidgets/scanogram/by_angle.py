@@ -1,4 +1,4 @@
-"""Scans of several geometries on the rays of one, each where its angle is."""
+"""Scans of several geometries on the rays of one of them, by angle."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from .scans import Sweep
 
 
 def rays_at(of: Sweep, on: Sweep) -> NDArray[np.int64]:
-    """For each ray of the second sweep the index of the ray of the first that points there; -1 where none does.
+    """For each ray of ``on`` the index of the nearest ray of ``of``; -1 where none points there.
 
-    A ray points wherever no other is nearer, up to half a step beside the first and the last.
+    A ray covers half a step on either side.
     """
     step = abs(of.angle_increment) or abs(on.angle_increment)
     angles = on.angle_min + np.arange(on.ray_count) * on.angle_increment
     ahead = (angles - of.angle_min) * copysign(1.0, of.angle_increment) + step / 2
     known = (ahead >= 0) & (ahead < of.ray_count * step)
-    # What lies outside may be met once more round the circle.
+    # An angle outside of the sweep may lie in it a full turn later.
     index = np.floor(np.where(known, ahead, ahead % (2 * pi)) / (step or 1.0)).astype(np.int64)
     index[index >= of.ray_count] = -1
     return index
 
 
 def keeps_indices(rays: NDArray[np.int64]) -> bool:
-    """Whether each ray that is there has the index that it had."""
+    """Whether each ray that points somewhere keeps its index."""
     return bool(((rays == np.arange(rays.size)) | (rays < 0)).all())
 
 
 def on_rays(ranges: NDArray[np.float32], rays: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Ranges in metres, shape (N, R), of the rays of another sweep, shape (N, rays); NaN where there is none."""
+    """Ranges in metres, shape (N, R), on the rays of another sweep, shape (N, rays); NaN where none points there."""
     if not ranges.shape[1]:
         return np.full((len(ranges), rays.size), np.nan, np.float32)
     return np.where(rays >= 0, ranges[:, rays], np.float32(np.nan))

@@ -1,4 +1,4 @@
-"""When the scans of a scanogram were, on an axis that only goes forward."""
+"""The times of the scans of a scanogram, on an axis that only goes forward."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 GAP = 3.0
-"""Long pauses between two scans, after which there is a gap; a tenth of all pauses is longer than such a one."""
+"""A gap is a pause longer than so many times the 90th percentile of all pauses between two scans."""
 
 _PAUSE = 0.1
 
 
 class Clock:
-    """Start and end of every scan in seconds; the end is where the next begins, or where a gap does.
+    """Start and end of every scan in seconds: it ends where the next scan or a gap begins.
 
-    ``pause`` is the usual time from one to the next, ``gap`` the longest without a gap. A time that goes back counts as
-    the latest before it: `notes` says so.
+    ``pause`` is the median time from one to the next, ``gap`` the longest that is no gap. A time that goes back counts
+    as the latest before it: `notes` says so.
 
     Args:
         times_ns: shape (N,), in the order of arrival.
-        start_ns: what counts as 0 s.
+        start_ns: the time of 0 s.
     """
 
     def __init__(self, times_ns: NDArray[np.int64], start_ns: int) -> None:
@@ -41,12 +41,12 @@ class Clock:
         return len(self.starts)
 
     def between(self, start: float, end: float) -> tuple[int, int]:
-        """The number of the first scan on show between two times in seconds, and of the first after it."""
+        """The scans on show between two times in seconds: number of the first, and of the first after them."""
         first = int(np.searchsorted(self.ends, start, "right"))
         return first, max(first, int(np.searchsorted(self.starts, end, "left")))
 
     def cells(self, level: int, start: int, stop: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Start and end of the cells of a level, from one number up to, not including, another."""
+        """Start and end of the cells ``start`` to ``stop - 1`` of a level, in seconds."""
         size, count = 1 << level, len(self)
         firsts = np.arange(start, stop) * size
         return self.starts[firsts], self.ends[np.minimum(firsts + size, count) - 1]

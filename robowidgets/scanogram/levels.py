@@ -11,35 +11,35 @@ from ._codes import FARTHEST, NO_SCAN, WITHOUT_READING, Codes, encode, fold
 from .scans import Scans, Sweep
 
 BUDGET = 256 << 20
-"""Bytes that all levels together may take. What is finer is read again from where it lies."""
+"""Most bytes that all levels together take; finer levels are read again from the scans."""
 
 FIRST = 3
-"""The first level that is kept, where there are many scans. What is finer is made when it is looked at."""
+"""The first level that is kept, where there are many scans; finer ones are made when they are looked at."""
 
 FEW = 16 << 20
-"""Bytes of all levels together that are kept from level 0 on."""
+"""Up to so many bytes of all levels together, level 0 is kept too."""
 
 COARSEST = 256
-"""Cells of the last level, at most."""
+"""Most cells of the last level."""
 
 _FAR = 0.01 * FARTHEST
-"""Metres up to which codes lie within a centimetre of each other."""
+"""Metres up to which neighbouring codes lie within a centimetre of each other."""
 
 _SAMPLED = 1 << 14
 _BIN = 4
-"""Bits of a code by which a bin of the histogram is coarser: a few thousand bins stay in the processor's cache."""
+"""Bits by which a bin of the histogram is coarser than a code: a few thousand bins fit into the processor cache."""
 
 
 class Levels:
     """Scans in cells of ``2 ** level`` scans each; a cell holds the least code of each ray.
 
     Args:
-        scans: where they lie; read once from start to end, and again where it is looked at closely.
-        sweep: what they share.
-        budget: bytes.
+        scans: the scans; read once from start to end, and again where somebody looks closely.
+        sweep: their common geometry.
+        budget: most bytes of all levels.
 
-    ``counts`` is how many rays there are of each class of `Validity`. ``far`` is the distance of the greatest code:
-    range_max; where codes up to there would lie too far apart, the farthest reading.
+    ``counts``: the number of rays of each class of `Validity`. ``far``: the distance of the greatest code, which is
+    range_max, or the farthest reading where codes up to range_max would lie too far apart.
     """
 
     def __init__(self, scans: Scans, sweep: Sweep, budget: int = BUDGET) -> None:
@@ -61,7 +61,7 @@ class Levels:
         return self._first + len(self._kept) - 1
 
     def codes(self, level: int, start: int, stop: int) -> Codes:
-        """The codes of the cells from one number up to, not including, another: shape (stop - start, rays)."""
+        """The codes of the cells ``start`` to ``stop - 1`` of a level: shape (stop - start, rays)."""
         if level >= self._first:
             return self._kept[level - self._first][start:stop]
         size = 1 << level
@@ -69,10 +69,9 @@ class Levels:
 
     @property
     def near_and_far(self) -> tuple[float, float]:
-        """The distances in metres between which nearly all readings lie, for a scale of colours.
+        """The distances in metres between which nearly all readings lie, for the scale of colours.
 
-        The nearest counts always; of the farthest, the last hundredth is left out. The limits where there is no
-        reading.
+        From the nearest reading to the 99th percentile; range_min and `far` where there is no reading.
         """
         low, high = self.sweep.range_min, self.far
         counts = self._histogram
@@ -84,7 +83,7 @@ class Levels:
         return low + near * step, min(high, low + max(far, near + 1) * step)
 
     def _build(self) -> Codes:
-        """The first level that is kept; on the way, everything is counted."""
+        """Make the first level that is kept, and count the codes meanwhile."""
         size = 1 << self._first
         cells = -(-len(self.scans.times_ns) // size)
         kept = np.full((cells, self.sweep.ray_count), NO_SCAN, np.uint16)
@@ -115,7 +114,7 @@ class Levels:
 
 
 def _farthest(scans: Scans, sweep: Sweep) -> float:
-    """The farthest reading in metres, where there is one beyond range_min."""
+    """The farthest reading in metres; a fixed distance beyond range_min where there is none."""
     far = sweep.range_min
     for ranges in scans.chunks():
         far = float(ranges.max(initial=far, where=ranges <= sweep.range_max))
@@ -123,7 +122,7 @@ def _farthest(scans: Scans, sweep: Sweep) -> float:
 
 
 def _step(rays: int, scans: int) -> int:
-    """From one code to the next of a sample of all: one that meets every ray in turn."""
+    """The step of a sample of all codes that meets every ray in turn."""
     step = max(1, rays * scans // _SAMPLED)
     while gcd(step, rays) > 1:
         step += 1

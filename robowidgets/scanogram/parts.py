@@ -1,4 +1,4 @@
-"""What a page gets of a scanogram: the whole of it coarsely at once, and what it looks at as finely as it can show."""
+"""The parts of a scanogram that a page gets: a coarse overview at once, and details of what it looks at."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .clock import Clock
 from .levels import Levels
 
 OVERVIEW_BYTES = 1_000_000
-"""Of the whole, which is sent ahead and kept in a saved notebook."""
+"""Most bytes of the overview, which is sent at once and kept in a saved notebook."""
 
 DETAIL_BYTES = 3_000_000
-"""Of one part."""
+"""Most bytes of a detail."""
 
 MOST_RAYS = 2048
-"""Rays that a page gets of a scan; neighbours share one where there are more. No picture is so high."""
+"""Most rows of rays that a page gets, which no picture exceeds; where there are more rays, neighbours share one."""
 
 MOST_COLUMNS = 8192
 _MARGIN = 0.5
@@ -29,11 +29,11 @@ _LENGTH = struct.Struct("<I")
 
 
 class Part(NamedTuple):
-    """Cells in a row.
+    """Neighbouring cells of a level.
 
-    ``level``: each is of ``2 ** level`` scans. ``first`` is the number of the first of these scans. ``ray_step``: each
-    ray stands for so many. ``starts`` and ``ends`` are in seconds. ``cells`` has the shape (cells, rays): codes; or at
-    level 0, where there is room, the ranges themselves as float32.
+    ``level``: a cell holds ``2 ** level`` scans. ``first``: number of the first scan. ``ray_step``: rays per row.
+    ``starts``, ``ends``: seconds. ``cells``: shape (cells, rows), codes; at level 0, where there is room, the ranges
+    themselves as float32.
     """
 
     level: int
@@ -44,18 +44,18 @@ class Part(NamedTuple):
     cells: NDArray[Any]
 
     def pack(self, facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
-        """Its bytes, with more facts and arrays: see `pack`."""
+        """The bytes of the part, with more facts and arrays: see `pack`."""
         own = {"level": self.level, "first": self.first, "ray_step": self.ray_step}
         return pack({**facts, **own}, starts=self.starts, ends=self.ends, cells=self.cells, **arrays)
 
 
 def overview(levels: Levels, clock: Clock) -> Part:
-    """All of it, as finely as `OVERVIEW_BYTES` allow."""
+    """The whole scanogram, as finely as `OVERVIEW_BYTES` allow."""
     return _part(levels, clock, 0, len(clock), 0, OVERVIEW_BYTES)
 
 
 def detail(levels: Levels, clock: Clock, start: float, end: float, columns: int) -> Part:
-    """What lies between two times in seconds and a little beside it, in at least so many cells if there are."""
+    """The part between two times in seconds, and a little beside it, in ``columns`` cells or more if there are."""
     first, stop = clock.between(start, end)
     wanted = max(0, ((stop - first) // max(1, min(columns, MOST_COLUMNS))).bit_length() - 1)
     margin = _MARGIN * (end - start)
@@ -75,7 +75,7 @@ def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
 
 
 def _part(levels: Levels, clock: Clock, first: int, stop: int, level: int, most: int) -> Part:
-    """Scans from one number up to another, at a level or the first above it that fits in so many bytes."""
+    """The scans ``first`` to ``stop - 1``, at the level or the first coarser one that fits in ``most`` bytes."""
     ray_step = max(1, -(-levels.sweep.ray_count // MOST_RAYS))
     rays = -(-levels.sweep.ray_count // ray_step)
     while level < levels.last and 2 * rays * (((stop - first) >> level) + 2) > most:

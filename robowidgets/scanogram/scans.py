@@ -1,4 +1,4 @@
-"""Where the scans of a scanogram lie, and what they share."""
+"""The scans of a scanogram, and the geometry that they share."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from ..samples import Scan
 
 CHUNK_CELLS = 1 << 18
-"""Ranges that are worked on at once: few enough to stay in the processor's cache."""
+"""Ranges that are worked on at once: few enough for the processor cache."""
 
 
 class Sweep(NamedTuple):
-    """What all scans of a scanogram share: radians and metres as in `Scan`, and the number of rays.
+    """The geometry that all scans of a scanogram share: radians and metres as in `Scan`, and the number of rays.
 
-    ``by_angle``: some had other rays, and stand where their angles are; so an index is not that of a program.
+    ``by_angle``: some scans had other rays and are drawn by angle, so an index in the picture is none in the scan.
     """
 
     angle_min: float
@@ -29,7 +29,7 @@ class Sweep(NamedTuple):
 
     @classmethod
     def of(cls, scan: Scan) -> Sweep:
-        """That of one scan."""
+        """The geometry of a scan."""
         return cls(scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, len(scan))
 
 
@@ -44,11 +44,11 @@ class Scans(Protocol):
         """All ranges in metres, in arrays of shape (n, R)."""
 
     def read(self, start: int, stop: int) -> NDArray[np.float32]:
-        """The ranges of the scans from one number up to, not including, another: shape (stop - start, R)."""
+        """The ranges of the scans ``start`` to ``stop - 1``: shape (stop - start, R)."""
 
 
-class Held:
-    """Scans that are held in memory.
+class ScansInMemory:
+    """Scans in memory.
 
     Args:
         times_ns: shape (N,).
@@ -72,7 +72,7 @@ class Held:
 
 
 def cut(pieces: Iterable[NDArray[np.float32]], width: int = 0) -> Iterator[NDArray[np.float32]]:
-    """The same rows in arrays of about `CHUNK_CELLS`, each row counted as so many cells if it has fewer."""
+    """The same rows in arrays of about `CHUNK_CELLS`; a row counts as ``width`` cells at least."""
     for piece in pieces:
         rows = max(1, CHUNK_CELLS // max(1, width, piece.shape[1]))
         for start in range(0, len(piece), rows):

@@ -1,4 +1,4 @@
-"""What stands under a scanogram on the same time axis: speeds, and spans in which something was touched."""
+"""The strips under a scanogram, on the same time axis: speeds, and the spans of touches."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from ..samples import AXES
 from .clock import Clock
 
 MOST_SPEEDS = 4_000
-"""Stretches of the speeds that a page gets at once."""
+"""Most points of the speeds that a page gets at once."""
 
 MOST_TOUCHES = 2_000
-"""Spans of touches that a page gets; more are joined where they lie closest."""
+"""Most spans of touches that a page gets; where there are more, the closest are joined."""
 
 SIDEWAYS = 0.05
-"""Metres a second; what is slower is taken for noise of a robot that cannot move so."""
+"""Metres per second; slower sideways speeds are taken for noise of a robot that cannot move sideways."""
 
 _ALWAYS = ("linear.x", "angular.z")
 
 
 class SpeedPart(NamedTuple):
-    """Speeds between two times: start of each stretch in seconds (M,), and its least and greatest (A, 2, M)."""
+    """M points of the speeds: start in seconds (M,), and least and greatest by axis (A, 2, M)."""
 
     starts: NDArray[np.float64]
     extremes: NDArray[np.float32]
 
 
 class SpeedStrip:
-    """The speeds of a robot on the ground: linear x, linear y where there is any, angular z; others past their limits.
+    """The axes shown: linear x, angular z, linear y if the robot moves sideways, and those that pass their limits.
 
     Args:
         title: the topic.
@@ -58,7 +58,7 @@ class SpeedStrip:
         self.limits = [limits[axis] for axis in self.axes]
 
     def part(self, start: float, end: float) -> SpeedPart:
-        """Those between two times in seconds, and one more at either end; the extremes are kept where they are many."""
+        """The speeds between two times in seconds, and one more at either end; where they are many, their extremes."""
         first, stop = self.clock.between(start, end)
         first, stop = max(0, first - 1), min(len(self.clock), stop + 1)
         every = max(1, -(-(stop - first) // MOST_SPEEDS))
@@ -71,7 +71,7 @@ class SpeedStrip:
 
 
 class TouchStrip:
-    """When something was touched.
+    """The spans in which something was touched.
 
     Args:
         title: the topic, or several.
@@ -85,7 +85,7 @@ class TouchStrip:
 
 
 def _joined(spans: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The spans, in no more than `MOST_TOUCHES`: those of a sensor that follow each other closest become one."""
+    """The spans, `MOST_TOUCHES` at most: the closest spans of a sensor are joined."""
     closeness = 0.0
     while len(spans) > MOST_TOUCHES:
         closeness = max(2 * closeness, 0.05)

@@ -62,14 +62,14 @@ def test_a_recording_too_large_to_hold_is_read_again_where_it_is_looked_at(
     sample: robowidgets.Recording, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     held = picture_of(sample.scanogram())
-    monkeypatch.setattr(source, "HELD_BYTES", 1000)
+    monkeypatch.setattr(source, "MEMORY_BYTES", 1000)
     sample.memory = 1 << 20
     widget = sample.scanogram()
     sample.close()
     picture = picture_of(widget)
     assert widget._file
     assert widget._file.memory == 1 << 20
-    assert isinstance(picture.levels.scans, source.Read)
+    assert isinstance(picture.levels.scans, source.ScansInFile)
     assert np.array_equal(picture.levels.scans.read(40, 90), held.levels.scans.read(40, 90), equal_nan=True)
     assert (picture.levels.codes(2, 0, 20) == held.levels.codes(2, 0, 20)).all()
     widget.close()
@@ -86,7 +86,7 @@ def written(folder: Path, scans: list[list[float]], increments: list[float] | No
 def test_scans_that_count_their_rays_differently_are_drawn_by_angle(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, held: int
 ) -> None:
-    monkeypatch.setattr(source, "HELD_BYTES", held)
+    monkeypatch.setattr(source, "MEMORY_BYTES", held)
     # A circle of 100 rays, and of 91 to 99; the wall behind is at 1 m, all else at 5.
     counts = [100 if i % 10 == 0 else 90 + i % 10 for i in range(60)]
     scans = [[1.0 if abs(i / count - 0.5) < 0.1 else 5.0 for i in range(count)] for count in counts]
@@ -110,7 +110,7 @@ def test_scans_that_take_too_much_when_they_are_as_fine_as_the_finest_are_read_a
         recording.memory = 40_000
         widget = recording.scanogram()
     assert sum(4 * len(scan) for scan in scans) < 40_000 < 4 * 199 * 60
-    assert isinstance(picture_of(widget).levels.scans, source.Read)
+    assert isinstance(picture_of(widget).levels.scans, source.ScansInFile)
     widget.close()
 
 

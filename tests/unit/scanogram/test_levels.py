@@ -6,14 +6,14 @@ import pytest
 from robowidgets.samples import Scan
 from robowidgets.scanogram._codes import FARTHEST, encode, fold
 from robowidgets.scanogram.levels import Levels
-from robowidgets.scanogram.scans import Held, Sweep
+from robowidgets.scanogram.scans import ScansInMemory, Sweep
 
 GEOMETRY = (-1.0, 0.01, 0.1, 30.0)
 
 
 def made(ranges: np.ndarray, budget: int | None = None, range_max: float = 30.0) -> Levels:
     ranges = ranges.astype(np.float32)
-    scans = Held(np.arange(len(ranges)) * 100_000_000, [ranges[:700], ranges[700:]])
+    scans = ScansInMemory(np.arange(len(ranges)) * 100_000_000, [ranges[:700], ranges[700:]])
     sweep = Sweep.of(Scan(ranges[0], *GEOMETRY[:-1], range_max))
     return Levels(scans, sweep) if budget is None else Levels(scans, sweep, budget)
 

@@ -9,15 +9,15 @@ from robowidgets.samples import Scan
 from robowidgets.scanogram.clock import Clock
 from robowidgets.scanogram.levels import Levels
 from robowidgets.scanogram.parts import DETAIL_BYTES, OVERVIEW_BYTES, detail, overview, pack
-from robowidgets.scanogram.scans import Held, Sweep
+from robowidgets.scanogram.scans import ScansInMemory, Sweep
 
 
 def made(count: int, rays: int) -> tuple[Levels, Clock]:
     ranges = np.random.default_rng(4).uniform(0.2, 29.0, (count, rays)).astype(np.float32)
     times = np.arange(count) * 100_000_000
-    return Levels(Held(times, [ranges[:7], ranges[7:]]), Sweep.of(Scan(ranges[0], -1.0, 0.001, 0.1, 30.0))), Clock(
-        times, 0
-    )
+    return Levels(
+        ScansInMemory(times, [ranges[:7], ranges[7:]]), Sweep.of(Scan(ranges[0], -1.0, 0.001, 0.1, 30.0))
+    ), Clock(times, 0)
 
 
 def test_a_short_recording_is_sent_whole_to_the_very_float() -> None:
