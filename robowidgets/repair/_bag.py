@@ -1,4 +1,4 @@
-"""ROS 1 bags (format 2.0), read record by record without trust in their index."""
+"""ROS 1 bags (format 2.0), read record by record, without their index."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class _Scan:
         return self.found.walk(list(self.channels.values()), self.damage)
 
     def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
-        """Take in the records of the file (chunk -1) or of a chunk."""
+        """Index the records of the file (chunk -1) or of a chunk."""
         frames = walk(data, _LAYOUT, damage, start)
         for frame in with_bar(frames, self.file) if chunk < 0 else frames:
             if frame.op == _MESSAGE and frame.whole:
@@ -88,7 +88,7 @@ class _Scan:
                 self.header(frame)
 
     def header(self, frame: Frame) -> None:
-        """Take in what the start of the file says about its end."""
+        """Note from the bag header whether the file was finished, and whether its end is missing."""
         if encryptor := frame.fields.get("encryptor"):
             raise RecordingError(
                 f"{self.file.name}: the bag is encrypted ({_text(encryptor)}): expected a plain one; "
@@ -99,7 +99,7 @@ class _Scan:
         self.damage.cut |= index_pos >= self.file.size
 
     def connection(self, data: ByteRange, frame: Frame, damage: Damage) -> None:
-        """Take in a topic; the first that comes with an id holds."""
+        """Add a connection; a second one of the same id is ignored."""
         fields = _fields(data.read(frame.body, min(frame.end - frame.body, MAX_TEXT)))
         if fields is None or "type" not in fields:
             damage.places += 1
@@ -116,7 +116,7 @@ class _Scan:
         self.channels.setdefault(channel.id, channel)
 
     def chunk(self, frame: Frame) -> None:
-        """Take in the records of a compressed chunk, as far as it decompresses."""
+        """Index the records of a compressed chunk, as far as it decompresses."""
         compression = _text(frame.fields["compression"])
         if compression not in COMPRESSIONS:
             self.damage.compressions.add(compression)

@@ -1,4 +1,4 @@
-"""A stretch of bytes that records are read from: a file on disk, or a chunk that was decompressed."""
+"""Bytes that records are read from: those of a file, or of a chunk that was decompressed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class ByteRange(Protocol):
         """How many bytes there are."""
 
     def read(self, offset: int, size: int) -> bytes:
-        """The bytes at an offset, fewer where the stretch ends; no more memory is taken than there is data."""
+        """The bytes at an offset, fewer at the end; takes no more memory than there is data."""
 
 
 class MemoryRange:
@@ -50,7 +50,7 @@ class FileRange:
         self.name = path.name
         self._lock = Lock()
         try:
-            self._file = path.open("rb")
+            self._file = path.open("rb", buffering=0)
             self.size = self._file.seek(0, 2)
         except OSError as error:
             raise RecordingError(f"{path.name}: cannot be opened: {error.strerror or error}") from None

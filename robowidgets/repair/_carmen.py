@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import compress
 from pathlib import Path
+from typing import NamedTuple
 
 from ..messages.channel import Channel
 from ._carmen_lines import (
@@ -43,61 +45,66 @@ _TYPES = {
 }
 
 
-def walk_carmen(path: Path) -> Walk:
-    """The messages of a CARMEN log, gzipped or not, as the ROS 1 messages that say the same.
+class _Lines(NamedTuple):
+    """The lines that hold messages: names of their topics, and bytes; and the first error of each topic."""
 
-    Its topics are the names of the lines: FLASER, ROBOTLASER1, ODOM, ... A program that makes maps writes ODOM lines of
-    its own into a log, each before a line NEFF: poses that it estimates, with a speed of 0 and mostly without a time.
-    They are no measurement, and are the poses of NEFF.
+    names: list[str]
+    texts: list[bytes]
+    errors: dict[str, str]
+
+
+def walk_carmen(path: Path) -> Walk:
+    """The messages of a CARMEN log, gzipped or not, as ROS 1 messages with the same content.
+
+    Its topics are the names of the lines: FLASER, ROBOTLASER1, ODOM, ... Lines that are cut are left out.
 
     Raises:
         RecordingError: it is no such log.
     """
     text, problems = _text(path)
-    words: list[str] = []
-    lines: list[bytes] = []
-    left_out: dict[str, str] = {}
-    for line in text.splitlines():
-        word = word_of(line)
-        if word == ESTIMATE and words and words[-1] == "ODOM":
-            words[-1] = ESTIMATE
-        elif word in _TYPES and word != ESTIMATE:
-            try:
-                checked(line)
-            except ValueError as error:
-                left_out.setdefault(word, f"{word}: lines that cannot be read are left out, such as: {error}")
-                continue
-            words.append(word)
-            lines.append(line)
+    names, lines, errors = _lines(text)
     if len(lines) > 1 and text.endswith(lines[-1]) and _is_before(lines[-1], lines[-2]):
-        # A number that was cut is a smaller one.
-        words.pop()
+        # The last number was cut, which made it smaller.
+        names.pop()
         lines.pop()
         problems = problems or ["the log was cut off within its last line, which is left out"]
-    timed = [i for i, word in enumerate(words) if word != ESTIMATE]
-    monotonic, about_times = repaired_log([time_ns_of(lines[i]) for i in timed])
-    times = [monotonic[0] if monotonic else 0] * len(lines)
-    for time_ns, i in zip(monotonic, timed, strict=True):
-        times[i] = time_ns
-    for i in range(1, len(lines)):
-        times[i] = max(times[i - 1], times[i]) if words[i] == ESTIMATE else times[i]
-    names = list(dict.fromkeys(words))
-    numbers = {name: i for i, name in enumerate(names)}
-    by_name: dict[str, list[bytes]] = {name: [] for name in names}
-    for word, line in zip(words, lines, strict=True):
-        by_name[word].append(line)
-    encoders = {name: _encoder(name, own) for name, own in by_name.items()}
+    times, about_clock = _times(names, lines)
+    topics = list(dict.fromkeys(names))
+    numbers = {topic: i for i, topic in enumerate(topics)}
+    encoders = {topic: _encoder(topic, names, lines) for topic in topics}
     return Walk(
         name=path.name,
         size=len(text),
-        channels=[Channel(i, name, _TYPES[name], "ros1", "", 0) for i, name in enumerate(names)],
+        channels=[Channel(i, topic, _TYPES[topic], "ros1", "", 0) for topic, i in numbers.items()],
         times=times,
-        ids=[numbers[word] for word in words],
-        read=lambda number: encoders[words[number]](lines[number]),
+        ids=[numbers[name] for name in names],
+        read=lambda number: encoders[names[number]](lines[number]),
         close=lambda: None,
         damage=Damage(),
-        problems=tuple(filter(None, (*problems, about_times, *left_out.values()))),
+        problems=tuple(filter(None, (*problems, about_clock, *errors.values()))),
     )
+
+
+def _lines(text: bytes) -> _Lines:
+    """The lines of a log in their order.
+
+    A program that makes maps writes ODOM lines of its own into a log, each before a line NEFF: poses that it estimates,
+    with a speed of 0 and mostly without a time. They are no measurement, and become the poses of NEFF.
+    """
+    found = _Lines([], [], {})
+    for line in text.splitlines():
+        name = word_of(line)
+        if name == ESTIMATE and found.names and found.names[-1] == "ODOM":
+            found.names[-1] = ESTIMATE
+        elif name in _TYPES and name != ESTIMATE:
+            try:
+                checked(line)
+            except ValueError as error:
+                found.errors.setdefault(name, f"{name}: lines that cannot be read are left out, such as: {error}")
+                continue
+            found.names.append(name)
+            found.texts.append(line)
+    return found
 
 
 def _is_before(line: bytes, other: bytes) -> bool:
@@ -106,12 +113,29 @@ def _is_before(line: bytes, other: bytes) -> bool:
     return time is None or (other_time is not None and time < other_time)
 
 
-def _encoder(word: str, lines: list[bytes]) -> Callable[[bytes], bytes]:
-    if word in SPEEDS:
+def _times(names: Sequence[str], lines: Sequence[bytes]) -> tuple[list[int], str]:
+    """Monotonic log times, and a line on what was wrong. An estimate has the time of the line before it."""
+    is_timed = [name != ESTIMATE for name in names]
+    monotonic, about_clock = repaired_log([time_ns_of(line) for line in compress(lines, is_timed)])
+    latest = monotonic[0] if monotonic else 0
+    remaining = iter(monotonic)
+    times = []
+    for timed in is_timed:
+        latest = next(remaining) if timed else latest
+        times.append(latest)
+    return times, about_clock
+
+
+def _encoder(topic: str, names: Sequence[str], lines: Sequence[bytes]) -> Callable[[bytes], bytes]:
+    """What makes messages of the lines of a topic."""
+    if topic in SPEEDS:
         return odometry
-    if word in NEW_SCANS:
+    if topic in NEW_SCANS:
         return new_scan
-    return estimate if word == ESTIMATE else partial(old_scan, range_max=range_max_of(lines))
+    if topic == ESTIMATE:
+        return estimate
+    own = [line for name, line in zip(names, lines, strict=True) if name == topic]
+    return partial(old_scan, range_max=range_max_of(own))
 
 
 def _text(path: Path) -> tuple[bytes, list[str]]:

@@ -1,4 +1,4 @@
-"""The lines of a CARMEN log, and the ROS 1 messages that say the same.
+"""The lines of a CARMEN log, and the ROS 1 messages with the same content.
 
 Source: the Carnegie Mellon Robot Navigation Toolkit, http://carmen.sourceforge.net/logger_playback.html
 """
@@ -37,7 +37,7 @@ def word_of(line: bytes) -> str:
 
 
 def time_ns_of(line: bytes) -> int | None:
-    """When a line was logged, in nanoseconds: its last word. None when that is no number, or more than clocks have."""
+    """When a line was logged, in nanoseconds: its last word. None when that is no number, or out of range."""
     try:
         seconds = float(line.rsplit(None, 1)[-1])
     except ValueError:
@@ -46,7 +46,7 @@ def time_ns_of(line: bytes) -> int | None:
 
 
 def checked(line: bytes) -> None:
-    """Nothing, if a line has as many words as it says; else ValueError."""
+    """Raise ValueError if a line has fewer words than its name and its counts require."""
     words = line.split()
     name = word_of(line)
     least = 10 if name in SPEEDS else 11 if name in OLD_SCANS else 13
@@ -84,7 +84,7 @@ def old_scan(line: bytes, range_max: float) -> bytes:
 
     ``name count ranges… x y theta odom_x odom_y odom_theta time host logged``
 
-    Such lines tell no angles. As in CARMEN, 180 or 181 readings are 1 degree apart, 360 or 361 half a degree, 400 or
+    Such lines have no angles. As in CARMEN, 180 or 181 readings are 1 degree apart, 360 or 361 half a degree, 400 or
     401 a quarter, others fill 180 degrees; ray 0 is at the right.
     """
     words = line.split()
@@ -109,10 +109,10 @@ def new_scan(line: bytes) -> bytes:
 
 
 def range_max_of(lines: Sequence[bytes]) -> float:
-    """The longest range in metres of the scanner behind some FLASER or RLASER lines, which do not tell it.
+    """The longest range in metres of the scanner behind some FLASER or RLASER lines, which do not have it.
 
-    80 m as in CARMEN; but where the greatest number of the log is one of those that such scanners send, by their scale,
-    for "nothing", and comes again and again (1 reading in 200), the range ends just below it.
+    80 m as in CARMEN. But if the largest reading is one of the numbers that such scanners send for "nothing", and is
+    frequent (1 reading in 200), the range ends just below it.
     """
     seen = _some_ranges(lines)
     longest = float(seen.max()) if seen.size else 0.0

@@ -1,7 +1,7 @@
 """Clocks that were set while a recording was written: found, and made monotonic.
 
-A robot's clock is set when it finds the network: it goes back, or leaps years ahead. Times then go on from where they
-were, in the order in which the messages arrived.
+A robot sets its clock when it reaches a time server: the clock goes back, or leaps years ahead. Repaired times continue
+from the last one before, in the order in which the messages arrived.
 """
 
 from __future__ import annotations
@@ -34,11 +34,12 @@ _STILL_STEP_NS = SECOND // 10
 _STILL_SHARE = 10
 _LATEST = 2**63 - 1
 _HABIT, _RARELY = 10, 100
-"""A topic that goes back more often than the one, and than at every so many messages, has several senders: its times
-are theirs."""
+"""A topic has several senders, whose times differ, if it goes back more than 10 times and in more than 1 message of
+100."""
 _SILENT = 10
+"""A topic has ended if it is silent for 10 of its usual steps."""
 _MOST_VOTES = 10_000_000
-"""No clock goes back so often, and to count the votes would take long."""
+"""No clock is set so often, and counting the votes would take long."""
 
 
 class Arrivals(NamedTuple):
@@ -84,13 +85,13 @@ def repaired_log(times: Sequence[int | None]) -> tuple[list[int], str]:
             f"the lines are set {_STILL_STEP_NS / SECOND:g} s apart, in their order"
         )
         return [i * _STILL_STEP_NS for i in range(len(times))], line
-    known: list[int] = []
+    filled: list[int] = []
     latest = next((time for time in times if time is not None), 0)
     for time in times:
         latest = latest if time is None else time
-        known.append(latest)
-    monotonic, oddities = make_monotonic(known)
-    back = sum(after < before for before, after in pairwise(known))
+        filled.append(latest)
+    monotonic, oddities = make_monotonic(filled)
+    back = sum(after < before for before, after in pairwise(filled))
     return monotonic, _about(back, oddities)
 
 
@@ -109,9 +110,9 @@ class Oddities(NamedTuple):
 def make_monotonic(times: Sequence[int]) -> tuple[list[int], Oddities]:
     """Times that never go back and never leap, in the same order, and what was odd.
 
-    Time stands still while a clock that went back catches up. Where it was set back for good, by more than `RESET_NS`,
-    time goes on from where it was, and so it does where the clock leaps ahead by more than `LEAP_NS`. After such a leap
-    times have the first date from 1990 on that the clock told; without a leap, or such a date, that of the first.
+    A small step back (up to `RESET_NS`) repeats the last time until the clock has caught up. A larger one, if the clock
+    stays there, and a leap ahead by more than `LEAP_NS` shift all that follow, so that they continue from the last
+    time. After a leap the result is dated by the first time from 1990 on; without a leap, or such a time, by the first.
     """
     result: list[int] = []
     latest = times[0] if times else 0
@@ -164,8 +165,8 @@ def _leaps(times: Times) -> bool:
 def _steps_back(arrivals: Arrivals) -> list[int]:
     """The first message after each time that the clock was set back.
 
-    It was set back where the messages of a topic go back in the order of arrival, and most topics that can tell agree:
-    else they are messages that came late, were written twice, or bear times of their own.
+    It was set back where a topic goes back in the order of arrival and most other topics agree. If they do not, its
+    messages were late, were written twice, or have times of their own.
     """
     # As floats, for differences of any two: a quarter of a microsecond does not matter.
     times = arrivals.times.astype(np.float64)
@@ -182,7 +183,7 @@ def _steps_back(arrivals: Arrivals) -> list[int]:
     steps: list[int] = []
     start = 0
     for i in np.argsort(falls.places, kind="stable"):
-        # Every topic that goes on falls; those that fall after the first of them tell of the same step.
+        # At a step every topic that continues falls: later falls across the same place are the same step.
         if votes[i] > 0 and falls.before[i] >= start:
             start = int(falls.places[i])
             steps.append(start)
@@ -212,10 +213,10 @@ def _falls(times: NDArray[np.float64], places: Times, ahead: Times) -> _Falls:
 
 
 def _votes(times: NDArray[np.float64], places: Times, falls: _Falls) -> Times:
-    """The vote of one topic on each fall: 1 if it falls there too, -1 if it goes on or has ended, 0 if it cannot tell.
+    """The vote of one topic on each fall: 1 if it falls there too, -1 if it continues or has ended, 0 if it is unsure.
 
-    That it goes on tells something only if it usually speaks in less than half the time of the fall; and where a leap
-    ahead came before the fall, if it spoke since.
+    That it continues counts only if its usual step is less than half the depth of the fall and, where the clock leapt
+    ahead before the fall, only if it had a message since.
     """
     own = times[places]
     steps = np.diff(own)

@@ -25,7 +25,7 @@ class IndexedSource:
         problems: lines that come before all others.
 
     Raises:
-        RecordingError: the files are damaged and hold no message.
+        RecordingError: files are damaged, and no message can be read.
     """
 
     def __init__(self, walks: Sequence[Walk], problems: Sequence[str] = ()) -> None:
@@ -34,9 +34,9 @@ class IndexedSource:
         channels: dict[Channel, int] = {}
         ids = np.concatenate([_renumbered(walk, channels) for walk in walks])
         times = np.concatenate([np.asarray(walk.times, np.int64) for walk in walks])
-        known = np.flatnonzero(ids >= 0)
-        times[known], about_clock = repaired(Arrivals(times[known], ids[known]))
-        order = known[np.argsort(times[known], kind="stable")]
+        named = np.flatnonzero(ids >= 0)
+        times[named], about_clock = repaired(Arrivals(times[named], ids[named]))
+        order = named[np.argsort(times[named], kind="stable")]
         self._order: NDArray[np.intp] = order
         self._times: NDArray[np.int64] = times[order]
         self._ids: NDArray[np.int64] = ids[order]
@@ -44,16 +44,17 @@ class IndexedSource:
         self.channels = tuple(channel._replace(id=i, count=counts[i]) for channel, i in channels.items())
         self.start_ns = int(self._times[0]) if order.size else None
         self.end_ns = int(self._times[-1]) if order.size else None
-        lines = [*problems]
+        lines, damaged = [*problems], []
         for walk, start, end in zip(walks, self._starts, self._starts[1:], strict=False):
-            inside = known[(known >= start) & (known < end)]
+            inside = named[(named >= start) & (named < end)]
             walk.damage.unnamed = int(end - start) - len(inside)
             span_ns = int(np.ptp(times[inside])) if inside.size else 0
             own = (*damage_lines(walk.damage, len(inside), span_ns), *walk.problems)
+            damaged += [walk] if own else []
             lines += [f"{walk.name}: {line}" if len(walks) > 1 else line for line in own]
-        if lines and not order.size:
+        if damaged and not order.size:
             self.close()
-            raise nothing_readable(walks[0])
+            raise nothing_readable(damaged[0])
         self.problems = (*lines, about_clock) if about_clock else tuple(lines)
 
     def messages(

@@ -1,4 +1,4 @@
-"""MCAP files, read record by record without trust in their index."""
+"""MCAP files, read record by record, without their index."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def walk_mcap(path: Path) -> Walk:
         path: the file, whatever its name ends in.
 
     Raises:
-        RecordingError: it cannot be opened, is no MCAP file, or holds nothing that can be saved.
+        RecordingError: it cannot be opened, is no MCAP file, or nothing of it can be saved.
 
     Source: https://mcap.dev/spec
     """
@@ -85,7 +85,7 @@ class _Scan:
         return self.found.walk(self.channels(), self.damage)
 
     def channels(self) -> list[Channel]:
-        """The channels with what their schemas say, which may stand anywhere in the file."""
+        """The channels with their schemas, which may come anywhere in the file, also after them."""
         channels = []
         for number, (schema_id, topic, encoding) in self.named.items():
             schema = self.schemas.get(schema_id, _Schema("", "", ""))
@@ -94,7 +94,7 @@ class _Scan:
         return channels
 
     def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
-        """Take in the records of the file (chunk -1) or of a chunk."""
+        """Index the records of the file (chunk -1) or of a chunk."""
         frames = walk(data, _LAYOUT, damage, start)
         for frame in with_bar(frames, self.file) if chunk < 0 else frames:
             if frame.op == _MESSAGE and frame.whole:
@@ -107,7 +107,7 @@ class _Scan:
                 damage.unfinished = False
 
     def message(self, data: ByteRange, frame: Frame, chunk: int, damage: Damage) -> None:
-        """Take in where a message lies."""
+        """Index a message."""
         head = data.read(frame.body, _MESSAGE_HEAD.size)
         offset = frame.body + len(head)
         if len(head) == _MESSAGE_HEAD.size and offset <= frame.end:
@@ -117,7 +117,7 @@ class _Scan:
         damage.places += 1
 
     def name(self, data: ByteRange, frame: Frame, damage: Damage) -> None:
-        """Take in a schema or a channel; the first that comes with an id holds."""
+        """Add a schema or a channel; a second one of the same id is ignored."""
         raw = data.read(frame.body, min(frame.end - frame.body, MAX_TEXT))
         try:
             if frame.op == _SCHEMA:
@@ -133,7 +133,7 @@ class _Scan:
             damage.places += 1
 
     def chunk(self, frame: Frame) -> None:
-        """Take in the records of a compressed chunk, as far as it decompresses; check either kind's checksum."""
+        """Check the checksum of a chunk; index the records of a compressed one, as far as it decompresses."""
         checksum = int.from_bytes(frame.fields["checksum"], "little")
         compression = frame.fields["compression"].decode()
         if not compression:

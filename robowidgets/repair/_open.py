@@ -1,4 +1,4 @@
-"""Any files of one recording, told by how they start, as one clean source."""
+"""The files of one recording, recognised by their first bytes, as one clean source."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from ._report import damage_lines, foreign
 from ._walk import Walk
 from .source import RecordingError
 
-_SUFFIXES = (".bag", ".db3", ".mcap")
 _WALKS: dict[str, Callable[[Path], Walk]] = {
     ".bag": _bag.walk_bag,
     ".db3": _sqlite.walk_sqlite,
@@ -31,15 +30,15 @@ _MOST_RATIO = 256
 def open_repaired(paths: Sequence[Path], problems: Sequence[str] = ()) -> IndexedSource:
     """Whatever can be read of the files of one recording, by a clock that never goes back.
 
-    Each file is walked through once, with a progress bar; an index of 40 bytes a message is held in memory. A file of
-    several that cannot be read is told in the problems.
+    Each file is walked through once, with a progress bar; an index of 40 bytes a message stays in memory. Of several
+    files, those that cannot be read become lines in the problems.
 
     Args:
         paths: the files, in their order: ROS 1 bags, MCAP files, rosbag2 databases, any of them in zstd, CARMEN logs.
         problems: lines that come before all others.
 
     Raises:
-        RecordingError: none of them holds anything that can be read; the text is that of the first.
+        RecordingError: nothing can be read of any of them; the text is that of the first.
     """
     found = [_attempt(path) for path in paths]
     errors = [error for error in found if isinstance(error, str)]
@@ -54,12 +53,6 @@ def find_files(folder: Path) -> list[Path]:
     return sorted((path for path in folder.iterdir() if _is_recording(path)), key=lambda path: _natural(path.name))
 
 
-def has_messages(path: Path, head: bytes) -> bool:
-    """Whether a file is one of ROS messages, whole or not, by its name or its first bytes; else it may be a log."""
-    suffixes = (*_SUFFIXES, *_ZSTD_SUFFIXES, ".active")
-    return path.suffix in suffixes or any(head.startswith(magic) for magic in _MAGICS)
-
-
 def _attempt(path: Path) -> Walk | str:
     try:
         return _walk(path)
@@ -70,7 +63,7 @@ def _attempt(path: Path) -> Walk | str:
 
 
 def _walk(path: Path) -> Walk:
-    """How the file starts decides, and its name only where that says nothing."""
+    """The walk through one file. Its first bytes name its format; its name does only where they do not."""
     left_behind = path.with_name(f"{path.name}-wal")
     if left_behind.is_file() and left_behind.stat().st_size:
         return _sqlite.walk_sqlite(path)
@@ -78,16 +71,16 @@ def _walk(path: Path) -> Walk:
         head = file.read(64)
     if head.startswith(ZSTD_MAGIC):
         return _walk_packed(path)
-    if not has_messages(path, head):
-        return walk_carmen(path)
     suffix = next((suffix for magic, suffix in _MAGICS.items() if head.startswith(magic)), path.suffix)
-    if suffix not in _WALKS:
+    if suffix in _WALKS:
+        return _WALKS[suffix](path)
+    if suffix in (*_ZSTD_SUFFIXES, ".active"):
         raise foreign(path.name, "a ROS 1 bag, an MCAP file or a rosbag2 database", head)
-    return _WALKS[suffix](path)
+    return walk_carmen(path)
 
 
 def _walk_packed(path: Path) -> Walk:
-    """A file that was compressed as a whole: what of it decompresses, from a temporary copy."""
+    """The walk through a file that was compressed as a whole: through a temporary copy of what decompresses."""
     folder = TemporaryDirectory(prefix="robowidgets-")
     try:
         copy = Path(folder.name, path.name.removesuffix(path.suffix) if path.suffix in _ZSTD_SUFFIXES else path.name)
@@ -119,7 +112,7 @@ def _walk_packed(path: Path) -> Walk:
 
 def _is_recording(path: Path) -> bool:
     name = path.with_suffix("") if path.suffix in _ZSTD_SUFFIXES else path
-    return name.suffix in _SUFFIXES and path.is_file()
+    return name.suffix in _WALKS and path.is_file()
 
 
 def _natural(name: str) -> list[tuple[bool, int, str]]:

@@ -29,11 +29,11 @@ class Frame(NamedTuple):
 
 
 class Format(NamedTuple):
-    """How records are told in one file format.
+    """How records are recognised in one file format.
 
     ``frame_at`` gives the record at an offset, which may reach past the end of the data, or None when no record stands
     there. ``next_frame`` searches from an offset for a place where ``frame_at`` gives a record and that is no accident;
-    records of some kinds are passed over. After ``last_op`` nothing follows. Records in ``index_ops`` hold no messages,
+    records of some kinds are skipped. After ``last_op`` nothing follows. Records in ``index_ops`` hold no messages,
     those in ``inner_ops`` stand in chunks.
     """
 
@@ -44,15 +44,15 @@ class Format(NamedTuple):
     inner_ops: frozenset[int]
     chunk_op: int
 
-    def search(self, data: ByteRange, held: Frame | None, pos: int) -> int | None:
-        """Where the next record stands, after a record that ends in doubt or, with none, after an offset.
+    def search(self, data: ByteRange, pending: Frame | None, pos: int) -> int | None:
+        """The offset of the next record, after a record whose end is in doubt or, with none, after an offset.
 
         What looks like a message within compressed data is a piece of one, or one that will be read from there.
         """
-        if held is None:
+        if pending is None:
             return self.next_frame(data, pos + 1, frozenset())
-        is_packed = held.op == self.chunk_op and held.end > held.body
-        return self.next_frame(data, held.body, self.inner_ops if is_packed else frozenset())
+        is_packed = pending.op == self.chunk_op and pending.end > pending.body
+        return self.next_frame(data, pending.body, self.inner_ops if is_packed else frozenset())
 
 
 @dataclass
@@ -62,7 +62,7 @@ class Damage:
     ``places`` counts where the walk had to search for the next record or could not use one; ``index``: lengths in the
     index were wrong; ``cut``: data is missing at the end; ``unfinished``: only the index is missing at the end;
     ``checksums`` counts chunks that differ from their checksum; ``compressions`` names those that cannot be read;
-    ``unnamed`` counts messages of topics that the file does not name; ``disk`` is what the disk said.
+    ``unnamed`` counts messages of topics that the file does not name; ``disk`` is the text of the disk's error.
     """
 
     places: int = 0
@@ -86,36 +86,36 @@ def with_bar(frames: Iterable[Frame], file: FileRange) -> Iterator[Frame]:
 
 
 def walk(data: ByteRange, layout: Format, damage: Damage, start: int = 0) -> Iterator[Frame]:
-    """Every record that can be told from damage, in the order of the file; what was wrong is noted in ``damage``.
+    """Every record that can be recognised, in the order of the file; what was wrong is noted in ``damage``.
 
-    A record is given out when the next one is found to stand where it ends. If none does, the next is searched for
-    within the record at hand, because it may be its length that is wrong. So the walk only ever goes forward.
+    A record is yielded once another one is found where it ends. If there is none, the next one is searched for within
+    the pending record, because its length may be wrong.
     """
-    held: Frame | None = None
+    pending: Frame | None = None
     pos = start
     while pos < data.size:
         frame = layout.frame_at(data, pos)
         if frame:
-            if held:
-                yield held
-            held = frame
+            if pending:
+                yield pending
+            pending = frame
             if frame.op == layout.last_op:
                 break
             pos = frame.end
             if pos <= data.size:
                 continue
-        found = layout.search(data, held, pos) if damage.places < MAX_PLACES else None
+        found = layout.search(data, pending, pos) if damage.places < MAX_PLACES else None
         if found is None:
             damage.cut = True
             break
-        if held and held.op in layout.index_ops:
+        if pending and pending.op in layout.index_ops:
             damage.index = True
         else:
             damage.places += 1
-        if held and found < held.end:
-            held = held._replace(end=found)
+        if pending and found < pending.end:
+            pending = pending._replace(end=found)
         pos = found
-    if held and held.end > data.size:
-        held = held._replace(end=data.size, whole=False)
-    if held:
-        yield held
+    if pending and pending.end > data.size:
+        pending = pending._replace(end=data.size, whole=False)
+    if pending:
+        yield pending

@@ -1,4 +1,4 @@
-"""What is said to a person about a file that is damaged or is something else."""
+"""Errors and lines about files that are damaged, or are no recordings."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def foreign(name: str, expected: str, head: bytes) -> RecordingError:
 
 
 def nothing_readable(walk: Walk) -> RecordingError:
-    """The error for a file that holds not one message that can be read."""
+    """The error for a file without a single message that can be read."""
     name, damage = walk.name, walk.damage
     if damage.compressions:
         shown = ", ".join(sorted(damage.compressions))
@@ -48,7 +48,7 @@ def nothing_readable(walk: Walk) -> RecordingError:
 
 
 def damage_lines(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
-    """One line for each thing a person has to know about a file that was read in spite of its damage.
+    """One line for each kind of damage in a file that was read all the same.
 
     Args:
         damage: what was wrong.

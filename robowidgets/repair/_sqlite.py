@@ -81,7 +81,7 @@ def _walk(path: Path, connection: sqlite3.Connection, damage: Damage) -> Walk:
 
 
 def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
-    """A connection, and what is known to be wrong with the file.
+    """A connection, and the damage that shows before any row is read.
 
     The file is opened read-only and as one that nobody changes, so that no file appears beside it. Where it has to be
     changed, a temporary copy is opened: to take in what a killed recorder left beside it (``-wal``, ``-journal``), or
@@ -189,9 +189,9 @@ def _look_up(connection: sqlite3.Connection, row: int) -> _Message | None:
 
 
 def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
-    """The numbers of the rows in their order, past places where the walk breaks off.
+    """The numbers of the rows in their order; where sqlite fails, the walk continues behind the damage.
 
-    A row met on the walk may still not be found when it is looked up.
+    A row that the walk gives may still be missing when it is looked up.
     """
     start: int | None = 1
     while start is not None:
@@ -211,7 +211,7 @@ def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
 
 
 def _next_start(connection: sqlite3.Connection, start: int) -> int | None:
-    """The least row number after ``start`` from which the walk goes on; None when there is none."""
+    """The least row number after ``start`` from which the walk can continue; None when there is none."""
     step = 1
     while _peek(connection, start + step) is None:
         step *= 2

@@ -1,4 +1,4 @@
-"""What a walk through one file found: where every message lies, and how to read it."""
+"""The result of a walk through one file: where each message lies, and how to read it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Walk:
     Args:
         name: of the file.
         size: of the file, in bytes.
-        channels: every channel that is named; messages of others are left out.
+        channels: every channel that the file names; messages of others are left out.
         times: log times in nanoseconds, in the order of arrival.
         ids: the ids of the channels of these messages.
         read: gives the bytes of a message by its number.
@@ -80,7 +80,7 @@ class FoundMessages:
         return len(self._chunks) - 1
 
     def add(self, channel: int, time_ns: int, offset: int, size: int, chunk: int) -> bool:
-        """Note a message in a chunk, or in the file itself (-1); False when no clock has its time."""
+        """Note a message in a chunk, or in the file itself (-1); False when its time is beyond 2262."""
         if time_ns >= _MAX_TIME:
             return False
         self.channels.append(channel)

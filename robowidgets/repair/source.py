@@ -47,7 +47,7 @@ class Source(Protocol):
         """
 
     def last_ns(self, channel: Channel) -> int | None:
-        """Log time of the last message of a channel, or a little later; None where the index does not tell."""
+        """Log time of the last message of a channel, or a little later; None where the index does not have it."""
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""

@@ -39,7 +39,7 @@ class _SeveralError(RecordingError):
 def open_source(path: Path) -> Source:
     """The messages in a file or folder, by a clock that never goes back.
 
-    Whole files are read by rosbags. `repair` reads all else, and takes over where damage is met later.
+    rosbags reads whole files. `repair` reads all others, and takes over where reading meets damage.
 
     Raises:
         RecordingError: there is nothing, or nothing of it can be read; the text says why.
@@ -73,7 +73,7 @@ def _whole(
                 return FallbackSource(source, lambda: open_repaired(files, problems))
     except _SeveralError:
         raise
-    except Exception:  # rosbags raises anything; the reader made for damage finds out what is wrong, and tells it
+    except Exception:  # rosbags raises anything; repair finds out what is wrong
         pass
     return None
 
@@ -152,5 +152,5 @@ def _metadata(path: Path) -> str | None:
     file = path / _METADATA
     try:
         return file.read_text(errors="replace") if file.exists() else None
-    except OSError:  # the files tell as much
+    except OSError:  # the files are read without it
         return ""

@@ -1,4 +1,4 @@
-"""A whole file with damage in the middle: met only when it is read, and read on by the reader made for damage."""
+"""A file that looks whole, with damage inside: a repaired source takes over where reading fails."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ...repair import Message, RecordingError, Source
 
 
 class FallbackSource:
-    """A `Source` that goes on with a repaired one where the first meets damage.
+    """A `Source` that continues with a repaired one where the first fails.
 
     Args:
         first: a source that may raise anything while it reads.
@@ -42,7 +42,7 @@ class FallbackSource:
                     given += 1
                     yield message
                 return
-            except Exception:  # rosbags raises anything; the reader made for damage finds out and tells
+            except Exception:  # rosbags raises anything; repair finds out what is wrong
                 if self._closed:
                     raise RecordingError("the recording is closed: open it again") from None
                 self._repaired = self._open_repaired()
@@ -52,7 +52,7 @@ class FallbackSource:
         """See `Source`."""
         try:
             return self._first.last_ns(channel)
-        except Exception:  # damage in the index is met again, and told, when the messages are read
+        except Exception:  # reading the messages will meet the same damage
             return None
 
     def close(self) -> None:

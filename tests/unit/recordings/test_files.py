@@ -265,6 +265,17 @@ def test_files_of_any_names_are_one_recording_where_the_metadata_are_of_no_use(
     assert read_count(tmp_path) == {"/scan": 40, "/cmd_vel": 20}
 
 
+def test_a_sound_file_without_a_message_is_not_called_damaged_for_what_lies_beside_it(tmp_path: Path) -> None:
+    for lost in (b"", b"It rained."):
+        (tmp_path / "metadata.yaml").write_text("relative_file_paths:\n  - drive_0.db3\n  - drive_1.db3\n")
+        (tmp_path / "drive_1.db3").write_bytes(write_db3(tmp_path / f"part{len(lost)}", []).read_bytes())
+        if lost:
+            (tmp_path / "drive_0.db3").write_bytes(lost)
+        with open(tmp_path) as recording:
+            assert "drive_0.db3" in recording.problems[0]
+            assert recording.problems[1:] == ("there is no message in it: nothing was recorded",)
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
 def test_a_file_that_may_not_be_read_says_so(tmp_path: Path) -> None:
     path = write_bag(tmp_path / "drive.bag", messages(3))
