@@ -142,7 +142,7 @@ class CommandWatchdog:
             sent just before.
 
         Raises:
-            RefusedError: a hand drives, or stop is latched. Zero is never refused.
+            RefusedError: a hand drives; or stop is latched, except for the zero of a program.
         """
         if velocity == ZERO and driver == PROGRAM and not self._hand_now():
             return self.stop()

@@ -12,14 +12,12 @@ from typing import Any
 import anywidget
 import traitlets
 
+from .log_once import LogOnce
 from .traits import Flag
 
 log = logging.getLogger("robowidgets")
 
 STATIC = Path(__file__).parents[1] / "static"
-
-MOST_LOGGED = 50
-"""Different errors of one widget that are logged; a faulty source must not fill the log."""
 
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
@@ -67,7 +65,7 @@ class NamedWidget(anywidget.AnyWidget):
         return super().__new__(cls, **kwargs)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._logged: set[str] = set()
+        self._error_log = LogOnce(log.error)
         self._named_after: dict[str, str] = {}
         settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
         for name in kwargs:
@@ -118,9 +116,7 @@ class NamedWidget(anywidget.AnyWidget):
             setattr(self, trait, topic)
 
     def _log_once(self, text: str) -> None:
-        if text not in self._logged and len(self._logged) < MOST_LOGGED:
-            self._logged.add(text)
-            log.error("%s %s: %s", type(self).__name__, self.title, text)
+        self._error_log(f"{type(self).__name__} {self.title}: {text}", text)
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:

@@ -241,9 +241,8 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             )
             return 0
         with self._send_lock:
-            values = (
-                self._trait_values
-            )  # bypasses the traits' descriptors, which would take longer than everything else here
+            # Bypasses the descriptors of the traits, which would take longer than everything else here.
+            values = self._trait_values
             comm = values.get("comm")
             if comm is None:
                 return 0

@@ -34,16 +34,16 @@ def configured(domain: int, interface: str | None) -> Iterator[None]:
         return
     key = domain, interface
     with _lock:
-        held, count = _used.get(key, (None, 0))
-        _used[key] = (held or _domain(domain, interface), count + 1)
+        configured_domain, count = _used.get(key, (None, 0))
+        _used[key] = (configured_domain or _domain(domain, interface), count + 1)
     try:
         yield
     finally:
         with _lock:
-            held, count = _used.pop(key)
+            configured_domain, count = _used.pop(key)
             if count > 1:
-                _used[key] = (held, count - 1)
-            del held
+                _used[key] = (configured_domain, count - 1)
+            del configured_domain
 
 
 def _domain(domain: int, interface: str) -> Any:

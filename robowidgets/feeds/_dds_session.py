@@ -38,7 +38,7 @@ has. A best-effort subscriber would lose the message, a reliable one would get i
 
 _OTHER_FIELDS = "defines the fields of its type in another way"
 _DOES = {
-    2: "keeps no message for those who come late",
+    2: "keeps no earlier messages (durability)",
     4: "promises no rate (deadline)",
     6: "wants to be the only one (exclusive ownership)",
     8: "promises no sign of life (liveliness)",
@@ -49,7 +49,7 @@ _DOES = {
 """Why a publisher is incompatible with our readers, by the number of the policy in the DDS specification."""
 
 _EXPECTS = {
-    2: "expects messages kept for those who come late (durability)",
+    2: "expects earlier messages (durability)",
     4: "expects messages at a promised rate (deadline)",
     6: "expects one publisher only (exclusive ownership)",
     8: "expects a sign of life (liveliness)",
@@ -252,7 +252,7 @@ class Session:
             policy = _incompatible_policy(writer)
             reasons.setdefault(topic, "")
             if policy and self._wants_of(topic, kind) - self._matched(writer):
-                reasons[topic] = f"a subscriber of {topic} {_reason(_EXPECTS, policy)}, so it hears nothing"
+                reasons[topic] = f"a subscriber of {topic} {_reason(_EXPECTS, policy)}, so it receives nothing"
         for topic, reason in reasons.items():
             self._listener.on_unheard(topic, reason)
 

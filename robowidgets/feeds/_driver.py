@@ -138,7 +138,7 @@ class Driver:
         if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_TIMEOUT:
             raise FeedError(
                 "cannot drive: no page that shows this feed or its pad answers, and driving.needs_page asks for one; "
-                "beside a busy cell only ipykernel 7 or later hears the page"
+                "while a cell runs, only ipykernel 7 or later receives messages of the page"
             )
         if velocity != ZERO:
             self._feed.list_driven(self._driving.topic)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 
 from .._core.command_watchdog import HOLD
 from .._core.limits import is_past
+from .._core.log_once import LogOnce
 from ..kinds import SPEED, is_command
 from ..samples.numbers import OF_DEGREES, finite, is_angle
 from .middleware import Advert
@@ -86,7 +87,7 @@ class DriveStatus:
     def __init__(self) -> None:
         self.cut = ""
         self.unheard: dict[str, str] = {}
-        self._logged: set[str] = set()
+        self._log = LogOnce(log.warning)
 
     def of(self, topic: str, adverts: Sequence[Advert]) -> str:
         """All reasons that concern a command topic, as text; empty when there are none."""
@@ -97,9 +98,8 @@ class DriveStatus:
         """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate."""
         unheard, contested = _unheard(topic, adverts), _contested(topic, adverts)
         for key, reason in ((unheard, unheard), (contested, contested), ("cut", self.cut)):
-            if reason and key not in self._logged:
-                self._logged.add(key)
-                log.warning("%s: %s", where, reason)
+            if reason:
+                self._log(f"{where}: {reason}", key)
 
 
 def _unheard(name: str, adverts: Sequence[Advert]) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 from weakref import WeakSet
 
 from .._core.cells import running_cell
-from .._core.named_widget import MOST_LOGGED
+from .._core.log_once import LogOnce
 from .._core.pacer import pacer
 from .._core.text import many
 from ..kinds import KINDS, counts_every_message
@@ -89,7 +89,7 @@ class FunctionCaller:
         self._slow_topic = ""
         """The topic whose widgets show that a function has not returned."""
         self._closed = False
-        self._logged: set[str] = set()
+        self._log = LogOnce(log.exception)
 
     @property
     def functions(self) -> tuple[Function, ...]:
@@ -254,11 +254,6 @@ class FunctionCaller:
         thread = self._thread
         frame = sys._current_frames().get(thread.ident or 0) if thread is not None else None
         return [*traceback.walk_stack(frame)][::-1] if frame is not None else []
-
-    def _log(self, error: str) -> None:
-        if error not in self._logged and len(self._logged) < MOST_LOGGED:
-            self._logged.add(error)
-            log.exception(error)
 
 
 def _name_in_main(call: Any) -> str:

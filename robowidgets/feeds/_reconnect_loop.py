@@ -1,4 +1,4 @@
-"""The base of the middlewares that run a session in a thread of their own: DDS and ROS 2."""
+"""The base of the middlewares that run a session in a thread of their own: DDS, ROS 1 and ROS 2."""
 
 from __future__ import annotations
 

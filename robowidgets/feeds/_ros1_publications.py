@@ -189,7 +189,7 @@ def _send(topic: str, message: Any, connections: Sequence[Any], deadline: float,
                 impl.publish(message, connection_override=connection)
             taken += connection.stat_num_msg - before
         if not late and not taken:
-            raise FeedError(f"{topic} was not published: who listened has just disconnected")
+            raise FeedError(f"{topic} was not published: its subscriber has just disconnected")
         if not late or (taken and not to_all):
             return
         if time.monotonic() > deadline:

@@ -151,7 +151,7 @@ class Session:
                 if self._await_match(publisher, key, until):
                     self._matched.add(key)
                 elif key in self._matched and self.is_young:
-                    raise NotYetError(f"who listens to {topic} has not been found again since rclpy was shut down")
+                    raise NotYetError(f"the subscriber of {topic} is not discovered again since rclpy was shut down")
                 self._unmatched.discard(key)
             publisher.publish(message)
 
@@ -311,10 +311,10 @@ def _events() -> Any:
 
 
 def _not_coming(topic: str, policy: str) -> str:
-    does = {"reliability": "is best-effort", "durability": "keeps no message for those who come late"}
+    does = {"reliability": "is best-effort", "durability": "keeps no earlier messages (durability)"}
     return f"a publisher of {topic} {does.get(policy, f'disagrees on {policy}')}, so its messages do not come"
 
 
 def _not_received(topic: str, policy: str) -> str:
-    does = {"durability": "asks for messages from before it came, which are not kept"}
+    does = {"durability": "expects earlier messages (durability)"}
     return f"a subscriber of {topic} {does.get(policy, f'disagrees on {policy}')}, so it does not receive what is sent"

@@ -70,7 +70,7 @@ def _from_cbor(frame: bytes) -> Any:
     try:
         from cbor2 import CBORTag, loads
     except ImportError:
-        raise UnreadableError("binary data came, which nobody asked for and needs cbor2 to be read") from None
+        raise UnreadableError("unrequested binary data came, and reading it needs cbor2") from None
 
     def array(*given: Any) -> Any:
         # The position of the tag among the arguments depends on the version of cbor2.

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from .._core.named_widget import MOST_LOGGED
+from .._core.log_once import LogOnce
 from .._core.robot_widget import RobotWidget
 from ..drive_widget import DriveWidget
 from ._topics import Topic, no_such
@@ -66,7 +66,7 @@ class Subscription:
         self._retyped = ""
         self._failed = ""
         self._scanners = TwoScanners()
-        self._logged: set[str] = set()
+        self._log = LogOnce(log.exception)
 
     def take(self, message: Any) -> bool:
         """Pass a message to the targets; returns whether the status may have changed. Raises nothing."""
@@ -112,8 +112,6 @@ class Subscription:
             target.call(message)
         except (Exception, SystemExit) as error:  # it would end the transport's thread, and so the feed
             failure = f"a message of {self.topic} could not be used: {type(error).__name__}: {error}"
-            if failure not in self._logged and len(self._logged) < MOST_LOGGED:
-                self._logged.add(failure)
-                log.exception(failure)
+            self._log(failure)
             return failure
         return ""

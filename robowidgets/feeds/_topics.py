@@ -20,9 +20,9 @@ class Topic(NamedTuple):
     """A topic of a running robot.
 
     ``type`` is written as ``sensor_msgs/msg/LaserScan``; where several are used at once they are joined by a comma, and
-    it is empty when it cannot be told. ``widget`` is the kind of the widget that shows it, None when none does.
+    it is empty when it is unknown. ``widget`` is the kind of the widget that shows it, None when none does.
     ``commanded`` marks a speed that is asked for, not measured. ``offered`` says whether somebody publishes it,
-    ``wanted`` whether somebody else than we listens to it (None: it cannot be told).
+    ``wanted`` whether somebody else subscribes to it (None: unknown).
     """
 
     name: str
@@ -44,20 +44,20 @@ def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
 def _topic(name: str, adverts: Sequence[Advert]) -> Topic:
     types = list(dict.fromkeys(a.type for a in adverts if a.type and a.offered)) or [a.type for a in adverts][:1]
     kind = None if any(map(is_undecided, types)) else next(filter(None, map(kind_of_type, types)), None)
-    told = [a.wanted for a in adverts if a.wanted is not None]
+    wanted = [a.wanted for a in adverts if a.wanted is not None]
     return Topic(
         name,
         ", ".join(types),
         kind.name if kind else None,
         kind is not None and kind.is_command(name),
         any(a.offered for a in adverts),
-        any(told) if told else None,
+        any(wanted) if wanted else None,
     )
 
 
-def table_of(where: str, topics: Sequence[Topic], words: str) -> Table:
-    """What `_table.as_text` and its like take: the topics of a feed, with words on the connection if there are any."""
-    return f"{where}: {many(len(topics), 'topic')}", _HEADS, [_cells(t) for t in topics], (), [words] * bool(words)
+def table_of(where: str, topics: Sequence[Topic], status: str) -> Table:
+    """The arguments of `text.as_text` for the topics of a feed, with the status of the connection if it has one."""
+    return f"{where}: {many(len(topics), 'topic')}", _HEADS, [_cells(t) for t in topics], (), [status] * bool(status)
 
 
 def _cells(topic: Topic) -> tuple[str, ...]:
@@ -67,7 +67,7 @@ def _cells(topic: Topic) -> tuple[str, ...]:
 
 
 def no_such(name: str, there: Iterable[str]) -> str:
-    """Words for a topic that is not there, with what is there."""
+    """Text for a topic that does not exist, with those that do."""
     names = list(there)
     if not names:
         return f"no topic {name} yet; there is none at all"
@@ -78,7 +78,7 @@ def no_such(name: str, there: Iterable[str]) -> str:
 
 
 def check_name(topic: Any) -> None:
-    """TypeError or ValueError for what is no name of a topic."""
+    """TypeError or ValueError for anything but the name of a topic."""
     if not isinstance(topic, str):
         raise TypeError(f"expected the name of a topic as text, got {topic!r}")
     if not topic:

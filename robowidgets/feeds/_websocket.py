@@ -187,7 +187,7 @@ class WebSocketClient:
         stream = connection.protocol.stream
         if self._subprotocols and connection.selected_subprotocol is None:
             stream.close()
-            return f"{self.address} speaks none of {', '.join(self._subprotocols)}: something else listens there"
+            return f"{self.address} supports none of {', '.join(self._subprotocols)}: another program listens there"
         self._connection, self._stream = connection, stream
         stream.set_nodelay(True)
         report_close_code(connection, self._on_close_code)
@@ -315,7 +315,7 @@ class WebSocketClient:
         if isinstance(error, ConnectionRefusedError):
             return f"nothing listens at {self.address}; is the robot's bridge running?"
         if isinstance(error, socket.gaierror):
-            return f"nobody here knows the name {urlsplit(self.address).hostname}"
+            return f"the name {urlsplit(self.address).hostname} cannot be resolved"
         if getattr(error, "code", None) == 599 or isinstance(error, asyncio.TimeoutError):
             return f"no answer from {self.address} within {PATIENCE:g} s"
         return f"{self.address} cannot be connected to: {one_line(str(error)) or type(error).__name__}"

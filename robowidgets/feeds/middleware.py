@@ -26,9 +26,9 @@ class NotYetError(FeedError):
 class Advert(NamedTuple):
     """A topic that a middleware knows of.
 
-    ``type`` is written as ``sensor_msgs/msg/LaserScan``, for ROS 1 too; empty when it cannot be told. ``offered`` says
-    whether somebody else publishes it, ``wanted`` whether somebody else subscribes to it (None: it cannot be told).
-    ``publishers`` are the names of the other nodes that publish it, as far as the middleware tells names.
+    ``type`` is written as ``sensor_msgs/msg/LaserScan``, also for ROS 1; empty when it is unknown. ``offered`` says
+    whether somebody else publishes it, ``wanted`` whether somebody else subscribes to it (None: unknown).
+    ``publishers`` are the names of the other nodes that publish it, as far as the middleware reports them.
     """
 
     name: str

@@ -11,11 +11,11 @@ from urllib.parse import urlsplit
 
 from ..messages.channel import Channel
 from ..messages.decoding import Decode, DecodeError, decoder_of, one_line
-from ._backoff import Backoff
+from ._reconnect_loop import ReconnectLoop
 from ._ros1_master import Master, MasterError, State
 from ._ros1_publications import SHUT_DOWN, Publications
 from .feed import Feed
-from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
+from .middleware import Advert, FeedError, Listener
 
 log = logging.getLogger("robowidgets")
 
@@ -36,7 +36,7 @@ class _Subscription(NamedTuple):
     since: float
 
 
-class Ros1:
+class Ros1(ReconnectLoop):
     """A `Middleware` on the one node that a process may have, with the master that ROS_MASTER_URI names.
 
     The node is the program's own where it called `rospy.init_node`, else one of ours; it stays until the process ends.
@@ -46,14 +46,13 @@ class Ros1:
     """
 
     def __init__(self, name: str = "robowidgets") -> None:
+        super().__init__()
         self._name = name
         self._rospy: Any = None
         self._master = Master("")
         self._listener: Listener | None = None
-        self._thread: threading.Thread | None = None
-        self._backoff = Backoff()
         self._wakeup = threading.Event()
-        self._wanted: set[str] = set()
+        self._connected = False
         self._subscriptions: dict[str, _Subscription] = {}
         self._failed: set[str] = set()
         self._decoders: dict[str, Decode] = {}
@@ -89,18 +88,7 @@ class Ros1:
         self._rospy, self._master, self._listener = rospy, Master(uri), listener
         self._publications = Publications(rospy, self._master, listener.on_unheard, self._wakeup.set)
         logging.getLogger("rospy.internal").addHandler(self._log)
-        self._thread = threading.Thread(target=self._run, name=f"robowidgets {self.where}", daemon=True)
-        self._thread.start()
-
-    def subscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        self._wanted.add(topic)
-        self._wakeup.set()
-
-    def unsubscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        self._wanted.discard(topic)
-        self._wakeup.set()
+        self._start(f"robowidgets {self.where}", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`. FeedError also where the Python package of its type is not installed."""
@@ -108,11 +96,8 @@ class Ros1:
 
     def close(self) -> None:
         """See `Middleware`. The node and its publishers stay."""
-        self._backoff.close()
-        self._wakeup.set()
         logging.getLogger("rospy.internal").removeHandler(self._log)
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(CLOSE_TIMEOUT)  # rospy's own calls to a master have no time-out
+        super().close()  # it does not wait for the thread for ever: rospy's own calls to a master have no time-out
 
     def failed(self, topic: str, reason: str) -> None:
         """Report that rospy gave up a connection of a topic. Until the next attempt only the first reason counts."""
@@ -124,38 +109,50 @@ class Ros1:
         if self._listener is not None and not self._backoff.closed and topic in self._wanted:
             self._listener.on_trouble(topic, reason)
 
-    def _run(self) -> None:
-        assert self._listener is not None
-        connected = False
-        while not self._backoff.closed:
-            try:
-                state = self._master.state()
-                self._start_node()
-                self._note_master("")
-                if not connected:
-                    self._listener.on_connected()
-                    connected = True
-                self._backoff.reset()
-                self._step(state)
-            except MasterError as error:
-                hint = "is roscore running, and ROS_MASTER_URI right?"
-                reason = f"no ROS master at {self._master.uri} ({error}); {hint}"
-                connected = self._note_master(reason) and connected
-            except Exception as error:  # rospy's own, and whatever a malformed answer of a master causes
-                log.debug("%s was lost", self.where, exc_info=True)
-                reason = f"the rospy node of this process cannot be used: {str(error) or type(error).__name__}"
-                connected = False
-            else:
-                self._wakeup.wait(POLL)
-                self._wakeup.clear()
-                continue
-            pause = self._backoff.next_pause()
-            if not connected:
-                self._listener.on_lost(reason, pause)
-            self._backoff.wait(pause)
+    def _wake(self) -> None:
+        self._wakeup.set()
+
+    def _run(self, listener: Listener) -> None:
+        super()._run(listener)
         for subscription in self._subscriptions.values():
             subscription.subscriber.unregister()
         self._subscriptions.clear()
+
+    def _run_session(self, listener: Listener) -> str:
+        """Poll the master until neither it nor a connection is left; returns why the master is lost."""
+        self._connected = False
+        while not self._backoff.closed:
+            reason = self._poll(listener)
+            if not reason:
+                self._wakeup.wait(POLL)
+                self._wakeup.clear()
+            elif self._connected:
+                self._backoff.wait(self._backoff.next_pause())
+            else:
+                return reason
+        return ""
+
+    def _poll(self, listener: Listener) -> str:
+        """Follow the state of the master; returns why that failed."""
+        try:
+            state = self._master.state()
+            self._start_node()
+            self._note_master("")
+            if not self._connected:
+                self._connected = True
+                listener.on_connected()
+            self._backoff.reset()
+            self._step(state, listener)
+        except MasterError as error:
+            hint = "is roscore running, and ROS_MASTER_URI right?"
+            reason = f"no ROS master at {self._master.uri} ({error}); {hint}"
+            self._connected = self._note_master(reason) and self._connected
+            return reason
+        except Exception as error:  # rospy's own, and whatever a malformed answer of a master causes
+            log.debug("%s was lost", self.where, exc_info=True)
+            self._connected = False
+            return f"the rospy node of this process cannot be used: {str(error) or type(error).__name__}"
+        return ""
 
     def _note_master(self, reason: str) -> bool:
         """Report a lost master, or its return, on each topic; returns whether connections are left without it."""
@@ -174,10 +171,9 @@ class Ros1:
             if not self._rospy.core.is_initialized():
                 self._rospy.init_node(self._name, argv=[], anonymous=True, disable_signals=True)
 
-    def _step(self, state: State) -> None:
-        assert self._listener is not None
+    def _step(self, state: State, listener: Listener) -> None:
         self._publications.state = state
-        self._listener.on_topics(self._adverts_of(state))
+        listener.on_topics(self._adverts_of(state))
         for topic, subscription in list(self._subscriptions.items()):
             if topic not in self._wanted or state.types.get(topic, subscription.kind) != subscription.kind:
                 del self._subscriptions[topic]

@@ -434,7 +434,7 @@ def test_a_subscriber_that_does_not_hear_what_is_published_is_told_until_it_is_g
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
     wait_for(lambda: heard.words("/cmd_vel"), "it is said")
     assert heard.words("/cmd_vel") == (
-        "a subscriber of /cmd_vel expects messages kept for those who come late (durability), so it hears nothing"
+        "a subscriber of /cmd_vel expects earlier messages (durability), so it receives nothing"
     )
     robot.do("stop", "/cmd_vel", "Twist")
     wait_for(lambda: not heard.words("/cmd_vel"), "it is over")

@@ -218,7 +218,7 @@ def test_a_refusal_is_told_and_gone_with_the_next_message(ros2: Ros2, graph: Gra
     refused = offer(graph, "/scan", SCAN)
     wait_for(lambda: heard.troubles, "it is told")
     assert heard.words("/scan") == (
-        "a publisher of /scan keeps no message for those who come late, so its messages do not come"
+        "a publisher of /scan keeps no earlier messages (durability), so its messages do not come"
     )
     wait_for(lambda: publisher.matches() and refused.matches(), "it is asked for less")
     refused.publish(get_message(SCAN)())
@@ -454,8 +454,7 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told_until_it_is_gone
     assert heard.troubles == [
         (
             "/cmd_vel",
-            "a subscriber of /cmd_vel asks for messages from before it came, which are not kept, so it does not "
-            "receive what is sent",
+            "a subscriber of /cmd_vel expects earlier messages (durability), so it does not receive what is sent",
         )
     ]
     offer(graph, "/scan", SCAN)
@@ -646,7 +645,7 @@ def test_a_zero_that_the_robot_cannot_have_received_is_not_called_sent(ros2: Ros
     ros2.publish("/cmd_vel", TWIST, FORWARD)
     graph.discovery = 1.0
     graph.contexts[0].interrupt()
-    with pytest.raises(FeedError, match="who listens to /cmd_vel has not been found again since rclpy was shut down"):
+    with pytest.raises(FeedError, match="the subscriber of /cmd_vel is not discovered again since rclpy was shut"):
         ros2.publish("/cmd_vel", TWIST, ZERO)
     assert robot.speeds == [0.25]
 

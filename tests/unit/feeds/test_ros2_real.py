@@ -137,7 +137,7 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told(ros2: Ros2, hear
     picky = robot.create_subscription(Twist, "/cmd_vel", print, qos)
     wait_for(lambda: heard.topics, "the topic is known")
     ros2.publish("/cmd_vel", "geometry_msgs/msg/Twist", {})
-    wait_for(lambda: "asks for messages from before it came" in heard.words("/cmd_vel"), "it is told")
+    wait_for(lambda: "expects earlier messages" in heard.words("/cmd_vel"), "it is told")
     robot.destroy_subscription(picky)
     wait_for(lambda: heard.words("/cmd_vel") == "", "it is over")
 

@@ -314,7 +314,7 @@ def test_binary_data_that_nobody_asked_for_is_told(ears: Ears, in_json: None) ->
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
         server.send(b"\xa0")
-        words = "binary data came, which nobody asked for and needs cbor2 to be read"
+        words = "unrequested binary data came, and reading it needs cbor2"
         wait_for(lambda: words in ears.troubles.get("/scan", ""), "it was told")
         middleware.close()
 

@@ -343,7 +343,7 @@ def test_a_server_of_another_protocol_is_told(ears: Ears) -> None:
         middleware.close()
         wait_for(lambda: not server.clients, "the connection ended")
     spoken = "foxglove.sdk.v1, foxglove.websocket.v1"
-    assert ears.lost[0] == f"{server.address} speaks none of {spoken}: something else listens there"
+    assert ears.lost[0] == f"{server.address} supports none of {spoken}: another program listens there"
     assert ears.connected == 0
 
 
@@ -356,7 +356,7 @@ def test_a_name_that_nobody_knows_is_told(ears: Ears, monkeypatch: pytest.Monkey
     middleware.open(ears)
     wait_for(lambda: ears.lost, "it gave up")
     middleware.close()
-    assert ears.lost[0] == "nobody here knows the name robot.invalid"
+    assert ears.lost[0] == "the name robot.invalid cannot be resolved"
 
 
 def test_a_server_that_takes_calls_and_drops_them_is_called_ever_more_rarely(ears: Ears) -> None:
