@@ -118,8 +118,9 @@ class PlainPage:
 
     def close(self) -> None:
         """Close all its widgets and feeds."""
-        for feed in [value for value in self._namespace.values() if isinstance(value, Feed)]:
-            feed.close()
+        for value in self._namespace.values():
+            if isinstance(value, (Feed, Widget)):
+                value.close()
         Widget.close_all()
         comm.create_comm = self._create_comm
         del self._server.pages[self._name]
