@@ -7,7 +7,7 @@ export interface PadInput {
   onRelease(): void;
 }
 
-/** Follows pointer and keys on a pad. Whatever takes the pad out of sight, focus or reach lets go of it. */
+/** Follows pointer and keys on a pad. Losing the focus, the window or the page releases it. */
 export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSignal): void {
   const held = new Set<string>();
   let pointer: number | null = null;

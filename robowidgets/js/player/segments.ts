@@ -1,8 +1,8 @@
-/** What one widget shows from a time on. */
+/** A frame that one widget shows from a time on. */
 export interface TimedFrame {
   /** Seconds from the start of the recording. */
   time: number;
-  /** Index of what is said of it, in its track. */
+  /** Index of Python's words about it, in its track. */
   about: number;
   bytes: DataView;
 }
@@ -15,7 +15,7 @@ export interface Track {
 
 const ROW = 3;
 
-/** Reads the frames of a track: how many, then time, about and end of each frame as float64, then the frames. */
+/** Reads the frames of a track; docs/frames.md has the layout. */
 export function decodeFrames(bytes: DataView): TimedFrame[] {
   const count = bytes.getFloat64(0, true);
   const number = (i: number) => bytes.getFloat64(8 * (1 + i), true);

@@ -37,13 +37,13 @@ export class Frame {
     keepKeys(this.root, signal);
   }
 
-  /** Colours and fonts; to be asked for when drawing, for an element outside the page has none. */
+  /** Colours and fonts. Read it while drawing: an element outside the page has no computed style. */
   get theme(): Theme {
     this.#theme ??= applyTheme(this.root);
     return this.#theme;
   }
 
-  /** Room that the notice takes at the top of the picture, in pixels. */
+  /** Height of the notice at the top of the picture, in pixels. */
   get noticeHeight(): number {
     return this.#notice.offsetHeight;
   }

@@ -1,4 +1,4 @@
-/** The number of the first element for which a test holds that holds for all after it; the length where for none. */
+/** Index of the first element that passes a test, in an array where all after it pass too; its length if none does. */
 export function firstWhere(values: ArrayLike<number>, test: (value: number) => boolean): number {
   let [low, high] = [0, values.length];
   while (low < high) {

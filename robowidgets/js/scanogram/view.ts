@@ -126,14 +126,14 @@ export class ScanogramView {
     this.#goTo(this.#state.markBeside(direction));
   }
 
-  /** Where the cursor goes on a click; where single scans are known, it stands on one. */
+  /** The time of a click; the start of a scan where the page has single scans. */
   #timeAt({ x }: Point): number {
     const time = toTime(this.#scene.axis, x);
     const place = this.#state.blocks?.at(time, 0);
     return place?.scans === 1 ? place.time : Math.round(time * 1e4) / 1e4;
   }
 
-  /** Moves the cursor, and the picture where it would lose it. */
+  /** Moves the cursor, and the view if the cursor would leave it. */
   #goTo(time = this.#state.time): void {
     const { whole, view } = this.#state;
     this.#state.set({ time });

@@ -28,7 +28,7 @@ export class Card {
   readonly #silence = make("div", "rw-silence");
   readonly #freeze: HTMLButtonElement;
   readonly #freezeText = make("span", "");
-  /** The words round the number give way where room is short. */
+  /** The words around the number are hidden in a narrow card. */
   readonly #freezeWords = ["rw-word", "rw-number", "rw-word"].map((name) => make("span", name));
   readonly #bar: Bar;
   readonly #tellFacts: () => void;
@@ -38,8 +38,8 @@ export class Card {
   #theme: Theme | null = null;
 
   /**
-   * @param kind what the widget is, for its class and for readers of screens: "laser", "speed", "touch"
-   * @param redraw called when the theme changed and the picture must be drawn anew
+   * @param kind name of the widget, for its CSS class and its label: "laser", "speed", "touch"
+   * @param redraw draws the picture anew; called when the theme has changed
    */
   constructor(
     element: HTMLElement,
@@ -79,23 +79,23 @@ export class Card {
     this.picture.ariaLabel = `${kind} widget`;
   }
 
-  /** Colours and fonts; to be asked for when drawing, for an element outside the page has none. */
+  /** Colours and fonts. Read it while drawing: an element outside the page has no computed style. */
   get theme(): Theme {
     this.#theme ??= applyTheme(this.root);
     return this.#theme;
   }
 
-  /** Puts controls of the widget before the freeze button. */
+  /** Inserts controls of the widget before the freeze button. */
   addControls(...elements: HTMLElement[]): void {
     for (const element of elements) this.controls.insertBefore(element, this.#freeze);
   }
 
-  /** Room that the notice takes at the top of the picture, in pixels. */
+  /** Height of the notice at the top of the picture, in pixels. */
   get noticeHeight(): number {
     return this.#notice.offsetHeight;
   }
 
-  /** What an empty picture says, before the first sample: a noun with its article. */
+  /** The text of a picture before the first sample. */
   waiting(noun: string): string {
     if (this.#stream.since) return `frozen before the first ${noun}`;
     return this.#model.get("_source").words || `waiting for a ${noun}`;
@@ -103,9 +103,9 @@ export class Card {
 
   /**
    * Brings header, notice, bar and freeze button up to date.
-   * @param facts what is known of the source, after the title
-   * @param noun what is on show, in words: "scan"
-   * @param paced whether samples come at a rate, and silence means that they stopped
+   * @param facts about the source, shown after the title
+   * @param noun for a sample: "scan"
+   * @param paced whether samples come at a steady rate; without one, silence is no fault
    */
   update(facts: string[], noun: string, paced = true): void {
     this.#theme ??= applyTheme(this.root);
@@ -119,7 +119,7 @@ export class Card {
     this.#paced = paced;
     this.#tellFacts();
     const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
-    // An empty picture says the words itself.
+    // An empty picture shows the source's words itself.
     const source = this.#model.get("_source");
     const lines = [source.error, shown && source.words, ...said].filter(Boolean);
     this.#notice.classList.toggle("rw-error", Boolean(error || source.error));
@@ -139,7 +139,7 @@ export class Card {
     for (const [i, element] of this.#freezeWords.entries()) setText(element, state[i] ?? "");
   }
 
-  /** What is known of the source, its rate, and for how long it has been silent: while it is, again and again. */
+  /** Shows facts, rate and silence of the source; calls itself again while the source is silent. */
   #drawFacts(): void {
     const { live, rate } = this.#stream;
     const silence = this.#paced ? this.#stream.silence : 0;
@@ -150,7 +150,7 @@ export class Card {
     if (silence) this.#tellFacts();
   }
 
-  /** All that is known of the source, line by line, for who points at the header. */
+  /** The tooltip of the header: all facts about the source, line by line. */
   #tellAll(): void {
     const { arrived } = this.#stream;
     const { topic = this.#model.get("title"), type } = this.#model.get("_source");
@@ -163,7 +163,7 @@ export class Card {
     if (this.#stream.step(STEPS[event.key] ?? 0)) event.preventDefault();
     if (event.key !== " " || event.target instanceof HTMLButtonElement) return;
     event.preventDefault();
-    // The bar goes when the picture is released; who pressed the key there is not to end up outside.
+    // The bar is hidden when the picture is released. Focus must not leave the card with it.
     this.picture.focus({ preventScroll: true });
     this.#stream.toggle();
   }

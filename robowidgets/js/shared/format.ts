@@ -18,7 +18,7 @@ export function toShortMetres(value: number): string {
   return `${toFixed(value, 3).replace(/\.?0+$/, "")} m`;
 }
 
-/** Radians as degrees within ±180 with one decimal: "28.8°". What float32 lost of 28.75 must not make it "28.7°". */
+/** Radians as degrees within ±180 with one decimal. Rounds twice, so that 28.75° in float32 is "28.8°", not "28.7°". */
 export function toDegrees(radians: number): string {
   const degrees = Math.round((radians * 180_000) / Math.PI) / 1000;
   return `${toFixed(Math.abs(degrees) > 180 ? degrees - 360 * Math.round(degrees / 360) : degrees, 1)}°`;

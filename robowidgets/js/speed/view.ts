@@ -116,7 +116,7 @@ export class SpeedView {
   #draw(): void {
     const [model, speeds] = [this.#model, this.#stream.shown];
     const planar = model.get("planar");
-    // A reset is seen at once; the new peaks come when Python has listened.
+    // Hide the old peaks at once; Python sends new ones when it has handled the reset.
     const isReset = !this.#stream.paused && speeds?.resets !== model.get("_resets");
     const groups = toFacts(speeds, {
       limits: {

@@ -115,7 +115,7 @@ export class TouchView {
       this.#tiles.set(name, tile);
       const box = boxes.get(name);
       if (box) tile.place(box);
-      // Readers of screens follow the page's order: it is the robot's.
+      // Screen readers follow the order of elements: keep that of the sensors.
       const tiles = this.#field.querySelectorAll(":scope > .rw-tile");
       if (tiles[i] !== tile.element) this.#field.insertBefore(tile.element, tiles[i] ?? null);
     });
