@@ -42,8 +42,8 @@ export type State =
   | "released";
 
 /**
- * Sends the presses of a pad. While the pad is held, Python gets the position of the knob ten times a second, as long as
- * it answers. After half a second without an answer the press has ended: a person must release the pad and press again.
+ * Sends the presses of a pad. While the pad is held, Python gets the position of the knob ten times a second, as long
+ * as it answers. After half a second without an answer the press has ended: a person must release and press again.
  */
 export class PressLease {
   state: State = "free";

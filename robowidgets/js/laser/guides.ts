@@ -127,9 +127,9 @@ const CANDIDATES = 48;
 const LEFT_OF_FORWARD = 0.24;
 
 /**
- * Places of the labels of the arcs: just inside each arc, left of forward, or elsewhere along it when a reading is there.
- * A label keeps its place as long as that is free, so that labels of a live picture do not jump. Without a free place it
- * is left out.
+ * Places of the labels of the arcs: just inside each arc, left of forward, or elsewhere along it when a reading is
+ * there. A label keeps its place as long as that is free, so that labels of a live picture do not jump. Without a free
+ * place it is left out.
  *
  * @param lines angles of the radial lines
  * @param covered parts of the picture that something covers

@@ -11,8 +11,8 @@ export interface Raster {
 }
 
 /**
- * The picture of a span, each column from the finest block that covers it. Where several scans or rays share a pixel, the
- * least code is shown, so that the nearest distance does not vanish.
+ * The picture of a span, each column from the finest block that covers it. Where several scans or rays share a pixel,
+ * the least code is shown, so that the nearest distance does not vanish.
  *
  * @param blocks the finest first
  * @param height at most so many lines; fewer where there are fewer rays

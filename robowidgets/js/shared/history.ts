@@ -1,6 +1,6 @@
 import type { About } from "./traits.ts";
 
-/** A sample: its frame, when it arrived in milliseconds (NaN: in the state at page load), and Python's words about it. */
+/** A sample: its frame, arrival in milliseconds (NaN: in the state at page load), and Python's words about it. */
 export interface Moment {
   bytes: DataView;
   at: number;
@@ -14,7 +14,7 @@ const MOST_BYTES = 8e6;
 /**
  * The last samples, oldest first: a number of seconds of them, at most 20 per second and 8 MB.
  *
- * While held, it drops no sample that a person may be stepping through, and has the same capacity again for new samples.
+ * While held, it drops no sample that a person may be stepping through, and has the same capacity again for new ones.
  * When that is full too, each new sample replaces the one before it.
  */
 export class History {

@@ -2,7 +2,7 @@ import { isPlain, on } from "./events.ts";
 
 /**
  * Keeps plain keys from JupyterLab, whose shortcuts would act on the notebook: "x" cuts the cell. JupyterLab reads this
- * attribute from the focused element when the event reaches the document. Its shortcuts for saving and running still work.
+ * attribute of the focused element when the event reaches the document. Shortcuts for saving and running still work.
  */
 export function keepKeys(root: HTMLElement, signal: AbortSignal): void {
   const keep = (event: KeyboardEvent) => {

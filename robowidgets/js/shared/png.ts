@@ -57,7 +57,7 @@ export function offerPng(
   onMessage(model, onAsked, signal);
 }
 
-/** The card at the moment of the call, as a data URL: drawn from a copy with its styles inlined, which fetches nothing. */
+/** The card at the moment of the call, as a data URL: drawn from a copy with inlined styles, which fetches nothing. */
 async function toPng({ root, theme }: Shown, css: string, ratio: number): Promise<string> {
   const { width, height } = root.getBoundingClientRect();
   const copy = root.cloneNode(true) as HTMLElement;

@@ -33,8 +33,8 @@ export interface Place {
 }
 
 /**
- * Milliseconds without a frame after which a source is silent: three of its periods, clamped to these limits; the longest
- * while it has no rate. Python has the same rule.
+ * Milliseconds without a frame after which a source is silent: three of its periods, clamped to these limits; the
+ * longest while it has no rate. Python has the same rule.
  */
 const SHORTEST_SILENCE = 1000;
 const LONGEST_SILENCE = 10_000;

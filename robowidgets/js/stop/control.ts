@@ -8,7 +8,7 @@ export const BEAT_MS = 1000;
 /** Milliseconds without an answer after which a kernel counts as busy. */
 export const BUSY_MS = 1500;
 
-/** Milliseconds after which an unanswered heartbeat counts as lost. Until then none is sent: a busy kernel queues them. */
+/** Milliseconds after which an unanswered heartbeat counts as lost. Until then none is sent: a busy kernel queues it. */
 const LOST_MS = 10_000;
 
 /** Milliseconds without a message from Python after which the state of a driven robot counts as unknown. */
@@ -21,9 +21,9 @@ export const ANSWER_MS = 300;
 export const END_MS = 2000;
 
 /**
- * State of the last Stop or Allow of this page: "asking" until Python confirms the latch; "interrupted" after the kernel
- * was interrupted, "ignored" when its cell goes on nevertheless; "unreachable" when the host gives no way to interrupt a
- * busy kernel; "refused" when Allow came too late; else empty.
+ * State of the last Stop or Allow of this page: "asking" until Python confirms the latch; "interrupted" after the
+ * kernel was interrupted, "ignored" when its cell goes on nevertheless; "unreachable" when the host gives no way to
+ * interrupt a busy kernel; "refused" when Allow came too late; else empty.
  */
 export type Note = "" | "asking" | "interrupted" | "ignored" | "unreachable" | "refused";
 
