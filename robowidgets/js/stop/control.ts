@@ -8,7 +8,7 @@ export const BEAT_MS = 1000;
 /** Milliseconds without an answer after which a kernel counts as busy. */
 export const BUSY_MS = 1500;
 
-/** Milliseconds after which an unanswered heartbeat counts as lost. Until then none is sent: a busy kernel queues it. */
+/** Milliseconds after which an unanswered heartbeat is lost. Until then none is sent: a busy kernel queues it. */
 const LOST_MS = 10_000;
 
 /** Milliseconds without a message from Python after which the state of a driven robot counts as unknown. */
