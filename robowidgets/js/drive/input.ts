@@ -1,4 +1,4 @@
-import { isPlain, on } from "../shared/events.ts";
+import { isPlain, on, onAbort } from "../shared/events.ts";
 import { isDriving, type Knob, ofKeys, toKnob } from "./knob.ts";
 
 /** What a person does to a pad. */
@@ -59,7 +59,7 @@ export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSigna
   on(pad, "blur", release, signal);
   for (const gone of ["blur", "pagehide"]) window.addEventListener(gone, release, { signal });
   document.addEventListener("visibilitychange", () => document.hidden && release(), { signal });
-  signal.addEventListener("abort", release);
+  onAbort(signal, release);
 }
 
 /** Pixels. */

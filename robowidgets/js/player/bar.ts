@@ -1,11 +1,10 @@
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
-import { toFixed } from "../shared/format.ts";
+import { toClock, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { type Model, setTraits } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
-import { toClock } from "./clock.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import type { Playback } from "./playback.ts";
 import type { PlayerTraits } from "./traits.ts";
@@ -78,16 +77,16 @@ export class PlayerBar {
     slider.step = "any";
     slider.title = "Time in the recording (arrows: 1 s, with shift 10 s)";
     slider.ariaLabel = "Time in the recording";
-    slider.addEventListener("input", () => this.#playback.seek(Number(slider.value)), { signal });
-    slider.addEventListener("pointermove", (event) => this.#onPointer(event), { signal });
-    slider.addEventListener("pointerleave", () => this.#playback.point(null), { signal });
+    on(slider, "input", () => this.#playback.seek(Number(slider.value)), signal);
+    on(slider, "pointermove", (event) => this.#onPointer(event), signal);
+    on(slider, "pointerleave", () => this.#playback.point(null), signal);
   }
 
   #makeSpeed(signal: AbortSignal): void {
     this.#speed.title = "How fast it plays (+ and \u2212)";
     this.#speed.ariaLabel = "How fast it plays";
     const onSpeed = () => setTraits(this.#model, { speed: Number(this.#speed.value) });
-    this.#speed.addEventListener("change", onSpeed, { signal });
+    on(this.#speed, "change", onSpeed, signal);
   }
 
   /** A finger does not hover, and dragging already seeks. */

@@ -1,3 +1,5 @@
+import { firstWhere } from "../shared/search.ts";
+
 /** A frame that one widget shows from a time on. */
 export interface TimedFrame {
   /** Seconds from the start of the recording. */
@@ -28,17 +30,6 @@ export function decodeFrames(bytes: DataView): TimedFrame[] {
   });
 }
 
-/** The index of the last frame at a time or before it. */
-function indexAt(frames: TimedFrame[], time: number): number {
-  let [low, high] = [0, frames.length];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((frames[middle] as TimedFrame).time <= time) low = middle + 1;
-    else high = middle;
-  }
-  return low - 1;
-}
-
 /** The segments of a recording that the page has, each as long as the others. */
 export class Segments {
   readonly #seconds: number;
@@ -65,10 +56,10 @@ export class Segments {
   at(time: number): { track: Track; frame: TimedFrame }[] | null {
     const tracks = this.#tracks.get(this.indexOf(time));
     if (!tracks) return null;
-    return tracks.map((track) => ({
-      track,
-      frame: track.frames[Math.max(0, indexAt(track.frames, time))] as TimedFrame,
-    }));
+    return tracks.map((track) => {
+      const next = firstWhere(track.frames, (frame) => frame.time > time);
+      return { track, frame: track.frames[Math.max(0, next - 1)] as TimedFrame };
+    });
   }
 
   /**

@@ -1,5 +1,5 @@
+import { firstWhere } from "../shared/search.ts";
 import { type Block, type Detail, NO_SCAN, type Speeds, toRange, type Whole } from "./data.ts";
-import { firstWhere } from "./search.ts";
 import type { Span } from "./traits.ts";
 
 /** Bytes of details that a page keeps, the whole not counted. */

@@ -1,10 +1,10 @@
 import { write } from "../shared/canvas.ts";
+import { firstWhere } from "../shared/search.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type TimeAxis, toX } from "./axis.ts";
 import type { NamedSpan, Speeds, Whole } from "./data.ts";
 import { drawTriangle, textFont } from "./draw_axes.ts";
 import type { Band } from "./layout.ts";
-import { firstWhere } from "./search.ts";
 
 const ROUNDING = 1e-6;
 const LETTERS: Record<string, string> = {

@@ -1,6 +1,6 @@
+import { firstWhere } from "../shared/search.ts";
 import { type Block, NO_SCAN } from "./data.ts";
 import type { Rows } from "./rows.ts";
-import { firstWhere } from "./search.ts";
 import type { Span } from "./traits.ts";
 
 /** Codes of a picture, line after line from the top: what each pixel shows. */

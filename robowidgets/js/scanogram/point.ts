@@ -1,10 +1,10 @@
 import type { Point } from "../laser/projection.ts";
 import type { RayWords } from "../laser/text.ts";
+import { firstWhere } from "../shared/search.ts";
 import { toTime } from "./axis.ts";
 import type { NamedSpan, Whole } from "./data.ts";
 import type { Band } from "./layout.ts";
 import type { Pointed, Scene } from "./scene.ts";
-import { firstWhere } from "./search.ts";
 import type { State } from "./state.ts";
 import { describeMark, describePlace, describeSpeed, describeTouches } from "./text.ts";
 

@@ -1,6 +1,6 @@
 import { isFullCircle } from "../laser/scan.ts";
+import { firstWhere } from "../shared/search.ts";
 import type { Sweep } from "./data.ts";
-import { firstWhere } from "./search.ts";
 
 const TURN = 2 * Math.PI;
 const ROUNDING = 1e-6;

@@ -40,3 +40,9 @@ export function toAge(ms: number, decimals = 1): string {
   if (seconds < 60) return `${toFixed(seconds, decimals)} s`;
   return seconds < 3600 ? `${Math.floor(seconds / 60)} min` : `${Math.floor(seconds / 3600)} h`;
 }
+
+/** Date and time of day in UTC, of seconds since the epoch: "2024-05-03" and "14:32:05". */
+export function toClock(seconds: number): [date: string, timeOfDay: string] {
+  const text = new Date(Math.round(seconds * 1000)).toISOString();
+  return [text.slice(0, 10), text.slice(11, 19)];
+}
