@@ -121,7 +121,7 @@ class Model {
     URL.revokeObjectURL(url);
     const style = document.getElementById(this.get("_anywidget_id")) ?? document.createElement("style");
     style.id = this.get("_anywidget_id");
-    style.textContent = this.get("_css");
+    style.textContent = this.get("_css") ?? "";
     document.head.append(style);
     const widget = typeof given === "function" ? await given() : given;
     this.ended = new AbortController();
@@ -185,7 +185,11 @@ async function view(model, ended) {
   }
   if (!model.get("_esm")) return element;
   const widget = await model.widget;
-  await widget.render({ model, el: element, signal: ended.signal });
+  try {
+    await widget.render({ model, el: element, signal: ended.signal });
+  } catch (error) {
+    console.error("anywidget:", error);
+  }
   for (const card of element.children) card.dataset.sheet = model.get("_anywidget_id");
   return element;
 }
