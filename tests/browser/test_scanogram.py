@@ -1,4 +1,4 @@
-"""The scanogram in JupyterLab: what a person points at, sets and zooms, and what Python knows of it."""
+"""The scanogram: what a person points at, sets and zooms, and what Python knows of it."""
 
 from __future__ import annotations
 
