@@ -10,7 +10,7 @@ export default () => {
   return {
     initialize({ model, signal }: Initialized<LaserTraits>) {
       stream = new Stream(model, decodeScan, signal);
-      // A page was left, or a notebook saved, with the pointer on the picture: nobody points at it now.
+      // The page was left, or the notebook saved, with the pointer on the picture: discard that.
       if (model.get("hovered") !== null) setTraits(model, { hovered: null });
     },
     render({ model, el, signal }: Rendered<LaserTraits>) {

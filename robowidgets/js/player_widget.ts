@@ -3,7 +3,7 @@ import { type Moved, Playback } from "./player/playback.ts";
 import type { PlayerTraits } from "./player/traits.ts";
 import type { Initialized, Rendered } from "./shared/model.ts";
 
-/** Called once per model, so that its views share one playback, and widgets move without any view of the bar. */
+/** Called once per model, so that its views share one playback, which also runs without a view of the bar. */
 export default () => {
   let playback: Playback;
   return {

@@ -3,7 +3,7 @@ import type { Pointing, ScanogramTraits } from "./scanogram/traits.ts";
 import { ScanogramView } from "./scanogram/view.ts";
 import type { Initialized, Rendered } from "./shared/model.ts";
 
-/** Called once per model, so that its views share what is known. */
+/** Called once per model, so that its views share the decoded scans. */
 export default () => {
   let state: State;
   return {

@@ -172,9 +172,10 @@ def plain_page(
         touch: bool = False,
     ) -> PlainPage:
         page = contexts(scale, touch).new_page()
-        pages.append((page, Console(page)))
+        console = Console(page)
+        pages.append((page, console))
         page.set_viewport_size({"width": width, "height": height})
-        opened.append(PlainPage(page, page_server, cells))
+        opened.append(PlainPage(page, console, page_server, cells))
         opened[-1].open()
         opened[-1].theme(theme)
         if run:

@@ -55,6 +55,10 @@ class Model {
     this.#state = state;
   }
 
+  get names() {
+    return Object.keys(this.#state);
+  }
+
   get(name) {
     return this.#state[name];
   }
@@ -117,7 +121,7 @@ class Model {
     URL.revokeObjectURL(url);
     const style = document.getElementById(this.get("_anywidget_id")) ?? document.createElement("style");
     style.id = this.get("_anywidget_id");
-    style.textContent = this.get("_css");
+    style.textContent = this.get("_css") ?? "";
     document.head.append(style);
     const widget = typeof given === "function" ? await given() : given;
     this.ended = new AbortController();
@@ -155,10 +159,39 @@ function outputOf(cell) {
   return output;
 }
 
-function applyLayout(element, layout) {
-  for (const [name, value] of Object.entries(layout)) {
-    if (!name.startsWith("_")) element.style[name.replace(/_(.)/g, (_, letter) => letter.toUpperCase())] = value ?? "";
+function watchLayout(element, layout) {
+  for (const name of layout.names.filter((name) => !name.startsWith("_"))) {
+    const apply = () => {
+      element.style[name.replace(/_(.)/g, (_, letter) => letter.toUpperCase())] = layout.get(name) ?? "";
+    };
+    layout.on(`change:${name}`, apply);
+    apply();
   }
+}
+
+const modelOf = (reference) => models.get(reference.replace("IPY_MODEL_", ""));
+
+/** A view of a widget, with all that it holds where it is a box; a text is shown as it is now. */
+async function view(model, ended) {
+  const element = document.createElement("div");
+  element.className = "widget";
+  element.classList.add(...(model.get("_dom_classes") ?? []));
+  watchLayout(element, modelOf(model.get("layout")));
+  const kind = model.get("_model_name");
+  if (kind === "HTMLModel") element.innerHTML = model.get("value");
+  if (kind.endsWith("BoxModel")) {
+    element.classList.add("box", kind);
+    for (const child of model.get("children")) element.append(await view(modelOf(child), ended));
+  }
+  if (!model.get("_esm")) return element;
+  const widget = await model.widget;
+  try {
+    await widget.render({ model, el: element, signal: ended.signal });
+  } catch (error) {
+    console.error("anywidget:", error);
+  }
+  for (const card of element.children) card.dataset.sheet = model.get("_anywidget_id");
+  return element;
 }
 
 const views = new Map();
@@ -180,19 +213,8 @@ window.host = {
   },
 
   async show(cell, id) {
-    const model = models.get(id);
-    const element = document.createElement("div");
-    element.className = "widget";
-    const layout = models.get(model.get("layout").replace("IPY_MODEL_", ""));
-    const names = ["width", "height", "min_width", "max_width", "min_height", "max_height"];
-    const lay = () => applyLayout(element, Object.fromEntries(names.map((name) => [name, layout.get(name)])));
-    for (const name of names) layout.on(`change:${name}`, lay);
-    lay();
-    outputOf(cell).append(element);
-    const widget = await model.widget;
     const ended = new AbortController();
     views.get(cell).push(ended);
-    await widget.render({ model, el: element, signal: ended.signal });
-    for (const card of element.children) card.dataset.sheet = model.get("_anywidget_id");
+    outputOf(cell).append(await view(models.get(id), ended));
   },
 };

@@ -30,6 +30,7 @@ from tornado.websocket import WebSocketHandler
 
 from robowidgets.feeds import Feed
 
+from .console import Console
 from .notebook import CellError
 
 FOLDER = Path(__file__).parent
@@ -95,8 +96,9 @@ class _Comm(BaseComm):
 class PlainPage:
     """Cells whose widgets stand in a page without Jupyter; used as a `Notebook` is."""
 
-    def __init__(self, page: Page, server: PageServer, cells: Sequence[str]) -> None:
+    def __init__(self, page: Page, console: Console, server: PageServer, cells: Sequence[str]) -> None:
         self.page = page
+        self.console = console
         self._cells = list(cells)
         self._texts: dict[int, str] = {}
         self._server = server
@@ -118,8 +120,9 @@ class PlainPage:
 
     def close(self) -> None:
         """Close all its widgets and feeds."""
-        for feed in [value for value in self._namespace.values() if isinstance(value, Feed)]:
-            feed.close()
+        for value in self._namespace.values():
+            if isinstance(value, (Feed, Widget)):
+                value.close()
         Widget.close_all()
         comm.create_comm = self._create_comm
         del self._server.pages[self._name]

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -13,6 +14,7 @@ from playwright.sync_api import Page, expect
 
 from .chromium import shoot
 from .notebook import CellError, Notebook
+from .plain_page import PlainPage
 
 COUNTER = '''
 import anywidget, traitlets
@@ -36,8 +38,14 @@ counter = Counter()
 '''
 
 
-def test_a_click_reaches_the_kernel_and_the_second_view(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([COUNTER, "display(counter)\ndisplay(counter)"])
+@pytest.fixture(params=["notebook", "plain_page"])
+def either(request: pytest.FixtureRequest) -> Any:
+    """Opens a notebook in JupyterLab, or its cells on a plain page: both do the same."""
+    return request.getfixturevalue(request.param)
+
+
+def test_a_click_reaches_the_kernel_and_the_second_view(either: Callable[..., Notebook | PlainPage]) -> None:
+    nb = either([COUNTER, "display(counter)\ndisplay(counter)"])
     nb.widget(1).get_by_role("button").click()
     expect(nb.widget(1, 1)).to_have_text("n=4")
     assert nb.python("counter.n") == "4"
@@ -72,25 +80,25 @@ def test_a_busy_cell_is_seen_while_it_runs(notebook: Callable[..., Notebook]) ->
 
 @pytest.mark.parametrize("scale", [1, 2])
 def test_a_screenshot_has_the_width_and_the_scale_it_was_asked_for(
-    notebook: Callable[..., Notebook], scale: int
+    either: Callable[..., Notebook | PlainPage], scale: int
 ) -> None:
-    nb = notebook([COUNTER, "counter"], scale=scale)
+    nb = either([COUNTER, "counter"], scale=scale)
     for width in (320, 1200):
         nb.resize(width)
         with Image.open(shoot(nb.widget(1), f"harness-{width}")) as picture:
             assert picture.width == width * scale
 
 
-def test_the_theme_switches_while_the_page_is_open(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([COUNTER, "counter"], theme="dark")
+def test_the_theme_switches_while_the_page_is_open(either: Callable[..., Notebook | PlainPage]) -> None:
+    nb = either([COUNTER, "counter"], theme="dark")
     colour = "() => getComputedStyle(document.body).getPropertyValue('--jp-layout-color0').trim()"
     dark = nb.page.evaluate(colour)
     nb.theme("light")
     assert (dark, nb.page.evaluate(colour)) == ("#111", "white")
 
 
-def test_an_error_in_a_widget_is_noticed(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([COUNTER])
+def test_an_error_in_a_widget_is_noticed(either: Callable[..., Notebook | PlainPage]) -> None:
+    nb = either([COUNTER])
     with nb.page.expect_event("console", lambda message: "thirteen" in message.text):
         nb.run(nb.append("Counter(n=13)"))
     assert nb.console.errors

@@ -1,4 +1,4 @@
-"""What a person learns by pointing at a laser scan, with mouse, keys and finger, in JupyterLab."""
+"""What a person learns by pointing at a laser scan, with mouse, keys and finger."""
 
 from __future__ import annotations
 
@@ -109,8 +109,8 @@ def test_the_pop_up_keeps_in_the_box_and_off_the_ray_it_names(plain_page: Callab
         expect(popup).to_have_count(0)
 
 
-def test_clicks_and_keys_pin_and_walk_and_the_notebook_keeps_still(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST, "1 + 1"])
+def test_clicks_and_keys_pin_and_walk(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")
     picture, popup, keys = card.locator(".rw-picture"), popups(card), nb.page.keyboard
@@ -119,7 +119,6 @@ def test_clicks_and_keys_pin_and_walk_and_the_notebook_keeps_still(notebook: Cal
     nb.page.mouse.move(5, 5)
     says(popup, *of(4))
     eventually(lambda: nb.python("laser.pinned"), "4")
-    cells = nb.page.evaluate(CELLS)
     for key, index in (
         ("ArrowRight", 5),
         ("ArrowUp", 6),
@@ -133,6 +132,30 @@ def test_clicks_and_keys_pin_and_walk_and_the_notebook_keeps_still(notebook: Cal
     ):
         keys.press(key)
         says(popup, *of(index))
+    keys.press("Escape")
+    expect(popup).to_have_count(0)
+    eventually(lambda: nb.python("laser.pinned is None"), "True")
+
+    nb.python("laser.pinned = 18")
+    says(popup, *of(18))
+    picture.hover(position=at(place.at(*FAN[2])))
+    expect(popup).to_have_count(2)
+    says(popup.last, *of(2))
+    picture.click(position=at(place.at(*FAN[18])))
+    expect(popup).to_have_count(1)
+    nb.page.mouse.move(5, 5)
+    expect(popup).to_have_count(0)
+
+
+def test_the_notebook_keeps_still_while_keys_walk(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([FIRST, "1 + 1"])
+    card = nb.widget(0).locator(".rw-card")
+    picture, popup, keys = card.locator(".rw-picture"), popups(card), nb.page.keyboard
+    picture.click()
+    nb.page.mouse.move(5, 5)
+    keys.press("Home")
+    says(popup, *of(0))
+    cells = nb.page.evaluate(CELLS)
     for button in (None, card.locator(".rw-fit"), card.locator(".rw-class-too_close")):
         if button:
             button.focus()
@@ -145,17 +168,6 @@ def test_clicks_and_keys_pin_and_walk_and_the_notebook_keeps_still(notebook: Cal
     expect(popup).to_have_count(0)
     assert nb.page.evaluate(CELLS) == cells, "no key reached the notebook"
     expect(nb.page.locator(".jp-Dialog")).to_have_count(0)
-    eventually(lambda: nb.python("laser.pinned is None"), "True")
-
-    nb.python("laser.pinned = 18")
-    says(popup, *of(18))
-    picture.hover(position=at(place.at(*FAN[2])))
-    expect(popup).to_have_count(2)
-    says(popup.last, *of(2))
-    picture.click(position=at(place.at(*FAN[18])))
-    expect(popup).to_have_count(1)
-    nb.page.mouse.move(5, 5)
-    expect(popup).to_have_count(0)
 
     picture.focus()
     keys.press("Shift+Enter")

@@ -1,4 +1,4 @@
-"""How far a laser's picture reaches, as a person sets it by wheel, buttons, keys and from Python, in JupyterLab."""
+"""How far a laser's picture reaches, as a person sets it by wheel, buttons, keys and from Python."""
 
 from __future__ import annotations
 

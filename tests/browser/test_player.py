@@ -5,14 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from playwright.sync_api import Locator, expect
+
+from robowidgets.player import _whole_drive
 
 from ..unit.recordings import robot, sweeps
 from ..unit.waiting import wait_for
 from .chromium import shoot
 from .notebook import CellError, Notebook
+from .plain_page import PlainPage
 
 TABLE = "import robowidgets\nrecording = robowidgets.open({path!r})\nrecording"
 SHOW = "player = recording.show()\nplayer"
@@ -20,28 +24,28 @@ SMALL = "from robowidgets.player import _prefetcher\n_prefetcher.KEPT_BYTES = 10
 BUSY = "import time\nend = time.time() + 30\nwhile time.time() < end:\n    pass"
 SLEEP = "import time\nfor _ in range(300):\n    time.sleep(0.1)"
 
-Open = Callable[..., Notebook]
+Open = Callable[..., Any]
 
 
-def opened(notebook: Open, path: Path, show: str = SHOW, **more: object) -> Notebook:
+def opened(notebook: Open, path: Path, show: str = SHOW, **more: object) -> Any:
     return notebook([TABLE.format(path=str(path)), show], **more)
 
 
-def bar(nb: Notebook) -> Locator:
+def bar(nb: Notebook | PlainPage) -> Locator:
     return nb.output(1).locator(".rw-player")
 
 
-def now(nb: Notebook) -> float:
+def now(nb: Notebook | PlainPage) -> float:
     return float(bar(nb).locator(".rw-play-now").text_content() or "nan")
 
 
-def to_time(nb: Notebook, seconds: float) -> None:
+def to_time(nb: Notebook | PlainPage, seconds: float) -> None:
     """Drag the slider, as far as a page can tell."""
     slider = bar(nb).locator("input[type=range]")
     slider.evaluate("(slider, time) => { slider.value = time; slider.dispatchEvent(new Event('input')); }", seconds)
 
 
-def passes(nb: Notebook, seconds: float) -> None:
+def passes(nb: Notebook | PlainPage, seconds: float) -> None:
     nb.page.wait_for_function(
         "time => parseFloat(document.querySelector('.rw-play-now').textContent) > time", arg=seconds
     )
@@ -61,8 +65,8 @@ def test_a_person_moves_the_slider_and_every_widget_follows(notebook: Open, data
     wait_for(lambda: nb.python(told).strip() == "22.5 TOUCHED", "Python knew")
 
 
-def test_python_moves_it_and_what_the_page_has_not_yet_comes(notebook: Open, data: Path) -> None:
-    nb = opened(notebook, data / "good" / "neato_fsm")
+def test_python_moves_it_and_what_the_page_has_not_yet_comes(plain_page: Open, data: Path) -> None:
+    nb = opened(plain_page, data / "good" / "neato_fsm")
     nb.python("player.time = next(m.seconds for m in recording.samples('/bump') if any(m.sample.touched.values()))")
     expect(bar(nb).locator(".rw-play-now")).to_have_text("21.96")
     expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
@@ -121,8 +125,8 @@ def test_its_keys_work_on_every_widget_that_has_no_use_for_them(notebook: Open, 
     expect(nb.page.locator(".jp-Cell")).to_have_count(2)
 
 
-def test_a_widget_keeps_the_keys_that_it_uses_itself(notebook: Open, tmp_path: Path) -> None:
-    nb = opened(notebook, robot.write(tmp_path / "drive"))
+def test_a_widget_keeps_the_keys_that_it_uses_itself(plain_page: Open, tmp_path: Path) -> None:
+    nb = opened(plain_page, robot.write(tmp_path / "drive"))
     press, time, play = nb.page.keyboard.press, bar(nb).locator(".rw-play-now"), bar(nb).locator(".rw-play")
     nb.python("player.time = 3\nlaser = player.views[0].widget\nlaser.history = 60")
     expect(time).to_have_text("3.00")
@@ -156,11 +160,11 @@ def test_a_widget_keeps_the_keys_that_it_uses_itself(notebook: Open, tmp_path: P
 
 
 def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
-    notebook: Open, data: Path, tmp_path: Path
+    plain_page: Open, data: Path, tmp_path: Path
 ) -> None:
     path = robot.write(tmp_path / "night", silence=7200)
     for theme in ("light", "dark"):
-        nb = opened(notebook, path, theme=theme)
+        nb = opened(plain_page, path, theme=theme)
         clock, moment = (bar(nb).locator(one) for one in (".rw-play-clock", ".rw-play-time"))
         nb.python("player.seek(recording.seconds_at('2023-11-15T00:13:24.900'))")
         expect(bar(nb).locator(".rw-play-now")).to_have_text("7204.90")
@@ -177,14 +181,16 @@ def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
             expect(bar(nb).locator(".rw-play-now")).to_have_text(f"{seconds:.2f}")
             places.append(bar(nb).locator(".rw-play-line").bounding_box())
         assert all(place == places[0] for place in places), places
-    nb = opened(notebook, data / "good" / "turtlebot3_gazebo.bag")
+    nb = opened(plain_page, data / "good" / "turtlebot3_gazebo.bag")
     expect(bar(nb).locator(".rw-play-duration")).to_have_text(" / 91.34 s")
     expect(bar(nb).locator(".rw-play-clock")).to_be_hidden()
 
 
-def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(notebook: Open, tmp_path: Path) -> None:
-    fewer = "from robowidgets.player import _whole_drive\n_whole_drive.MOST_READINGS = 10\n"
-    nb = opened(notebook, robot.write(tmp_path / "drive"), fewer + SHOW)
+def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(
+    plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_whole_drive, "MOST_READINGS", 10)
+    nb = opened(plain_page, robot.write(tmp_path / "drive"))
     note = bar(nb).locator(".rw-play-note")
     words = "no scanogram: 100 scans of 1 ray take a while; recording.show(scanogram=True) has it made"
     expect(note).to_have_text(words)
@@ -195,9 +201,9 @@ def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(notebook: Open, t
         assert note.evaluate("note => note.scrollWidth <= note.clientWidth")
 
 
-def test_a_command_alone_is_not_shown_as_measured(notebook: Open, tmp_path: Path) -> None:
+def test_a_command_alone_is_not_shown_as_measured(plain_page: Open, tmp_path: Path) -> None:
     show = "player = recording.show('/scan', '/cmd_vel')\nplayer.time = 7\nplayer"
-    nb = opened(notebook, robot.write(tmp_path / "drive"), show)
+    nb = opened(plain_page, robot.write(tmp_path / "drive"), show)
     speed = nb.output(1).locator(".rw-speed")
     expect(speed.locator(".rw-facts")).to_have_text("commanded")
     expect(speed.locator("[data-axis='0'] .rw-value")).to_have_text("0.70")
@@ -210,9 +216,9 @@ def test_a_command_alone_is_not_shown_as_measured(notebook: Open, tmp_path: Path
     shoot(speed, "player-command-alone-over")
 
 
-def test_before_the_first_scan_one_sentence_says_so(notebook: Open, data: Path) -> None:
+def test_before_the_first_scan_one_sentence_says_so(plain_page: Open, data: Path) -> None:
     show = "player = recording.show('/test/sensor_msgs/laser_scan', '/test/std_msgs/bool')\nplayer.time = 0\nplayer"
-    nb = opened(notebook, data / "odd" / "every_ros2_type_mcap", show)
+    nb = opened(plain_page, data / "odd" / "every_ros2_type_mcap", show)
     laser = nb.output(1).locator(".rw-laser")
     expect(laser.locator(".rw-notice")).to_have_text("no scan up to this time of the recording")
     expect(laser.locator(".rw-range")).to_have_text("10 m")
@@ -221,9 +227,9 @@ def test_before_the_first_scan_one_sentence_says_so(notebook: Open, data: Path) 
 
 
 def test_a_step_crosses_hours_of_silence_in_which_what_is_shown_is_told_to_be_old(
-    notebook: Open, tmp_path: Path
+    plain_page: Open, tmp_path: Path
 ) -> None:
-    nb = opened(notebook, robot.write(tmp_path / "night", silence=7200))
+    nb = opened(plain_page, robot.write(tmp_path / "night", silence=7200))
     said = nb.output(1).locator(".rw-laser .rw-silence")
     bar(nb).locator("input").focus()
     nb.python("player.time = 4.9")

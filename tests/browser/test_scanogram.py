@@ -1,4 +1,4 @@
-"""The scanogram in JupyterLab: what a person points at, sets and zooms, and what Python knows of it."""
+"""The scanogram: what a person points at, sets and zooms, and what Python knows of it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from playwright.sync_api import Locator, Page, expect
 from .chromium import shoot
 from .laser import eventually
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 SETUP = """
 import numpy as np, threading
@@ -199,13 +200,13 @@ RECORDINGS = ("neato_fsm", "tilt_laser.bag")
 
 @pytest.mark.parametrize(("theme", "scale", "widths"), [("light", 1, (320, 1200)), ("dark", 2, (700,))])
 def test_real_recordings_fit_wide_and_narrow_pages(
-    notebook: Callable[..., Notebook], data: Path, theme: str, scale: int, widths: tuple[int, ...]
+    plain_page: Callable[..., PlainPage], data: Path, theme: str, scale: int, widths: tuple[int, ...]
 ) -> None:
     cells = ["import robowidgets"]
     for file in RECORDINGS:
         path = str(data / "good" / file)
         cells.append(f"r = robowidgets.open({path!r})\ns = r.scanogram()\ns.time = r.duration / 3\ns")
-    nb = notebook(cells, theme=theme, scale=scale)
+    nb = plain_page(cells, theme=theme, scale=scale)
     for width in widths:
         nb.resize(width)
         for i, file in enumerate(RECORDINGS, start=1):

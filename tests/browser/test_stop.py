@@ -1,4 +1,4 @@
-"""Stop, on its bar and on a pad, in JupyterLab: beside an idle kernel, beside busy ones, and where there is no way."""
+"""Stop, on its bar and on a pad: beside an idle kernel, beside busy ones, and where there is no way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person sees and does with a touch widget, in JupyterLab."""
+"""What a person sees and does with a touch widget."""
 
 from __future__ import annotations
 

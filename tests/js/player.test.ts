@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { toClock } from "../../robowidgets/js/player/clock.ts";
 import { actionOf, isBarsAlone, usesItself } from "../../robowidgets/js/player/keys.ts";
 import { type Moved, Playback } from "../../robowidgets/js/player/playback.ts";
 import { decodeFrames, Segments } from "../../robowidgets/js/player/segments.ts";
+import { toClock } from "../../robowidgets/js/shared/format.ts";
 import { FakeModel } from "./models.ts";
 
 /** Stills as Python packs them, amid the bytes of a larger message. */

@@ -1,4 +1,4 @@
-import { isPlain, on } from "../shared/events.ts";
+import { isPlain, on, onAbort } from "../shared/events.ts";
 import { isDriving, type Knob, ofKeys, toKnob } from "./knob.ts";
 
 /** What a person does to a pad. */
@@ -7,7 +7,7 @@ export interface PadInput {
   onRelease(): void;
 }
 
-/** Follows pointer and keys on a pad. Whatever takes the pad out of sight, focus or reach lets go of it. */
+/** Follows pointer and keys on a pad. Losing the focus, the window or the page releases it. */
 export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSignal): void {
   const held = new Set<string>();
   let pointer: number | null = null;
@@ -59,7 +59,7 @@ export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSigna
   on(pad, "blur", release, signal);
   for (const gone of ["blur", "pagehide"]) window.addEventListener(gone, release, { signal });
   document.addEventListener("visibilitychange", () => document.hidden && release(), { signal });
-  signal.addEventListener("abort", release);
+  onAbort(signal, release);
 }
 
 /** Pixels. */

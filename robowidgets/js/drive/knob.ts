@@ -6,7 +6,7 @@ export interface Knob {
 
 export const CENTER: Knob = { forward: 0, turn: 0 };
 
-/** Share of the way to the edge that counts as the middle, so that a hand can drive straight. */
+/** Dead zone around the centre, as a share of the way to the edge, so that a person can drive straight. */
 const SLACK = 0.06;
 
 const clamp = (value: number) => Math.max(-1, Math.min(1, value));

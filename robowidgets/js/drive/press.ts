@@ -24,8 +24,8 @@ const SOONEST_MS = 40;
 export const PATIENCE_MS = 500;
 
 /**
- * How the pad stands: "free"; "asking" or "driving" while held; "silent" without an answer, "late" when it came after
- * all; or, in Python's word, why a press is over that is still held.
+ * State of the pad: "free"; "asking" or "driving" while held; "silent" when Python does not answer, "late" when it
+ * answered after all; or the reason that Python gave for ending a press that is still held.
  */
 export type State =
   | "free"
@@ -42,8 +42,8 @@ export type State =
   | "released";
 
 /**
- * One press of a pad after the other. While it is held, the kernel hears ten times a second where the knob is, but only
- * as long as it answers: without an answer for half a second the press is over, and must be let go and made anew.
+ * Sends the presses of a pad. While the pad is held, Python gets the position of the knob ten times a second, as long
+ * as it answers. After half a second without an answer the press has ended: a person must release and press again.
  */
 export class PressLease {
   state: State = "free";
@@ -58,7 +58,7 @@ export class PressLease {
   #beat: ReturnType<typeof setInterval> | undefined;
 
   /**
-   * @param name what no other pad of any page is called
+   * @param name unique among the pads of all pages
    * @param tell called when the state has changed
    */
   constructor(name: string, send: (message: PadMessage) => void, tell: () => void) {
@@ -90,13 +90,13 @@ export class PressLease {
     this.#post({ act: "press", press: this.press });
   }
 
-  /** Lets go: the robot is to stop. */
+  /** Releases the pad; the robot stops. */
   release(): void {
     if (!this.held) return;
     clearInterval(this.#beat);
     this.#beat = undefined;
     this.#knob = CENTER;
-    // What does not answer is not known to listen.
+    // Without an answer it is unknown whether Python got the release.
     if (this.state !== "silent") this.#turn("free");
     this.#post({ act: "release", press: this.press });
   }
@@ -140,7 +140,7 @@ export class PressLease {
     try {
       this.#send(message);
     } catch {
-      // The kernel that the pad belongs to is gone.
+      // The kernel of this pad is gone.
       this.#turn("silent");
     }
   }

@@ -84,7 +84,7 @@ export class DriveView {
     field.append(this.#pad, side);
     this.#header.append(this.#title);
     this.#notice.role = "alert";
-    // The notice stands below: what comes and goes moves neither Stop nor the pad under a finger.
+    // The notice is below the pad, so that it moves neither Stop nor the pad under a finger.
     this.#root.append(this.#header, this.#buttons.stop, field, this.#notice);
   }
 

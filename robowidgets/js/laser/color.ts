@@ -7,7 +7,7 @@ import { VIRIDIS } from "./viridis.ts";
 
 export type Domain = [number, number];
 
-/** The intensities of the readings, least and most; it widens at once and narrows only when far too wide. */
+/** Least and greatest intensity of the readings. It widens at once, and narrows only when it is far too wide. */
 export function intensityDomain(scan: Scan, previous: Domain | null): Domain | null {
   let [low, high] = [Infinity, -Infinity];
   for (const [i, value] of scan.intensities.entries()) {
@@ -21,7 +21,7 @@ export function intensityDomain(scan: Scan, previous: Domain | null): Domain | n
   return widened[1] - widened[0] > 2 * (high - low) ? [low, high] : widened;
 }
 
-/** Colour of an intensity. The end of viridis that the background swallows is left out. */
+/** Colour of an intensity, without the end of viridis that is too close to the background. */
 export function colorScale([low, high]: Domain, dark: boolean): (intensity: number) => string {
   const colors = dark ? VIRIDIS.slice(16) : VIRIDIS.slice(0, 54);
   const width = high - low || 1;

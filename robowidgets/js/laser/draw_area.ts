@@ -4,7 +4,7 @@ import type { RayLabel } from "./guides.ts";
 import { type Projection, rimBox, toPixel } from "./projection.ts";
 import { angleOf, isFullCircle, type Limits, type Sweep } from "./scan.ts";
 
-/** Traces a stretch of circle from the first to the last ray, or back. */
+/** Traces an arc from the first to the last ray, or back. */
 function traceArc(
   context: CanvasRenderingContext2D,
   { centerX, centerY, radius, viewRange, forward }: Projection,
@@ -14,13 +14,13 @@ function traceArc(
 ) {
   const sign = Math.sign(sweep.angleIncrement);
   const turned = isFullCircle(sweep) ? 2 * Math.PI * sign : angleOf(sweep, sweep.count - 1) - angleOf(sweep, 0);
-  // A canvas turns the other way: its y points down.
+  // Canvas angles are clockwise, because y points down.
   const first = -(angleOf(sweep, 0) + forward);
   const [from, to] = back ? [first - turned, first] : [first, first - turned];
   context.arc(centerX, centerY, (range / viewRange) * radius, from, to, sign > 0 !== back);
 }
 
-/** The detection area: what the scanner can see, from range_min to range_max over the swept angle, to scale. */
+/** The detection area to scale: from range_min to range_max over the swept angle. */
 export function drawArea(
   context: CanvasRenderingContext2D,
   projection: Projection,
@@ -36,7 +36,7 @@ export function drawArea(
   }
   context.beginPath();
   traceArc(context, projection, sweep, far);
-  // Where a circle closes there is no edge; elsewhere the canvas joins the two arcs with one.
+  // The canvas joins the two arcs with an edge, which a full circle must not have.
   if (isFullCircle(sweep)) {
     const { x, y } = toPixel(projection, minRange, angleOf(sweep, 0));
     context.moveTo(x, y);

@@ -16,7 +16,7 @@ import {
 } from "./scan.ts";
 
 const DOT = 3;
-/** Where rays are few, no neighbour helps to see a reading. */
+/** At most this many rays get large dots: a single reading is hard to see. */
 const FEW = 16;
 const LARGE_DOT = 6;
 const LANE = 5;
@@ -33,8 +33,8 @@ export interface ReadingStyle {
 }
 
 /**
- * Draws every ray of a scan: a square dot for a reading, and for the other classes gray marks that cannot be taken for
- * one, thinned so that they stay apart. Readings beyond the view are arrow heads at its edge.
+ * Draws every ray of a scan: a square dot for a reading, gray marks for the other classes, thinned so that they do not
+ * touch. Readings beyond the view are arrow heads at its edge.
  *
  * @returns how many readings lie beyond the view
  */
@@ -83,7 +83,7 @@ export function drawReadings(
   return beyond;
 }
 
-/** Pixels from the scanner at which the mark of a ray without a reading in view stands. */
+/** Distance in pixels from the scanner to the mark of a ray that has no reading in view. */
 function laneOf(kind: Validity, pixels: number, rim: number, edge: number): number {
   if (kind === TOO_CLOSE) return INNER_LANE;
   if (kind === OUTSIDE_LIMITS && pixels <= edge) return Math.max(INNER_LANE, pixels);
@@ -126,7 +126,7 @@ function drawMark(
   context.stroke();
 }
 
-/** How many readings lie beyond the view, in the first corner of the picture that is free of labels; if one is. */
+/** Writes the number of readings beyond the view into the first corner that is free of labels, if there is one. */
 export function drawBeyond(
   context: CanvasRenderingContext2D,
   words: string,

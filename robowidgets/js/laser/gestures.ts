@@ -9,7 +9,7 @@ export interface Gestures {
   /** Walks to another ray: "next", "previous", "first", "last" or "none". */
   onWalk(to: string): void;
   onZoom(direction: -1 | 1): void;
-  /** Whether there is anything left to zoom; else the wheel is the page's. */
+  /** Whether it can zoom further; if not, the wheel scrolls the page. */
   canZoom(direction: -1 | 1): boolean;
 }
 
@@ -44,7 +44,7 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
     else return;
     event.preventDefault();
   };
-  // Who froze the picture by its button walks on without a click into the picture.
+  // On the card: after a click on the freeze button, arrow keys work without a click into the picture.
   on(element.parentElement ?? element, "keydown", onKey, signal);
   let turned = 0;
   const onWheel = (event: WheelEvent): boolean => {

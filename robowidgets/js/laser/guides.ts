@@ -2,7 +2,7 @@ import { toDegrees } from "../shared/format.ts";
 import { type Box, type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
 import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "./scan.ts";
 
-/** Distances of the range arcs in metres: those asked for, or `count` that divide the view in equal parts. */
+/** Distances of the range arcs in metres: the given ones, or `count` that divide the view in equal parts. */
 export function arcDistances(asked: number[], count: number, viewRange: number): number[] {
   const arcs = asked.length ? [...asked].sort((a, b) => a - b) : divide(count, viewRange);
   return arcs.filter((distance) => distance <= viewRange * (1 + 1e-9));
@@ -127,9 +127,9 @@ const CANDIDATES = 48;
 const LEFT_OF_FORWARD = 0.24;
 
 /**
- * Where the arcs are labelled: just inside each arc, left of forward, and elsewhere round it when a reading is there. A
- * label stays where it was as long as that place is free, so that a live picture keeps still; without a free place it
- * is left out.
+ * Places of the labels of the arcs: just inside each arc, left of forward, or elsewhere along it when a reading is
+ * there. A label keeps its place as long as that is free, so that labels of a live picture do not jump. Without a free
+ * place it is left out.
  *
  * @param lines angles of the radial lines
  * @param covered parts of the picture that something covers

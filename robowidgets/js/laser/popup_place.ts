@@ -6,7 +6,7 @@ const GAP = 12;
 const MARGIN = 4;
 
 /**
- * Where a pop-up goes: in the box, off the ray it names, and near it; off readings, labels and pop-ups where it can.
+ * Place of a pop-up: inside the box, near the ray that it names but not on it, and off readings and labels if possible.
  *
  * @param from the scanner's place, where the ray starts
  * @param to the reading, or where the ray leaves the view

@@ -22,10 +22,10 @@ export interface Limits {
   maxRange: number;
 }
 
-/** Metres: no picture reaches farther. Python has the same number. */
+/** Metres; no view reaches farther. Python has the same number. */
 export const FARTHEST_VIEW = 100_000;
 
-/** Metres that no scanner measures: a limit beyond sets none. */
+/** Metres; a larger range_max counts as no limit. */
 export const NO_LIMIT = 2000;
 
 /** One scan as it comes from Python; metres and radians. */
@@ -64,7 +64,7 @@ export function angleOf(sweep: Sweep, index: number): number {
   return sweep.angleMin + index * sweep.angleIncrement;
 }
 
-/** The order of the questions matters: NaN must not slip through a comparison. */
+/** The class of a range. Readings first: any comparison with NaN is false. */
 export function classify(range: number, minRange: number, maxRange: number): Validity {
   if (minRange <= range && range <= maxRange) return READING;
   if (range === -Infinity) return TOO_CLOSE;
@@ -78,12 +78,12 @@ type Counts = [number, number, number, number, number];
 export interface Census {
   /** How many rays there are of each class. */
   counts: Counts;
-  /** Index of the ray that meets the nearest thing, or -1; one that is too close to measure is nearer than any. */
+  /** Index of the ray with the nearest obstacle, or -1. "Too close to measure" is nearer than any reading. */
   nearest: number;
 }
 
 export function takeCensus(ranges: Float32Array, kinds: Validity[], minRange: number): Census {
-  // Metres: a range below it, and below the scanner's limit, is a code, not a distance. Python has the same number.
+  // Metres; a smaller range that is also below range_min is an error code. Python has the same number.
   const codesEnd = 0.0195;
   const counts: Counts = [0, 0, 0, 0, 0];
   let nearest = -1;

@@ -97,7 +97,7 @@ export class Scene {
     drawArcLabels(context, this.#arcLabels, theme);
   }
 
-  /** Draws the ray that a pop-up names; where it ends in the picture: at its reading, or at the edge of the view. */
+  /** Draws the ray that a pop-up names, to its reading or the edge of the view; returns its end in the picture. */
   drawPointer(scan: Scan, index: number, theme: Theme): Point {
     const { context } = this.#top;
     const kind = scan.kinds[index];

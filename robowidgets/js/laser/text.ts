@@ -12,7 +12,7 @@ import {
   type Validity,
 } from "./scan.ts";
 
-/** What each class is called: in the legend, and by Python's trait `marks`. */
+/** Names of the classes, in the legend and in the trait `marks`. */
 export const CLASSES: { kind: Validity; name: string; symbol: string; word: string; explained: string }[] = [
   { kind: READING, name: "reading", symbol: "\u25A0", word: "readings", explained: "a distance within limits" },
   {

@@ -1,9 +1,9 @@
 import { type Surface, watchSize } from "../shared/canvas.ts";
-import { Card } from "../shared/card.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
+import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { watchGestures } from "./gestures.ts";
@@ -24,7 +24,7 @@ const TRAITS = [...SETTINGS, "marks", "color_by_intensity", "hovered", "pinned"]
 export class LaserView {
   readonly #model: Model<LaserTraits>;
   readonly #stream: Stream<Scan>;
-  readonly #card: Card;
+  readonly #card: SampleCard;
   readonly #scene: Scene;
   readonly #legend: Legend;
   readonly #pinned: Popup;
@@ -42,7 +42,7 @@ export class LaserView {
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     const tell = () => this.#legend.update(stream.shown, model.get("marks"));
     this.#tell = throttle(tell, READING_MS, signal);
-    this.#card = new Card(element, "laser", model, stream, this.#redraw, signal);
+    this.#card = new SampleCard(element, "laser", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
     this.#scene = new Scene(model, picture);
     this.#legend = new Legend(footer, model, signal);

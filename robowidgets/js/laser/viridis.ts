@@ -1,6 +1,6 @@
 /**
- * How red, green and blue differ from step to step: seven less than each digit says, of base 36. Whole colours would take
- * twice the room in the bundle, and the package all its maps.
+ * Differences of red, green and blue from step to step: digits of base 36, minus seven. Whole colours would take twice
+ * the bytes in the bundle, and the package would bring all its maps.
  */
 const STEPS =
   "7779dd8dd7dc8cc7cc7dc7cb6ca6ca6ca6ba5c95c95b86c84c85c85b85b75b86b75b75b76a75b76b75b76a75b76b65b7" +

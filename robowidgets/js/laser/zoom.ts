@@ -3,7 +3,7 @@ import type { ViewRange } from "./traits.ts";
 
 const CLOSEST = 0.05;
 
-/** What a picture without anything to go by reaches to. */
+/** Metres shown by a picture without a scan or a limit. */
 const EMPTY = 10;
 
 /** Round numbers of metres, from 1 cm to 800 km. */

@@ -1,11 +1,10 @@
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
-import { toFixed } from "../shared/format.ts";
+import { toClock, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { type Model, setTraits } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
-import { toClock } from "./clock.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import type { Playback } from "./playback.ts";
 import type { PlayerTraits } from "./traits.ts";
@@ -15,7 +14,7 @@ const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
 const REPEAT =
   "M3 2.5h4.5a3 3 0 0 1 3 3v.7H9.3v-.7a1.8 1.8 0 0 0-1.8-1.8H3v1.6L.5 3.1 3 .9z M9 9.5H4.5a3 3 0 0 1-3-3v-.7h1.2v.7a1.8 1.8 0 0 0 1.8 1.8H9V6.7l2.5 2.2L9 11.1z";
 const DECIMALS = 2;
-/** Pixels across the handle of the slider: its middle never reaches the ends of the track. */
+/** Width of the slider's handle in pixels; its middle never reaches the ends of the track. */
 const HANDLE = 12;
 
 /** The bar that moves through a recording: buttons, the time, and a slider with marks on it. */
@@ -60,7 +59,7 @@ export class PlayerBar {
     this.#root.append(back, this.#play, forth, this.#moment, track, this.#words, this.#speed, this.#loop, this.#note);
     this.#root.tabIndex = -1;
     on(this.#root, "keydown", (event) => this.#onKey(event), signal);
-    // On the document, because the bar may be made before it stands among the widgets that it moves.
+    // On the document: the bar may be created before it is inserted next to the widgets that it moves.
     on(document, "keydown", (event) => this.#isLeftOver(event) && this.#onKey(event), signal);
     keepKeys(this.#root, signal);
     element.append(this.#root);
@@ -78,19 +77,19 @@ export class PlayerBar {
     slider.step = "any";
     slider.title = "Time in the recording (arrows: 1 s, with shift 10 s)";
     slider.ariaLabel = "Time in the recording";
-    slider.addEventListener("input", () => this.#playback.seek(Number(slider.value)), { signal });
-    slider.addEventListener("pointermove", (event) => this.#onPointer(event), { signal });
-    slider.addEventListener("pointerleave", () => this.#playback.point(null), { signal });
+    on(slider, "input", () => this.#playback.seek(Number(slider.value)), signal);
+    on(slider, "pointermove", (event) => this.#onPointer(event), signal);
+    on(slider, "pointerleave", () => this.#playback.point(null), signal);
   }
 
   #makeSpeed(signal: AbortSignal): void {
     this.#speed.title = "How fast it plays (+ and \u2212)";
     this.#speed.ariaLabel = "How fast it plays";
     const onSpeed = () => setTraits(this.#model, { speed: Number(this.#speed.value) });
-    this.#speed.addEventListener("change", onSpeed, { signal });
+    on(this.#speed, "change", onSpeed, signal);
   }
 
-  /** A finger does not point, and who drags goes there. */
+  /** A finger does not hover, and dragging already seeks. */
   #onPointer({ pointerType, buttons, clientX }: PointerEvent): void {
     if (pointerType === "touch" || buttons) return;
     const { left, width } = this.#slider.getBoundingClientRect();
@@ -98,10 +97,10 @@ export class PlayerBar {
     this.#playback.point(part * this.#playback.duration);
   }
 
-  /** Whether a key was pressed on a widget that the bar moves, and is of no use there. */
+  /** Whether a key was pressed on a widget that the bar moves, and the widget did not use it. */
   #isLeftOver({ target, key, defaultPrevented }: KeyboardEvent): boolean {
     if (defaultPrevented || isBarsAlone(key) || !(target instanceof Element)) return false;
-    // Rerun's viewer is no card of ours: what is pressed there is its own.
+    // Rerun's viewer has no card; it uses its keys itself.
     const card = target.closest(".rw-card");
     return card !== null && this.#root.closest(".rw-recording")?.contains(card) === true;
   }
@@ -120,7 +119,7 @@ export class PlayerBar {
     setText(this.#time, toFixed(time, DECIMALS));
     const whole = toFixed(duration, DECIMALS);
     setText(this.#duration, ` / ${whole} s`);
-    // As wide as it will be, so that nothing beside it moves.
+    // Reserve the final width, so that nothing beside it moves.
     this.#time.style.minWidth = `${whole.length}ch`;
     this.#drawClock(time);
     this.#slider.max = String(duration);
@@ -163,7 +162,7 @@ export class PlayerBar {
   #drawMarks(duration: number): void {
     const marks = this.#model.get("marks");
     const selection = this.#model.get("selection");
-    // The very ones: there may be thousands, and each frame of a picture that plays comes by here.
+    // Compare by identity: there may be thousands of marks, and this runs in every frame while it plays.
     const drawn = [marks, selection, duration];
     if (drawn.every((one, i) => one === this.#drawn[i])) return;
     this.#drawn = drawn;

@@ -41,12 +41,12 @@ export function actionOf(key: string, shift: boolean): Action | undefined {
   return ACTIONS[key];
 }
 
-/** Whether a key is the bar's only while it has the focus: elsewhere it moves the page. */
+/** Whether a key belongs to the bar only while the bar has the focus; elsewhere it scrolls the page. */
 export function isBarsAlone(key: string): boolean {
   return key === "ArrowUp" || key === "ArrowDown";
 }
 
-/** Whether what has the focus uses a key itself: a list all that walk it, a field all that can be typed, a button space. */
+/** Whether the focused element uses a key itself: lists and text fields all keys, buttons the space bar. */
 export function usesItself(focused: HTMLElement, key: string): boolean {
   if (focused.isContentEditable || focused.matches("select, textarea, input:not([type=range])")) return true;
   return key === " " && focused.matches("button, a");

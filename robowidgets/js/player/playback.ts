@@ -9,10 +9,10 @@ import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Track } from "./segments.ts";
 import type { PlayerTraits, SegmentMessage } from "./traits.ts";
 
-/** A widget's model as its host keeps it. What a kernel sent goes in by `set_state`, which tells the kernel nothing. */
+/** A widget's model in its host. `set_state` acts like a message of the kernel: the kernel is sent nothing. */
 export interface Host<T> extends Pick<Model<T>, "get" | "on" | "off"> {
   set_state(state: Partial<T>): void;
-  /** What a kernel sent, while the host takes it in. */
+  /** The state that the kernel sent, while the host applies it. */
   _state_lock?: Record<string, unknown> | null;
 }
 
@@ -26,14 +26,14 @@ export interface Moved {
   followers: Follower[];
 }
 
-/** A segment, or the time that a program asks for, alone. */
+/** A segment, or only a time that the program seeks. */
 type Message = Partial<SegmentMessage> & { seek?: number };
 
 const TELL_MS = 200;
-/** Seconds on the clock on the wall by which another page may be ahead without a jump. */
+/** Seconds of wall time; a smaller difference to another page's time is not a seek. */
 const APART = 0.5;
 
-/** Plays a recording in the page: one time for all its widgets, from segments that Python sends ahead. */
+/** Plays a recording in the page: one time for all widgets, from segments that Python prefetches. */
 export class Playback {
   readonly #model: Model<PlayerTraits>;
   readonly #segments: Segments;
@@ -46,7 +46,7 @@ export class Playback {
   #ages: number[] = [];
   #time: number;
   #last = 0;
-  /** Whether the moment asked for is not here yet. */
+  /** Whether the segment of the current time is missing. */
   waits = true;
 
   constructor(model: Model<PlayerTraits>, moved: Promise<Moved>, signal: AbortSignal) {
@@ -65,7 +65,7 @@ export class Playback {
     moved.then((found) => {
       this.#moved = found;
       for (const follower of found.followers) this.#follow(follower, signal);
-      // This page has nothing yet, whatever another one has.
+      // Another page may have segments; this one has none.
       model.send({ have: "nothing" });
       this.#show();
       this.#onPlaying();
@@ -91,7 +91,7 @@ export class Playback {
     return [Math.min(start, this.duration), Math.min(end, this.duration)];
   }
 
-  /** Calls back on every change of what the player says. */
+  /** Calls back on every change of the player, until the signal aborts. */
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
     onAbort(signal, () => this.#listeners.delete(callback));
@@ -108,22 +108,22 @@ export class Playback {
       this.#tell();
       return;
     }
-    // What is not here is asked for at once, before Python has the work of going there itself.
+    // Request the missing segment first: Python takes a while to follow the new time.
     this.#prefetcher.ask(this.#time);
     setTraits(this.#model, { time: this.#time });
   }
 
-  /** A person points at a time, and may go there next; null: at none. */
+  /** Notes the time under the pointer, which a person may click next; null when there is none. */
   point(time: number | null): void {
     this.#prefetcher.point(time === null ? null : this.#within(time));
   }
 
-  /** To the next scan, or the one before; without a laser, to what the first widget shows next. */
+  /** Steps to the next or previous frame of the first widget: a laser, if there is one. */
   step(direction: -1 | 1): void {
     if (this.playing) setTraits(this.#model, { playing: false });
     const to = this.#segments.neighbour(0, this.#time, direction, this.duration);
     if (to !== null) this.seek(to);
-    // Across a long silence Python knows where it is, and sends there.
+    // Across a long silence only Python knows the next sample; it answers with a seek.
     else this.#model.send({ step: [this.#time, direction] });
   }
 
@@ -157,7 +157,7 @@ export class Playback {
     this.#last = now;
     const [start, end] = this.span;
     const before = this.#time;
-    // What is not here yet is waited for, and not skipped.
+    // Wait for missing segments instead of skipping them.
     if (!this.waits) this.#time += passed * this.#model.get("speed");
     if (this.#time >= end) {
       const again = this.#model.get("loop");
@@ -180,7 +180,7 @@ export class Playback {
     this.#segments.drop(drop);
     this.#segments.put(segment, tracks);
     this.#prefetcher.came();
-    // Also what is on show may have come anew.
+    // The segment on show may have been replaced.
     this.#show();
   }
 
@@ -198,7 +198,7 @@ export class Playback {
       const state: Partial<SampleTraits> = { _about: { ...track.abouts[frame.about], ...(age && { age }) } };
       if (isNew) {
         const shown = toBytes(target.get("_frame"));
-        // Numbered on, so that a frozen widget tells how many have come since.
+        // Count up, so that a frozen widget shows the number of frames since.
         const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
         frame.bytes.setFloat64(0, number, true);
         state._frame = frame.bytes;
@@ -211,14 +211,14 @@ export class Playback {
     this.#changed();
   }
 
-  /** Goes where a person points on another widget, and plays what is selected there. */
+  /** Follows the time and the selection that a person sets on another widget. */
   #follow(follower: Follower, signal: AbortSignal): void {
     let clicked: number | undefined;
     const onTime = () => {
       const time = follower.get("time");
       if (time === this.#time) return;
       const isSent = Boolean(follower._state_lock);
-      // A kernel tells each page again what it was told, a busy one late: this page has gone on since.
+      // The kernel echoes a click to every page, late when it is busy; this page may have moved on since.
       if (isSent && time === clicked) {
         follower.set_state({ time: this.#time });
         return;
@@ -229,7 +229,7 @@ export class Playback {
     const onPoint = () => this.point(follower.get("_pointed"));
     const onSelection = () => {
       const selection = follower.get("selection");
-      // After the other widget has told Python of it: Python then has nothing to correct.
+      // After the other widget has sent its own change, so that Python need not correct it.
       queueMicrotask(() => setTraits(this.#model, { selection: selection && ([selection[0], selection[1]] as Span) }));
     };
     follower.on("change:time", onTime);
@@ -251,7 +251,7 @@ export class Playback {
   }
 }
 
-/** Milliseconds for which there is nothing newer, to the tenth of a second, where that is longer than a pause; else 0. */
+/** Milliseconds since the newest sample, in tenths of a second, where that is longer than a pause; else 0. */
 function toAge(seconds: number, pause = 0): number {
   return pause && seconds > pause ? Math.floor(seconds * 10) * 100 : 0;
 }

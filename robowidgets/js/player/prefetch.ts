@@ -1,18 +1,18 @@
 import { onAbort } from "../shared/events.ts";
 import type { Segments } from "./segments.ts";
 
-/** Milliseconds after which a pointer rests: while it moves, events come twice as often. */
+/** Milliseconds without an event after which the pointer rests. */
 const REST_MS = 30;
-/** Milliseconds after which an answer may have been lost; a busy kernel is asked no more often. */
+/** Milliseconds after which a request may be repeated; until then the kernel may be busy with it. */
 const LOST_MS = 1000;
 
-/** Asks Python for what a person points at and the page does not have: by the click it is here. Newest wins. */
+/** Fetches the segment under the pointer, so that it is in the page by the time of the click. Newest wins. */
 export class Prefetcher {
   readonly #segments: Segments;
   readonly #send: (time: number) => void;
   #pointed: number | undefined;
   #timer: ReturnType<typeof setTimeout> | undefined;
-  /** What was asked for and is not here yet, and what is asked for then. */
+  /** The pending request, and the one to send after it. */
   #asked: number | null = null;
   #next: number | null = null;
   #askedAt = 0;
@@ -23,7 +23,7 @@ export class Prefetcher {
     onAbort(signal, () => clearTimeout(this.#timer));
   }
 
-  /** A person points at a time; null: at none. */
+  /** Notes the time under the pointer; null when it has left. */
   point(time: number | null): void {
     const index = time === null ? undefined : this.#segments.indexOf(time);
     if (index === this.#pointed) return;
@@ -33,7 +33,7 @@ export class Prefetcher {
     if (time !== null) this.#timer = setTimeout(() => this.ask(time), REST_MS);
   }
 
-  /** Asks for what is at a time, unless it is here; after what is on its way. */
+  /** Requests the segment of a time, unless the page has it; waits for a pending request first. */
   ask(time: number): void {
     this.#next = null;
     if (this.#segments.has(time)) return;
@@ -46,7 +46,7 @@ export class Prefetcher {
     this.#send(time);
   }
 
-  /** A segment has come. */
+  /** Notes that a segment has arrived. */
   came(): void {
     if (this.#asked === null || !this.#segments.has(this.#asked)) return;
     this.#asked = null;

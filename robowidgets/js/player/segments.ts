@@ -1,8 +1,10 @@
-/** What one widget shows from a time on. */
+import { firstWhere } from "../shared/search.ts";
+
+/** A frame that one widget shows from a time on. */
 export interface TimedFrame {
   /** Seconds from the start of the recording. */
   time: number;
-  /** Index of what is said of it, in its track. */
+  /** Index of Python's words about it, in its track. */
   about: number;
   bytes: DataView;
 }
@@ -15,7 +17,7 @@ export interface Track {
 
 const ROW = 3;
 
-/** Reads the frames of a track: how many, then time, about and end of each frame as float64, then the frames. */
+/** Reads the frames of a track; docs/frames.md has the layout. */
 export function decodeFrames(bytes: DataView): TimedFrame[] {
   const count = bytes.getFloat64(0, true);
   const number = (i: number) => bytes.getFloat64(8 * (1 + i), true);
@@ -26,17 +28,6 @@ export function decodeFrames(bytes: DataView): TimedFrame[] {
     const copy = new DataView(bytes.buffer.slice(base + start, base + end));
     return { time: number(ROW * i), about: number(ROW * i + 1), bytes: copy };
   });
-}
-
-/** The index of the last frame at a time or before it. */
-function indexAt(frames: TimedFrame[], time: number): number {
-  let [low, high] = [0, frames.length];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((frames[middle] as TimedFrame).time <= time) low = middle + 1;
-    else high = middle;
-  }
-  return low - 1;
 }
 
 /** The segments of a recording that the page has, each as long as the others. */
@@ -65,10 +56,10 @@ export class Segments {
   at(time: number): { track: Track; frame: TimedFrame }[] | null {
     const tracks = this.#tracks.get(this.indexOf(time));
     if (!tracks) return null;
-    return tracks.map((track) => ({
-      track,
-      frame: track.frames[Math.max(0, indexAt(track.frames, time))] as TimedFrame,
-    }));
+    return tracks.map((track) => {
+      const next = firstWhere(track.frames, (frame) => frame.time > time);
+      return { track, frame: track.frames[Math.max(0, next - 1)] as TimedFrame };
+    });
   }
 
   /**

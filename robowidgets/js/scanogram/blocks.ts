@@ -1,14 +1,14 @@
+import { firstWhere } from "../shared/search.ts";
 import { type Block, type Detail, NO_SCAN, type Speeds, toRange, type Whole } from "./data.ts";
-import { firstWhere } from "./search.ts";
 import type { Span } from "./traits.ts";
 
 /** Bytes of details that a page keeps, the whole not counted. */
 const KEPT_BYTES = 48_000_000;
 
-/** One ray at one moment, as well as the page knows it. */
+/** One ray at one time, in the finest detail that the page has. */
 export interface Place {
   index: number;
-  /** Of how many scans, and of how many rays, this is the nearest. */
+  /** Number of scans and of rays of which this is the nearest. */
   scans: number;
   rays: number;
   /** Number of the first of these scans, and its time in seconds; when the last one ends. */
@@ -16,13 +16,13 @@ export interface Place {
   time: number;
   end: number;
   code: number;
-  /** Metres; NaN where the code says it all. */
+  /** Metres; NaN for codes that stand for no distance. */
   range: number;
-  /** Whether the range is the very number that was measured. */
+  /** Whether the range is the measured number, not one decoded from a code. */
   exact: boolean;
 }
 
-/** What the page knows of the scans: the whole coarsely, and parts finely. */
+/** The scans in the page: all of them in coarse detail, and parts in fine detail. */
 export class Blocks {
   readonly #whole: Whole;
   #details: Detail[] = [];
@@ -47,12 +47,12 @@ export class Blocks {
     return [...details.sort((a, b) => a.size - b.size || b.ranges.length - a.ranges.length), this.#whole.block];
   }
 
-  /** The finest block that knows all of a span. */
+  /** The finest block that covers a span. */
   over(span: Span): Block {
     return this.all.find((block) => covers(block, span)) ?? this.#whole.block;
   }
 
-  /** Whether Python could tell more of what is on show in so many columns. */
+  /** Whether Python has finer detail of a span shown in some number of columns. */
   wants(span: Span, columns: number): boolean {
     const block = this.over(span);
     if (block.size === 1 && block.ranges.length) return false;
@@ -62,7 +62,7 @@ export class Blocks {
     return block.size === 1 ? !isWhole : seen < columns;
   }
 
-  /** The speeds in a span, as finely as they are known. */
+  /** The speeds in a span, in the finest detail that the page has. */
   speedsIn(span: Span): Speeds | null {
     const fine = this.#details.find(
       (detail) => detail.speeds && detail.span[0] <= span[0] && detail.span[1] >= span[1],
@@ -100,13 +100,13 @@ export class Blocks {
     return null;
   }
 
-  /** The start of the scan so many further on than the one at a time; as far as the page knows them. */
+  /** The start of the scan a number of steps from a time, as far as the page has single scans. */
   step(time: number, by: number): number {
     for (const block of this.all) {
       const { startsAt } = block;
       const at = firstWhere(startsAt, (start) => start > time + by / 1e9) + by - (by > 0 ? 1 : 0);
       const next = startsAt[Math.min(startsAt.length - 1, Math.max(0, at))] ?? time;
-      // At the end of a fine block a coarser one knows further.
+      // At the end of a fine block, a coarser one continues.
       if (covers(block, [time, time]) && by * (next - time) > 0) return next;
     }
     return time;

@@ -19,7 +19,7 @@ export interface Block {
   ranges: Float32Array;
 }
 
-/** Stretches of speed: when each starts, and by axis the least and the greatest in it. */
+/** Spans of speed: start of each, and for each axis the least and the greatest in it. */
 export interface Speeds {
   startsAt: Float64Array;
   least: Float32Array[];
@@ -32,15 +32,15 @@ export interface Sweep {
   count: number;
   minRange: number;
   maxRange: number;
-  /** Whether some scans had other rays, and stand where their angles are: then no index holds for all. */
+  /** Whether scans had different rays and are drawn by angle; then an index means nothing for all of them. */
   byAngle: boolean;
   /** The distance of the greatest code. */
   far: number;
 }
 
-/** All that the page gets at once; seconds and metres. */
+/** The whole recording in coarse detail; seconds and metres. */
 export interface Whole {
-  /** Counts what Python has put here. */
+  /** Counts the pictures that Python has sent. */
   edition: number;
   sweep: Sweep;
   scanCount: number;
@@ -55,16 +55,16 @@ export interface Whole {
   touch: { title: string; sensors: string[]; spans: NamedSpan[] } | null;
 }
 
-/** From when to when something was touched, or is marked; what, in words. */
+/** A span in which a sensor was touched, or that is marked, with its name. */
 export interface NamedSpan {
   start: number;
   end: number;
   name: string;
 }
 
-/** What the page asked for. */
+/** The finer detail that the page asked for. */
 export interface Detail {
-  /** Of the whole that it belongs to. */
+  /** Edition of the whole that it belongs to. */
   edition: number;
   span: [number, number];
   block: Block;
@@ -93,7 +93,7 @@ export function kindOf(code: number): Validity {
 
 const ARRAYS = { f8: Float64Array, f4: Float32Array, u2: Uint16Array };
 type Numbers = Float64Array | Float32Array | Uint16Array;
-/** What Python says of the whole, or of a part, which has fewer of them. */
+/** Facts about the whole recording. Details have only some of them. */
 interface Facts {
   arrays: [string, keyof typeof ARRAYS, number][];
   edition: number;
@@ -155,7 +155,7 @@ export function decodeDetail(bytes: DataView, sweep: Sweep): Detail {
   };
 }
 
-/** The least code of several is shown of them, as in Python. */
+/** The code of a range. Of several codes the least is shown, as in Python. */
 export function toCode(range: number, { minRange, maxRange, far }: Sweep): number {
   if (minRange <= range && range <= maxRange) {
     return Math.floor(((range - minRange) * FARTHEST) / (far - minRange));

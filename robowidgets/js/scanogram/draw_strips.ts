@@ -1,10 +1,10 @@
 import { write } from "../shared/canvas.ts";
+import { firstWhere } from "../shared/search.ts";
 import type { Theme } from "../shared/theme.ts";
 import { type TimeAxis, toX } from "./axis.ts";
 import type { NamedSpan, Speeds, Whole } from "./data.ts";
 import { drawTriangle, textFont } from "./draw_axes.ts";
 import type { Band } from "./layout.ts";
-import { firstWhere } from "./search.ts";
 
 const ROUNDING = 1e-6;
 const LETTERS: Record<string, string> = {
@@ -18,7 +18,7 @@ const LETTERS: Record<string, string> = {
 
 type Speed = NonNullable<Whole["speed"]>;
 
-/** Whether a speed lies outside its limits by more than rounding, as in Python. */
+/** Whether a speed exceeds its limits by more than rounding errors, as in Python. */
 export function isPast(value: number, [low, high]: [number, number]): boolean {
   return value < low - ROUNDING * Math.max(1, -low) || value > high + ROUNDING * Math.max(1, high);
 }
@@ -144,7 +144,7 @@ export function drawTouches(
   drawSpans(context, axis, band, spans, theme.touch);
 }
 
-/** Spans of time, never too thin to be seen; each with its start, for one may begin where another goes on. */
+/** Spans of time, never too thin to be seen, each with a line at its start: spans may overlap. */
 export function drawSpans(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,

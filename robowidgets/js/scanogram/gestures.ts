@@ -8,7 +8,7 @@ export interface Gestures {
   /** What may become a click. */
   onPress(point: Point): void;
   onPick(point: Point): void;
-  /** A stretch dragged so far; with rays too where `rays` says so; done when the button was let go. */
+  /** A span being dragged, with rays if `rays`; `done` when the button was released. */
   onSelect(from: Point, to: Point, rays: boolean, done: boolean): void;
   onPan(pixels: number): void;
   /** A factor below 1 zooms in; around the time cursor where there is no point. */
@@ -64,7 +64,7 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
   watchWheel(element, onWheel, signal);
 }
 
-/** A press that moves is a drag, and a click else. */
+/** A press that moves is a drag; one that does not is a click. */
 function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent) => Point, gestures: Gestures): void {
   let from: Point | null = null;
   let last: Point = { x: 0, y: 0 };

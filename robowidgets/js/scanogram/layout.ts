@@ -1,7 +1,7 @@
 import type { Size } from "../shared/canvas.ts";
 import type { Whole } from "./data.ts";
 
-/** A stretch of the picture from top to bottom. */
+/** A horizontal band of the picture. */
 export interface Band {
   top: number;
   height: number;

@@ -1,6 +1,6 @@
+import { firstWhere } from "../shared/search.ts";
 import { type Block, NO_SCAN } from "./data.ts";
 import type { Rows } from "./rows.ts";
-import { firstWhere } from "./search.ts";
 import type { Span } from "./traits.ts";
 
 /** Codes of a picture, line after line from the top: what each pixel shows. */
@@ -11,8 +11,8 @@ export interface Raster {
 }
 
 /**
- * The picture of a span in so many columns, from the finest block that knows a column. Where several scans or rays share
- * a pixel, the least code is shown, so that the nearest does not vanish.
+ * The picture of a span, each column from the finest block that covers it. Where several scans or rays share a pixel,
+ * the least code is shown, so that the nearest distance does not vanish.
  *
  * @param blocks the finest first
  * @param height at most so many lines; fewer where there are fewer rays

@@ -15,7 +15,7 @@ export function classColors(theme: Theme): Partial<Record<Validity, string>> {
   };
 }
 
-/** From near to far. The darkest would drown in a dark page. */
+/** From near to far, without the colours that are too dark for a dark page. */
 export function distanceColors(dark: boolean): string[] {
   return dark ? VIRIDIS.slice(6) : VIRIDIS;
 }

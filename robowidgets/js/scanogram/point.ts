@@ -1,14 +1,14 @@
 import type { Point } from "../laser/projection.ts";
 import type { RayWords } from "../laser/text.ts";
+import { firstWhere } from "../shared/search.ts";
 import { toTime } from "./axis.ts";
 import type { NamedSpan, Whole } from "./data.ts";
 import type { Band } from "./layout.ts";
 import type { Pointed, Scene } from "./scene.ts";
-import { firstWhere } from "./search.ts";
 import type { State } from "./state.ts";
 import { describeMark, describePlace, describeSpeed, describeTouches } from "./text.ts";
 
-/** What a person points at, where it stands, and what is said of it; null where there is nothing. */
+/** The thing under the pointer, its place, and the text of its pop-up; null when there is none. */
 export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { y: number; words: RayWords }) | null {
   const { whole, blocks } = state;
   const { left, width, scans, speeds, touch } = scene.layout;
@@ -42,7 +42,7 @@ function speedAt({ speed }: Whole, { blocks, view }: State, axis: number, time: 
   return describeSpeed(speed.axes[axis] ?? "", speed.title, low, high, start);
 }
 
-/** Stretches count within a pixel or two: short ones are drawn wider than they are. */
+/** Spans at a time, with a pixel or two of tolerance: short spans are drawn wider than they are. */
 function near(spans: NamedSpan[], time: number, perPixel: number): NamedSpan[] {
   const close = 2 * perPixel;
   return spans.filter(({ start, end }) => time >= start - close && time <= end + close);

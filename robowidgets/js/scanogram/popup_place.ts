@@ -4,7 +4,7 @@ import type { Size } from "../shared/canvas.ts";
 const GAP = 14;
 const MARGIN = 4;
 
-/** Where a pop-up goes: right of what it names where there is room, else left of it; always inside. */
+/** Place of a pop-up: right of the thing it names if there is room, else left of it; always inside the picture. */
 export function placeBeside(popup: Size, inside: Size, at: Point): Point {
   const right = at.x + GAP;
   const left = at.x - GAP - popup.width;

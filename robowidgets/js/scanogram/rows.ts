@@ -1,6 +1,6 @@
 import { isFullCircle } from "../laser/scan.ts";
+import { firstWhere } from "../shared/search.ts";
 import type { Sweep } from "./data.ts";
-import { firstWhere } from "./search.ts";
 
 const TURN = 2 * Math.PI;
 const ROUNDING = 1e-6;
@@ -30,7 +30,7 @@ export function toRows({ angleMin, angleIncrement, count, byAngle }: Sweep): Row
   return { rayOf, angles: rayOf.map((index) => byIndex[index] as number), rowOf, byAngle };
 }
 
-/** First ray and the one after the last between two rows; no farther than where the circle closes, for it is one span. */
+/** The rays between two rows: the first, and one after the last. They end where the circle closes, to be one span. */
 export function selectedRays({ rayOf }: Rows, from: number, to: number): [number, number] {
   const [first, last] = [rayOf[from] as number, rayOf[to] as number];
   const isSpan = Math.abs(to - from) === Math.abs(last - first);

@@ -173,7 +173,7 @@ function strokeTwice(context: CanvasRenderingContext2D, outer: number, inner: nu
   context.stroke();
 }
 
-/** The rows of a span of indices, as lowest and highest of each stretch: a circle may cut them in two. */
+/** The rows of a span of indices, as runs of lowest and highest row: a full circle may split them in two. */
 export function runs({ rowOf }: Rows, first: number, stop: number): [number, number][] {
   const rows = rowOf.slice(first, stop).sort((a, b) => a - b);
   const found: [number, number][] = [];

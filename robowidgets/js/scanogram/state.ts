@@ -10,7 +10,7 @@ import type { Pointing, ScanogramTraits, Span } from "./traits.ts";
 const ASK_MS = 120;
 const LATE_MS = 400;
 
-/** What all views of one model share: the scans as far as they are known, and the asking for more. */
+/** State that the views of one model share: the scans in the page, and requests for finer detail. */
 export class State {
   readonly #model: Model<ScanogramTraits & Pointing>;
   readonly #ask: () => void;
@@ -20,7 +20,7 @@ export class State {
   #seen: { span: Span; columns: number } | null = null;
   #asked = "";
   #late: ReturnType<typeof setTimeout> | undefined;
-  /** Whether Python has been asked for finer detail, and has not answered for a while. */
+  /** Whether a request for finer detail has been unanswered for a while. */
   waits = false;
 
   constructor(model: Model<ScanogramTraits & Pointing>, signal: AbortSignal) {
@@ -74,17 +74,17 @@ export class State {
     return this.#model.get("color_range") ?? this.whole?.colors ?? [0, 1];
   }
 
-  /** Sets traits on the page at once, and tells Python when it has time. */
+  /** Sets traits in the page at once and sends them to Python. */
   set(values: Partial<ScanogramTraits>): void {
     setTraits(this.#model, values);
   }
 
-  /** Says at which time a person points, to what else is in the page: a player fetches that. */
+  /** Publishes the time under the pointer in the page, where a player prefetches it. */
   point(time: number | null): void {
     this.#model.set("_pointed", time);
   }
 
-  /** A view shows a span in so many columns: what is missing is asked for. */
+  /** Requests the missing detail of a span that a view shows in some number of columns. */
   look(span: Span, columns: number): void {
     this.#seen = { span, columns };
     if (this.blocks?.wants(span, columns)) this.#ask();
@@ -122,12 +122,12 @@ export class State {
   #onDetail(): void {
     const whole = this.whole;
     const detail = whole && this.blocks && this.#take(this.blocks, whole);
-    // An answer to an earlier question may come first; the last one ends the wait, as fine as Python makes it.
+    // Answers to earlier requests may come first; only that to the last request ends the wait.
     if (detail && this.#asked.startsWith(`${detail.span},`)) this.#settle();
     this.#tell();
   }
 
-  /** Takes in what Python answered, or what a reload finds of it. */
+  /** Adds the detail that Python sent, or that was in the state at page load. */
   #take(blocks: Blocks, whole: Whole): Detail | null {
     const bytes = toBytes(this.#model.get("_detail"));
     if (!bytes) return null;

@@ -30,14 +30,14 @@ function toMoment({ scan, scans, time }: Place): string {
   return scans === 1 ? `${toSeconds(time)}  scan ${toCount(scan)}` : `from ${toSeconds(time)}`;
 }
 
-/** Says of how many this is one, where it is not all there is. */
+/** Of how many scans and rays this is the nearest; empty for a single measurement. */
 function nearestOf({ scans, rays, code }: Place): string {
   if (scans === 1 && rays === 1) return "";
   const parts = [scans > 1 ? toMany(scans, "scan") : "", rays > 1 ? toMany(rays, "ray") : ""].filter(Boolean);
   return `${kindOf(code) === READING ? "nearest of" : "all of"} ${parts.join(", ")}`;
 }
 
-/** A share of all rays: "9 %"; what there is hardly any of is never "0 %". */
+/** A share of all rays: "9 %". A small share is never "0 %". */
 export function toShare(count: number, all: number): string {
   if (count === 0 || all === 0) return "0 %";
   const percent = (100 * count) / all;

@@ -18,7 +18,7 @@ export interface ScanogramTraits extends CardTraits {
   _detail: DataView;
 }
 
-/** What the page says to other widgets in it, and Python does not know. */
+/** Traits for other widgets in the page; Python has none of this name. */
 export interface Pointing {
   /** The time at which a person points. */
   _pointed: number | null;

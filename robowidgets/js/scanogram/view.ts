@@ -1,12 +1,12 @@
 import { Popup } from "../laser/popup.ts";
 import type { Point } from "../laser/projection.ts";
 import { type Surface, watchSize } from "../shared/canvas.ts";
+import { Card } from "../shared/card.ts";
 import { make, makeButton } from "../shared/dom.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { moved, toSeconds, toTime, toX, zoomed } from "./axis.ts";
-import { Frame } from "./frame.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
 import { pointAt } from "./point.ts";
@@ -21,8 +21,9 @@ const LATE = "finer detail when the kernel is free";
 
 /** One view of a scanogram: it wires the card, the scene, the legend, the pop-up and the gestures together. */
 export class ScanogramView {
+  readonly #model: Model<ScanogramTraits>;
   readonly #state: State;
-  readonly #frame: Frame;
+  readonly #card: Card;
   readonly #scene: Scene;
   readonly #legend: Legend;
   readonly #popup: Popup;
@@ -37,11 +38,12 @@ export class ScanogramView {
   #draft: number[] | null = null;
 
   constructor(model: Model<ScanogramTraits>, element: HTMLElement, state: State, signal: AbortSignal) {
+    this.#model = model;
     this.#state = state;
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#redrawTop = perAnimationFrame(() => this.#drawTop(), signal);
-    this.#frame = new Frame(element, model, this.#redraw, signal);
-    const { picture, footer } = this.#frame;
+    this.#card = new Card(element, "scanogram", model, this.#redraw, signal);
+    const { picture, footer } = this.#card;
     this.#scene = new Scene(picture);
     this.#legend = new Legend(footer, () => this.onClear(), signal);
     this.#popup = new Popup(picture);
@@ -49,7 +51,7 @@ export class ScanogramView {
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(0.5, null), signal, "+");
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(2, null), signal, "\u2212");
     this.#all = makeButton("", "Show all of it (0, double click)", () => this.onReset(), signal, "All");
-    this.#frame.controls.append(farther, closer, this.#all);
+    this.#card.controls.append(farther, closer, this.#all);
     onChange(model, ["time", "selection"], this.#redrawTop, signal);
     state.listen(this.#redraw, signal);
     watchGestures(picture, this, signal);
@@ -57,7 +59,7 @@ export class ScanogramView {
       this.#size = size;
       this.#draw();
     };
-    offerPng(this.#frame, model, watchSize(picture, onSize, signal), signal);
+    offerPng(this.#card, model, watchSize(picture, onSize, signal), signal);
   }
 
   onHover(point: Point | null): void {
@@ -126,14 +128,14 @@ export class ScanogramView {
     this.#goTo(this.#state.markBeside(direction));
   }
 
-  /** Where the cursor goes on a click; where single scans are known, it stands on one. */
+  /** The time of a click; the start of a scan where the page has single scans. */
   #timeAt({ x }: Point): number {
     const time = toTime(this.#scene.axis, x);
     const place = this.#state.blocks?.at(time, 0);
     return place?.scans === 1 ? place.time : Math.round(time * 1e4) / 1e4;
   }
 
-  /** Moves the cursor, and the picture where it would lose it. */
+  /** Moves the cursor, and the view if the cursor would leave it. */
   #goTo(time = this.#state.time): void {
     const { whole, view } = this.#state;
     this.#state.set({ time });
@@ -150,12 +152,14 @@ export class ScanogramView {
   #draw(): void {
     const { whole, view, colors } = this.#state;
     if (!this.#size.width) return;
-    this.#frame.update(whole ? toFacts(whole) : []);
+    const { error, notes = [] } = this.#model.get("_about");
+    this.#card.updateFrame(error ? [error, ...notes] : notes, error ? "error" : "note");
+    this.#card.updateFacts(whole ? toFacts(whole) : []);
     this.#empty.hidden = whole !== null;
     this.#chip.hidden = !this.#state.waits;
     this.#all.disabled = view[1] - view[0] >= (whole?.duration ?? 0);
-    const { theme } = this.#frame;
-    this.#scene.measure(this.#size, whole, view, this.#frame.noticeHeight);
+    const { theme } = this.#card;
+    this.#scene.measure(this.#size, whole, view, this.#card.noticeHeight);
     this.#scene.drawBase(this.#state, theme);
     this.#legend.drawKey(whole, colors, theme);
     this.#state.look(view, this.#scene.columns);
@@ -166,7 +170,7 @@ export class ScanogramView {
     const { time, selection, blocks } = this.#state;
     const shown = this.#draft ?? selection;
     const pointed = this.#drawPopup();
-    this.#scene.drawTop(time, shown, pointed, this.#frame.theme);
+    this.#scene.drawTop(time, shown, pointed, this.#card.theme);
     const scans = blocks?.count((shown ?? [0, 0]) as Span) ?? { scans: 0, exact: true };
     this.#legend.drawState(toSeconds(time), shown ? describeSelection(shown, scans) : "");
   }

@@ -3,7 +3,7 @@ import { on } from "./events.ts";
 import { toAge } from "./format.ts";
 import type { Frame, Place, Stream } from "./stream.ts";
 
-/** The bar under a frozen picture: it steps and drags through what came before, and tells how long ago that was. */
+/** The bar under a frozen picture: it steps and drags through earlier samples, and shows their age. */
 export class Bar {
   readonly root = make("div", "rw-steps");
   readonly #slider = make("input", "rw-slider");
@@ -16,7 +16,7 @@ export class Bar {
     slider.title = "What came before (, and . step)";
     slider.ariaLabel = "Sample on show";
     on(slider, "input", () => stream.seek(Number(slider.value)), signal);
-    // These are the slider's own; elsewhere on the card they walk through the picture.
+    // The slider uses these keys itself; elsewhere on the card they move through the picture.
     on(slider, "keydown", (event) => /^(Arrow|Home|End)/.test(event.key) && event.stopPropagation(), signal);
     const back = makeButton("rw-step", "One sample back (,)", () => stream.step(-1), signal, "\u2039");
     const next = makeButton("rw-step", "One sample on (.)", () => stream.step(1), signal, "\u203a");
@@ -25,7 +25,7 @@ export class Bar {
     this.root.append(back, slider, next, time);
   }
 
-  /** @param place where the sample on show stands among those kept; null when there is nothing to step through */
+  /** @param place of the sample on show in the history; null when the history has no other sample */
   update(place: Place | null): void {
     this.root.hidden = !place;
     if (!place) return;

@@ -1,11 +1,11 @@
-/** A binary trait as a DataView of exactly its bytes; null when nothing came yet. */
+/** A binary trait as a DataView of exactly its bytes; null when it is empty. */
 export function toBytes(value: unknown): DataView | null {
   const view = value instanceof ArrayBuffer ? new DataView(value) : value;
   if (!ArrayBuffer.isView(view) || !view.byteLength) return null;
   return view instanceof DataView ? view : new DataView(view.buffer, view.byteOffset, view.byteLength);
 }
 
-/** A copy of a stretch of bytes, which may start at any offset of a larger buffer; a typed array may not. */
+/** A copy of some bytes. They may start at any offset of a larger buffer, where a typed array may not. */
 export function copyOf({ buffer, byteOffset }: DataView, start: number, length: number): ArrayBuffer {
   return buffer.slice(byteOffset + start, byteOffset + start + length) as ArrayBuffer;
 }

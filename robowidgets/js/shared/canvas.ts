@@ -32,7 +32,7 @@ export class Layer {
     if (this.canvas.width !== w || this.canvas.height !== h) {
       this.canvas.width = w;
       this.canvas.height = h;
-      // Its box may be a fraction of a pixel larger or smaller, and would blur what is stretched to it.
+      // The box of the element may differ by a fraction of a pixel; a canvas scaled to it would be blurred.
       this.canvas.style.width = `${width}px`;
       this.canvas.style.height = `${height}px`;
     }
@@ -42,7 +42,7 @@ export class Layer {
   }
 }
 
-/** Writes text, the middle of its letters at a height. */
+/** Writes text, vertically centred at y. */
 export function write(
   context: CanvasRenderingContext2D,
   text: string,
@@ -60,8 +60,9 @@ export function write(
 }
 
 /**
- * Calls back with the size of an element now and whenever it or the pixel ratio changes. What it returns does so at once,
- * for the ratio that it is told, else for the screen's.
+ * Calls back with the size of an element now, and whenever the size or the pixel ratio changes.
+ *
+ * @returns a function that calls back at once, with a given pixel ratio or the screen's
  */
 export function watchSize(
   element: HTMLElement,

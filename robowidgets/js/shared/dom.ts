@@ -1,6 +1,6 @@
 import { on } from "./events.ts";
 
-/** An element with a class and text. Text is only ever set as text. */
+/** An element with a class and text. Text is never parsed as HTML. */
 export function make<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   className: string,
@@ -12,12 +12,12 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** Sets text without touching the page when it is the same. */
+/** Sets text, and leaves the page alone when it is the same. */
 export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Says what a button does, to readers of screens and as a tooltip. */
+/** Sets the label of a button, for screen readers and as its tooltip. */
 export function setLabel(button: HTMLButtonElement, label: string): void {
   button.title = label;
   button.ariaLabel = label;

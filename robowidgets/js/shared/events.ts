@@ -1,4 +1,4 @@
-/** Calls back on events of a target until the signal ends it. */
+/** Calls back on events of a target, until the signal aborts. */
 export function on<K extends keyof HTMLElementEventMap>(
   target: EventTarget,
   type: K,
@@ -9,12 +9,12 @@ export function on<K extends keyof HTMLElementEventMap>(
   target.addEventListener(type, callback as (event: Event) => void, { ...options, signal });
 }
 
-/** Calls back when the signal ends what it is for. */
+/** Calls back when the signal aborts: the view or the model has ended. */
 export function onAbort(signal: AbortSignal, callback: () => void): void {
   signal.addEventListener("abort", callback);
 }
 
-/** Whether a key is pressed alone, as the widgets' own are. */
+/** Whether a key is pressed without Ctrl, Alt or Meta. */
 export function isPlain({ ctrlKey, altKey, metaKey }: KeyboardEvent): boolean {
   return !(ctrlKey || altKey || metaKey);
 }

@@ -18,7 +18,7 @@ export function toShortMetres(value: number): string {
   return `${toFixed(value, 3).replace(/\.?0+$/, "")} m`;
 }
 
-/** Radians as degrees within ±180 with one decimal: "28.8°". What float32 lost of 28.75 must not make it "28.7°". */
+/** Radians as degrees within ±180 with one decimal. Rounds twice, so that 28.75° in float32 is "28.8°", not "28.7°". */
 export function toDegrees(radians: number): string {
   const degrees = Math.round((radians * 180_000) / Math.PI) / 1000;
   return `${toFixed(Math.abs(degrees) > 180 ? degrees - 360 * Math.round(degrees / 360) : degrees, 1)}°`;
@@ -39,4 +39,10 @@ export function toAge(ms: number, decimals = 1): string {
   const seconds = ms / 1000;
   if (seconds < 60) return `${toFixed(seconds, decimals)} s`;
   return seconds < 3600 ? `${Math.floor(seconds / 60)} min` : `${Math.floor(seconds / 3600)} h`;
+}
+
+/** Date and time of day in UTC, of seconds since the epoch: "2024-05-03" and "14:32:05". */
+export function toClock(seconds: number): [date: string, timeOfDay: string] {
+  const text = new Date(Math.round(seconds * 1000)).toISOString();
+  return [text.slice(0, 10), text.slice(11, 19)];
 }

@@ -1,25 +1,25 @@
 import type { About } from "./traits.ts";
 
-/** A sample that came, when, in the page's milliseconds (NaN when the page found it at its load), and what was said of it. */
+/** A sample: its frame, arrival in milliseconds (NaN: in the state at page load), and Python's words about it. */
 export interface Moment {
   bytes: DataView;
   at: number;
   about: About;
 }
 
-/** Samples kept for each second that is; what comes faster fills the room sooner. */
+/** Samples kept per second of history; a faster source fills the history in less time. */
 const PER_SECOND = 20;
 const MOST_BYTES = 8e6;
 
 /**
- * The samples that came last, oldest first: so many seconds of them, 20 a second and 8 MB at most.
+ * The last samples, oldest first: a number of seconds of them, at most 20 per second and 8 MB.
  *
- * Held, it lets nothing go that a person may be stepping through, and has as much room again for what comes next. Once
- * that is full, the newest sample takes the place of the one before it.
+ * While held, it drops no sample that a person may be stepping through, and has the same capacity again for new ones.
+ * When that is full too, each new sample replaces the one before it.
  */
 export class History {
   readonly moments: Moment[] = [];
-  /** How many there were when it was held, and when that was. */
+  /** Number of samples when it was held, and the time. */
   #held: { count: number; at: number } | null = null;
 
   add(bytes: DataView, at: number, seconds: number, about: About = {}): void {
@@ -45,7 +45,7 @@ export class History {
     while (moments.length > 1 && this.#isFull(seconds, 0, moments[0]?.at ?? NaN)) moments.shift();
   }
 
-  /** Whether from an index on, and since a time, there is more than there is room for. */
+  /** Whether the samples from an index on exceed the capacity, counted since a time. */
   #isFull(seconds: number, from: number, since: number): boolean {
     const later = this.moments.slice(from);
     const size = later.reduce((sum, { bytes }) => sum + bytes.byteLength, 0);

@@ -1,8 +1,8 @@
 import { isPlain, on } from "./events.ts";
 
 /**
- * Keeps plain keys from JupyterLab, which would take them for the notebook: "x" cuts the cell. It asks the focused
- * element, before any parent, when the event passes the document. Saving and running a cell stay its own.
+ * Keeps plain keys from JupyterLab, whose shortcuts would act on the notebook: "x" cuts the cell. JupyterLab reads this
+ * attribute of the focused element when the event reaches the document. Shortcuts for saving and running still work.
  */
 export function keepKeys(root: HTMLElement, signal: AbortSignal): void {
   const keep = (event: KeyboardEvent) => {

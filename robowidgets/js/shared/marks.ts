@@ -1,4 +1,4 @@
-/** Start and end in seconds from the start, and what is marked there; in the order of time. */
+/** Start and end in seconds from the start of the recording, and a label. Marks are sorted by start. */
 export type Mark = [number, number, string];
 
 /** The start of the next mark, or of the one before; undefined where there is none. */

@@ -19,10 +19,10 @@ export interface Model<T> {
 }
 
 type ChangeOf<T> = `change:${keyof T & string}`;
-// biome-ignore lint/suspicious/noExplicitAny: Python sends what it likes.
+// biome-ignore lint/suspicious/noExplicitAny: each widget has messages of its own.
 type OnMessage = (content: any, buffers: DataView[]) => void;
 
-/** What a widget's script gets once per model, and ends with the signal. */
+/** What a widget's script gets once per model. The signal aborts when the model is closed. */
 export interface Initialized<T> {
   model: Model<T>;
   signal: AbortSignal;
@@ -33,13 +33,13 @@ export interface Rendered<T> extends Initialized<T> {
   el: HTMLElement;
 }
 
-/** Sets traits on the page at once, and tells Python when it has time to listen. */
+/** Sets traits in the page at once and sends them to Python, which may be busy. */
 export function setTraits<T>(model: Model<T>, values: Partial<T>): void {
   for (const name in values) model.set(name, values[name] as T[typeof name]);
   model.save_changes();
 }
 
-/** Calls back on the change of any of the traits, until the signal ends it. */
+/** Calls back when any of the traits changes, until the signal aborts. */
 export function onChange<T>(
   model: Model<T>,
   names: readonly (keyof T & string)[],
@@ -52,7 +52,7 @@ export function onChange<T>(
   });
 }
 
-/** Calls back on messages of Python that are no traits, until the signal ends it. */
+/** Calls back on custom messages from Python, until the signal aborts. */
 export function onMessage<T, M>(
   model: Model<T>,
   callback: (message: M, buffers: DataView[]) => void,

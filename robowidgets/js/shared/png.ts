@@ -5,7 +5,7 @@ import type { NamedTraits } from "./traits.ts";
 
 const LABEL = "Save as PNG";
 const ICON = "M5 1h2v4h2.5l-3.5 3.5-3.5-3.5h2.5z M1.5 9.5h9v1.5h-9z";
-/** Characters that no XML may hold. */
+/** Characters that are illegal in XML. */
 const FORBIDDEN = /[^\P{C}\p{Cf}\p{Co}\n]/gu;
 
 interface Shown {
@@ -15,9 +15,9 @@ interface Shown {
 }
 
 /**
- * Offers the card as a PNG: by a button, the last of its controls, and to Python, which asks by a number.
+ * Offers the card as a PNG: to a person by a button, and to Python, whose requests carry a number.
  *
- * @param draw draws the card at once, in so many device pixels for each of the page's; as many as the screen has
+ * @param draw draws the card at once, at a pixel ratio or the screen's
  */
 export function offerPng(
   card: Shown,
@@ -51,13 +51,13 @@ export function offerPng(
   card.controls.append(button);
 
   const onAsked = async ({ png }: { png?: number }) => {
-    // A view that is scrolled away may have no size. Python says so if no other answers.
+    // A view that is scrolled away may have no size. Python reports an error when no view answers.
     if (png && card.root.offsetWidth) model.send({ png, url: await take() });
   };
   onMessage(model, onAsked, signal);
 }
 
-/** The card as it is at the call, as a data URL: drawn from a copy that has all styles with it, and fetches nothing. */
+/** The card at the moment of the call, as a data URL: drawn from a copy with inlined styles, which fetches nothing. */
 async function toPng({ root, theme }: Shown, css: string, ratio: number): Promise<string> {
   const { width, height } = root.getBoundingClientRect();
   const copy = root.cloneNode(true) as HTMLElement;

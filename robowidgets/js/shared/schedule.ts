@@ -1,9 +1,9 @@
 import { onAbort } from "./events.ts";
 
-/** Between two texts that follow the samples. Nobody reads faster, and laying out text takes longer than drawing dots. */
+/** Between two updates of text. People read no faster, and laying out text is slower than drawing dots. */
 export const READING_MS = 100;
 
-/** Draws once per animation frame, however often it is asked to. */
+/** Draws at most once per animation frame. */
 export function perAnimationFrame(draw: () => void, signal: AbortSignal): () => void {
   let pending = 0;
   onAbort(signal, () => cancelAnimationFrame(pending));
@@ -16,7 +16,7 @@ export function perAnimationFrame(draw: () => void, signal: AbortSignal): () => 
   };
 }
 
-/** Calls at once, and again after `ms` at the earliest; who asked meanwhile is heard then. */
+/** Calls at once, then at most once per `ms`; calls in between are merged into one at the end of the interval. */
 export function throttle(call: () => void, ms: number, signal: AbortSignal): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let asked = false;

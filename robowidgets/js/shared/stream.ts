@@ -5,15 +5,15 @@ import { type Model, onChange, setTraits } from "./model.ts";
 import { throttle } from "./schedule.ts";
 import type { About, SampleTraits } from "./traits.ts";
 
-/** What the head of every frame says. */
+/** The header of a frame, as far as the page uses it. */
 export interface Frame {
-  /** How many samples Python had received when it sent this one. */
+  /** Number of samples that Python had received when it sent this one. */
   sequence: number;
   /** Samples per second that reach Python; NaN when unknown. */
   rate: number;
 }
 
-/** Reads the head of a frame: sequence number and rate; then stamp and arrival, which the page has no use for. */
+/** Reads the header of a frame; the page does not use the stamp and the time of arrival in it. */
 export function readHead(reader: Reader): Frame {
   const [sequence = 0, rate = NaN] = reader.float64s(4);
   return { sequence, rate };
@@ -23,18 +23,18 @@ function sequenceOf(bytes: DataView | null): number {
   return bytes?.getFloat64(0, true) ?? 0;
 }
 
-/** Where the frozen sample stands among those kept. */
+/** Position of the frozen sample in the history. */
 export interface Place {
-  /** -1 when it is not among them. */
+  /** -1 when it is not in the history. */
   index: number;
   count: number;
-  /** Milliseconds between it and the newest; NaN when this page did not see it come. */
+  /** Milliseconds from it to the newest; NaN when it arrived before the page was loaded. */
   behind: number;
 }
 
 /**
- * Milliseconds without a frame after which a source is silent, as in Python: three of its periods, within these limits,
- * and the longest where it has no rate yet.
+ * Milliseconds without a frame after which a source is silent: three of its periods, clamped to these limits; the
+ * longest while it has no rate. Python has the same rule.
  */
 const SHORTEST_SILENCE = 1000;
 const LONGEST_SILENCE = 10_000;
@@ -42,10 +42,10 @@ const SAVE_MS = 100;
 const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
 
 /**
- * The newest sample, those before it and the frozen one, of one model and for all its views.
+ * The newest sample, its history and the frozen sample of one model; its views share it.
  *
- * Freezing happens here and not in Python, so that it works while a cell runs: the frozen bytes are a trait, which a
- * reload, a second view and a saved notebook find again.
+ * Freezing happens in the page, so that it works while a cell runs. The frozen bytes are a trait, so that a reload, a
+ * second view and a saved notebook show them.
  */
 export class Stream<F extends Frame> {
   readonly #model: Model<SampleTraits>;
@@ -56,19 +56,19 @@ export class Stream<F extends Frame> {
   #heldHere: DataView | null = null;
   #decoded: { bytes: DataView; frame: F } | null = null;
   #stale: ReturnType<typeof setTimeout> | undefined;
-  /** When the source was heard last, which may be before the page was loaded; 0: never. */
+  /** Time of the last frame, which may be before the page was loaded; 0: there was none. */
   #heard = 0;
-  /** Whether the source is not silent. */
+  /** False while the source is silent. */
   live = false;
-  /** When the newest sample came, in the page's milliseconds. */
+  /** Time at which the newest sample arrived, in milliseconds of the page's clock. */
   arrived = 0;
-  /** Whether another sample than the one that froze was stepped to. */
+  /** Whether a person has stepped away from the sample that was frozen. */
   stepped = false;
 
   constructor(model: Model<SampleTraits>, decode: (bytes: DataView) => F, signal: AbortSignal) {
     this.#model = model;
     this.#decode = decode;
-    // A person who drags need not be followed by Python to the millisecond.
+    // While a person drags, Python needs no message for each step.
     this.#save = throttle(() => model.save_changes(), SAVE_MS, signal);
     const [held, newest] = [this.paused ? this.#bytes("_held") : null, this.#bytes("_frame")];
     this.#keep(held, NaN);
@@ -76,7 +76,7 @@ export class Stream<F extends Frame> {
     if (sequenceOf(held) !== sequenceOf(newest)) this.#keep(newest, NaN);
     const age = model.get("_silence");
     if (age) {
-      // A notebook that is saved later shows it as if it were new.
+      // A notebook that is saved later must not restore this age.
       model.set("_silence", 0);
       this.#hear(1000 * age);
     }
@@ -98,12 +98,12 @@ export class Stream<F extends Frame> {
     return this.#decoded.frame;
   }
 
-  /** What is said of the frame to draw. */
+  /** Python's words about the frame to draw. */
   get about(): About {
     return this.#history.moments[this.place?.index ?? -1]?.about ?? this.#model.get("_about");
   }
 
-  /** How many samples have come since the frozen one. */
+  /** Number of samples since the frozen one. */
   get since(): number {
     return Math.max(0, sequenceOf(this.#bytes("_frame")) - sequenceOf(this.#shownBytes()));
   }
@@ -113,20 +113,20 @@ export class Stream<F extends Frame> {
     return this.#bytes("_frame")?.getFloat64(8, true) ?? NaN;
   }
 
-  /** Milliseconds for which nothing has come, of a feed, of a source that had a rate, or of a recording; else 0. */
+  /** Milliseconds since the last sample of a silent feed, of a source that had a rate, or of a recording; else 0. */
   get silence(): number {
     const wasLive = this.#heard && !this.live && (this.rate || this.#model.get("_source").topic);
     return wasLive ? performance.now() - this.#heard : (this.#model.get("_about").age ?? 0);
   }
 
-  /** Null when the picture is not frozen, or there is nothing to step to. */
+  /** Null when the picture is not frozen, or the history has no other sample. */
   get place(): Place | null {
     const { moments } = this.#history;
     const [count, newest] = [moments.length, moments.at(-1)];
     if (!this.paused || !this.#seconds || !newest || count < 2) return null;
     const bytes = this.#shownBytes();
     const own = moments.findIndex((moment) => moment.bytes === bytes);
-    // Python holds a frame of its own, and so does a page that was loaded anew.
+    // A frame frozen by Python, or found at page load, is not one of the history's own objects: compare sequences.
     const index = own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
     return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
   }
@@ -136,7 +136,7 @@ export class Stream<F extends Frame> {
     setTraits(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });
   }
 
-  /** Shows the next of the samples kept, or the one before; whether it is frozen with some to step through. */
+  /** Shows the next or the previous sample of the history; returns false when there is nothing to step through. */
   step(by: number): boolean {
     const { place } = this;
     if (!place || !by) return false;
@@ -144,7 +144,7 @@ export class Stream<F extends Frame> {
     return true;
   }
 
-  /** Shows another of the samples kept; beyond an end, the one at that end. */
+  /** Shows a sample of the history; an index beyond an end is clamped. */
   seek(index: number): void {
     const { moments } = this.#history;
     const moment = moments[Math.min(moments.length - 1, Math.max(0, index))];
@@ -154,7 +154,7 @@ export class Stream<F extends Frame> {
     this.#save();
   }
 
-  /** Calls back on every change, until the signal ends it. */
+  /** Calls back on every change, until the signal aborts. */
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
     onAbort(signal, () => this.#listeners.delete(callback));
@@ -172,7 +172,7 @@ export class Stream<F extends Frame> {
     return this.#model.get("history") || 0;
   }
 
-  /** Keeps a copy, because hosts hand out views of larger buffers, and send the whole buffer under a view. */
+  /** Copies the frame: hosts hand out views of larger buffers, and would send the whole buffer under a view. */
   #keep(bytes: DataView | null, at: number): void {
     if (!bytes) return;
     const kept = new DataView(copyOf(bytes, 0, bytes.byteLength));
@@ -186,7 +186,7 @@ export class Stream<F extends Frame> {
     this.#tell();
   }
 
-  /** The source was heard so many milliseconds ago. */
+  /** Notes that a frame arrived some milliseconds ago. */
   #hear(ago = 0): void {
     this.live = true;
     this.#heard = performance.now() - ago;
@@ -201,7 +201,7 @@ export class Stream<F extends Frame> {
 
   #onPaused(): void {
     this.stepped = false;
-    // A link between widgets says "paused" alone.
+    // A link between two widgets sets `paused` without `_held`.
     this.#heldHere = this.paused ? (this.#history.moments.at(-1)?.bytes ?? null) : null;
     if (this.paused) this.#history.hold(performance.now());
     else this.#history.release(this.#seconds);

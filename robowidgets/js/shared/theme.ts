@@ -1,6 +1,6 @@
 import { on, onAbort } from "./events.ts";
 
-/** What the style sheet gives as `--rw-` variables, for light or dark. */
+/** Variables `--rw-...` of the stylesheet, with values for light and dark. */
 const NAMES = ["ink", "muted", "line", "area", "reading", "pointer", "touch", "mono"] as const;
 
 /** The colours and fonts of the picture. */

@@ -30,16 +30,16 @@ export interface About {
   frame_id?: string;
   notes?: string[];
   error?: string;
-  /** Milliseconds for which a recording has nothing newer, where that is long. */
+  /** Milliseconds for which a recording has nothing newer; missing unless that is long. */
   age?: number;
 }
 
-/** What a feed says of its topic; all of it may be missing. Plain text. */
+/** What a feed says about its topic, in plain text. Any field may be missing. */
 export interface Source {
   topic?: string;
   type?: string;
   words?: string;
-  /** What the program's own functions on this topic did wrong. */
+  /** Error of a function that the program connected to this topic. */
   error?: string;
   /** Whether the connection is lost, so that nothing comes. */
   lost?: boolean;

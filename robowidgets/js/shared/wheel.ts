@@ -3,9 +3,9 @@ import { on } from "./events.ts";
 const SCROLL_PAUSE_MS = 250;
 
 /**
- * Hands on the turns of the wheel, unless it was already scrolling the page when the picture came under the pointer.
+ * Passes on wheel events, unless the wheel was already scrolling the page when the picture moved under the pointer.
  *
- * @param onWheel whether there was a use for a turn; else the page scrolls, but not at the end of a row of useful turns
+ * @param onWheel returns whether it used the event; if not, the page scrolls, unless events just before were used
  */
 export function watchWheel(element: HTMLElement, onWheel: (event: WheelEvent) => boolean, signal: AbortSignal): void {
   let pointed = false;

@@ -5,7 +5,7 @@ import { type Scale, sharedLimits, toScales } from "./scale.ts";
 import { decimalsFor } from "./text.ts";
 import type { Limits } from "./traits.ts";
 
-/** All that is known of one axis; speeds in its unit. */
+/** All data of one axis; speeds in its unit. */
 export interface AxisFacts {
   axis: Axis;
   unit: string;
@@ -20,7 +20,7 @@ export interface AxisFacts {
   decimals: number;
 }
 
-/** All that is known of the axes of a group, which have one scale. */
+/** All data of the axes of a group, which share a scale. */
 export interface GroupFacts {
   scale: Scale;
   /** The limits that all axes on show have; null when they differ. */

@@ -19,7 +19,7 @@ const COMMANDED = 2;
 export function decodeSpeeds(bytes: DataView): Speeds {
   const reader = new Reader(bytes);
   const head = readHead(reader);
-  // The other two are the stamp of the command and when it arrived, which the page has no use for.
+  // Then come stamp and time of arrival of the command, which the page does not use.
   const [there = 0, resets = 0] = reader.float64s(4);
   const [measured, commanded] = [reader.float64s(6), reader.float64s(6)];
   return {

@@ -1,3 +1,5 @@
+import { isPlain, on } from "../shared/events.ts";
+
 /** What a person can do to the bars. */
 export interface Gestures {
   onHover(axis: number | null): void;
@@ -20,23 +22,17 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
     const axis = (event.target as Element).closest<HTMLElement>("[data-axis]")?.dataset.axis;
     return axis === undefined ? null : Number(axis);
   };
-  element.addEventListener(
-    "pointermove",
-    (event) => {
-      if (event.pointerType !== "touch") gestures.onHover(toAxis(event));
-    },
-    { signal },
-  );
-  element.addEventListener("pointerleave", () => gestures.onHover(null), { signal });
-  element.addEventListener("click", (event) => gestures.onPick(toAxis(event)), { signal });
-  element.addEventListener(
-    "keydown",
-    (event) => {
-      const to = WALK[event.key];
-      if (!to || event.ctrlKey || event.altKey || event.metaKey) return;
-      gestures.onWalk(to);
-      event.preventDefault();
-    },
-    { signal },
-  );
+  const onMove = (event: PointerEvent) => {
+    if (event.pointerType !== "touch") gestures.onHover(toAxis(event));
+  };
+  on(element, "pointermove", onMove, signal);
+  on(element, "pointerleave", () => gestures.onHover(null), signal);
+  on(element, "click", (event) => gestures.onPick(toAxis(event)), signal);
+  const onKey = (event: KeyboardEvent) => {
+    const to = WALK[event.key];
+    if (!to || !isPlain(event)) return;
+    gestures.onWalk(to);
+    event.preventDefault();
+  };
+  on(element, "keydown", onKey, signal);
 }

@@ -4,7 +4,7 @@ import type { AxisWords } from "./text.ts";
 const GAP = 10;
 const MARGIN = 4;
 
-/** The pop-up that tells one axis exactly. */
+/** The pop-up with the exact values of one axis. */
 export class Popup {
   readonly #root = make("div", "rw-popup");
   readonly #expression = make("span", "rw-popup-expression rw-index");
@@ -53,7 +53,7 @@ export class Popup {
   }
 }
 
-/** Where a pop-up of a width starts: right of what it names, else left of it, and in any case in the box. */
+/** Left edge of a pop-up: right of the column that it names, else left of it, always inside the box. */
 export function placeBeside(left: number, right: number, width: number, boxWidth: number): number {
   const last = boxWidth - width - MARGIN;
   if (right + GAP <= last) return right + GAP;

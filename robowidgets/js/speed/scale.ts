@@ -11,14 +11,14 @@ export interface Scale {
 export interface Label {
   value: number;
   height: number;
-  /** A round number between zero and the limits, which gives way where room is short. */
+  /** A round number between zero and the limits, hidden in a narrow card. */
   round: boolean;
 }
 
 /** Room beyond the limits on either side, as a part of what lies between them. */
 const HEADROOM = 0.125;
 const TICK_COUNT = 5;
-/** Labels closer than this part of a track are more than one reads. */
+/** Least distance of labels, as a part of the track. */
 export const CLEARANCE = 0.09;
 /** Pixels that a label takes. */
 const LABEL = 11;

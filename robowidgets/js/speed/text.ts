@@ -12,7 +12,7 @@ export function decimalsFor(limits: Limits[]): number {
   return Math.min(6, Math.max(2, 1 - Math.floor(Math.log10(reach))));
 }
 
-/** A speed with some decimals; one that would be wider than a column gives them up. The pop-up has them all. */
+/** A speed with some decimals, or fewer if it would be wider than a column. The pop-up shows all of them. */
 export function toNumber(value: number, decimals: number): string {
   const size = Math.abs(value);
   if (!Number.isFinite(value) || size < 100) return toFixed(value, decimals);
@@ -20,7 +20,7 @@ export function toNumber(value: number, decimals: number): string {
   return value.toExponential(1).replace("e+", "e").replace("-", MINUS);
 }
 
-/** What stands where the number of an axis is: nothing is known before the first, and NaN is no value. */
+/** Text in place of the number of an axis: a dash before the first sample, "no value" for NaN. */
 export function toValueText(value: number | null, decimals: number): string {
   if (value === null) return "\u2013";
   return Number.isNaN(value) ? "no value" : toNumber(value, decimals);
@@ -31,7 +31,7 @@ export function toShort(value: number): string {
   return String(Number(value.toPrecision(6))).replaceAll("-", MINUS);
 }
 
-/** The mark of a state and its words, of which the second gives way where room is short. */
+/** The mark and the words of a state; the second word is hidden in a narrow card. */
 export function stateWords(state: State): [mark: string, word: string, more: string] {
   if (state === "over") return ["\u25B2", "over", "max"];
   if (state === "under") return ["\u25BC", "under", "min"];

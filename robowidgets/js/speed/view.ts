@@ -1,8 +1,8 @@
 import { watchSize } from "../shared/canvas.ts";
-import { Card } from "../shared/card.ts";
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
+import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { GROUPS } from "./axes.ts";
@@ -33,7 +33,7 @@ const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4
 export class SpeedView {
   readonly #model: Model<SpeedTraits>;
   readonly #stream: Stream<Speeds>;
-  readonly #card: Card;
+  readonly #card: SampleCard;
   readonly #board = make("div", "rw-board");
   readonly #empty = make("div", "rw-empty");
   readonly #planar: HTMLButtonElement;
@@ -50,7 +50,7 @@ export class SpeedView {
     this.#model = model;
     this.#stream = stream;
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#card = new Card(element, "speed", model, stream, this.#redraw, signal);
+    this.#card = new SampleCard(element, "speed", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
     picture.append(this.#board, this.#empty);
     this.#popup = new Popup(picture);
@@ -116,7 +116,7 @@ export class SpeedView {
   #draw(): void {
     const [model, speeds] = [this.#model, this.#stream.shown];
     const planar = model.get("planar");
-    // A reset is seen at once; the new peaks come when Python has listened.
+    // Hide the old peaks at once; Python sends new ones when it has handled the reset.
     const isReset = !this.#stream.paused && speeds?.resets !== model.get("_resets");
     const groups = toFacts(speeds, {
       limits: {

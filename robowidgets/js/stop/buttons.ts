@@ -6,7 +6,7 @@ import type { StopControl } from "./control.ts";
 /** A square in an octagon. */
 const SIGN = "M3.5 0h5L12 3.5v5L8.5 12h-5L0 8.5v-5z M4 1.2L1.2 4v4L4 10.8h4L10.8 8v-4L8 1.2z M3.8 3.8h4.4v4.4h-4.4z";
 
-/** Stop, and the button that allows driving again: two, so that nobody does both by pressing twice. */
+/** Stop, and a second button that allows driving again, so that a double press does not do both. */
 export class StopButtons {
   readonly stop: HTMLButtonElement;
   readonly allow: HTMLButtonElement;
@@ -22,7 +22,7 @@ export class StopButtons {
     this.stop.append(makeIcon(SIGN), this.#word);
     this.allow = makeButton("rw-allow", "Let programs and hands drive again", () => control.allow(), signal);
     this.allow.textContent = "Allow driving";
-    // On press, not on release. A click without a pointer is one of a screen reader.
+    // Stop on press, not on release. A click without a pointer comes from a screen reader.
     on(this.stop, "pointerdown", ({ button }) => button === 0 && press(), signal);
     on(this.stop, "click", ({ detail }) => detail === 0 && press(), signal);
     const onKey = (event: KeyboardEvent) => {
@@ -40,7 +40,7 @@ export class StopButtons {
     on(window, "keydown", onKey, signal, { capture: true });
   }
 
-  /** Brings the buttons up to date; the second one is there while it can do something. */
+  /** Updates the buttons; Allow is shown only while stop is latched. */
   update(): void {
     const { stopped } = this.#control.told;
     const isDown = stopped || ["asking", "interrupted"].includes(this.#control.note);

@@ -2,16 +2,16 @@ import { onAbort } from "../shared/events.ts";
 import { type Model, onChange, onMessage } from "../shared/model.ts";
 import type { StopTraits, Told } from "./traits.ts";
 
-/** Milliseconds between two beats. */
+/** Milliseconds between two heartbeats. */
 export const BEAT_MS = 1000;
 
 /** Milliseconds without an answer after which a kernel counts as busy. */
 export const BUSY_MS = 1500;
 
-/** Milliseconds after which an unanswered beat counts as lost: a busy kernel must not find a long queue of them. */
+/** Milliseconds after which an unanswered heartbeat is lost. Until then none is sent: a busy kernel queues it. */
 const LOST_MS = 10_000;
 
-/** Milliseconds without a word after which it is not known any more whether the robot still drives. */
+/** Milliseconds without a message from Python after which the state of a driven robot counts as unknown. */
 export const NEWS_MS = 2500;
 
 /** Milliseconds that the kernel has to answer a Stop before it is interrupted. */
@@ -21,9 +21,9 @@ export const ANSWER_MS = 300;
 export const END_MS = 2000;
 
 /**
- * What became of the last Stop or Allow of this page: "asking" until the latch is confirmed; "interrupted" when the
- * kernel had to be, "ignored" when its cell goes on all the same; "unreachable" where there is no way to a busy kernel;
- * "refused" when Allow came too late. Empty when there is nothing to say.
+ * State of the last Stop or Allow of this page: "asking" until Python confirms the latch; "interrupted" after the
+ * kernel was interrupted, "ignored" when its cell goes on nevertheless; "unreachable" when the host gives no way to
+ * interrupt a busy kernel; "refused" when Allow came too late; else empty.
  */
 export type Note = "" | "asking" | "interrupted" | "ignored" | "unreachable" | "refused";
 
@@ -39,9 +39,9 @@ interface Answer {
 }
 
 /**
- * Stops the robot, from a page. Stop is a message that latches; where the kernel does not answer it in time, because a
- * cell runs, the kernel is interrupted through the server, and handles the message when the cell has ended. Beats tell
- * Python that the page is there, and the page whether the kernel hears it.
+ * Stops the robot from a page. Stop is a message that sets a latch. When a running cell keeps the kernel from answering
+ * in time, the page interrupts the kernel through the server, and the message is handled when the cell has ended.
+ * Heartbeats tell Python that the page is there, and the page whether the kernel answers.
  */
 export class StopControl {
   note: Note = "";
@@ -56,7 +56,7 @@ export class StopControl {
   #wasStopped = false;
 
   /**
-   * @param name what no other view of any page is called
+   * @param name unique among the views of all pages
    * @param tell called when something has changed, and once a second
    */
   constructor(model: Model<StopTraits>, name: string, tell: () => void, signal: AbortSignal) {
@@ -78,22 +78,22 @@ export class StopControl {
     return this.#model.get("_state");
   }
 
-  /** Whether the kernel answers this page; a busy one may not. */
+  /** Whether the kernel answers this page. A busy kernel may not. */
   get hears(): boolean {
     return this.#isAnswered || performance.now() - this.#beatAt < BUSY_MS;
   }
 
-  /** Whether what was told last still holds. While the robot is driven, Python tells once a second. */
+  /** Whether the last state is current. While the robot is driven, Python sends one every second. */
   get isNews(): boolean {
     return !this.told.driver || performance.now() - this.#newsAt < NEWS_MS;
   }
 
-  /** Whether the page can interrupt the kernel. JupyterLab's widget manager has the kernel; other hosts hide it. */
+  /** Whether the page can interrupt the kernel. Only JupyterLab's widget manager gives access to it. */
   get canInterrupt(): boolean {
     return typeof this.#kernel?.interrupt === "function";
   }
 
-  /** Stops the robot, and lets nobody drive until that is allowed again. */
+  /** Stops the robot. Nobody can drive until `allow`. */
   stop(): void {
     this.#post("stop");
     if (this.told.stopped) return;
@@ -101,7 +101,7 @@ export class StopControl {
     this.#wait(ANSWER_MS, () => this.#interrupt());
   }
 
-  /** Lets drive again. */
+  /** Releases the latch. */
   allow(): void {
     this.#turn("");
     this.#post("allow");
@@ -127,7 +127,7 @@ export class StopControl {
       else if (this.note !== "interrupted" && this.note !== "refused") this.note = "";
     } else if (this.#wasStopped) this.note = "";
     this.#wasStopped = stopped;
-    // A hidden page has slow timers, but hears at once: while the robot is driven, news come once a second.
+    // Browsers slow down the timers of a hidden page, but not its messages: send heartbeats on those too.
     if (performance.now() - this.#beatAt > 0.9 * BEAT_MS) this.#beat();
     else this.#tell();
   }
@@ -166,7 +166,7 @@ export class StopControl {
     try {
       this.#model.send({ act, press: this.#name, token: this.#token });
     } catch {
-      // The kernel that the widget belongs to is gone: there is no answer, either.
+      // The kernel of this widget is gone. Its missing answers are handled elsewhere.
     }
   }
 }

@@ -2,7 +2,7 @@ import { toFixed } from "../shared/format.ts";
 import type { Note, StopControl } from "./control.ts";
 import type { Told } from "./traits.ts";
 
-/** What is going on, in words, and whether it is a warning. */
+/** Status in words, and whether it is a warning. */
 export interface Text {
   text: string;
   /** What a person can do, or should know. */
@@ -10,7 +10,7 @@ export interface Text {
   kind: "rest" | "drive" | "warn";
 }
 
-/** What the words depend on. */
+/** What the status depends on. */
 export type Situation = Pick<StopControl, "told" | "note" | "hears" | "isNews" | "canInterrupt">;
 
 export const rest = (text: string, hint = ""): Text => ({ text, hint, kind: "rest" });
@@ -25,7 +25,7 @@ const NOTES: Partial<Record<Note, Text>> = {
   ignored: warn("the kernel was interrupted, but its cell goes on", "press Stop again, or restart the kernel"),
 };
 
-/** What is to be said of Stop, before anything else; null when nothing is. */
+/** The status of Stop, which comes before any other; null when there is none. */
 export function toStopText({ told, note, hears, isNews }: Situation): Text | null {
   if (!told.stopped && note === "asking") return rest("stopping");
   if (!told.stopped && note === "interrupted") return rest("stopping", "the kernel was interrupted");

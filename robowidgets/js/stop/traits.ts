@@ -4,10 +4,10 @@ export interface StopTraits extends NamedTraits {
   _state: Told;
 }
 
-/** What Python tells: who drives, the speed sent last, whether stop is latched, and texts. */
+/** State of the robot's driver, as Python sends it. */
 export interface Told {
   ready: boolean;
-  /** "program", the name of a press, or nobody. */
+  /** "program", the name of a press, or empty. */
   driver: string;
   speed: [number, number];
   stopped: boolean;
@@ -15,6 +15,6 @@ export interface Told {
   cause: string;
   words: string;
   topic: string;
-  /** Counts what was told, so that the same is news again. */
+  /** Counts the messages, so that an unchanged state is sent as well. */
   number: number;
 }

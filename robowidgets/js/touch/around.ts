@@ -21,14 +21,14 @@ export interface Around {
   height: number;
 }
 
-/** With less, words would not fit into the rectangles at the sides. */
+/** Pixels; in less, words would not fit into the rectangles at the sides. */
 export const LEAST_WIDTH = 220;
 const WIDEST = 190;
 const SIDES = Math.sin((20 * Math.PI) / 180);
 
 /**
- * Rectangles round a robot's body, forward up and left on the left: those ahead above it, those behind below, the
- * others in a column on their side, from the foremost down. They never overlap; a line tells where each one sits.
+ * Lays rectangles around the robot's body, forward up: sensors ahead above it, sensors behind below it, the others in a
+ * column at their side. Rectangles never overlap; a line leads from each to the place of its sensor.
  *
  * @param angles sensor name to radians counter-clockwise from forward
  */
@@ -101,7 +101,7 @@ export function spread(wanted: number[], distance: number, first: number, last: 
   return placed;
 }
 
-/** The middle of the edge of a box that looks at the body. */
+/** The middle of the edge of a box that faces the body. */
 function edgeOf({ x, y, width, height }: Box, from: Point, across: boolean): Point {
   if (across) return { x: Math.min(Math.max(from.x, x + 8), x + width - 8), y: y < from.y ? y + height : y };
   return { x: x < from.x ? x + width : x, y: y + height / 2 };

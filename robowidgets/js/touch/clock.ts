@@ -6,7 +6,7 @@ interface Arrivals {
   listen(callback: () => void, signal: AbortSignal): void;
 }
 
-/** How old the frame on show is. It stands still while the picture is frozen. */
+/** The age of the frame on show. It stops while the picture is frozen. */
 export class Clock {
   readonly #stream: Arrivals;
   readonly #now: () => number;
@@ -23,7 +23,7 @@ export class Clock {
     return this.#frozenAt === undefined && this.#stream.arrived > 0;
   }
 
-  /** Seconds since the frame on show came; null when this page found it in its state, at its load or in a saved file. */
+  /** Seconds since the frame on show arrived; null when it was in the state at page load. */
   get elapsed(): number | null {
     if (this.#frozenAt !== undefined) return this.#frozenAt;
     return this.runs ? Math.max(0, this.#now() - this.#stream.arrived) / 1000 : null;

@@ -8,7 +8,7 @@ export interface Sensor {
   state: TouchState;
   /** How often it was touched. */
   touches: number;
-  /** How long it had been in its state when Python sent it, in seconds; null while nothing was said of it. */
+  /** Seconds in this state when Python sent it; null while no message has named the sensor. */
   seconds: number | null;
 }
 
@@ -26,7 +26,7 @@ export function decodeTouch(bytes: DataView): Touch {
   return { ...head, sensors: rows.map(([name, state, touches, seconds]) => ({ name, state, touches, seconds })) };
 }
 
-/** The sensors of these names, in their order, unknown where nothing came of them; all of them when no name is given. */
+/** The sensors of these names, in their order, UNKNOWN where no message has named them; all sensors for no names. */
 export function select(sensors: Sensor[], names: string[]): Sensor[] {
   if (names.length === 0) return sensors;
   const known = new Map(sensors.map((sensor) => [sensor.name, sensor]));

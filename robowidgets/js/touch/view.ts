@@ -1,9 +1,9 @@
 import { type Size, watchSize } from "../shared/canvas.ts";
-import { Card } from "../shared/card.ts";
 import { make, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
+import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { About } from "../shared/traits.ts";
@@ -32,7 +32,7 @@ export class TouchView {
   readonly #model: Model<TouchTraits>;
   readonly #stream: Stream<Touch>;
   readonly #clock: Clock;
-  readonly #card: Card;
+  readonly #card: SampleCard;
   readonly #footer: Footer;
   readonly #field = make("div", "rw-field");
   readonly #empty = make("div", "rw-empty");
@@ -53,7 +53,7 @@ export class TouchView {
     this.#stream = stream;
     this.#clock = clock;
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#card = new Card(element, "touch", model, stream, this.#redraw, signal);
+    this.#card = new SampleCard(element, "touch", model, stream, this.#redraw, signal);
     this.#footer = new Footer(this.#card.footer);
     this.#field.role = "list";
     this.#card.picture.append(this.#field, this.#empty);
@@ -115,7 +115,7 @@ export class TouchView {
       this.#tiles.set(name, tile);
       const box = boxes.get(name);
       if (box) tile.place(box);
-      // Readers of screens follow the page's order: it is the robot's.
+      // Screen readers follow the order of elements: keep that of the sensors.
       const tiles = this.#field.querySelectorAll(":scope > .rw-tile");
       if (tiles[i] !== tile.element) this.#field.insertBefore(tile.element, tiles[i] ?? null);
     });

@@ -1,0 +1,124 @@
+import { Bar } from "./bar.ts";
+import { Card } from "./card.ts";
+import { make, makeButton, makeIcon, setLabel, setText } from "./dom.ts";
+import { isPlain, on } from "./events.ts";
+import { toAge, toCount, toFixed } from "./format.ts";
+import { type Model, onChange } from "./model.ts";
+import { READING_MS, throttle } from "./schedule.ts";
+import type { Frame, Stream } from "./stream.ts";
+import type { SampleTraits } from "./traits.ts";
+
+const STEPS: Record<string, number> = { ",": -1, ".": 1 };
+const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
+const PLAY = "M3 1.2l7 4.8-7 4.8z";
+
+/** A card with the newest of many samples, which a person can freeze, and step through its history. */
+export class SampleCard extends Card {
+  readonly #model: Model<SampleTraits>;
+  readonly #stream: Stream<Frame>;
+  readonly #silence = make("div", "rw-silence");
+  readonly #freeze: HTMLButtonElement;
+  readonly #freezeText = make("span", "");
+  /** The words around the number are hidden in a narrow card. */
+  readonly #freezeWords = ["rw-word", "rw-number", "rw-word"].map((name) => make("span", name));
+  readonly #bar: Bar;
+  readonly #tellFacts: () => void;
+  #known: string[] = [];
+  #paced = true;
+  #paused: boolean | null = null;
+
+  constructor(
+    element: HTMLElement,
+    kind: string,
+    model: Model<SampleTraits>,
+    stream: Stream<Frame>,
+    redraw: () => void,
+    signal: AbortSignal,
+  ) {
+    super(element, kind, model, redraw, signal);
+    this.#model = model;
+    this.#stream = stream;
+    this.#freeze = makeButton("rw-freeze", "", () => stream.toggle(), signal);
+    this.#freezeText.append(...this.#freezeWords);
+    this.controls.append(this.#freeze);
+    this.picture.append(this.#silence);
+    this.#bar = new Bar(stream, signal);
+    this.picture.after(this.#bar.root);
+    onChange(model, ["_source"], redraw, signal);
+    this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
+    on(this.header, "pointerenter", () => this.#tellAll(), signal);
+    on(this.root, "keydown", (event) => this.#onKey(event), signal);
+  }
+
+  /** Inserts controls of the widget before the freeze button. */
+  addControls(...elements: HTMLElement[]): void {
+    for (const element of elements) this.controls.insertBefore(element, this.#freeze);
+  }
+
+  /** The text of a picture before the first sample. */
+  waiting(noun: string): string {
+    if (this.#stream.since) return `frozen before the first ${noun}`;
+    return this.#model.get("_source").words || `waiting for a ${noun}`;
+  }
+
+  /**
+   * Brings header, notice, bar and freeze button up to date.
+   * @param facts about the source, shown after the title
+   * @param noun for a sample: "scan"
+   * @param paced whether samples come at a steady rate; without one, silence is no fault
+   */
+  update(facts: string[], noun: string, paced = true): void {
+    const { error } = this.#model.get("_about");
+    const { paused, since, about, shown, place } = this.#stream;
+    const { notes = [] } = about;
+    this.#known = facts.filter(Boolean);
+    this.#paced = paced;
+    this.#tellFacts();
+    const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
+    const source = this.#model.get("_source");
+    const isError = Boolean(error || source.error);
+    // An empty picture shows the source's words itself.
+    const lines = [source.error ?? "", (shown && source.words) || "", ...said].filter(Boolean);
+    this.updateFrame(lines, isError ? "error" : said.length ? "note" : "status");
+    this.#bar.update(this.footer.hidden ? null : place);
+
+    this.root.classList.toggle("rw-frozen", paused);
+    if (this.#paused !== paused) {
+      this.#paused = paused;
+      this.#freeze.ariaPressed = String(paused);
+      setLabel(this.#freeze, paused ? "Show the newest again (space)" : "Freeze the picture (space)");
+      this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), this.#freezeText);
+    }
+    const state = paused ? ["Frozen · ", toCount(since), " since"] : ["Freeze", "", ""];
+    for (const [i, element] of this.#freezeWords.entries()) setText(element, state[i] ?? "");
+  }
+
+  /** Shows facts, rate and silence of the source; calls itself again while the source is silent. */
+  #drawFacts(): void {
+    const { live, rate } = this.#stream;
+    const silence = this.#paced ? this.#stream.silence : 0;
+    const pace = live && this.#paced && rate ? [`${toFixed(rate, 1)} Hz`] : [];
+    this.updateFacts([...this.#known, ...pace]);
+    setText(this.#silence, silence ? `no data for ${toAge(silence)}` : "");
+    this.root.classList.toggle("rw-silent", silence > 0 || this.#model.get("_source").lost === true);
+    if (silence) this.#tellFacts();
+  }
+
+  /** The tooltip of the header: all facts about the source, line by line. */
+  #tellAll(): void {
+    const { arrived } = this.#stream;
+    const { topic = this.#model.get("title"), type } = this.#model.get("_source");
+    const age = arrived && `newest ${toAge(performance.now() - arrived)} ago`;
+    this.header.title = [topic, type, this.facts, age].filter(Boolean).join("\n");
+  }
+
+  #onKey(event: KeyboardEvent): void {
+    if (!isPlain(event)) return;
+    if (this.#stream.step(STEPS[event.key] ?? 0)) event.preventDefault();
+    if (event.key !== " " || event.target instanceof HTMLButtonElement) return;
+    event.preventDefault();
+    // The bar is hidden when the picture is released. Focus must not leave the card with it.
+    this.picture.focus({ preventScroll: true });
+    this.#stream.toggle();
+  }
+}
