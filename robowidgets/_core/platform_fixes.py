@@ -122,3 +122,30 @@ async def close_when_connected(connecting: asyncio.Future[Any], seconds: float) 
         stream = connection.protocol.stream
         connection.close()
         stream.close()
+
+
+def bound_decompression() -> None:
+    """Let rosbags decompress a chunk into no more bytes than it claims, or than a chunk may have.
+
+    By itself rosbags decompresses for as long as there is memory, so a hostile file of some kilobytes ends the kernel.
+    The fix replaces the functions in its tables of decompressors; a chunk that is larger, or damaged, raises.
+    """
+    if not ENABLED:
+        return
+    # Imported lazily: widgets and feeds need no reader of files.
+    from rosbags.rosbag1.reader import decompressors
+    from rosbags.rosbag2.storage_mcap import DECOMPRESSORS
+
+    from ..messages.compression import MAX_CHUNK, inflate
+
+    def bounded(compression: str) -> Callable[..., bytes]:
+        def decompress(data: bytes, size: int = MAX_CHUNK) -> bytes:
+            raw, whole = inflate(compression, data, min(size, MAX_CHUNK))
+            if not whole:
+                raise ValueError(f"a chunk in {compression} is damaged, or larger than it claims")
+            return raw
+
+        return decompress
+
+    decompressors.update({name: bounded(name) for name in ("bz2", "lz4")})
+    DECOMPRESSORS.update({name: bounded(name) for name in ("zstd", "lz4")})

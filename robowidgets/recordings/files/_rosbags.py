@@ -11,33 +11,19 @@ from typing import Any
 
 from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
 from rosbags.rosbag1 import Reader as BagReader
-from rosbags.rosbag1.reader import decompressors
-from rosbags.rosbag2.storage_mcap import DECOMPRESSORS, McapReader
+from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
+from ..._core.platform_fixes import bound_decompression
 from ...messages.channel import Channel, definition_text
-from ...messages.compression import MAX_CHUNK, inflate, plain
+from ...messages.compression import plain
 from ...repair import Arrivals, Message, RecordingError
 from ._index import BagIndex, Index, McapIndex, SqliteIndex
 
 _NEVER = 2**63 - 1
 
 
-def _bounded(compression: str) -> Callable[..., bytes]:
-    """What decompresses a chunk into no more bytes than it claims, or than a chunk may have."""
-
-    def decompress(data: bytes, size: int = MAX_CHUNK) -> bytes:
-        raw, whole = inflate(compression, data, min(size, MAX_CHUNK))
-        if not whole:
-            raise RecordingError(f"a chunk in {compression} is damaged, or larger than it claims")
-        return raw
-
-    return decompress
-
-
-# As it comes, rosbags decompresses for as long as there is memory.
-decompressors.update({name: _bounded(name) for name in ("bz2", "lz4")})
-DECOMPRESSORS.update({name: _bounded(name) for name in ("zstd", "lz4")})
+bound_decompression()
 
 
 def open_bag(path: Path) -> RosbagsSource:
