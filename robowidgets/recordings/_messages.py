@@ -40,7 +40,7 @@ class Messages:
     def __init__(self, source: Source) -> None:
         self._source = source
         self.start_ns, self.end_ns = source.start_ns, source.end_ns
-        self._decoders: dict[int, Decoder[Any]] = {}
+        self._decoders: dict[int, Decoder] = {}
         self._shown: defaultdict[str, list[Channel]] = defaultdict(list)
         self._kinds: dict[str, tuple[Kind, str]] = {}
         """By topic its kind, and the message type that it has it from."""
@@ -101,7 +101,7 @@ class Messages:
     def series(self, topic: str, memory: Memory) -> Series[Any]:
         """The samples of a topic as columns."""
         channels = self._shown[topic]
-        store: Store[Any] = Store(self._source, channels, self._decoders, memory, self._note, self._stop)
+        store: Store = Store(self._source, channels, self._decoders, memory, self._note, self._stop)
         series: Series[Any] = load(self._kinds[topic][0].columns)(store, self.start_ns or 0)
         return series
 

@@ -13,7 +13,7 @@ from ...messages import to_scan, to_speed
 from ...messages.channel import Channel
 from ...messages.decoding import decoder_of, shape_of
 from ._template import MessageTemplate, Rows, scan_template, speed_template
-from .chunks import Chunk, SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
+from .chunks import SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
 
 Note = Callable[[int, Exception], None]
 """Is told of a message that cannot be shown: its number among those given, and why."""
@@ -21,10 +21,10 @@ Note = Callable[[int, Exception], None]
 _FIRST_LOOK, _CAREFUL_LOOK = 1024, 32
 
 
-class Decoder(Protocol[Chunk]):
+class Decoder(Protocol):
     """Makes chunks of the messages of one channel."""
 
-    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Chunk]:
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
         """The chunks of some messages in their order; those that cannot be shown are noted and left out.
 
         Args:
@@ -116,7 +116,7 @@ class SampleDecoder:
     def __init__(self, channel: Channel, read: Callable[[Any], Any]) -> None:
         self._decode, self._read = decoder_of(channel), read
 
-    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[SampleChunk]:
+    def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
         """See `Decoder`."""
         rows: list[int] = []
         samples: list[Any] = []

@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, count, groupby, islice
-from typing import Any, Generic, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from ...messages.channel import Channel
 from ...repair import Message, RecordingError, Source
 from ._decoders import Decoder
 from ._memory import Memory
-from .chunks import Chunk, ScanChunk, compact, merged
+from .chunks import ScanChunk, compact, merged
 
 PAGE_BYTES = 1 << 20
 """About how many bytes of messages are decoded together, and held in memory or not."""
@@ -57,7 +57,7 @@ class _Index:
     stamps: list[NDArray[np.int64]] = field(default_factory=list)
     rows: int = 0
 
-    def add_page(self, page: Page, chunks: Sequence[Chunk]) -> list[Chunk]:
+    def add_page(self, page: Page, chunks: Sequence[Any]) -> list[Any]:
         """Take in the next page; its chunks with the numbers of their rows."""
         numbered = []
         for number, chunk in enumerate(chunks):
@@ -75,7 +75,7 @@ class _Index:
         self.times, self.stamps = [_joined(self.times)], [_joined(self.stamps)]
 
 
-class Store(Generic[Chunk]):
+class Store:
     """The chunks of a topic.
 
     Args:
@@ -91,7 +91,7 @@ class Store(Generic[Chunk]):
         self,
         source: Source,
         channels: Sequence[Channel],
-        decoders: Mapping[int, Decoder[Chunk]],
+        decoders: Mapping[int, Decoder],
         memory: Memory,
         note: Callable[[Channel, int, Exception], None],
         stop: Callable[[RecordingError], None],
@@ -100,7 +100,7 @@ class Store(Generic[Chunk]):
         self.memory = memory
         self._source = source
         self._channels = channels
-        self._decoders: Mapping[int, Decoder[Chunk]] = decoders
+        self._decoders = decoders
         self._note = note
         self._stop = stop
         self._index: _Index | None = None
@@ -125,7 +125,7 @@ class Store(Generic[Chunk]):
         """Whether all of it was read once."""
         return self._index is not None
 
-    def chunks(self, start: int = 0, stop: int | None = None) -> Iterator[Chunk]:
+    def chunks(self, start: int = 0, stop: int | None = None) -> Iterator[Any]:
         """The chunks that hold the rows from ``start`` up to, not including, ``stop``, cut to these."""
         if self._index is None and start == 0 and stop is None:
             yield from self._first_pass()
@@ -138,7 +138,7 @@ class Store(Generic[Chunk]):
                 return
             first, end = max(start - place.start, 0), min(stop - place.start, place.rows)
             if first < end:
-                chunk: Chunk = self._page(index, place.page)[place.number]
+                chunk = self._page(index, place.page)[place.number]
                 part = chunk if end - first == place.rows else chunk.part(slice(first, end))
                 yield replace(part, start=place.start + first)
 
@@ -149,7 +149,7 @@ class Store(Generic[Chunk]):
         assert self._index is not None
         return self._index
 
-    def _first_pass(self) -> Iterator[Chunk]:
+    def _first_pass(self) -> Iterator[Any]:
         index = _Index()
         total = sum(channel.count for channel in self._channels)
         with Progress(total, f"Reading {self.topic}") as bar:
@@ -171,8 +171,8 @@ class Store(Generic[Chunk]):
         messages = self._source.messages(self._channels, page.first_ns, page.last_ns + 1)
         return list(islice(messages, page.skipped, page.skipped + page.messages))
 
-    def _decode(self, messages: Sequence[Message]) -> list[Chunk]:
-        chunks: list[Chunk] = []
+    def _decode(self, messages: Sequence[Message]) -> list[Any]:
+        chunks: list[Any] = []
         for number, group in groupby(messages, key=lambda message: message[0].id):
             run = list(group)
             times, raws = [message[1] for message in run], [message[2] for message in run]

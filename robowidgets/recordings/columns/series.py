@@ -43,13 +43,13 @@ class Series(Generic[Taken]):
     longer than a second, and what was decoded last is kept, within `Recording.memory`.
     """
 
-    def __init__(self, store: Store[Any], start_ns: int, rows: Rows | None = None) -> None:
+    def __init__(self, store: Store, start_ns: int, rows: Rows | None = None) -> None:
         self._store = store
         self._start_ns = start_ns
         self._rows = rows
 
     @staticmethod
-    def decoder(channel: Channel, kind: Kind) -> Decoder[Any]:
+    def decoder(channel: Channel, kind: Kind) -> Decoder:
         """What makes chunks of the messages of a channel."""
         return SampleDecoder(channel, kind.read)
 

@@ -120,7 +120,7 @@ class Touches(Series[Touch]):
     there is a row for that too, at its time.
     """
 
-    def __init__(self, store: Store[SampleChunk], start_ns: int, rows: Rows | None = None) -> None:
+    def __init__(self, store: Store, start_ns: int, rows: Rows | None = None) -> None:
         super().__init__(store, start_ns, rows)
         self._table: Table | None = None
 
