@@ -6,6 +6,7 @@ whatever lengths it claims. `Source.problems` lists what was wrong; `write.write
 
 from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, was_set
 from ._open import find_files, open_repaired
+from ._sqlite import is_cut
 from .source import Message, RecordingError, Source
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "RecordingError",
     "Source",
     "find_files",
+    "is_cut",
     "open_repaired",
     "was_set",
 ]

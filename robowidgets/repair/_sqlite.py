@@ -119,6 +119,12 @@ def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
     return connection, damage
 
 
+def is_cut(path: Path) -> bool:
+    """Whether a database is shorter than it says. SQLite reads zeros where a part of its last page is missing."""
+    size, page_size, pages = _sizes(path)
+    return size < pages * page_size
+
+
 def _sizes(path: Path) -> tuple[int, int, int]:
     """Size of the file, size of a page, and the number of pages that the file says it has."""
     file = FileRange(path)

@@ -17,7 +17,7 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 from ..._core.platform_fixes import bound_decompression
 from ...messages.channel import Channel, definition_text
 from ...messages.compression import plain
-from ...repair import Arrivals, Message, RecordingError
+from ...repair import Arrivals, Message, RecordingError, is_cut
 from ._index import BagIndex, Index, McapIndex, SqliteIndex
 
 _NEVER = 2**63 - 1
@@ -42,9 +42,18 @@ def open_mcap(path: Path) -> RosbagsSource:
 
 
 def open_sqlite(path: Path) -> RosbagsSource:
-    """A ``.db3``. Raises as `open_bag`."""
-    _check(path)
-    return RosbagsSource(Sqlite3Reader(path), SqliteIndex)
+    """A ``.db3``. Raises as `open_bag`, and RecordingError where rosbags would leave something out in silence."""
+    # rosbags makes a URI of the path, in which these stand for something else: perhaps another file.
+    if set("%?#") & set(str(path)):
+        raise RecordingError(f"{path}: rosbags opens no database whose path holds %, ? or #")
+    if is_cut(path):
+        raise RecordingError(f"{path}: SQLite reads zeros at the end of a database that was cut off")
+    reader = Sqlite3Reader(path)
+    source = RosbagsSource(reader, SqliteIndex)
+    if reader.metadata.message_count > sum(channel.count for channel in source.channels):
+        source.close()
+        raise RecordingError(f"{path}: rosbags leaves out messages of topics that the database does not name")
+    return source
 
 
 class RosbagsSource:
@@ -92,12 +101,6 @@ class RosbagsSource:
         if self._open:
             self._open = False
             self._reader.close()
-
-
-def _check(path: Path) -> None:
-    # rosbags makes a URI of the path to a database, in which these stand for something else: perhaps another file.
-    if set("%?#") & set(str(path)):
-        raise RecordingError(f"{path}: rosbags opens no database whose path holds %, ? or #")
 
 
 def _channel(connection: Connection) -> Channel:

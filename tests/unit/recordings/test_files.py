@@ -5,7 +5,9 @@ from __future__ import annotations
 import gzip
 import os
 import shutil
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -212,6 +214,30 @@ class TestFilesWithoutMetadata:
         shutil.copy(other, folder / "run_1.mcap")
         with pytest.raises(RecordingError, match="2 recordings in this folder"):
             open(folder)
+
+
+class TestDatabases:
+    def test_that_were_cut_within_their_last_page_give_no_zeros(self, tmp_path: Path) -> None:
+        held = messages(60)
+        path = write_db3(tmp_path / "x", held)
+        size = path.stat().st_size
+        for missing in (1, 100, 2000, 4000):
+            cut = tmp_path / f"cut_{missing}.db3"
+            cut.write_bytes(path.read_bytes()[: size - missing])
+            source = open_source(cut)
+            for channel, time_ns, raw in source.messages(source.channels):
+                assert (channel.topic, time_ns, raw) in held
+            assert source.problems[0].startswith("the recording was cut off: read ")
+            source.close()
+
+    def test_count_messages_of_topics_that_they_do_not_name(self, tmp_path: Path) -> None:
+        path = write_db3(tmp_path / "x", messages(60))
+        with closing(sqlite3.connect(path)) as database:
+            database.execute("DELETE FROM topics WHERE name = '/cmd_vel'")
+            database.commit()
+        with closing(open_source(path)) as source:
+            assert [channel.count for channel in source.channels] == [40]
+            assert source.problems == ("left out 20 messages of topics that the file does not name",)
 
 
 class TestMetadata:
