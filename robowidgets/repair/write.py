@@ -40,16 +40,15 @@ def write(source: Source, path: Path) -> Written:
         raise RecordingError(f"{path}: cannot be written: the clock begins before 1970, and MCAP holds no such times")
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:
-        with part.open("xb") as file:
-            try:
+        try:
+            with part.open("wb") as file:
                 count, problems = _write_messages(source, file, path.name)
                 file.flush()
                 os.fsync(file.fileno())
-                size = file.tell()
-                part.replace(path)
-            except BaseException:
-                part.unlink()
-                raise
+            size = part.stat().st_size
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from None
     return Written(count, ((source.end_ns or 0) - (source.start_ns or 0)) / 1e9, size, tuple(problems))

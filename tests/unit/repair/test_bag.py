@@ -226,7 +226,7 @@ def test_an_empty_or_missing_file_is_named(tmp_path: Path) -> None:
 
 
 def test_messages_of_a_topic_that_is_not_named_are_told(tmp_path: Path) -> None:
-    path = write_bag(tmp_path / "nameless.bag", messages(), chunk=1 << 20)
+    path = write_bag(tmp_path / "nameless.bag", messages(99), chunk=1 << 20)
     raw = path.read_bytes()
     nameless = bytearray(raw)
     at = -1
@@ -236,6 +236,7 @@ def test_messages_of_a_topic_that_is_not_named_are_told(tmp_path: Path) -> None:
     source = open_repaired([path])
     assert [channel.topic for channel in source.channels] == ["/scan"]
     assert "left out 33 messages of topics that the file does not name" in source.problems
+    assert (source.start_ns, source.end_ns) == (START_NS, START_NS + 97 * STEP_NS)
 
 
 def test_a_disk_that_fails_is_told_and_what_was_read_before_is_kept(

@@ -124,3 +124,10 @@ def test_files_of_a_folder_come_in_the_order_a_person_counts(tmp_path: Path) -> 
         (tmp_path / name).touch()
     (tmp_path / "folder.mcap").mkdir()
     assert [path.name for path in find_files(tmp_path)] == names
+
+
+def test_a_file_that_is_gone_is_told_beside_the_rest(tmp_path: Path) -> None:
+    held = messages(30)
+    source = open_repaired([tmp_path / "drive_0.bag", write_bag(tmp_path / "drive_1.bag", held)])
+    assert read(source) == held
+    assert source.problems == ("drive_0.bag: cannot be opened: No such file or directory",)
