@@ -9,7 +9,7 @@ from pathlib import Path
 from ..messages.channel import Channel
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
 from ._byte_range import ByteRange, FileRange, MemoryRange, find
-from ._records import MAX_TEXT, Damage, Format, Frame, walk, with_bar
+from ._records import MAX_TEXT, Damage, Frame, Layout, find_frames, with_bar
 from ._report import foreign
 from ._walk import FoundMessages, Walk
 from .source import RecordingError
@@ -49,13 +49,13 @@ def walk_bag(path: Path) -> Walk:
     file = FileRange(path)
     try:
         _check_format(file)
-        return _Scan(file).walk()
+        return _Reader(file).walk()
     except BaseException:
         file.close()
         raise
 
 
-class _Scan:
+class _Reader:
     """One walk through a bag."""
 
     def __init__(self, file: FileRange) -> None:
@@ -70,11 +70,11 @@ class _Scan:
             self.records(self.file, -1, self.damage, start=len(MAGIC))
         except OSError as error:
             self.damage.disk = error.strerror or str(error)
-        return self.found.walk(list(self.channels.values()), self.damage)
+        return self.found.as_walk(list(self.channels.values()), self.damage)
 
     def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
         """Index the records of the file (chunk -1) or of a chunk."""
-        frames = walk(data, _LAYOUT, damage, start)
+        frames = find_frames(data, _LAYOUT, damage, start)
         for frame in with_bar(frames, self.file) if chunk < 0 else frames:
             if frame.op == _MESSAGE and frame.whole:
                 seconds, nanoseconds = struct.unpack("<II", frame.fields["time"])
@@ -198,7 +198,7 @@ def _text(raw: bytes) -> str:
     return raw.decode("utf-8", errors="replace")
 
 
-_LAYOUT = Format(
+_LAYOUT = Layout(
     _frame_at,
     _next_frame,
     last_op=None,

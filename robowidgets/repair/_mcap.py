@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ..messages.channel import Channel, definition_text
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
 from ._byte_range import ByteRange, FileRange, MemoryRange, find
-from ._records import MAX_TEXT, Damage, Format, Frame, walk, with_bar
+from ._records import MAX_TEXT, Damage, Frame, Layout, find_frames, with_bar
 from ._report import foreign
 from ._walk import FoundMessages, Walk
 
@@ -48,7 +48,7 @@ def walk_mcap(path: Path) -> Walk:
         head = file.read(0, 64)
         if not head.startswith(MAGIC):
             raise foreign(file.name, "an MCAP file", head)
-        return _Scan(file).walk()
+        return _Reader(file).walk()
     except BaseException:
         file.close()
         raise
@@ -66,7 +66,7 @@ class _NamedChannel(NamedTuple):
     encoding: str
 
 
-class _Scan:
+class _Reader:
     """One walk through an MCAP file."""
 
     def __init__(self, file: FileRange) -> None:
@@ -82,7 +82,7 @@ class _Scan:
             self.records(self.file, -1, self.damage, start=len(MAGIC))
         except OSError as error:
             self.damage.disk = error.strerror or str(error)
-        return self.found.walk(self.channels(), self.damage)
+        return self.found.as_walk(self.channels(), self.damage)
 
     def channels(self) -> list[Channel]:
         """The channels with their schemas, which may come anywhere in the file, also after them."""
@@ -95,7 +95,7 @@ class _Scan:
 
     def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
         """Index the records of the file (chunk -1) or of a chunk."""
-        frames = walk(data, _LAYOUT, damage, start)
+        frames = find_frames(data, _LAYOUT, damage, start)
         for frame in with_bar(frames, self.file) if chunk < 0 else frames:
             if frame.op == _MESSAGE and frame.whole:
                 self.message(data, frame, chunk, damage)
@@ -224,7 +224,7 @@ def _strings(raw: bytes, count: int) -> list[str]:
     return strings
 
 
-_LAYOUT = Format(
+_LAYOUT = Layout(
     _frame_at,
     _next_frame,
     last_op=_FOOTER,

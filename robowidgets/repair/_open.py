@@ -55,14 +55,14 @@ def find_files(folder: Path) -> list[Path]:
 
 def _attempt(path: Path) -> Walk | str:
     try:
-        return _walk(path)
+        return _walk_file(path)
     except RecordingError as error:
         return str(error)
     except OSError as error:
         return f"{path.name}: cannot be opened: {error.strerror or error}"
 
 
-def _walk(path: Path) -> Walk:
+def _walk_file(path: Path) -> Walk:
     """The walk through one file. Its first bytes name its format; its name does only where they do not."""
     left_behind = path.with_name(f"{path.name}-wal")
     if left_behind.is_file() and left_behind.stat().st_size:
@@ -92,7 +92,7 @@ def _walk_packed(path: Path) -> Walk:
         with copy.open("rb") as file:
             if file.read(4) == ZSTD_MAGIC:
                 raise RecordingError(f"{path.name}: expected a recording in zstd, got zstd within zstd")
-        walk = _walk(copy)
+        walk = _walk_file(copy)
     except BaseException as error:
         folder.cleanup()
         if isinstance(error, OSError):

@@ -28,7 +28,7 @@ class Frame(NamedTuple):
     whole: bool = True
 
 
-class Format(NamedTuple):
+class Layout(NamedTuple):
     """How records are recognised in one file format.
 
     ``frame_at`` gives the record at an offset, which may reach past the end of the data, or None when no record stands
@@ -85,7 +85,7 @@ def with_bar(frames: Iterable[Frame], file: FileRange) -> Iterator[Frame]:
             done = frame.end
 
 
-def walk(data: ByteRange, layout: Format, damage: Damage, start: int = 0) -> Iterator[Frame]:
+def find_frames(data: ByteRange, layout: Layout, damage: Damage, start: int = 0) -> Iterator[Frame]:
     """Every record that can be recognised, in the order of the file; what was wrong is noted in ``damage``.
 
     A record is yielded once another one is found where it ends. If there is none, the next one is searched for within

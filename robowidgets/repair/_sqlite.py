@@ -43,7 +43,7 @@ def walk_sqlite(path: Path) -> Walk:
         try:
             connection, damage = _connect(path, stack)
             _check_tables(connection, path.name)
-            walk = _walk(path, connection, damage)
+            walk = _walk_rows(path, connection, damage)
         except sqlite3.Error as error:
             raise RecordingError(
                 f"{path.name}: the database cannot be read ({error}): expected a rosbag2 .db3; "
@@ -53,7 +53,7 @@ def walk_sqlite(path: Path) -> Walk:
         return walk
 
 
-def _walk(path: Path, connection: sqlite3.Connection, damage: Damage) -> Walk:
+def _walk_rows(path: Path, connection: sqlite3.Connection, damage: Damage) -> Walk:
     rows, times, topics = array("q"), array("q"), array("q")
     with Progress(None, f"Reading {path.name}") as bar:
         for row in _rows(connection, damage):

@@ -103,7 +103,7 @@ class FoundMessages:
             raise RecordingError(f"{self._file.name}: has changed since it was opened; open it again")
         return data
 
-    def walk(self, channels: Sequence[Channel], damage: Damage) -> Walk:
+    def as_walk(self, channels: Sequence[Channel], damage: Damage) -> Walk:
         """All that was found."""
         file = self._file
         return Walk(file.name, file.size, channels, self.times, self.channels, self.read, self._close, damage)
