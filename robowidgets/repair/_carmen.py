@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from itertools import compress
 from pathlib import Path
 from typing import NamedTuple
@@ -15,14 +15,14 @@ from ._carmen_lines import (
     NEW_SCANS,
     OLD_SCANS,
     SPEEDS,
-    checked,
+    check,
     estimate,
+    name_of,
     new_scan,
     odometry,
     old_scan,
     range_max_of,
     time_ns_of,
-    word_of,
 )
 from ._clock import repaired_log
 from ._records import Damage
@@ -71,14 +71,14 @@ def walk_carmen(path: Path) -> Walk:
     times, about_clock = _times(names, lines)
     topics = list(dict.fromkeys(names))
     numbers = {topic: i for i, topic in enumerate(topics)}
-    encoders = {topic: _encoder(topic, names, lines) for topic in topics}
+    encoder = cache(lambda topic: _encoder(topic, names, lines))
     return Walk(
         name=path.name,
         size=len(text),
         channels=[Channel(i, topic, _TYPES[topic], "ros1", "", 0) for topic, i in numbers.items()],
         times=times,
         ids=[numbers[name] for name in names],
-        read=lambda number: encoders[names[number]](lines[number]),
+        read=lambda number: encoder(names[number])(lines[number]),
         close=lambda: None,
         damage=Damage(),
         problems=tuple(filter(None, (*problems, about_clock, *errors.values()))),
@@ -93,12 +93,12 @@ def _lines(text: bytes) -> _Lines:
     """
     found = _Lines([], [], {})
     for line in text.splitlines():
-        name = word_of(line)
+        name = name_of(line)
         if name == ESTIMATE and found.names and found.names[-1] == "ODOM":
             found.names[-1] = ESTIMATE
         elif name in _TYPES and name != ESTIMATE:
             try:
-                checked(line)
+                check(name, line)
             except ValueError as error:
                 found.errors.setdefault(name, f"{name}: lines that cannot be read are left out, such as: {error}")
                 continue
@@ -147,7 +147,7 @@ def _text(path: Path) -> tuple[bytes, list[str]]:
         file.seek(0)
         start = file.read(_LOOKED_AT)
         start = _gunzip(start, _LOOKED_AT)[0] if packed else start
-        if not any(word_of(line) for line in start.splitlines()):
+        if not any(name_of(line) for line in start.splitlines()):
             is_foreign = not packed or not start
             got = kind(head) if is_foreign else f"{kind(start[:64])} in gzip: unpack it with gunzip"
             raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {got}")

@@ -16,7 +16,7 @@ SPEEDS = ("ODOM",)
 OLD_SCANS = ("FLASER", "RLASER")
 NEW_SCANS = tuple(f"{word}{number}" for word in ("RAWLASER", "ROBOTLASER") for number in range(1, 6))
 ESTIMATE = "NEFF"
-_WORDS = frozenset((*SPEEDS, *OLD_SCANS, *NEW_SCANS, ESTIMATE, "PARAM", "SYNC", "TRUEPOS"))
+_NAMES = {name.encode(): name for name in (*SPEEDS, *OLD_SCANS, *NEW_SCANS, ESTIMATE, "PARAM", "SYNC", "TRUEPOS")}
 
 LONGEST = 80.0
 _SHORTEST = 0.01
@@ -30,10 +30,9 @@ _LATEST_STAMP = 2**32
 """Seconds that a ROS 1 stamp can hold."""
 
 
-def word_of(line: bytes) -> str:
+def name_of(line: bytes) -> str:
     """The name of a line's message; empty when it is none of CARMEN's."""
-    word = line.partition(b" ")[0].decode("ascii", "replace")
-    return word if word in _WORDS else ""
+    return _NAMES.get(line.partition(b" ")[0], "")
 
 
 def time_ns_of(line: bytes) -> int | None:
@@ -45,10 +44,9 @@ def time_ns_of(line: bytes) -> int | None:
     return round(seconds * 1e9) if abs(seconds) < _LATEST else None
 
 
-def checked(line: bytes) -> None:
+def check(name: str, line: bytes) -> None:
     """Raise ValueError if a line has fewer words than its name and its counts require."""
     words = line.split()
-    name = word_of(line)
     least = 10 if name in SPEEDS else 11 if name in OLD_SCANS else 13
     if len(words) < least:
         raise ValueError(f"expected {least} words or more in a line {name}, got {len(words)}: it is cut")
@@ -105,7 +103,7 @@ def new_scan(line: bytes) -> bytes:
     count = int(words[8])
     remissions = _floats(words, 10 + count, int(words[9 + count]))
     step = step or sweep / max(count - 1, 1)
-    return _scan(words, word_of(line).lower(), start, step, range_max, _floats(words, 9, count), remissions)
+    return _scan(words, name_of(line).lower(), start, step, range_max, _floats(words, 9, count), remissions)
 
 
 def range_max_of(lines: Sequence[bytes]) -> float:
