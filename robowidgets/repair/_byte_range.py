@@ -50,7 +50,7 @@ class FileRange:
         self.name = path.name
         self._lock = Lock()
         try:
-            self._file = path.open("rb", buffering=0)
+            self._file = path.open("rb")
             self.size = self._file.seek(0, 2)
         except OSError as error:
             raise RecordingError(f"{path.name}: cannot be opened: {error.strerror or error}") from None
