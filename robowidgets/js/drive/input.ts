@@ -63,4 +63,4 @@ export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSigna
 }
 
 /** Pixels. */
-export const KNOB_RADIUS = 19;
+const KNOB_RADIUS = 19;
