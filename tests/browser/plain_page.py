@@ -168,7 +168,10 @@ class PlainPage:
             CellError: it raised.
         """
         self._settle()
-        return self._execute(code, [])
+        text = self._execute(code, [])
+        # A kernel's answer, too, comes after what the code has sent.
+        self._settle()
+        return text
 
     # What is on show
 

@@ -1,6 +1,9 @@
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { isDriving, type Knob, ofKeys, toKnob } from "./knob.ts";
 
+/** Pixels. */
+const KNOB_RADIUS = 19;
+
 /** What a person does to a pad. */
 export interface PadInput {
   onHold(knob: Knob): void;
@@ -61,6 +64,3 @@ export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSigna
   document.addEventListener("visibilitychange", () => document.hidden && release(), { signal });
   onAbort(signal, release);
 }
-
-/** Pixels. */
-export const KNOB_RADIUS = 19;

@@ -21,7 +21,7 @@ export const BEAT_MS = 100;
 const SOONEST_MS = 40;
 
 /** Milliseconds without an answer after which a press is over. */
-export const PATIENCE_MS = 500;
+const PATIENCE_MS = 500;
 
 /**
  * State of the pad: "free"; "asking" or "driving" while held; "silent" when Python does not answer, "late" when it

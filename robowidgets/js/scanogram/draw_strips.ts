@@ -19,12 +19,12 @@ const LETTERS: Record<string, string> = {
 type Speed = NonNullable<Whole["speed"]>;
 
 /** Whether a speed exceeds its limits by more than rounding errors, as in Python. */
-export function isPast(value: number, [low, high]: [number, number]): boolean {
+function isPast(value: number, [low, high]: [number, number]): boolean {
   return value < low - ROUNDING * Math.max(1, -low) || value > high + ROUNDING * Math.max(1, high);
 }
 
 /** The speed at the ends of a strip: the greatest there is, with the limit where it is not far off. */
-export function reachOf(speed: Speed, axis: number): number {
+function reachOf(speed: Speed, axis: number): number {
   const { least, greatest } = speed.speeds;
   let most = 0;
   for (const values of [least[axis], greatest[axis]]) {

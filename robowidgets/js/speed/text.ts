@@ -39,7 +39,7 @@ export function stateWords(state: State): [mark: string, word: string, more: str
 }
 
 /** A state in words; nothing for a speed within its limits. */
-export function toStateText(state: State): string {
+function toStateText(state: State): string {
   return stateWords(state).slice(1).join(" ").trim();
 }
 

@@ -10,7 +10,7 @@ export const GAP = 8;
 const KINDS = /^(cliff|wheel|light|button|proximity|stall) /;
 const NARROWEST = 92;
 /** Height of a rectangle that is one of many. */
-export const LOW = 58;
+const LOW = 58;
 const HIGH = 92;
 /** Below this width the words in a rectangle stand on lines of their own. */
 export const NARROW = 150;
