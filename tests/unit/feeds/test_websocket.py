@@ -260,7 +260,8 @@ def test_a_connection_that_ends_while_something_is_published_is_an_error_at_once
     go_on = server.stall()
     server.drop()
     threading.Timer(0.1, go_on).start()
-    with pytest.raises(FeedError, match=f"the connection to {server.address} ended"):
+    # The second where this thread had to wait for a processor meanwhile.
+    with pytest.raises(FeedError, match=f"(the connection to {server.address} ended|there is no connection)"):
         middleware.publish("/cmd_vel", TWIST, {})
 
 
