@@ -6,6 +6,7 @@ names what lies in the layers above it as entry points do, ``"module:name"``: re
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -150,6 +151,11 @@ TOUCH = Kind(
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH)}
 """By name, in the order in which widgets stand on a page. `add` appends another."""
 
+_RESERVED = ("time_ns", "seconds", "topic")
+"""Names that a moment has already."""
+_TYPE = re.compile(r"\w+/msg/\w+")
+_REFERENCE = re.compile(r"\w+(\.\w+)*:\w+")
+
 _STANDARD = frozenset(
     (
         *("actionlib_msgs", "action_msgs", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "lifecycle_msgs"),
@@ -159,8 +165,31 @@ _STANDARD = frozenset(
 )
 
 
-def add(kind: Kind) -> None:
-    """Add a kind of sensor, for all recordings and feeds that are opened from now on; again replaces it."""
+def add(kind: Kind, *, replace: bool = False) -> None:
+    """Add a kind of sensor, for all recordings and feeds that are opened from now on.
+
+    Args:
+        kind: its row.
+        replace: whether it takes the place of the row with its name: a cell that adds a kind may be run again.
+
+    Raises:
+        ValueError: a name is taken or no identifier, a type is not such as ``sensor_msgs/msg/Range``, or a reference is
+            not ``"module:name"``.
+    """
+    others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
+    for field in ("name", "sample_name"):
+        name = getattr(kind, field)
+        taken = (*_RESERVED, *(getattr(other, field) for other in others))
+        if not name.isidentifier() or name in taken:
+            hint = "; replace=True replaces a row" if field == "name" else ""
+            raise ValueError(f"{field}: expected an identifier other than {', '.join(taken)}, got {name!r}{hint}")
+    for type_name in (*kind.types, *kind.undecided):
+        if not _TYPE.fullmatch(type_name):
+            raise ValueError(f"types: expected message types such as 'sensor_msgs/msg/Range', got {type_name!r}")
+    for field in ("widget", "columns", "frames", "rerun"):
+        reference = getattr(kind, field)
+        if not _REFERENCE.fullmatch(reference) and (reference or field != "rerun"):
+            raise ValueError(f"{field}: expected 'module:name', got {reference!r}")
     KINDS[kind.name] = kind
 
 

@@ -137,3 +137,14 @@ def test_every_path_in_the_map_of_the_code_is_there() -> None:
     paths = set(_PATH.findall((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))) - MADE_BY_TESTS
     assert len(paths) > 20
     assert [path for path in sorted(paths) if not any(ROOT.glob(path))] == []
+
+
+def test_the_page_on_a_new_sensor_shows_the_code_that_the_tests_build() -> None:
+    folder = ROOT / "tests" / "fourth_kind"
+    shown = re.findall(r"```text\n(.*?)```", (ROOT / "docs" / "new_sensor.md").read_text("utf-8"), re.DOTALL)
+    python, *front_end = shown
+    for name, text in zip(("number_widget.ts", "number_widget.css"), front_end, strict=True):
+        assert text == (folder / "js" / name).read_text("utf-8").replace("../../../robowidgets/js/", "./")
+    written = (folder / "number_widget.py").read_text("utf-8").splitlines()
+    ours = {"from robowidgets._core.named_widget import bundle", '    _esm, _css = bundle("number_widget")'}
+    assert {line for line in python.splitlines() if line not in written} == ours

@@ -22,8 +22,8 @@ STATIC = Path(__file__).parents[1] / "static"
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
 
-def bundle(name: str) -> tuple[Any, Any]:
-    """The built script and stylesheet of a widget, by its name, like "laser_widget".
+def bundle(name: str, folder: Path = STATIC) -> tuple[Any, Any]:
+    """The built script and stylesheet of a widget, by its name, like "laser_widget", from a folder of such files.
 
     Returns:
         Their texts; their paths, for hot reload, when ROBOWIDGETS_DEV is set.
@@ -31,14 +31,15 @@ def bundle(name: str) -> tuple[Any, Any]:
     Raises:
         ImportError: one is missing.
     """
-    return _static_file(f"{name}.js"), _static_file(f"{name}.css")
+    return _static_file(folder / f"{name}.js"), _static_file(folder / f"{name}.css")
 
 
-def _static_file(name: str) -> Any:
-    path = STATIC / name
+def _static_file(path: Path) -> Any:
     if not path.is_file():
+        if path.parent != STATIC:
+            raise ImportError(f"{path} is missing: `node build.mjs` in robowidgets/js builds it")
         raise ImportError(
-            f"robowidgets was installed without its front end ({name} is missing); "
+            f"robowidgets was installed without its front end ({path.name} is missing); "
             "in a checkout run `make build`, else install it again"
         )
     return path if os.environ.get("ROBOWIDGETS_DEV") else path.read_text(encoding="utf-8")

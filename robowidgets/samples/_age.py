@@ -6,10 +6,16 @@ import time
 
 
 class HasAge:
-    """A sample that knows when it arrived. Not a field: two samples with the same content stay equal."""
+    """A sample that knows when it arrived. Not a field: two samples with the same content stay equal.
+
+    A dataclass that has a `__post_init__` of its own calls `_arrive` in it.
+    """
 
     _arrived: float
     """Seconds of the monotonic clock."""
+
+    def __post_init__(self) -> None:
+        self._arrive()
 
     @property
     def age(self) -> float:

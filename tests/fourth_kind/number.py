@@ -21,9 +21,6 @@ class Number(HasAge):
     unit: str = ""
     stamp_ns: int | None = None
 
-    def __post_init__(self) -> None:
-        self._arrive()
-
 
 def to_number(message: Any) -> Number:
     """The number in a Float64, or the distance in a Range; a `Number` is returned as it is.

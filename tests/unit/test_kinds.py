@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 
 from robowidgets import kinds
@@ -20,6 +23,8 @@ from robowidgets.kinds import (
     kinds_of_type,
 )
 from robowidgets.samples import Scan, Speed, Touch
+
+from ..fourth_kind.number import NUMBER
 
 VECTOR = {"x": "float64", "y": "float64", "z": "float64"}
 SCAN = {
@@ -129,3 +134,27 @@ def test_a_speed_is_commanded_where_the_name_says_so(topic: str, commanded: bool
 def test_only_kinds_with_commands_have_commanded_topics() -> None:
     assert SPEED.is_command("/cmd_vel")
     assert not LASER.is_command("/cmd_vel")
+
+
+@pytest.mark.parametrize(
+    ("changed", "text"),
+    [
+        (
+            {"name": "laser"},
+            "name: expected .* other than .*laser.*, got 'laser'; replace=True replaces a row",
+        ),
+        ({"name": "two words"}, "name: expected an identifier"),
+        ({"sample_name": "scan"}, "sample_name: expected an identifier other than .*scan"),
+        ({"sample_name": "time_ns"}, "sample_name: expected an identifier other than time_ns"),
+        (
+            {"types": frozenset({"std_msgs/Float64"})},
+            "types: expected message types .*, got 'std_msgs/Float64'",
+        ),
+        ({"widget": "nonsense"}, "widget: expected 'module:name', got 'nonsense'"),
+        ({"frames": ""}, "frames: expected 'module:name', got ''"),
+    ],
+)
+def test_a_row_that_cannot_be_is_refused(changed: dict[str, Any], text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        kinds.add(replace(NUMBER, **changed))
+    assert list(KINDS) == ["laser", "speed", "touch"]
