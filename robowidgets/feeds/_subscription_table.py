@@ -108,7 +108,7 @@ class SubscriptionTable:
         widget._source = {
             "topic": first.topic,
             "type": first.type,
-            "words": self.down or "; ".join(dict.fromkeys(filter(None, listed))),
+            "status": self.down or "; ".join(dict.fromkeys(filter(None, listed))),
             "error": "; ".join(filter(None, failed)),
             "lost": bool(self.down) and not first.receives,
         }

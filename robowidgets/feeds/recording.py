@@ -99,7 +99,7 @@ class Played:
                     return
                 names = self._subscribed & shown
                 for name in self._subscribed & others:
-                    listener.on_trouble(name, f"{name}: a recording hands on only what a widget shows")
+                    listener.on_trouble(name, f"{name}: a recording publishes only topics that a widget shows")
                 ended = self._play(listener, names, started)
                 if ended and self._loop:
                     started += max(self._recording.duration / self._speed, _SHORTEST_ROUND)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kinds import KINDS, load
-from ..poses.tracks import Poses
+from ..poses.frame_tree import Poses
 from ..recordings import RecordingData
 from ..recordings.columns.chunks import ScanChunk
 from ..recordings.topics import Topic

@@ -112,7 +112,7 @@ class Prefetcher:
         self._complain = complain
         self._sent: dict[int, int] = {}
         self._largest = 0
-        self._stale: set[int] = set()
+        self._outdated: set[int] = set()
         self._edition = 0
         self._pointed: list[int] = []
         lock = threading.RLock()
@@ -148,7 +148,7 @@ class Prefetcher:
         """Send everything again: to a page that has nothing, or whose frames are out of date."""
         with self._change:
             self._edition += 1
-            self._stale.update(self._sent)
+            self._outdated.update(self._sent)
             self._sent.clear()
             self._pointed.clear()
             self._asked = True
@@ -212,10 +212,10 @@ class Prefetcher:
         wanted = chain(self._at_once(), self._soon(), self._pointed_kept(), self._rest())
         return next((index for index in wanted if index not in self._sent), None)
 
-    def _give_up(self, words: str) -> None:
+    def _give_up(self, problem: str) -> None:
         with self._change:
             self._closed = True
-        self._complain(words)
+        self._complain(problem)
 
     def _here(self) -> float:
         """The time on show now: the page stops at the first segment that it lacks."""
@@ -293,8 +293,8 @@ class Prefetcher:
     def _dropped(self) -> list[int]:
         """Forget the segments that are more than the page keeps, and return them with the out-of-date ones."""
         spare = sorted(self._sent.keys() - {*self._soon(), *self._pointed_kept()}, key=self._distance())
-        dropped = sorted(self._stale - self._sent.keys())
-        self._stale.clear()
+        dropped = sorted(self._outdated - self._sent.keys())
+        self._outdated.clear()
         while spare and (sum(self._sent.values()) > KEPT_BYTES or len(self._sent) > KEPT_SEGMENTS):
             dropped.append(spare.pop())
             del self._sent[dropped[-1]]

@@ -176,8 +176,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _send_ahead(self, content: dict[str, Any], buffers: list[bytes]) -> None:
         self.bar.send(content, buffers)
 
-    def _complain(self, words: str) -> None:
-        self.bar._status = words
+    def _complain(self, problem: str) -> None:
+        self.bar._status = problem
 
     def _widgets(self) -> ipywidgets.Box:
         widgets = ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)

@@ -235,7 +235,7 @@ class RecordingData:
         self.close()
 
     def __getitem__(self, which: slice | Sequence[float]) -> TimeSlice:
-        """The samples of a stretch of time: ``recording[2:5]`` in seconds, a selection, or a span of `find`."""
+        """The slice of a span: ``recording[2:5]`` in seconds, a selection, or a span of `find`."""
         return TimeSlice(self, which)
 
     def __iter__(self) -> Iterator[Moment]:

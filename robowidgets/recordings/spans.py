@@ -12,7 +12,7 @@ _SHOWN = 20
 
 
 class Span(NamedTuple):
-    """A stretch of time: start, end and length in seconds, from the start of the recording; and by its clock.
+    """A span: start, end and length in seconds, from the start of the recording; and by its clock.
 
     ``end`` is when the next sample said that it is over, when nothing more was known because the topic fell silent, or
     the end of the recording. It is ``start`` where one of several samples of a time held, and the last of them did not.

@@ -26,7 +26,7 @@ from ._carmen_lines import (
 )
 from ._clock import repaired_log
 from ._records import Damage
-from ._report import kind
+from ._report import format_of
 from ._walk import Walk
 from .source import RecordingError
 
@@ -149,7 +149,7 @@ def _text(path: Path) -> tuple[bytes, list[str]]:
         start = _gunzip(start, _LOOKED_AT)[0] if packed else start
         if not any(name_of(line) for line in start.splitlines()):
             is_foreign = not packed or not start
-            got = kind(head) if is_foreign else f"{kind(start[:64])} in gzip: unpack it with gunzip"
+            got = format_of(head) if is_foreign else f"{format_of(start[:64])} in gzip: unpack it with gunzip"
             raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {got}")
         file.seek(0)
         text = file.read()

@@ -146,7 +146,7 @@ def _about(back: int, odd: Oddities) -> str:
     lines = []
     if back:
         lines.append(
-            f"goes back {often(back)}, by up to {odd.behind / SECOND:.2f} s: order is kept, time held meanwhile"
+            f"goes back {often(back)}, by up to {odd.behind / SECOND:.2f} s: order is kept, time stands still meanwhile"
         )
     if odd.leaps:
         by = f"{'up to ' * (odd.leaps > 1)}{odd.ahead / SECOND / 86_400:,.1f} days"

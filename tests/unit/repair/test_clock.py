@@ -31,8 +31,8 @@ from .test_sqlite import HUMBLE
 
 YEAR = 365 * 86_400.0
 EPOCH = START_NS / 1e9
-SET_BACK_3 = "the clock goes back once, by up to 2.90 s: order is kept, time held meanwhile"
-SET_BACK_3600 = "the clock goes back once, by up to 3599.90 s: order is kept, time held meanwhile"
+SET_BACK_3 = "the clock goes back once, by up to 2.90 s: order is kept, time stands still meanwhile"
+SET_BACK_3600 = "the clock goes back once, by up to 3599.90 s: order is kept, time stands still meanwhile"
 SET = "the clock jumps ahead once, by 19,675.9 days: time goes on from where it was, dated 2023-11-14"
 HELD = [max(i / 10 - 3 * (i >= 50), 4.9 * (i >= 50)) for i in range(100)]
 GONE_ON = [i / 10 - 0.1 * (i >= 50) for i in range(100)]
@@ -180,7 +180,7 @@ class TestALeapAhead:
         times = [i / 10 + YEAR * (20 <= i < 70) for i in range(100)]
         recording = robowidgets.open(KINDS[kind](tmp_path, drive(times)))
         assert recording.problems == (
-            f"the clock goes back once, by up to {YEAR - 0.1:.2f} s: order is kept, time held meanwhile; "
+            f"the clock goes back once, by up to {YEAR - 0.1:.2f} s: order is kept, time stands still meanwhile; "
             "it jumps ahead once, by 365.0 days: time goes on from where it was, dated 2023-11-14",
         )
         assert order(recording) == order(recording, SPEED) == list(range(100))
@@ -407,7 +407,7 @@ class TestAStepBack:
         times = [i / 10 - 2.0 * (i >= 30) - 1000 * (i >= 60) for i in range(100)]
         source = written(tmp_path, *((time, 0) for time in times))
         assert source.problems == (
-            "the clock goes back 2 times, by up to 999.90 s: order is kept, time held meanwhile",
+            "the clock goes back 2 times, by up to 999.90 s: order is kept, time stands still meanwhile",
         )
         assert numbers(source) == list(range(100))
 
