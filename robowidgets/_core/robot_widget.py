@@ -34,7 +34,7 @@ LONGEST_HISTORY = 600
 """Seconds of the longest history; a recording holds more."""
 
 MOST_ABOUTS = 12_000
-"""How many texts on samples are remembered: one for each sample that the page keeps."""
+"""Number of texts on samples that are kept: one for each sample that the page keeps."""
 
 RESYNC_TRAITS = ("title", "_about", "_source")
 """Traits that only Python writes, which are sent again with a frame at intervals: a server that is flooded with prints

@@ -15,7 +15,7 @@ from typing import Any
 import ipywidgets
 
 from .._core.pacer import pacer
-from .._core.progress import one_bar
+from .._core.progress import without_bars
 from .._core.time_spans import Seconds
 from ..recordings import RecordingData
 from ._sdk import library
@@ -145,7 +145,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
 
 def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
     # Without progress bars: the page is on show already.
-    with one_bar(), RecordingData(path) as recording:
+    with without_bars(), RecordingData(path) as recording:
         log = Log(recording, topics)
         stream = log.stream()
         drain = stream.binary_stream()
