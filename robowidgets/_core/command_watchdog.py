@@ -230,7 +230,7 @@ class CommandWatchdog:
             self._watchers += (on_change,)
 
     def forget(self, on_change: Callable[[], None]) -> None:
-        """Call a function of `watch` no more."""
+        """Remove a function that was added by `watch`."""
         with self._changed:
             self._watchers = tuple(other for other in self._watchers if other != on_change)
 

@@ -47,9 +47,9 @@ class TransformHistory:
     Args:
         parent: the name of the parent.
         times_ns: log times, shape (N,), N > 0.
-        stamps_ns: stamps of the messages, shape (N,); 0 where they have none.
+        stamps_ns: stamps of the messages, shape (N,); 0 for messages without one.
         poses: the poses at these times.
-        static: whether the last pose holds at all times.
+        static: whether the last pose is valid at all times.
     """
 
     parent: str
@@ -61,7 +61,7 @@ class TransformHistory:
     def at(self, times_ns: Times, stamps_ns: Times) -> Poses:
         """The poses at some log times and stamps, shape (N,) each: interpolated, and at the ends the nearest.
 
-        By stamps where both have stamps of the same clock; else by log times.
+        By stamps if both have stamps of the same clock, else by log times.
         """
         if self.static:
             return Poses(*(np.tile(column[-1], (len(times_ns), 1)) for column in self.poses))
@@ -133,7 +133,7 @@ class FrameTree:
             (by_odometry if transform.odometry else by_tf)[transform.parent, transform.child].add(transform)
             if not transform.odometry:
                 parents[transform.child] = transform.parent
-        # Where messages name different parents of a frame, the parent in the last message counts.
+        # If messages name different parents of a frame, the parent in the last message counts.
         self._histories = {child: by_tf[parent, child].history(parent) for child, parent in parents.items()}
         self.odometry = next(iter(by_odometry), None)
         if self.odometry:
@@ -162,7 +162,7 @@ class FrameTree:
         chain = self.chain(base)
         if world in chain:
             return
-        # Odometry may be of a frame that has parents in tf; the root of those is what moves then.
+        # The child of odometry may have parents in tf: then their root moves in the world.
         below = self.poses(base, chain[-1], odometry.times_ns, odometry.stamps_ns)
         poses = odometry.poses.of(below.inverse())
         self._histories[chain[-1]] = TransformHistory(world, odometry.times_ns, odometry.stamps_ns, poses)

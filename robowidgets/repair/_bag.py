@@ -36,10 +36,10 @@ _VERSION = re.compile(rb"#ROS(?:BAG|RECORD|LOG) V(\d+\.\d+)")
 
 
 def walk_bag(path: Path) -> Walk:
-    """Every message that can be read from a ROS 1 bag, indexed or not, whole or not.
+    """All messages that can be read from a ROS 1 bag, indexed or not, whole or not.
 
     Args:
-        path: the file, whatever its name ends in.
+        path: the file, with any suffix.
 
     Raises:
         RecordingError: it cannot be opened, is no ROS 1 bag of format 2.0, is encrypted, or nothing of it can be saved.
@@ -88,7 +88,7 @@ class _Reader:
                 self.header(record)
 
     def header(self, record: Record) -> None:
-        """Note from the bag header whether the file was finished, and whether its end is missing."""
+        """Read from the bag header whether the file was finished, and whether its end is missing."""
         if encryptor := record.fields.get("encryptor"):
             raise RecordingError(
                 f"{self.file.name}: the bag is encrypted ({_text(encryptor)}): expected a plain one; "
@@ -166,7 +166,7 @@ def _record_at(data: ByteRange, pos: int) -> Record | None:
 
 
 def _next_record(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-    """The next record that has the fields its kind needs."""
+    """The offset of the next record that has the fields which its op requires; None if there is none."""
     for pos in find(data, _HEADER, _HEADER_LENGTH, start):
         record = _record_at(data, pos)
         if record and record.op not in barred:
@@ -175,7 +175,7 @@ def _next_record(data: ByteRange, start: int, barred: frozenset[int]) -> int | N
 
 
 def _fields(raw: bytes) -> dict[str, bytes] | None:
-    """The ``name=value`` fields of a header; None when it is not made up of a few such fields."""
+    """The ``name=value`` fields of a header; None if it does not consist of a few such fields."""
     fields: dict[str, bytes] = {}
     pos = 0
     for _ in range(_MAX_FIELDS):

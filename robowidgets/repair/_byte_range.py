@@ -61,7 +61,7 @@ class FileRange:
             )
 
     def read(self, offset: int, size: int) -> bytes:
-        """The bytes at an offset; OSError where the disk fails, ValueError when the file was closed."""
+        """The bytes at an offset; OSError if the disk fails, ValueError after `close`."""
         with self._lock:
             self._file.seek(offset)
             return self._file.read(max(0, min(size, self.size - offset)))

@@ -18,7 +18,7 @@ from ._walk import FoundMessages, Walk
 MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(2, 7)
 _INDEX_OPS = frozenset((0x07, 0x08, 0x0A, 0x0B, 0x0D, 0x0E))
-# The least number of bytes in a record of each kind, 0x01 (header) to 0x0F (end of data).
+# The least number of bytes in a record of each op, 0x01 (header) to 0x0F (end of data).
 _LEAST = dict(enumerate((8, 20, 14, 16, 22, 40, 6, 68, 36, 40, 46, 8, 20, 17, 4), start=1))
 _PRIVATE = 0x80
 _HEAD = struct.Struct("<BQ")
@@ -31,12 +31,12 @@ _READ_AT_ONCE = 1 << 20
 
 
 def walk_mcap(path: Path) -> Walk:
-    """Every message that can be read from an MCAP file, with chunks or without, indexed or not, whole or not.
+    """All messages that can be read from an MCAP file, with chunks or without, indexed or not, whole or not.
 
-    Messages of any encoding and channels of any schema are listed as they are named in the file.
+    Encodings and schemas are not interpreted: channels of all of them are listed.
 
     Args:
-        path: the file, whatever its name ends in.
+        path: the file, with any suffix.
 
     Raises:
         RecordingError: it cannot be opened, is no MCAP file, or nothing of it can be saved.
@@ -85,7 +85,7 @@ class _Reader:
         return self.found.as_walk(self.channels(), self.damage)
 
     def channels(self) -> list[Channel]:
-        """The channels with their schemas, which may come anywhere in the file, also after them."""
+        """The channels with their schemas. A schema may lie anywhere in the file, even after its channel."""
         channels = []
         for number, (schema_id, topic, encoding) in self.named.items():
             schema = self.schemas.get(schema_id, _Schema("", "", ""))
@@ -151,7 +151,7 @@ class _Reader:
         self.damage.checksums += bool(whole and checksum) and checksum != crc32(raw)
 
     def checksum(self, offset: int, size: int) -> int | None:
-        """CRC-32 of bytes in the file; None when they are not all there."""
+        """CRC-32 of bytes in the file; None if some are missing."""
         end = offset + size
         if end > self.file.size:
             return None
@@ -175,7 +175,7 @@ def _record_at(data: ByteRange, pos: int) -> Record | None:
 
 
 def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
-    """A chunk whose own lengths agree, or whose data is at least all there."""
+    """The chunk at an offset, if its lengths agree or if at least all of its data is in the file; else None."""
     body = pos + _HEAD.size + _CHUNK_HEAD.size
     head = data.read(pos + _HEAD.size, _CHUNK_HEAD.size)
     if len(head) < _CHUNK_HEAD.size:
@@ -194,7 +194,7 @@ def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
 
 
 def _next_record(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-    """The next record that others follow without a gap, or that is followed by the end."""
+    """The offset of the next record that others follow without a gap, or that ends the file; None if there is none."""
     for pos in find(data, _RECORD, _HEAD.size, start):
         if data.read(pos, 1)[0] not in barred and _is_chain(data, pos):
             return pos
@@ -213,7 +213,7 @@ def _is_chain(data: ByteRange, pos: int) -> bool:
 
 
 def _strings(raw: bytes, count: int) -> list[str]:
-    """The first strings of a record, each after its length; struct.error when they are not all there."""
+    """The first strings of a record, each after its length; struct.error if some are missing."""
     strings = []
     pos = 0
     for _ in range(count):

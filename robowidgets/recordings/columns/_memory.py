@@ -18,11 +18,11 @@ class Memory:
     """Keeps the sequences used last, in no more bytes than a limit.
 
     Args:
-        limit: bytes.
+        limit: the limit in bytes.
 
     Raises:
-        TypeError: it is no whole number.
-        ValueError: it is not above 0.
+        TypeError: the limit is no whole number.
+        ValueError: the limit is not above 0.
     """
 
     def __init__(self, limit: int = DEFAULT) -> None:

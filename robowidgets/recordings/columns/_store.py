@@ -109,20 +109,20 @@ class Store:
     @property
     def places(self) -> list[Place]:
         """The places of all chunks."""
-        return self._known().places
+        return self._indexed().places
 
     @property
     def times_ns(self) -> NDArray[np.int64]:
         """Log times, shape (N,), ascending."""
-        return self._known().times[0]
+        return self._indexed().times[0]
 
     @property
     def stamps_ns(self) -> NDArray[np.int64]:
-        """The messages' own times, shape (N,); 0 where they have none."""
-        return self._known().stamps[0]
+        """The stamps of the messages in nanoseconds, shape (N,); 0 for messages without one."""
+        return self._indexed().stamps[0]
 
     @property
-    def is_known(self) -> bool:
+    def is_indexed(self) -> bool:
         """Whether the first pass has reached the end of the topic."""
         return self._index is not None
 
@@ -131,7 +131,7 @@ class Store:
         if self._index is None and start == 0 and stop is None:
             yield from self._first_pass()
             return
-        index = self._known()
+        index = self._indexed()
         stop = index.rows if stop is None else stop
         first_place = bisect_right(index.places, start, key=lambda place: place.start) - 1
         for place in index.places[max(first_place, 0) :]:
@@ -143,7 +143,7 @@ class Store:
                 part = chunk if end - first == place.rows else chunk.part(slice(first, end))
                 yield replace(part, start=place.start + first)
 
-    def _known(self) -> _Index:
+    def _indexed(self) -> _Index:
         if self._index is None:
             for _ in self._first_pass():
                 pass

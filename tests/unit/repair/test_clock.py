@@ -23,7 +23,7 @@ from robowidgets.messages.compression import zstd
 from robowidgets.player._frames import SampleFrames
 from robowidgets.player._prefetcher import segment
 from robowidgets.recordings.files import _index
-from robowidgets.repair import LEAP_NS, Arrivals, Source, open_repaired, was_set
+from robowidgets.repair import LEAP_NS, Arrivals, Source, has_clock_step, open_repaired
 
 from ..recordings.clock_back import KINDS, SCAN, SPEED, START_NS, Message, cut, db3, drive, long_mcap, mcap, step
 from ..recordings.written import MCAP_END, MCAP_MAGIC, read, record, string
@@ -444,7 +444,7 @@ class TestAStepBack:
         count = 60_000
         times = np.tile(np.array([50, 0], np.int64), 10 * count) * 10**9
         began = time.perf_counter()
-        assert not was_set(Arrivals(times, np.arange(2 * 10 * count, dtype=np.int64) // 20))
+        assert not has_clock_step(Arrivals(times, np.arange(2 * 10 * count, dtype=np.int64) // 20))
         assert time.perf_counter() - began < 10
 
 
@@ -474,10 +474,10 @@ class TestTimesAtTheirLimits:
 
     def test_are_seen_to_leap(self) -> None:
         ends = np.array([2**63 - 1, -(2**63), 5], np.int64)
-        assert was_set(Arrivals(ends, np.zeros(3, np.int64)))
+        assert has_clock_step(Arrivals(ends, np.zeros(3, np.int64)))
 
     def test_are_none_where_there_is_no_message(self) -> None:
-        assert not was_set(Arrivals(np.empty(0, np.int64), np.empty(0, np.int64)))
+        assert not has_clock_step(Arrivals(np.empty(0, np.int64), np.empty(0, np.int64)))
 
 
 def test_messages_of_the_same_time_stay_in_the_order_of_the_file(tmp_path: Path) -> None:
