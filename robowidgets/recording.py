@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from .scanogram_widget import ScanogramWidget
 
 
-def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the one word for it: robowidgets.open()
+def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the name that users expect: robowidgets.open()
     """Open a recording.
 
     Args:
         path: a ROS bag (``.bag``), a rosbag2 folder, a lone ``.db3`` or ``.mcap``, or a CARMEN log (``.log``, ``.clf``,
-            gzipped or not). Of a damaged file what can be saved is read, and `Recording.problems` says what was wrong.
+            gzipped or not). The readable parts of a damaged file are read, and `Recording.problems` lists the damage.
 
     Raises:
-        RecordingError: nothing of it can be read; the text says why.
+        RecordingError: nothing of it can be read. The text gives the reason.
 
     Example:
         >>> recording = robowidgets.open("drive.bag")  # doctest: +SKIP
@@ -36,50 +36,50 @@ def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the one wo
 
 
 class Recording(RecordingData):
-    """A recording, as `open` gives it: its data, and what can be done with them.
+    """A recording, as `open` returns it: its data, and the methods that show, search and export it.
 
     Printed, it is a table of its topics. As a context manager it closes the file. One thread at a time may read it.
 
     Args:
-        path: the file or folder it came from.
+        path: the file or folder of the recording.
     """
 
     def scanogram(
         self, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
     ) -> ScanogramWidget:
-        """All its scans in one picture, with speed and touch under them: see `ScanogramWidget.of`."""
+        """All scans of a topic in one picture, with speeds and touches below; see `ScanogramWidget.of`."""
         # Imported lazily: reading recordings needs no widgets.
         from .player.scanogram import scanogram
 
         return scanogram(self, topic, beside, **options)
 
     def find(self, condition: Condition | Callable[[Instant], Any], topics: str | Iterable[str] | None = None) -> Spans:
-        """From when to when a condition holds, as a table.
+        """The spans in which a condition is true, as a table.
 
         A condition is one of `robowidgets.conditions`, several of them joined by ``&``, ``|`` and ``~``, or a function
-        of one moment: of an `Instant` with the ``scan``, ``speed`` and ``touch`` of the same time, each the last up to
-        then. Where a function asks for a sample and there is none yet, nothing is known and nothing found.
+        of one moment. The function gets an `Instant` with the last ``scan``, ``speed`` and ``touch`` up to that moment.
+        If it reads a sample before the first one, the condition is unknown, and nothing is found.
 
-        What holds at a sample goes on holding until the next one says otherwise; what scans and speeds said, one usual
-        step into a silence at most. Conditions look at whole columns while both cores read and decompress the file; a
-        function is called in this process, while the file is read ahead on the other core, so it may be a lambda. An
-        interrupt (stop the cell, Ctrl-C) ends the search: what was found up to there is given, and says so.
+        A condition keeps its value until the next sample, but scans and speeds are stale one usual step into a silence.
+        Ready-made conditions are computed for whole columns while another thread reads the file. A function is called
+        in this process, so it may be a lambda. An interrupt (stop the cell, Ctrl-C) ends the search: the result then
+        has the spans up to that time, and its `is_complete` is False.
 
         Args:
-            condition: what to look for.
-            topics: those that a function may look at; None: all that a widget shows.
+            condition: the condition or function.
+            topics: the topics that a function may read; None: all that a widget shows.
 
         Raises:
-            TypeError: it is no condition.
-            ValueError: a condition asks for a touch sensor that there is not.
-            UnknownTopicError: a condition needs a topic that there is not, or one to be named where there are several.
-            RecordingError: the recording is closed; or the function failed, and at which time.
+            TypeError: ``condition`` is no condition.
+            ValueError: a condition names a missing touch sensor.
+            UnknownTopicError: a condition needs a missing topic, or does not name one of several.
+            RecordingError: the recording is closed, or the function failed; the text gives the time.
 
         Example:
             >>> recording.find(lambda moment: moment.touch.touched["left"] and moment.speed.linear[0] > 0.1)
             ... # doctest: +SKIP
         """
-        # Here, so that who only reads samples waits for none of it.
+        # Imported lazily: reading samples needs no player.
         from .find.search import find
 
         self._check_open()
@@ -88,22 +88,22 @@ class Recording(RecordingData):
     def show(self, *topics: str, scanogram: bool | None = None, rerun: bool = False) -> Player:
         """The widgets that fit its topics, with a player for its time, for the page.
 
-        They read the file by themselves: this recording may be read on, or closed.
+        The player opens the file again, so this recording may still be read, or be closed.
 
         Args:
             *topics: names of the topics to show; none: all that have a widget.
-            scanogram: whether the whole drive stands above them as one picture; None: if that is ready in a moment.
-            rerun: whether Rerun stands beside them, with what was seen in the world (extra ``rerun``).
+            scanogram: whether to show a scanogram of the whole drive above them; None: only if it takes a moment.
+            rerun: whether to show the Rerun viewer beside them, with the scans in the world (extra ``rerun``).
 
         Raises:
-            UnknownTopicError: it has no such topic, or one that no widget shows.
-            RecordingError: the file is not there any more.
-            TypeError: a name is no text, but a list of them, say.
+            UnknownTopicError: the recording has no such topic, or no widget shows it.
+            RecordingError: the file does not exist any more.
+            TypeError: a name is no text, for example a list of names.
 
         Example:
             >>> recording.show("/scan", "/odom")  # doctest: +SKIP
         """
-        # Here, so that who only reads recordings needs no page.
+        # Imported lazily: reading samples needs no widget.
         from .player.player import Player
 
         again = open(self.path)
@@ -114,13 +114,13 @@ class Recording(RecordingData):
         """Write a file for Rerun, and return its path; without a path, the viewer for the page: see `RerunWidget`.
 
         Args:
-            path: such as ``"drive.rrd"``; what was there is replaced.
+            path: the file, such as ``"drive.rrd"``; an existing one is replaced.
             *topics: as for `show`.
 
         Raises:
             ImportError: Rerun is not installed (extra ``rerun``); and as `show`, and OSError.
         """
-        from .in_rerun.export import to_rerun  # Here, so that who does without Rerun needs none of it.
+        from .in_rerun.export import to_rerun  # Imported lazily: Rerun is optional.
 
         self._check_open()
         return to_rerun(self, path, topics)

@@ -1,1 +1,1 @@
-"""What widgets and feeds share: the way to the page, cells of a notebook, speeds on their way to a robot."""
+"""Parts shared by widgets and feeds: sending to the page, notebook cells, sending speeds to a robot."""

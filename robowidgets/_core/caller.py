@@ -1,4 +1,4 @@
-"""Telling calls from a cell, where a person reads the error, from callbacks, where an error would go unseen."""
+"""Telling calls from a cell, whose errors a person reads, from callbacks, whose errors nobody would see."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _CELLS = "IPython.core.interactiveshell"
 
 
 def called_from_cell() -> bool:
-    """Whether a call comes from a cell; where there are no cells, from the main thread.
+    """Whether a call comes from a cell; without cells, whether it comes from the main thread.
 
     In a notebook the main thread also runs the event loop, with tasks, timers and buttons between and beside the cells.
     """

@@ -21,7 +21,7 @@ class Closable(Protocol):
 
 
 _made: dict[str, tuple[str, WeakSet[Any]]] = {}
-"""By cell, the last run that made something, and what it made."""
+"""By the id of a cell: the last run that created something, and the objects that it created."""
 
 
 def take_the_place(made: Closable) -> list[Any]:

@@ -33,7 +33,7 @@ SEND_TIMEOUT = 1.0
 """Seconds for which a caller waits until its speed is sent."""
 
 RECENT = 30.0
-"""Seconds for which a dead connection may go unnoticed, generously."""
+"""Seconds for which a dead connection may go unnoticed, at most."""
 
 Request = Future[None]
 """Done when a speed is sent; it holds what the sink raised."""
@@ -69,9 +69,9 @@ class CommandWatchdog:
         self._zeros: list[Request] = []
         """The requests that are resolved when a speed, or zero, is sent."""
         self._expires = 0.0
-        """When the newest speed expires."""
+        """The time at which the newest speed expires."""
         self._zero_at: float | None = None
-        """When zero is due; None while nothing moves."""
+        """The time at which zero is due; None while nothing moves."""
         self._next_speed_at = self._next_zero_at = 0.0
         self._moved_at = float("-inf")
         self._lost = self._stopped = self._closed = self._from_cell = False
@@ -80,7 +80,7 @@ class CommandWatchdog:
         self._entered: float | None = None
         self._logged = ""
         self.stops = 0
-        """How often zero was asked for, by anybody."""
+        """Number of requests for zero, by any caller."""
         self.sent: Velocity = ZERO
         """The speed that the sink took last."""
         self.error: BaseException | None = None
@@ -230,7 +230,7 @@ class CommandWatchdog:
             self._watchers += (on_change,)
 
     def forget(self, on_change: Callable[[], None]) -> None:
-        """Call a function of `watch` no more."""
+        """Remove a function that was added by `watch`."""
         with self._changed:
             self._watchers = tuple(other for other in self._watchers if other != on_change)
 
@@ -327,7 +327,7 @@ class CommandWatchdog:
         return None
 
     def _note(self, velocity: Velocity, error: BaseException | None) -> None:
-        """Note the outcome of a call, and when zero is due now; the lock is held."""
+        """Record the outcome of a call, and set the time at which zero is due. Called with the lock held."""
         now = time.monotonic()
         self.error = error
         if error is not None:

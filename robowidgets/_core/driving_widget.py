@@ -60,7 +60,7 @@ class DrivingWidget(NamedWidget):
 
     _state = traitlets.Dict(
         help="ready: whether there is something to drive; driver: 'program', the name of a press, or nobody; speed: "
-        "(m/s, rad/s) sent last; stopped: whether stop is latched; error, cause, words, topic: texts; number: of the "
+        "(m/s, rad/s) sent last; stopped: whether stop is latched; error, cause, status, topic: texts; number: of the "
         "message."
     ).tag(sync=True, echo_update=False)
 
@@ -200,7 +200,7 @@ class DrivingWidget(NamedWidget):
             "stopped": watchdog.stopped,
             "error": self._error_text(),
             "cause": self._cause,
-            "words": "" if feed is None else feed.drive_status,
+            "status": "" if feed is None else feed.drive_status,
             "topic": "" if feed is None else feed.driving.topic,
         }
 

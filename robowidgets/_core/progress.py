@@ -1,4 +1,4 @@
-"""A bar for what takes longer than a second, in a notebook and in a terminal."""
+"""Progress bars for steps that take longer than a second, in a notebook and in a terminal."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from typing import Any
 from .cells import close_all
 
 SHOWN_AFTER = 1.0
-"""Seconds."""
+"""Seconds of work before a bar is shown."""
 
 
 _hidden: ContextVar[bool] = ContextVar("hidden", default=False)
 
 
 @contextmanager
-def one_bar() -> Iterator[None]:
-    """Within it no more bars are shown: one tells of the whole."""
+def without_bars() -> Iterator[None]:
+    """Show no bars that are made within the block: the caller has its own, or is a background thread."""
     before = _hidden.set(True)
     try:
         yield
@@ -28,10 +28,10 @@ def one_bar() -> Iterator[None]:
 
 
 class Progress:
-    """A tqdm bar that is made when something has taken a second, and goes away at the end; to be used in a ``with``.
+    """A context manager that makes a tqdm bar once its block has run for a second, and removes the bar at the end.
 
-    A notebook's bar is ten widgets, which ipywidgets keeps until they are closed: most of what is asked of a recording
-    needs none, nor the time that it takes to load tqdm.
+    A bar in a notebook is ten widgets, which ipywidgets keeps until they are closed. Most steps are short, so they need
+    neither these nor the time to import tqdm.
     """
 
     def __init__(self, total: int | None, what: str, unit: str = " messages") -> None:
@@ -42,7 +42,7 @@ class Progress:
         self._bar: Any = None
 
     def update(self, count: int) -> None:
-        """So many more are done."""
+        """Add to the number that is done."""
         self._done += count
         taken = time.monotonic() - self._began
         if self._bar is not None:
@@ -52,7 +52,7 @@ class Progress:
 
             self._bar = tqdm(**self._options, unit_scale=True, leave=False)
             if not self._bar.disable:
-                # Its pace is reckoned from the beginning.
+                # The bar's rate counts from the beginning.
                 self._bar.start_t -= taken
                 self._bar.last_print_t -= taken
             self._bar.update(self._done)
@@ -65,7 +65,7 @@ class Progress:
         if bar is None:
             return
         if not isinstance(error, Exception):
-            # A notebook's bar that did not come to its end would stay, in red.
+            # In a notebook, a bar closed before its end would stay, in red.
             bar.total = bar.n
         bar.close()
         box = getattr(bar, "container", None)

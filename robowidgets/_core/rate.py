@@ -26,8 +26,8 @@ class RateMeter:
         Call it regularly: it sees the counter only then.
 
         Args:
-            count: how many have arrived, never fewer than before.
-            last: when the last one arrived.
+            count: the number of arrivals so far.
+            last: the time of the last one, in seconds.
         """
         if not count:
             return float("nan")

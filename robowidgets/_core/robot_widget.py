@@ -34,7 +34,7 @@ LONGEST_HISTORY = 600
 """Seconds of the longest history; a recording holds more."""
 
 MOST_ABOUTS = 12_000
-"""How many texts on samples are remembered: one for each sample that the page keeps."""
+"""Number of texts on samples that are kept: one for each sample that the page keeps."""
 
 RESYNC_TRAITS = ("title", "_about", "_source")
 """Traits that only Python writes, which are sent again with a frame at intervals: a server that is flooded with prints
@@ -78,7 +78,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
     _source = traitlets.Dict(
-        help="What a feed says of its topic: topic, type and words, plain text; whether the connection is lost."
+        help="From a feed: topic, type, status, error of a function, as plain text; whether the connection is lost."
     ).tag(sync=True, echo_update=False)
     _silence = traitlets.Float(0.0, help="Seconds; how old the newest sample is in a state that a page asks for.").tag(
         sync=True
@@ -197,7 +197,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     def _why_none(self, seconds: float) -> str:
         error = self._newest_about.get("error", "")
-        reasons = [self._source.get("words", ""), f"what came could not be shown: {error}" if error else ""]
+        reasons = [self._source.get("status", ""), f"what came could not be shown: {error}" if error else ""]
         sample = self._newest_sample()
         if not self._source and not error and sample is None:
             reasons.append("no feed is connected to it; feed.connect(topic, widget) does that")

@@ -1,4 +1,4 @@
-"""A table under a line of words, in text and in HTML."""
+"""A table under a heading, as text and as HTML."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from html import escape
 def as_text(
     head: str, heads: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[int], problems: Iterable[str]
 ) -> str:
-    """In columns, for a terminal; those numbered in ``right`` end in line."""
+    """The table as text, for a terminal; the columns with an index in ``right`` are aligned to the right."""
     all_rows = [heads, *rows]
     widths = [max(len(row[i]) for row in all_rows) for i in range(len(heads))]
     lines = [
@@ -25,7 +25,7 @@ def as_text(
 def as_html(
     head: str, heads: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[int], problems: Iterable[str]
 ) -> str:
-    """In HTML. Every word of it comes from elsewhere, so none of it may be markup."""
+    """The table as HTML. All texts are escaped: names of topics come from files and from the network."""
     body = "".join(f"<tr>{_cells('td', row, right)}</tr>" for row in rows)
     table = f"<table><thead><tr>{_cells('th', heads, right)}</tr></thead><tbody>{body}</tbody></table>" if rows else ""
     notes = "".join(f"<div>⚠ {escape(line)}</div>" for line in problems)
@@ -38,7 +38,7 @@ def many(count: int, word: str) -> str:
 
 
 def listed(names: Sequence[str], most: int = 3) -> str:
-    """A few names, and how many there are beside them."""
+    """The first names, and the number of the others."""
     return ", ".join(names[:most]) + (f" and {len(names) - most:,} more" if len(names) > most else "")
 
 

@@ -12,11 +12,11 @@ from ..samples.time_span import time_span
 
 
 class TimeSpan(traitlets.TraitType[Any, Any]):
-    """None, or (start, end) in seconds from the start, 0 <= start < end. A span of `Recording.find` is taken as it is.
+    """None, or (start, end) in seconds from the start, 0 <= start < end; a span of `Recording.find` is accepted, too.
 
     Args:
-        rays: whether (start, end, first, stop) may say as well which rays are meant: from index ``first`` up to, not
-            including, ``stop``.
+        rays: whether (start, end, first, stop) is accepted, too: the rays from index ``first`` up to, not including,
+            ``stop``.
     """
 
     def __init__(self, *, rays: bool = False, **more: Any) -> None:
@@ -39,7 +39,7 @@ class Seconds(traitlets.TraitType[Any, Any]):
     default_value = 0.0
 
     def validate(self, obj: Any, value: Any) -> float:
-        """The time; TraitError when it is none."""
+        """The time; TraitError if the value is no time."""
         if isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value):
             raise traitlets.TraitError(f"{self.name}: expected seconds from the start, got {value!r}")
         return min(max(0.0, float(value)), float(obj.duration))
@@ -48,7 +48,7 @@ class Seconds(traitlets.TraitType[Any, Any]):
 class Marks(traitlets.TraitType[Any, Any]):
     """Marked spans as (start, end, text), 0 <= start <= end in seconds from the start.
 
-    What `Recording.find` gives is taken as it is.
+    The result of `Recording.find` is accepted, too.
     """
 
     default_value = ()

@@ -1,7 +1,7 @@
-"""Live data of a running robot, whatever it speaks.
+"""Live data of a running robot, by one of several middlewares.
 
-Each function here opens a `Feed`, which lists topics, shows them and drives the robot. What a feed needs is imported
-when it is opened.
+Each function here opens a `Feed`, which lists topics, shows them and drives the robot. A feed imports the packages of
+its middleware when it is opened.
 """
 
 from ._driving import Driving

@@ -18,7 +18,7 @@ JITTER = 0.1
 class Backoff:
     """The pauses between attempts: half a second, then twice as long each time, up to eight.
 
-    An adapter tells `Listener.on_lost` the pause that comes next, and then waits::
+    A middleware passes the next pause to `Listener.on_lost`, and then waits::
 
         while not backoff.closed:
             try:

@@ -27,7 +27,7 @@ class Bridge:
     soon as it can publish.
 
     Raises:
-        TypeError, ValueError: the address is not one.
+        TypeError, ValueError: the address is invalid.
     """
 
     def __init__(self, address: str, subprotocols: list[str] | None = None) -> None:
@@ -96,7 +96,7 @@ class Bridge:
     def on_lost(self, reason: str, again_in: float, too_big: bool) -> None:
         """See `Handler`."""
         if too_big:
-            # The topic of the message is unknown: it is one of those of which no message was read yet.
+            # The topic of the message is unknown: it is one of those without a message so far.
             suspects = self._wanted - self._received
             self._wanted -= suspects
             among = f", or another of {', '.join(sorted(suspects))}," if len(suspects) > 1 else ""
@@ -119,11 +119,11 @@ class Bridge:
         raise NotImplementedError
 
     def _start(self, topic: str) -> None:
-        """Ask for the messages of a topic."""
+        """Request the messages of a topic."""
         raise NotImplementedError
 
     def _stop(self, topic: str) -> None:
-        """Ask for no more messages of a topic."""
+        """End the request for the messages of a topic."""
         raise NotImplementedError
 
     def _keep(self, topic: str, kind: str, read: Read, frame: Any) -> None:
@@ -134,7 +134,7 @@ class Bridge:
         waiting.append((read, frame))
 
     def _flaw(self, topic: str, message: Any) -> str:  # noqa: ARG002
-        """What is wrong with a message that was decoded; empty when nothing is."""
+        """The reason why a decoded message is refused; empty if it is not."""
         return ""
 
     def _write(self, operation: Mapping[str, Any]) -> None:

@@ -46,7 +46,7 @@ _DOES = {
     23: "encodes its messages in another way (XCDR2)",
     24: _OTHER_FIELDS,
 }
-"""Why a publisher is incompatible with our readers, by the number of the policy in the DDS specification."""
+"""Reasons why a publisher is incompatible with our readers, by the number of the policy in the DDS specification."""
 
 _EXPECTS = {
     2: "expects earlier messages (durability)",
@@ -56,7 +56,7 @@ _EXPECTS = {
     23: "expects messages encoded in another way (XCDR2)",
     24: _OTHER_FIELDS,
 }
-"""Why a subscriber is incompatible with our writers."""
+"""Reasons why a subscriber is incompatible with our writers, by the same numbers."""
 
 
 class Endpoint(NamedTuple):
@@ -104,7 +104,7 @@ class Session:
         self._offers: dict[UUID, Endpoint] = {}
         self._wants: dict[UUID, Endpoint] = {}
         self._node_names: dict[bytes, Mapping[bytes, str]] = {}
-        """By participant, the GUIDs of its writers and the names of their nodes."""
+        """For each participant, the names of the nodes of its writers, by the GUIDs of the writers."""
         self._conditions = [ReadCondition(r, _NEW) for r in (self._publications, self._subscriptions)]
         for condition in self._conditions:
             self._waitset.attach(condition)
@@ -124,7 +124,7 @@ class Session:
         self._guard.take()
 
     def look(self) -> None:
-        """Report the topics, if they changed, and the subscribers that do not receive what is published here."""
+        """Report the topics, if they changed, and the subscribers that do not receive our messages."""
         self._take(self._publications, self._offers)
         self._take(self._subscriptions, self._wants)
         for wish in [wish for wish in self._readers if wish.topic == NODES]:
@@ -135,7 +135,7 @@ class Session:
         self._report_unheard()
 
     def follow(self, topics: Iterable[str]) -> None:
-        """Have readers for the publishers of these topics, and for no others."""
+        """Create readers for the publishers of these topics, and remove all others."""
         topics = {*topics, NODES}
         if topics != self._followed:
             self._followed = topics

@@ -19,7 +19,7 @@ PAGE_TIMEOUT = 3.0
 """Seconds without a message from any page after which no page is there."""
 
 CONNECT_TIMEOUT = 2.0
-"""Seconds after the first `drive` on a topic for which a speed is tried again while a subscriber connects."""
+"""Seconds after the first `drive` on a topic in which a speed is retried while a subscriber connects."""
 
 RETRY_PAUSE = 0.05
 """Seconds between two such attempts."""
@@ -30,7 +30,7 @@ class Driver:
 
     Args:
         feed: the feed; it knows the connection and the topics.
-        middleware: publishes the speeds.
+        middleware: the middleware that publishes the speeds.
 
     Attributes:
         watchdog: sends the speeds.
@@ -42,7 +42,7 @@ class Driver:
         self._status = DriveStatus()
         self._twists = TwistPublisher(middleware)
         self._connected_by: float | None = None
-        """When a subscriber should have connected; None before the first `drive` on the topic."""
+        """The time by which a subscriber should have connected; None before the first `drive` on the topic."""
         self._page_at = float("-inf")
         self._by_hand = False
         self.watchdog = CommandWatchdog(self._send, not_sent=FeedError)
@@ -94,16 +94,16 @@ class Driver:
             raise FeedError(f"cannot stop: {self._feed.status or error}{follows}") from None
 
     def page_seen(self) -> None:
-        """Note that a page which shows the feed, or a pad of it, is there."""
+        """Record that a page shows the feed or a pad of it."""
         self._page_at = time.monotonic()
 
     def on_connected(self) -> None:
-        """Send the zeros that are owed."""
+        """Send the overdue zeros."""
         self._twists.on_connected()
         self.watchdog.on_connected()
 
     def on_unheard(self, topic: str, reason: str) -> bool:
-        """Note why a subscriber does not receive speeds; returns whether that is new. See `Listener`."""
+        """Record the reason why a subscriber does not receive speeds; returns whether it is new. See `Listener`."""
         is_new = self._status.unheard.get(topic, "") != reason
         self._status.unheard[topic] = reason
         return is_new
@@ -114,9 +114,9 @@ class Driver:
         return velocity
 
     def _try_drive(self, velocity: Velocity, stops: int) -> bool:
-        """Send the speed of a program. False: a subscriber is still connecting, so try again.
+        """Send the speed of a program; returns False if it must be retried, because a subscriber is connecting.
 
-        After a stop, which another thread may have asked for, it is not tried again.
+        It is not retried after a stop, which another thread may have requested.
         """
         if velocity != ZERO and self._feed.in_abandoned_function:
             raise FeedError("cannot drive: this function was disconnected or replaced while it was at work")
@@ -131,7 +131,7 @@ class Driver:
         return True
 
     def _request(self, velocity: Velocity, driver: str) -> Request:
-        """Ask the watchdog to send a speed, unless something speaks against it."""
+        """Check a speed and request it from the watchdog; FeedError if a check fails."""
         self._feed.check_open()
         if self._feed.status:
             raise FeedError(f"cannot drive: {self._feed.status}")

@@ -1,4 +1,4 @@
-"""How a feed drives: its limits, and the reasons why the robot may not move as commanded."""
+"""The settings for driving the robot of a feed, and the reasons why it may not move as commanded."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ log = logging.getLogger("robowidgets")
 
 @dataclass(frozen=True)
 class Driving:
-    """How a feed drives the robot.
+    """The settings for driving the robot of a feed.
 
     Args:
-        topic: where speeds are published.
-        max_linear: m/s, forward and backward; more is cut.
-        max_angular: rad/s, both ways; more is cut.
-        hold: seconds after which a speed that was not renewed is followed by zero.
+        topic: the topic on which speeds are published.
+        max_linear: limit in m/s, forward and backward; greater speeds are cut.
+        max_angular: limit in rad/s, both ways; greater speeds are cut.
+        hold: seconds for which a speed is valid; zero follows if it is not renewed.
         needs_page: whether speeds are refused while no page shows the feed or a pad of it, so that a robot stops when
             the browser is closed. A page that is busy or hidden for minutes counts as closed; so does a page whose
             messages a busy kernel does not receive.
@@ -60,7 +60,7 @@ class Driving:
         )
 
     def cut(self, linear: float, angular: float) -> str:
-        """What `within` cuts of a speed, as text; empty when it cuts nothing."""
+        """A text for the part of a speed that `within` cuts; empty if it cuts nothing."""
         given = ((linear, self.max_linear, "m/s"), (angular, self.max_angular, "rad/s"))
         cuts = [
             f"{value:g} {unit} is cut to {_cut(value, limit):g}"
@@ -80,8 +80,8 @@ class DriveStatus:
     """The reasons why the robot may not move as commanded.
 
     Attributes:
-        cut: how the last speed was cut; empty when it was not.
-        unheard: by topic, why a subscriber does not receive speeds, as the middleware reports it.
+        cut: a text for the cut of the last speed; empty if it was not cut.
+        unheard: for each topic, the reason why a subscriber does not receive speeds, as the middleware reports it.
     """
 
     def __init__(self) -> None:
@@ -90,7 +90,7 @@ class DriveStatus:
         self._log = LogOnce(log.warning)
 
     def of(self, topic: str, adverts: Sequence[Advert]) -> str:
-        """All reasons that concern a command topic, as text; empty when there are none."""
+        """All reasons for a command topic, as text; empty if there are none."""
         reasons = (_unheard(topic, adverts), self.unheard.get(topic), _contested(topic, adverts), self.cut)
         return "; ".join(filter(None, reasons))
 
@@ -105,7 +105,7 @@ class DriveStatus:
 def _unheard(name: str, adverts: Sequence[Advert]) -> str:
     """Text for a topic without a subscriber, naming the command topics that have one; empty when one may exist."""
     here = [advert.wanted for advert in adverts if advert.name == name]
-    # A middleware that knows of no subscriber on any topic may be unable to report them.
+    # If a middleware reports no subscriber on any topic, it may be unable to.
     tells = not adverts or any(advert.wanted is not None for advert in adverts)
     if any(wanted is not False for wanted in here) if here else not tells:
         return ""

@@ -25,7 +25,7 @@ class Encoder:
         """The bytes of a message in ``cdr`` or ``ros1``; a field that is left out is zero, false or empty.
 
         Raises:
-            FeedError: the type is not known, a field is not one of it, or holds what does not fit.
+            FeedError: the type is unknown, it has no such field, or a value does not fit.
         """
         with _lock:
             store = _store(encoding)

@@ -27,7 +27,7 @@ class Channel(NamedTuple):
 
 
 def channel_of(offer: Any) -> Channel | None:
-    """The channel in an entry of ``advertise``; None when it is none."""
+    """The channel in an entry of ``advertise``; None if the entry is invalid."""
     if not isinstance(offer, Mapping):
         return None
     number, topic, encoding = (offer.get(name) for name in ("id", "topic", "encoding"))
@@ -83,7 +83,7 @@ def _json(raw: bytes) -> Any:
 
 
 class Graph:
-    """The publishers and subscribers of each topic, where the server reports them."""
+    """The publishers and subscribers of each topic, if the server reports them."""
 
     def __init__(self) -> None:
         self.known = False
@@ -91,7 +91,7 @@ class Graph:
         self._subscribers: dict[str, tuple[str, ...]] = {}
 
     def update(self, operation: Mapping[str, Any]) -> None:
-        """Take over a ``connectionGraphUpdate``."""
+        """Apply a ``connectionGraphUpdate``."""
         self.known = True
         for name in _list(operation.get("removedTopics")):
             if isinstance(name, str):

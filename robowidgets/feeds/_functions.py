@@ -35,9 +35,9 @@ class Function:
     """A function that is connected to a topic.
 
     Attributes:
-        runs: how often it was called.
+        runs: the number of calls.
         error: the error of the last call, with its line; empty when the call returned.
-        entered: when it was called; None while it is not running.
+        entered: the time of the running call; None while it is not running.
     """
 
     def __init__(self, topic: str, call: Callable[[Any], object], raw: bool) -> None:
@@ -70,7 +70,7 @@ class FunctionCaller:
     """Calls functions with the newest message of their topics, one at a time, in a thread of its own.
 
     Of some kinds, such as touch sensors, every message counts. A function that is disconnected while it runs is
-    abandoned: another thread calls the others, and `is_abandoned` is True in the abandoned one.
+    abandoned: another thread calls the other functions, and `is_abandoned` is True in the abandoned function.
 
     Args:
         on_change: called with a topic whose `status_of` has changed.
@@ -82,7 +82,7 @@ class FunctionCaller:
         self._functions: list[Function] = []
         self._waiting: dict[str, deque[tuple[Any, Topic]]] = {}
         self._readers: dict[str, tuple[str, Callable[[Any], Any]]] = {}
-        """By topic, the kind of its messages and the function that reads them."""
+        """For each topic, the kind of its messages and the function that reads them."""
         self._thread: threading.Thread | None = None
         self._abandoned: WeakSet[threading.Thread] = WeakSet()
         self._current: Function | None = None
@@ -135,7 +135,7 @@ class FunctionCaller:
             self._changed.notify()
 
     def status_of(self, topic: str) -> str:
-        """Which functions of a topic have not returned, and which raised; empty when all is well."""
+        """A text that names the functions of a topic that have not returned or have raised; empty if there are none."""
         return "; ".join(filter(None, (self._status(f) for f in self.functions if f.topic == topic)))
 
     @property
@@ -154,7 +154,7 @@ class FunctionCaller:
             thread.join(CLOSING)
 
     def send_newest(self) -> int:
-        """Update how long a function has not returned; the pacer calls it."""
+        """Update the seconds for which a function has not returned. The pacer calls it."""
         current, before = self._current, self._slow_topic
         entered = current.entered if current is not None else None
         is_slow = entered is not None and time.monotonic() - entered >= SLOW

@@ -1,4 +1,4 @@
-"""The kind of a topic, where only a message tells it."""
+"""The kind of a topic whose type has several kinds: its first message decides."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._topics import Topic
 
 
 def is_open(topic: Topic) -> bool:
-    """Whether only a message can tell the widget of a topic."""
+    """Whether only a message can decide the widget of a topic."""
     if topic.widget or not topic.offered or not topic.type:
         return False
     return is_undecided(topic.type) or not is_standard(topic.type)

@@ -12,7 +12,7 @@ LAST_DOMAIN = 232
 
 
 class ReconnectLoop(ABC):
-    """Runs a session in a thread, and another one after a growing pause whenever it ends; holds the wanted topics."""
+    """Runs a session in a thread, and the next one after a growing pause; stores the wanted topics."""
 
     def __init__(self) -> None:
         self._backoff = Backoff()
@@ -55,15 +55,15 @@ class ReconnectLoop(ABC):
 
     @abstractmethod
     def _wake(self) -> None:
-        """Wake the thread, because the wanted topics changed or it is to end; the lock is held."""
+        """Wake the thread after a change of the wanted topics, or to end it. Called with the lock held."""
 
     @abstractmethod
     def _run_session(self, listener: Listener) -> str:
-        """Run a session until it is closed or fails; returns why it failed."""
+        """Run a session until it is closed or fails; returns the reason of the failure."""
 
 
 def checked_domain(name: str, domain: object) -> int:
-    """The domain itself; TypeError or ValueError, with the name of the argument, when it is none."""
+    """The domain itself; TypeError or ValueError, with the name of the argument, if it is invalid."""
     if not isinstance(domain, int) or isinstance(domain, bool):
         raise TypeError(f"{name}: expected a whole number, as in ROS_DOMAIN_ID, got {domain!r}")
     if not 0 <= domain <= LAST_DOMAIN:

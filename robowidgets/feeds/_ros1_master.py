@@ -1,4 +1,4 @@
-"""Requests to a ROS 1 master, with a time-out: rospy's own calls wait for ever when a master hangs."""
+"""Requests to a ROS 1 master, with a time-out: rospy's own calls wait forever if a master hangs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class MasterError(Exception):
 
 
 class State(NamedTuple):
-    """By topic, the names of the nodes that publish it, of those that subscribe to it, and its type."""
+    """The names of the publishing and the subscribing nodes and the type of each topic, by topic."""
 
     publishers: dict[str, list[str]]
     subscribers: dict[str, list[str]]
@@ -49,7 +49,7 @@ class Master:
         _call(self.uri, "registerPublisher", topic, kind, node_uri, caller=node)
 
     def unreachable(self, nodes: list[str]) -> str:
-        """Why the first unreachable one of these nodes cannot be reached; empty when all can."""
+        """The reason why the first unreachable one of these nodes cannot be reached; empty if all can."""
         return next(filter(None, map(self._unreachable, nodes)), "")
 
     def _unreachable(self, node: str) -> str:

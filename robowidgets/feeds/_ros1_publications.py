@@ -43,7 +43,7 @@ class Publications:
 
     Attributes:
         state: the state that the master reported last.
-        master_lost: why the master does not answer; empty while it does.
+        master_lost: the reason why the master does not answer; empty while it answers.
     """
 
     def __init__(
@@ -51,9 +51,9 @@ class Publications:
     ) -> None:
         self._rospy, self._master, self._on_unheard, self._wake = rospy, master, on_unheard, wake
         self._asked: dict[str, tuple[str, float]] = {}
-        """By topic, the type that was published last, and since when."""
+        """For each topic, the type that was published last, and the time of its first message."""
         self._due: dict[str, tuple[float, float]] = {}
-        """By topic, when subscribers without a connection are asked again, and how long the pause before was."""
+        """For each topic, the time of the next request to subscribers without a connection, and the pause before it."""
         self._unheard: dict[str, str] = {}
         self.state = State({}, {}, {})
         self.master_lost = ""
@@ -131,7 +131,7 @@ class Publications:
         return [node for node in self.state.subscribers.get(topic, ()) if node != self._rospy.get_name()]
 
     def _why_unconnected(self, topic: str) -> str:
-        """Why no subscriber is connected; empty while one may be connecting."""
+        """The reason why no subscriber is connected; empty while one may be connecting."""
         kind, _ = self._asked[topic]
         there = self.state.types.get(topic, kind)
         if self._rospy.core.is_shutdown_requested():
@@ -145,7 +145,7 @@ class Publications:
         return ""
 
     def _ask_to_connect(self, topic: str, kind: str) -> None:
-        """Register the publisher again where a subscriber is not reached: the master then notifies all subscribers."""
+        """Register the publisher again if a subscriber is not connected: the master then notifies all subscribers."""
         me, now, reason = self._rospy.get_name(), time.monotonic(), ""
         connections = self._connections(topic)
         reached = {connection.endpoint_id for connection in connections if _takes(connection)}

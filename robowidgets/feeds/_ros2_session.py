@@ -18,7 +18,7 @@ _Key = tuple[str, str, bool]
 """A topic, a type, and whether earlier messages are requested (transient local)."""
 
 DISCOVERY = 2.0
-"""Seconds after which a new participant has discovered the others, generously."""
+"""Seconds after which a new participant has discovered the others, at most."""
 
 _DEPTH = 5
 """Length of the queue of a subscription, as ROS 2 has it for sensor data."""
@@ -37,7 +37,7 @@ class Session:
     call `publish`, `wake` and `ok`; everything else belongs to the thread that made the session.
 
     Args:
-        domain_id: the domain; None: what ``ROS_DOMAIN_ID`` says.
+        domain_id: the domain; None: the value of ``ROS_DOMAIN_ID``.
         listener: gets messages and reports.
         is_wanted: returns whether messages of a topic are still wanted.
         matched: topics and types of which a publisher has been matched with a subscriber, also in earlier sessions.
@@ -203,7 +203,7 @@ class Session:
 
         until = time.monotonic() + SEND_TIMEOUT
         for publisher in self._publishers.values():
-            # In short steps: rclpy holds the GIL while it waits.
+            # In short steps, because rclpy holds the GIL while it waits.
             while not publisher.wait_for_all_acked(Duration(seconds=_ACK_POLL)) and time.monotonic() < until:
                 pass
 

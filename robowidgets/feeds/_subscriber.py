@@ -15,11 +15,11 @@ class Subscriber:
     that lock while it waits for ours.
 
     Args:
-        middleware: what is subscribed.
-        wanted: returns the topics that are wanted now; None when the middleware may not be called any more.
+        middleware: the middleware.
+        wanted: returns the topics that are wanted now; None once the middleware must not be called any more.
 
     Attributes:
-        update: subscribes to what is wanted now; any thread may call it.
+        update: subscribes to the topics that are wanted now; any thread may call it.
     """
 
     def __init__(self, middleware: Middleware, wanted: Callable[[], Collection[str] | None]) -> None:

@@ -51,7 +51,7 @@ class Subscription:
     """A topic, the targets of its messages, and its status.
 
     Attributes:
-        trouble: why no message comes or can be read, as the middleware says.
+        trouble: the reason why no message comes or can be read, as the middleware reports it.
         receives: whether messages come now.
         has_received: whether one ever came.
     """
@@ -78,7 +78,7 @@ class Subscription:
         return before != (True, self._failed, self._scanners.status)
 
     def update(self, topic: Topic | None) -> None:
-        """Take over what is known of the topic now; None when it is missing."""
+        """Update the type of the topic; None: the topic is missing."""
         if topic is None or not topic.offered:
             self.receives = False
         kind = topic.type if topic else ""
@@ -87,7 +87,7 @@ class Subscription:
         self.type = kind or self.type
 
     def status(self, topics: dict[str, Topic] | None, *, is_primary: bool = True) -> str:
-        """What is wrong with the topic; empty when all is well.
+        """The problems of the topic; empty if there are none.
 
         A topic that is not primary may stay silent: commanded speeds come only while somebody drives.
         """
@@ -107,7 +107,7 @@ class Subscription:
         return f"waiting for {self.topic}"
 
     def _pass_on(self, target: Target, message: Any) -> str:
-        """Call a target; returns what it raised, as text."""
+        """Call a target; returns its error as text, empty if it raised none."""
         try:
             target.call(message)
         except (Exception, SystemExit) as error:  # it would end the transport's thread, and so the feed

@@ -14,15 +14,15 @@ _Connected = tuple[Subscription, Target]
 
 
 class SubscriptionTable:
-    """The subscriptions of a feed, by topic. The feed's lock is held wherever something changes.
+    """The subscriptions of a feed, by topic. The feed holds its lock during each change.
 
     Args:
-        down: why no message comes on any topic, to begin with.
-        functions: the functions that are connected, too.
+        down: the initial reason why no message comes on any topic.
+        functions: the connected functions.
 
     Attributes:
         topics: the known topics, by name; None until they are listed.
-        down: why no message comes on any topic; empty when all is well.
+        down: the reason why no message comes on any topic; empty while messages can come.
     """
 
     def __init__(self, down: str, functions: FunctionCaller) -> None:
@@ -62,26 +62,26 @@ class SubscriptionTable:
         self.prune()
 
     def prune(self) -> None:
-        """Remove the subscriptions to which nothing is connected any more."""
+        """Remove the subscriptions without a target and a function."""
         used = {function.topic for function in self._functions.functions}
         self.by_topic = {topic: one for topic, one in self.by_topic.items() if one.targets or topic in used}
 
     def learn(self, topics: dict[str, Topic]) -> None:
-        """Take over which topics there are now."""
+        """Replace the known topics."""
         self.topics = topics
         for subscription in self.by_topic.values():
             subscription.update(topics.get(subscription.topic))
         self.show_all()
 
     def lose(self, why: str) -> None:
-        """Note that no message comes until the connection is back."""
+        """Set the reason why no message comes until the robot is connected again."""
         self.down = why
         for subscription in self.by_topic.values():
             subscription.receives = False
         self.show_all()
 
     def status_of(self, topic: str) -> str:
-        """What is wrong with a topic, connected or not; empty when all is well."""
+        """The problems of a topic, connected or not; empty if there are none."""
         status = self.down or (self.by_topic.get(topic) or Subscription(topic)).status(self.topics)
         return "; ".join(filter(None, (status, self._functions.status_of(topic))))
 
@@ -108,7 +108,7 @@ class SubscriptionTable:
         widget._source = {
             "topic": first.topic,
             "type": first.type,
-            "words": self.down or "; ".join(dict.fromkeys(filter(None, listed))),
+            "status": self.down or "; ".join(dict.fromkeys(filter(None, listed))),
             "error": "; ".join(filter(None, failed)),
             "lost": bool(self.down) and not first.receives,
         }

@@ -1,4 +1,4 @@
-"""The topics that a feed knows of."""
+"""The topics of a feed."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Table = tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[s
 class Topic(NamedTuple):
     """A topic of a running robot.
 
-    ``type`` is written as ``sensor_msgs/msg/LaserScan``; where several are used at once they are joined by a comma, and
-    it is empty when it is unknown. ``widget`` is the kind of the widget that shows it, None when none does.
-    ``commanded`` marks a speed that is asked for, not measured. ``offered`` says whether somebody publishes it,
-    ``wanted`` whether somebody else subscribes to it (None: unknown).
+    ``type`` is written as ``sensor_msgs/msg/LaserScan``; several types are joined by a comma, and an unknown type is
+    empty. ``widget`` is the kind of the widget that shows the topic, None without one. ``commanded`` marks a commanded
+    speed, as opposed to a measured one. ``offered`` is True if another node publishes it, ``wanted`` if another node
+    subscribes to it (None: unknown).
     """
 
     name: str
@@ -34,7 +34,7 @@ class Topic(NamedTuple):
 
 
 def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
-    """By name the topics that a middleware knows of, in their order."""
+    """The topics that a middleware lists, by name, in its order."""
     by_name: dict[str, list[Advert]] = {}
     for advert in adverts:
         by_name.setdefault(advert.name, []).append(advert)

@@ -18,26 +18,26 @@ class TwistPublisher:
     """Publishes speeds as Twist or TwistStamped, as the subscriber expects; as Twist when no subscriber is known.
 
     Args:
-        middleware: what publishes.
+        middleware: the middleware that publishes.
     """
 
     def __init__(self, middleware: Middleware) -> None:
         self._middleware = middleware
         self._moved: dict[str, list[str]] = {}
-        """By topic, the types in which a speed other than zero was published."""
+        """For each topic, the types in which a speed other than zero was published."""
         self._moved_at: dict[str, float] = {}
         self._owed: set[str] = set()
-        """The topics to which no zero was sent since then."""
+        """The topics to which no zero was sent since then: their zero is overdue."""
 
     def on_connected(self) -> None:
-        """Owe zero again after a lost connection: a zero that was published shortly before may not have arrived."""
+        """Make zero overdue again: one published shortly before the loss of connection may not have arrived."""
         since = time.monotonic() - RECENT
         self._owed |= {topic for topic, at in list(self._moved_at.items()) if at > since}
 
     def send(self, topic: str, linear: float, angular: float, adverts: Sequence[Advert]) -> None:
         """Publish a speed in m/s and rad/s.
 
-        Zero is published in every type in which a speed was published, and on every topic that is owed one.
+        Zero is published in every type in which a speed was published, and on every topic whose zero is overdue.
 
         Raises:
             FeedError: the topic has another type, and no speed was sent on it; or the middleware cannot publish.

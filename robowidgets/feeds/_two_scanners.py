@@ -30,7 +30,7 @@ FORGET = 3.0
 
 
 class TwoScanners:
-    """Compares the geometry of the scans that come: geometries that take turns belong to two scanners.
+    """Compares the geometry of the scans that come: alternating geometries belong to two scanners.
 
     A scanner that is reconfigured changes its geometry once.
 

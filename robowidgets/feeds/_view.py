@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """What `Feed.show` returns: one widget per topic, added when the topic appears.
+    """The widgets of a feed, one per topic, added when the topic appears. `Feed.show` returns it.
 
     `close` removes all of it from the page; the feed stays open.
 
     Args:
-        feed: what is shown.
+        feed: the feed.
         topics: names of topics; none: all that have a widget.
 
     Attributes:
@@ -75,7 +75,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._show_status()
 
     def _probe(self, topics: Sequence[Topic]) -> None:
-        """Subscribe to the topics whose widget can be told only from a message."""
+        """Subscribe to the topics whose widget only a message can decide."""
         for topic in topics:
             if topic.name not in self._probes and is_open(topic):
                 self._probes[topic.name] = self.feed.attach(topic.name, partial(self._decide, topic))

@@ -39,7 +39,7 @@ class Handler(Protocol):
         """A connection is established."""
 
     def on_frame(self, frame: Frame) -> None:
-        """A frame was received: keep it in place of an older one of its kind, for more may follow at once."""
+        """A frame was received: keep it in place of an older one of its topic, because more may follow at once."""
 
     def deliver(self) -> None:
         """Decode the frames that were kept, and pass them on."""
@@ -55,7 +55,7 @@ class WebSocketClient:
     """A connection to an address, which is made anew, after growing pauses, whenever it ends.
 
     Raises:
-        TypeError, ValueError: the address is not one; the text says how to write it.
+        TypeError, ValueError: the address is invalid; the text says how to write it.
     """
 
     def __init__(self, address: str, handler: Handler, subprotocols: list[str] | None = None) -> None:
@@ -153,7 +153,7 @@ class WebSocketClient:
                     self._backoff.wait(pause)
 
     async def _session(self) -> str:
-        """Connect, and run until the connection ends; returns why."""
+        """Connect, and run until the connection ends; returns the reason."""
         self._reset()
         with self._lock:
             self._loop, self._task = asyncio.get_running_loop(), asyncio.current_task()
@@ -237,7 +237,7 @@ class WebSocketClient:
         self._early: deque[Frame | None] = deque(maxlen=1000)
         self._written: asyncio.Future[None] | None = None
         self._asked_at: float | None = None
-        """When the unanswered ping was sent; None once anything was received."""
+        """The time of the unanswered ping; None once anything was received."""
         self._answered, self._ended = asyncio.Event(), asyncio.Event()
         self._kept_since: float | None = None
         self._too_big = False
@@ -272,7 +272,7 @@ class WebSocketClient:
 
     def _deliver_soon(self) -> asyncio.Future[None] | None:
         # While the network has more frames, tornado reads on and nothing else runs in this thread, so that only the
-        # newest frames are decoded. After `_OVERDUE` it pauses, and other calls have their turn.
+        # newest frames are decoded. After `_OVERDUE` it pauses, so that other calls can run.
         loop, now = asyncio.get_running_loop(), time.monotonic()
         if self._kept_since is None:
             self._kept_since = now
@@ -330,7 +330,7 @@ class WebSocketClient:
 
 
 def checked(address: object) -> str:
-    """The address itself; TypeError or ValueError when it is none."""
+    """The address itself; TypeError or ValueError if it is invalid."""
     expected = "address: expected one like ws://192.168.1.5:8765"
     if not isinstance(address, str):
         raise TypeError(f"{expected}, got {address!r}")

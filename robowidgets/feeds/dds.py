@@ -1,4 +1,4 @@
-"""ROS 2 without ROS, over DDS."""
+"""Robots with ROS 2, over DDS, without an installation of ROS."""
 
 from __future__ import annotations
 
@@ -105,13 +105,13 @@ class Dds(ReconnectLoop):
 
 
 def dds(domain: int = 0, *, interface: str | None = None) -> Feed:
-    """A feed from the topics of ROS 2 where no ROS is installed.
+    """A feed of ROS 2 over DDS; ROS need not be installed.
 
     Args:
         domain: the robot's ``ROS_DOMAIN_ID``, 0 to 232.
-        interface: the network interface to use, by name (``"eth0"``) or address; the first that works by default, or
-            what ``CYCLONEDDS_URI`` says. By ``"lo"`` nothing is sent beyond this machine; Cyclone DDS listens on all of
-            its interfaces in any case, for it has no setting to do otherwise.
+        interface: the network interface to use, by name (``"eth0"``) or address. The default is the interface in
+            ``CYCLONEDDS_URI``, else the first that works. With ``"lo"`` nothing is sent beyond this machine. Cyclone
+            DDS listens on all interfaces in any case; it has no setting against that.
 
     Raises:
         TypeError, ValueError: no such domain, or no name of an interface.

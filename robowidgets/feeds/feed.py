@@ -35,16 +35,16 @@ PATIENCE = 2.0
 
 
 class Feed:
-    """What each function of `robowidgets.feeds` returns: a connection to a robot, or to what stands for one.
+    """A connection to a robot, a simulated robot or a recording; each function of `robowidgets.feeds` returns one.
 
-    Its printed form is a table of its topics. It reconnects by itself and shows on its widgets what is going on. All of
-    it may be called from any thread. A context manager closes it; so does a new run of the cell that opened it.
+    Its printed form is a table of its topics. It reconnects by itself and shows its status on its widgets. All methods
+    may be called from any thread. A context manager closes it; so does a new run of the cell that opened it.
 
     Args:
-        middleware: what connects; the feed opens it.
+        middleware: the connection, which the feed opens.
 
     Raises:
-        FeedError: it can never work; the text says why, and what to do.
+        FeedError: it can never work. The text gives the reason and the next step.
 
     Example:
         >>> from robowidgets import LaserWidget, feeds
@@ -67,7 +67,7 @@ class Feed:
         self._subscriber = Subscriber(middleware, self._wanted)
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
-        # Before it opens: the feed of the earlier run may hold the node, or drive the robot.
+        # Before it opens, because the feed of the earlier run may use the node, or drive the robot.
         _log_dropped(take_the_place(self))
         open_feeds.add(self)
         try:
@@ -81,7 +81,7 @@ class Feed:
 
     @property
     def where(self) -> str:
-        """What it is connected to."""
+        """The name of the connection, such as ``ROS 2, domain 0``."""
         return self._middleware.where
 
     @property
@@ -91,12 +91,12 @@ class Feed:
 
     @property
     def status(self) -> str:
-        """What is wrong with the connection; empty when all is well."""
+        """The problem of the connection; empty if there is none."""
         return self._table.down
 
     @property
     def driving(self) -> Driving:
-        """How `drive` drives: topic, limits, and how long a speed holds. Setting it stops the robot."""
+        """The settings of `drive`: topic, limits, and the hold of a speed. Setting it stops the robot."""
         return self.driver.driving
 
     @driving.setter
@@ -105,10 +105,10 @@ class Feed:
 
     @property
     def drive_status(self) -> str:
-        """Why the robot may not move as commanded; empty when nothing is known against it.
+        """The reasons why the robot may not move as commanded; empty if there are none.
 
-        It names a topic without subscribers, subscribers that do not fit, other publishers, and how the last speed was
-        cut.
+        Reasons are a topic without subscribers, incompatible subscribers, other publishers, and a cut of the last
+        speed.
         """
         return self.driver.status
 
@@ -133,19 +133,20 @@ class Feed:
         """Pass the messages of a topic to widgets and functions; the topic may appear later.
 
         Functions are called in a thread of their own, one at a time, with the newest message: a `Scan`, `Speed` or
-        `Touch` where a widget can show the topic, else the message as it came. Of a touch sensor they get every
+        `Touch` if a widget can show the topic, else the message as received. Functions of a touch sensor get every
         message. The widgets of a topic name a function that raises, and one that has not returned for a second. A
-        function replaces the function of the same name in the notebook, and those that an earlier run of the same cell
-        connected.
+        function replaces the function of the same name in the notebook, and the functions that an earlier run of the
+        same cell connected.
 
         Args:
             topic: its name.
             *targets: widgets, whose `update` takes the messages and whose title becomes the topic if it is empty; their
                 methods, such as `speed.command`; or functions of a sample.
-            raw: whether functions get the messages as they came.
+            raw: whether functions get the messages as received.
 
         Raises:
-            TypeError: no text, no target, or something else than a widget or a function. ValueError: an empty name.
+            TypeError: the topic is no text, there is no target, or a target is neither a widget nor a function.
+            ValueError: the topic is empty.
             FeedError: the feed is closed.
         """
         check_name(topic)
@@ -169,15 +170,15 @@ class Feed:
         self._subscriber.update()
 
     def scans(self, topic: str, timeout: float = 0.5) -> Iterator[Scan]:
-        """The scans of a topic from now on, each once; the newest, where a loop is slower than the scanner.
+        """The scans of a topic from now on, each once. A loop that is slower than the scanner gets the newest.
 
         Args:
             topic: its name.
-            timeout: seconds that it waits for the next scan. For the first one it waits 10 s at least.
+            timeout: seconds to wait for the next scan. The first one is awaited for 10 s at least.
 
         Raises:
-            TimeoutError: no scan came in time; the text says why, as far as it is known.
-            TypeError, ValueError: no name, or no number of seconds above 0; or a message that is no scan.
+            TimeoutError: no scan came in time; the text gives the reason, if it is known.
+            TypeError, ValueError: no name, or no number of seconds above 0, or a message is no scan.
             FeedError: the feed is closed.
 
         Example:
@@ -220,9 +221,9 @@ class Feed:
     def drive(self, linear: float = 0.0, angular: float = 0.0) -> None:
         """Publish a speed, cut to the limits of `driving`; unless it is renewed in time, zero follows.
 
-        At most 50 speeds a second are published, the newest wins; zero is published at once. `drive_status` says what
-        was cut until the next speed that is not, and the log says it once. The first call waits two seconds at most for
-        a subscriber to connect.
+        At most 50 speeds a second are published, the newest wins; zero is published at once. `drive_status` names a cut
+        until the next speed that is not cut, and the log names it once. The first call waits two seconds at most for a
+        subscriber to connect.
 
         Args:
             linear: forward, m/s.
@@ -239,7 +240,7 @@ class Feed:
         """Publish zero now, and return when it is sent.
 
         Raises:
-            FeedError: zero was not sent; the text says why, and whether it follows when the robot can be reached.
+            FeedError: zero was not sent. The text gives the reason, and whether zero is sent on reconnection.
         """
         if not self._closed or self._forked:
             self.driver.stop()
@@ -366,7 +367,7 @@ class Feed:
             raise FeedError(f"the feed of {self.where} {why}: open it again")
 
     def wait_until(self, condition: Callable[[], bool], seconds: float) -> None:
-        """Wait until a condition holds or the feed is closed, for so many seconds at most."""
+        """Wait until a condition is true or the feed is closed, for some seconds at most."""
         until = time.monotonic() + seconds
         with self._changed:
             while not condition() and not self._closed and (left := until - time.monotonic()) > 0:
@@ -380,12 +381,12 @@ class Feed:
         )
 
     def status_of(self, topic: str) -> str:
-        """What is wrong with a topic, connected or not; empty when all is well."""
+        """The problems of a topic, connected or not; empty if there are none."""
         with self._changed:
             return self._table.status_of(topic)
 
     def trouble_of(self, topic: str) -> str:
-        """Why no message of a connected topic comes or can be read, as the middleware says; empty when all is well."""
+        """The reason of the middleware why no message of a topic comes or can be read; empty if there is none."""
         subscription = self._table.by_topic.get(topic)
         return subscription.trouble if subscription is not None else ""
 
@@ -395,7 +396,7 @@ class Feed:
             self._watchers.append(on_change)
 
     def forget(self, on_change: Callable[[], None]) -> None:
-        """Call a function of `watch` no more."""
+        """Remove a function that was added by `watch`."""
         with self._changed:
             if on_change in self._watchers:
                 self._watchers.remove(on_change)
@@ -478,14 +479,14 @@ class Feed:
 
 
 def _sorted(targets: Sequence[Any]) -> tuple[list[Target], list[Callable[[Any], object]]]:
-    """Of the targets of `connect`, those of widgets and the functions."""
+    """The targets of `connect`, separated into those of widgets and functions."""
     every = [target_of(target) for target in targets]
     ours = [one for one in every if isinstance(one, Target)]
     return ours, [one for one in every if not isinstance(one, Target)]
 
 
 def _log_dropped(closed: Sequence[Any]) -> None:
-    """Log which functions of other cells were connected to a feed that a new run of its cell closed."""
+    """Log the functions of other cells that were connected to a feed which a new run of its cell closed."""
     cell, _ = running_cell()
     functions = [function for feed in closed if isinstance(feed, Feed) for function in feed.functions]
     names = [f"`{function.name}` ({function.topic})" for function in functions if function.cell != cell]

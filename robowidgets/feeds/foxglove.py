@@ -24,7 +24,7 @@ _DATA = Struct("<BIQ")
 _CLIENT_DATA = Struct("<BI")
 _MESSAGE = 1
 _ERROR = 2
-_SETTLE = 0.05  # seconds: the SDK's server loses one subscription in ten that follows its offer at once
+_SETTLE = 0.05  # seconds: the SDK's server loses one subscription in ten that follows the advertisement at once
 _NO_CHANNELS = 0.5  # seconds within which a server advertises its channels, if it has any
 
 
@@ -41,7 +41,7 @@ class Foxglove(Bridge):
     """A `Middleware` that speaks to a foxglove server.
 
     Raises:
-        TypeError, ValueError: the address is not one.
+        TypeError, ValueError: the address is invalid.
     """
 
     def __init__(self, address: str = "ws://127.0.0.1:8765") -> None:
@@ -201,10 +201,10 @@ def foxglove(address: str = "ws://127.0.0.1:8765") -> Feed:
     """A feed of a robot that runs foxglove_bridge, or any other server of the Foxglove SDK. It needs tornado.
 
     Args:
-        address: where the bridge listens: ``ws://``, or ``wss://`` for an encrypted connection.
+        address: the address of the bridge: ``ws://``, or ``wss://`` for an encrypted connection.
 
     Raises:
-        TypeError, ValueError: the address is not one.
+        TypeError, ValueError: the address is invalid.
         FeedError: tornado is not installed.
     """
     return Feed(Foxglove(address))

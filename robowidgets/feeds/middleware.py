@@ -1,4 +1,4 @@
-"""The interface between `Feed` and the adapters, one for each middleware."""
+"""The interface between `Feed` and the modules of the middlewares."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CLOSE_TIMEOUT = 2.0
 
 
 class FeedError(Exception):
-    """A feed that cannot be opened or used. The text is one line for a person: what, why, and what to do."""
+    """A feed cannot be opened or used. The text is one line for a person: the failure, the reason, the next step."""
 
 
 class NotYetError(FeedError):
@@ -24,11 +24,11 @@ class NotYetError(FeedError):
 
 
 class Advert(NamedTuple):
-    """A topic that a middleware knows of.
+    """A topic that a middleware lists.
 
-    ``type`` is written as ``sensor_msgs/msg/LaserScan``, also for ROS 1; empty when it is unknown. ``offered`` says
-    whether somebody else publishes it, ``wanted`` whether somebody else subscribes to it (None: unknown).
-    ``publishers`` are the names of the other nodes that publish it, as far as the middleware reports them.
+    ``type`` is written as ``sensor_msgs/msg/LaserScan``, also for ROS 1; empty when it is unknown. ``offered`` is True
+    if another node publishes it, ``wanted`` if another node subscribes to it (None: unknown). ``publishers`` are the
+    names of the other nodes that publish it, as far as the middleware reports them.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Advert(NamedTuple):
 
 
 class Listener(Protocol):
-    """What a middleware calls; a feed. Every method may be called from any thread, returns at once and never raises.
+    """The feed, as its middleware calls it. Any thread may call each method, which returns at once and never raises.
 
     No method runs code of the user, because the calling thread may carry speeds. A method may call the middleware from
     within, so the caller must hold no lock that the middleware's methods take. Reporting the same again costs little
@@ -53,16 +53,16 @@ class Listener(Protocol):
         """The robot cannot be reached, or no longer; the next attempt follows in so many seconds."""
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
-        """All topics that are known now; to be called when the list changes."""
+        """All topics that are known now. Called when the list changes."""
 
     def on_message(self, topic: str, message: Any) -> None:
         """A message of a subscribed topic: anything that the ``update`` of a widget takes."""
 
     def on_trouble(self, topic: str, reason: str) -> None:
-        """Why no message of a subscribed topic comes or can be read, in a sentence; empty when that is over."""
+        """The reason why no message of a subscribed topic comes or can be read, as a sentence; empty: none any more."""
 
     def on_unheard(self, topic: str, reason: str) -> None:
-        """Why a subscriber does not receive what is published here on a topic, in a sentence; empty when that is over.
+        """The reason why a subscriber does not receive our messages on a topic, as a sentence; empty: none any more.
 
         The reason may be an incompatible quality of service.
         """
@@ -97,7 +97,7 @@ class Middleware(Protocol):
         """
 
     def close(self) -> None:
-        """Deliver what was published, disconnect, and end every thread, within `CLOSE_TIMEOUT`.
+        """Deliver the published messages, disconnect, and end every thread, within `CLOSE_TIMEOUT`.
 
         Doing it again does nothing. Any thread may call it, also one of the middleware.
         """

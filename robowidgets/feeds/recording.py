@@ -1,4 +1,4 @@
-"""A recording, played as if it were a running robot."""
+"""A recording that is played like a running robot."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class Played:
 
     Args:
         recording: the recording; nothing else may read it meanwhile, and closing the feed closes it.
-        speed: seconds of the recording in a second.
-        loop: whether it starts anew at its end.
+        speed: seconds of the recording per second.
+        loop: whether it starts again at its end.
     """
 
     def __init__(self, recording: RecordingData, speed: float, loop: bool) -> None:
@@ -99,7 +99,7 @@ class Played:
                     return
                 names = self._subscribed & shown
                 for name in self._subscribed & others:
-                    listener.on_trouble(name, f"{name}: a recording hands on only what a widget shows")
+                    listener.on_trouble(name, f"{name}: a recording publishes only topics that a widget shows")
                 ended = self._play(listener, names, started)
                 if ended and self._loop:
                     started += max(self._recording.duration / self._speed, _SHORTEST_ROUND)
@@ -123,14 +123,14 @@ def recording(path: str | os.PathLike[str], *, speed: float = 1.0, loop: bool = 
     """A feed of a recording, played as if it were live.
 
     Args:
-        path: what `robowidgets.open` takes.
+        path: the recording, as `robowidgets.open` takes it.
         speed: seconds of the recording in a second, above 0.
-        loop: whether it starts anew at its end.
+        loop: whether it starts again at its end.
 
     Raises:
-        RecordingError: nothing of it can be read; the text says why.
-        TypeError: no path, the speed no number, or loop neither True nor False. ValueError: a speed that is not finite
-            and above 0.
+        RecordingError: nothing of it can be read; the text gives the reason.
+        TypeError: no path, the speed is no number, or loop is neither True nor False. ValueError: the speed is not
+            finite and above 0.
 
     Example:
         >>> from robowidgets import SAMPLE, feeds

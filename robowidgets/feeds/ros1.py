@@ -39,9 +39,9 @@ class _Subscription(NamedTuple):
 class Ros1(ReconnectLoop):
     """A `Middleware` on the one node that a process may have, with the master that ROS_MASTER_URI names.
 
-    The node is the program's own where it called `rospy.init_node`, else one of ours; it stays until the process ends.
-    Every second a thread asks the master for its state, subscribes and publishes, and registers anew what a restarted
-    master forgot. Messages come in rospy's threads: as rospy's objects where the Python package of their type is
+    The node is the program's own if it called `rospy.init_node`, else one of ours; it stays until the process ends.
+    Every second a thread requests the state of the master, subscribes and publishes, and registers again with a
+    restarted master. Messages come in rospy's threads: as rospy's objects if the Python package of their type is
     installed, else decoded by the definition that their publisher sends.
     """
 
@@ -64,7 +64,7 @@ class Ros1(ReconnectLoop):
         return f"ROS 1, {self._master.uri}" if self._master.uri else "ROS 1"
 
     def open(self, listener: Listener) -> None:
-        """See `Middleware`. FeedError without rospy, or where ROS_MASTER_URI names no master."""
+        """See `Middleware`. FeedError without rospy, or if ROS_MASTER_URI names no master."""
         try:
             import rosgraph
             import roslib.message  # noqa: F401
@@ -91,7 +91,7 @@ class Ros1(ReconnectLoop):
         self._start(f"robowidgets {self.where}", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """See `Middleware`. FeedError also where the Python package of its type is not installed."""
+        """See `Middleware`. FeedError also if the Python package of the type is not installed."""
         self._publications.publish(topic, message_type, message)
 
     def close(self) -> None:
@@ -119,7 +119,7 @@ class Ros1(ReconnectLoop):
         self._subscriptions.clear()
 
     def _run_session(self, listener: Listener) -> str:
-        """Poll the master until neither it nor a connection is left; returns why the master is lost."""
+        """Poll the master until neither it nor a connection is left; returns the reason why the master is lost."""
         self._connected = False
         while not self._backoff.closed:
             reason = self._poll(listener)
@@ -133,7 +133,7 @@ class Ros1(ReconnectLoop):
         return ""
 
     def _poll(self, listener: Listener) -> str:
-        """Follow the state of the master; returns why that failed."""
+        """Follow the state of the master; returns the reason if that failed."""
         try:
             state = self._master.state()
             self._start_node()
@@ -197,7 +197,7 @@ class Ros1(ReconnectLoop):
         self._subscriptions[topic] = _Subscription(subscriber, kind, time.monotonic())
 
     def _look_after(self, topic: str, state: State) -> None:
-        """Restore what a restarted master forgot or rospy gave up; report why there is no connection to a publisher."""
+        """Restore subscriptions that a restarted master or rospy dropped; report missing connections to publishers."""
         subscription, me = self._subscriptions[topic], self._rospy.get_name()
         impl = subscription.subscriber.impl
         for connection in impl.connections:
@@ -271,15 +271,14 @@ class _RospyLog(logging.Handler):
 
 
 def ros1(name: str = "robowidgets") -> Feed:
-    """The topics of a running ROS 1, by rospy; ROS_MASTER_URI names the master.
+    """A feed of ROS 1 through rospy; ROS_MASTER_URI names the master.
 
     Args:
-        name: of the node, to which a number is added. A program that has called `rospy.init_node` has its node already,
-            and that is used.
+        name: the name of the node, to which a number is added. If the program has called `rospy.init_node`, its node is
+            used instead.
 
     Raises:
-        FeedError: rospy cannot be imported or was shut down, the name is none that a node may have, or ROS_MASTER_URI
-            none of a master.
+        FeedError: rospy cannot be imported or was shut down, or the name or ROS_MASTER_URI is invalid.
 
     Example:
         >>> from robowidgets import feeds

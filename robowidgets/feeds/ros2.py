@@ -21,7 +21,7 @@ LOOK = 1.0
 """Seconds between two queries of the topics."""
 
 EARLY_LOOK = 0.2
-"""The same while a session is young, when the robot's topics are discovered one after another."""
+"""Seconds between two queries in a new session, while the robot's topics are discovered one after another."""
 
 
 class Ros2(ReconnectLoop):
@@ -46,7 +46,7 @@ class Ros2(ReconnectLoop):
         self._changed = threading.Condition(self._lock)
         self._session: Session | None = None
         self._down = ""
-        """Why there is no session until the next attempt."""
+        """The reason why there is no session until the next attempt."""
         self._matched: set[tuple[str, str]] = set()
 
     @property
@@ -162,7 +162,7 @@ def _domain_of(node: Any) -> int:
 
 
 def _filled(topic: str, message_type: str, message: Mapping[str, Any]) -> Any:
-    """A message of rclpy; FeedError where it cannot be published."""
+    """A message of rclpy; FeedError if it cannot be published."""
     from rclpy.exceptions import NameValidationException
     from rclpy.validate_topic_name import validate_topic_name
 
@@ -183,7 +183,7 @@ def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:
 
     Args:
         node: a node of the program. Only its domain is used, so it need not be spun.
-        domain_id: the domain; by default what ``ROS_DOMAIN_ID`` says.
+        domain_id: the domain; None: the value of ``ROS_DOMAIN_ID``.
 
     Raises:
         TypeError, ValueError: no node, no domain, or both at once.

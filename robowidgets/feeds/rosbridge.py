@@ -32,8 +32,8 @@ _IN_CBOR = frozenset(
         *("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "nav_msgs/msg/OccupancyGrid"),
     )
 )
-"""Types that gain by CBOR, because infinity has a meaning or the messages are large. Other types are not asked for in
-CBOR: most servers cannot encode an array of fixed size, such as any covariance, and then send nothing."""
+"""Types that are requested in CBOR, because infinity has a meaning or the messages are large. Other types are not: most
+servers cannot encode an array of fixed size, such as any covariance, and then send nothing."""
 _ONLY_NULL = "the robot sends null for nothing in range as for no measurement: they cannot be told apart"
 
 
@@ -41,7 +41,7 @@ class Rosbridge(Bridge):
     """A `Middleware` that speaks to a rosbridge server, in CBOR where cbor2 is installed.
 
     Raises:
-        TypeError, ValueError: the address is not one.
+        TypeError, ValueError: the address is invalid.
     """
 
     def __init__(self, address: str = "ws://127.0.0.1:9090") -> None:
@@ -246,13 +246,13 @@ def _ros1_stamps(value: Any) -> Any:
 
 
 def rosbridge(address: str = "ws://127.0.0.1:9090") -> Feed:
-    """A feed of a robot that runs rosbridge_server, of ROS 1 or ROS 2. It needs tornado, and is better with cbor2.
+    """A feed of a robot that runs rosbridge_server, of ROS 1 or ROS 2. It needs tornado; with cbor2 it is faster.
 
     Args:
-        address: where rosbridge listens: ``ws://``, or ``wss://`` for an encrypted connection.
+        address: the address of rosbridge: ``ws://``, or ``wss://`` for an encrypted connection.
 
     Raises:
-        TypeError, ValueError: the address is not one.
+        TypeError, ValueError: the address is invalid.
         FeedError: tornado is not installed.
     """
     return Feed(Rosbridge(address))

@@ -32,8 +32,8 @@ _START = (0.2, -0.85, 0.5)
 class Simulated:
     """A simulated robot as a `Middleware`: it runs in real time, in a thread of its own.
 
-    It obeys the speeds on ``/cmd_vel`` while some come. Else it wanders about and backs off from what it bumps into, or
-    stands still.
+    While speeds come on ``/cmd_vel``, it obeys them. Else it wanders about and backs off from obstacles, or stands
+    still.
 
     Args:
         robot: the robot; nothing else may use it meanwhile.
@@ -73,7 +73,7 @@ class Simulated:
         self._subscribed -= {topic}
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
-        """See `Middleware`. It takes every message that holds a speed."""
+        """See `Middleware`. It takes every message with a speed."""
         if topic != "/cmd_vel":
             raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
         speed = to_speed(message)
@@ -93,7 +93,7 @@ class Simulated:
         scan = None
         due = time.monotonic()
         while not self._ended.wait(max(0.0, due - time.monotonic())):
-            # Time that a busy cell took from this thread is made up for, up to `_LATEST` seconds.
+            # Catches up with time that a busy cell took from this thread, up to `_LATEST` seconds.
             due = max(due + self._step, time.monotonic() - _LATEST)
             ways = self._steer(ways)
             self._robot.step(self._step)
@@ -116,18 +116,19 @@ class Simulated:
 
 
 def simulator(robot: Robot | None = None, *, hz: float = 10.0, seed: int = 1, wander: bool = True) -> Feed:
-    """A feed of the built-in robot, which needs no middleware: it wanders about a house until somebody drives it.
+    """A feed of the built-in robot, which needs no middleware: it wanders about a house until it is driven.
 
     Its topics are /scan, /odom, /cmd_vel and /bumper.
 
     Args:
         robot: a robot of `robowidgets.simulator`; None: one in the hall of a house.
-        hz: steps of the robot a second, above 0, at most 1000.
-        seed: of everything random in the robot in the hall.
+        hz: steps of the robot per second, above 0, at most 1000.
+        seed: the seed of everything random in that robot.
         wander: whether it wanders while nobody drives it; False: it stands still.
 
     Raises:
-        TypeError: no such robot, no number, or wander neither True nor False. ValueError: hz is out of its range.
+        TypeError: robot is no robot, hz or seed no number, or wander neither True nor False. ValueError: hz is out of
+            range.
 
     Example:
         >>> from robowidgets import feeds

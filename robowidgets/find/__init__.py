@@ -1,1 +1,1 @@
-"""Finding the spans of time in which a condition held."""
+"""Finding the spans of time in which a condition is true."""

@@ -1,4 +1,4 @@
-"""What holds by a function of one moment."""
+"""Conditions that are functions of one moment."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ Make = Callable[[], Any]
 
 
 class NotYetError(LookupError):
-    """There is no sample of a topic yet, so that whatever depends on it is unknown."""
+    """There is no sample of a topic yet: the condition is unknown."""
 
 
 class Instant:
     """The last sample of each topic at one time.
 
-    ``moment.scan``, ``moment.speed`` and ``moment.touch`` are those of the one topic of their kind (of speeds, the
-    measured one); so are the samples of other kinds, by their `Kind.sample_name`. ``moment["/cmd_vel"]`` is that of
-    any topic. ``moment.seconds`` counts from the start of the recording, ``moment.time_ns`` is by its clock.
+    ``moment.scan``, ``moment.speed`` and ``moment.touch`` are the samples of the only topic of their kind (for speeds,
+    of the measured one); a sample of another kind has the name `Kind.sample_name`. ``moment["/cmd_vel"]`` is the sample
+    of any topic. ``moment.seconds`` counts from the start of the recording, ``moment.time_ns`` is by its clock.
 
     Raises:
-        UnknownTopicError: there are several topics of a kind, so that one has to be named.
+        UnknownTopicError: the recording has several topics of a kind, so one must be named.
     """
 
     scan: Scan
@@ -53,13 +53,13 @@ class Instant:
         self._topics = topics
         self._names = [topic.name for topic in topics]
         self._topic_of: dict[str, str] = {}
-        """By kind the one topic of it."""
+        """The only topic of each kind, by the kind."""
         self._start_ns = start_ns
         self._now = start_ns
         self._samples: dict[str, Any] = {}
-        """By topic the last sample, or the function that makes it."""
+        """The last sample of each topic, or the function that makes it."""
         self._used: set[str] = set()
-        """The topics that the function asked for."""
+        """The topics that the function has read."""
 
     @property
     def time_ns(self) -> int:
@@ -110,10 +110,10 @@ class Instant:
 
 
 class Function:
-    """Holds from each moment on at which a function returns something true, until a sample that it used is stale.
+    """A condition that is true while a function returns a true value, until a sample that it read is stale.
 
     Args:
-        function: takes an `Instant`. It is called again only when something changes that it used last time.
+        function: takes an `Instant`. It is called again only after a change of a value that it read last time.
     """
 
     def __init__(self, function: Callable[[Instant], Any]) -> None:
@@ -143,7 +143,7 @@ class Function:
                     used = frozenset(instant._used)
                 for topic in going_stale.keys() & samples:
                     going_stale[topic].append(time_ns)
-                # In this order: an interrupt in between must leave no time without a value.
+                # In this order, so that an interrupt in between leaves no time without a value.
                 values.append(value)
                 used_at.append(used)
                 times.append(time_ns)
@@ -189,9 +189,9 @@ def _topics(recording: RecordingData, asked: Any) -> list[Topic]:
 
 
 def _together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[int, dict[str, Make]]]:
-    """The samples of all topics in the order of time, those of one time together.
+    """The samples of all topics in the order of time, grouped by time.
 
-    Where topics have several at one time, the first of each come together, then the second of each, and so on.
+    If topics have several samples at one time, the first group contains the first of each, the next the second of each.
     """
     heads = {topic: head for topic, samples in topics.items() if (head := next(samples, None))}
     while heads:
@@ -206,7 +206,7 @@ def _together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[i
 
 
 def _samples(recording: RecordingData, topic: str) -> Iterator[tuple[int, Make]]:
-    """The times of a topic, held where the clock went back, and what makes the sample of each."""
+    """The times of a topic, none before the previous one, each with the function that makes its sample."""
     latest = 0
     for chunk in recording.series(topic).chunks():
         for i, time_ns in enumerate(chunk.times_ns.tolist()):

@@ -1,4 +1,4 @@
-"""Steps in time: from when on a condition holds, does not hold, or is unknown."""
+"""Steps in time: the value of a condition (true, false or unknown) from each time on."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ NO, UNKNOWN, YES = 0, 1, 2
 
 
 class Steps(NamedTuple):
-    """Whether a condition holds from each time until the next: ``NO``, ``UNKNOWN`` or ``YES``.
+    """The value of a condition from each time until the next: ``NO``, ``UNKNOWN`` or ``YES``.
 
     ``times``: nanoseconds, shape (N,), ascending; before the first it is unknown. ``values``: shape (N,).
-    Several values at one time all hold at that moment, and the last of them from then on.
+    Several values at one time all apply at that moment, and the last of them from then on.
     """
 
     times: NDArray[np.int64]
@@ -43,9 +43,9 @@ def steps(times: ArrayLike, values: ArrayLike) -> Steps:
 
 
 def combined(parts: Sequence[Steps], how: Callable[..., Any]) -> Steps:
-    """Several steps as one, at every time of any of them.
+    """Several steps as one, with all their times.
 
-    Where parts have several values at one time, their order across parts is unknown. So the result has the least and
+    If parts have several values at one time, their order across parts is unknown. So the result has the least and
     the greatest possible value at that time, and then the value from there on.
     """
     times = np.unique(np.concatenate([part.times for part in parts]))
@@ -62,9 +62,9 @@ def inverted(part: Steps) -> Steps:
 
 
 def spans(part: Steps, end_ns: int) -> list[tuple[int, int]]:
-    """The spans (start, end) in which a condition holds; what holds at the last time goes on to ``end_ns``.
+    """The spans (start, end) in which a condition is true; the last value lasts until ``end_ns``.
 
-    A span starts and ends at the same time where the condition holds only at that moment.
+    A span starts and ends at the same time if the condition is true only at that moment.
     """
     moments = np.unique(part.times)
     times = np.repeat(moments, 2)

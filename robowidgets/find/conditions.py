@@ -1,8 +1,8 @@
 """Ready-made conditions for `Recording.find`, joined by ``&``, ``|`` and ``~``.
 
-Each looks at whole columns at a time, while the next part of the file is read and decompressed on the other core. The
+Each condition is computed for whole columns, while another thread reads and decompresses the next part of the file. The
 last scan or speed before a silence is stale one usual step after its time; a silence is a pause of more than 2 s and
-more than two usual steps. Touches hold until a message says otherwise.
+more than two usual steps. The state of a touch sensor lasts until its next message.
 
 Example:
     >>> from robowidgets import conditions
@@ -36,11 +36,11 @@ __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"
 
 
 class Condition(ABC):
-    """Something that holds at some times of a recording, does not hold at others, and may be unknown."""
+    """A condition, which is true, false or unknown at each time of a recording."""
 
     @abstractmethod
     def steps(self, search: Search) -> Steps:
-        """The steps of the condition, as far as the search gets."""
+        """The steps of the condition, up to the end of the search."""
 
     def __and__(self, other: Any) -> Condition:
         return _Joined(" & ", np.min, self, other)
@@ -74,7 +74,7 @@ def touched(label: str | None = None, topic: str | None = None) -> Condition:
 
 
 def nearest_below(distance: float, sector: Sector | str | None = None, topic: str | None = None) -> Condition:
-    """`Scan.distance` is below a distance. Where it is NaN, neither this nor its opposite holds.
+    """`Scan.distance` is below a distance. Where it is NaN, the condition is unknown, and so is its opposite.
 
     Args:
         distance: metres.
@@ -107,16 +107,16 @@ def speed_above(limit: float, axis: str = "linear.x", topic: str | None = None) 
 def gap(seconds: float, topic: str | None = None) -> Condition:
     """No sample came for longer than some time: from one sample to the next, or to the end of the recording.
 
-    Each silence is a span of its own, also where a single sample lies between two.
+    Each silence is a span of its own, even if only one sample lies between two of them.
 
     Args:
         seconds: above 0.
         topic: None: any topic of scans or measured speeds. Touch sensors and commands may be silent for long.
 
     Raises:
-        TypeError: it is no number.
-        ValueError: it is not above 0.
-        UnknownTopicError: by `Recording.find`: none is named, and there is none of scans or measured speeds.
+        TypeError: ``seconds`` is no number.
+        ValueError: the number is not above 0.
+        UnknownTopicError: raised by `Recording.find` if no topic is named and none has scans or measured speeds.
     """
     return _Gap(seconds, topic)
 
@@ -258,11 +258,11 @@ class _Gap(Condition):
         times = search.times(series)
         # Without rows for releases, which no message told of.
         times = times[series.said[: len(times)]]
-        # Silence before the first sample and after the last counts too.
+        # Silence before the first sample and after the last counts, too.
         ends = np.array([search.recording.start_ns or 0, search.end_ns], np.int64)
         edges = np.unique(np.concatenate((ends[:1], times, ends[1:])))
         silent = np.append(np.diff(edges) > self._seconds * 1e9, False)
-        # A sample between two silences parts them: the second begins a nanosecond after it.
+        # A sample between two silences separates them: the second begins a nanosecond after it.
         again = np.flatnonzero(silent[1:] & silent[:-1]) + 1
         values = np.where(silent, YES, NO).astype(np.int8)
         values[again] = NO

@@ -1,4 +1,4 @@
-"""The search for the moments at which a condition holds."""
+"""The search for the spans in which a condition is true."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.progress import Progress, one_bar
+from .._core.progress import Progress, without_bars
 from ..recordings.spans import Span, Spans
 from ._steps import NO, Steps, spans, steps
 from .conditions import condition
@@ -22,18 +22,18 @@ class Chunked(Protocol):
     """A series of samples that is read in chunks."""
 
     def chunks(self) -> Iterator[Any]:
-        """Pieces of it, each with ``times_ns``."""
+        """The chunks, each with ``times_ns``."""
 
 
 class Search:
     """One search through a recording.
 
-    After an interrupt conditions are known up to ``end_ns`` only, and the search goes no further.
+    After an interrupt, the search ends at ``end_ns``.
 
     Args:
         recording: the recording.
         topics: see `Recording.find`.
-        bar: the progress bar; counts the samples that were looked at.
+        bar: the progress bar; counts the samples that were read.
     """
 
     def __init__(self, recording: RecordingData, topics: str | Iterable[str] | None, bar: Any) -> None:
@@ -42,11 +42,11 @@ class Search:
         self.end_ns = recording.end_ns or 0
         self.is_cut = False
         self.silences: list[tuple[str, Steps]] = []
-        """Topics, and the steps that hold where they were silent for too long."""
+        """Topics, and steps that are YES while the topic is silent for too long."""
         self._bar = bar
 
     def over(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
-        """Whether a test holds from each sample on until the sample is stale, found for whole chunks at a time."""
+        """The steps of a test, which takes a chunk and returns a value for each sample; UNKNOWN after a stale one."""
         found = self._tested(series, test)
         return mark_stale(found, [(found.times, np.ones(len(found.times), bool))], self.end_ns)
 
@@ -75,12 +75,12 @@ class Search:
         self._bar.update(count)
 
     def cut(self, time_ns: int) -> None:
-        """Search no further than a time."""
+        """End the search at a time."""
         self.end_ns = min(self.end_ns, time_ns)
         self.is_cut = True
 
     def found(self, result: Steps) -> list[Span]:
-        """The spans in which a condition held, with the topics that were silent in each."""
+        """The spans in which a condition is true, with the topics that were silent in each."""
         inside = result.times <= self.end_ns
         found = spans(Steps(result.times[inside], result.values[inside]), self.end_ns)
         silences = [
@@ -98,12 +98,12 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
     wanted = condition(given)
     total = sum(topic.count for topic in recording.topics if topic.widget)
     start_ns = recording.start_ns or 0
-    with Progress(total, "Finding", " samples") as bar, one_bar():
+    with Progress(total, "Finding", " samples") as bar, without_bars():
         search = Search(recording, topics, bar)
         try:
             result = wanted.steps(search)
         except KeyboardInterrupt:
-            # A condition over whole columns was interrupted: it is unknown at all times.
+            # Interrupted within a condition over whole columns: it is unknown at all times.
             search.cut(start_ns)
             result = steps([], [])
     return Spans(

@@ -1,4 +1,4 @@
-"""How long a topic may be silent until its last sample is stale, and what is unknown then."""
+"""Stale samples: the last ones before a silence of their topic, and the conditions that are unknown then."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SHORTEST = 2_000_000_000
 
 
 def usual_step(times_ns: NDArray[np.int64]) -> int:
-    """Nanoseconds from one time to the next one that is later, the median; 0 where there is none."""
+    """The median time to the next later time, in nanoseconds; 0 if there is none."""
     ahead = np.diff(times_ns)
     ahead = ahead[ahead > 0]
     return round(float(np.median(ahead))) if ahead.size else 0
@@ -27,12 +27,12 @@ def longest_pause(usual: int) -> int:
 def mark_stale(result: Steps, topics: Iterable[tuple[NDArray[np.int64], NDArray[np.bool_]]], end_ns: int) -> Steps:
     """The steps, with UNKNOWN wherever they rest on a stale sample.
 
-    The last sample before a silence is stale one usual step after its time; where a topic has no usual step, at once.
+    The last sample before a silence is stale one usual step after its time; without a usual step, at once.
 
     Args:
-        result: what was found at the samples, N steps.
-        topics: of each topic the times of its samples, ascending, and which of the steps rest on them, shape (N,).
-        end_ns: the end of the recording, before which the last sample may be stale too.
+        result: N steps, found at the samples.
+        topics: for each topic the times of its samples, ascending, and whether each step rests on them, shape (N,).
+        end_ns: the end of the recording; the last sample may be stale before it, too.
     """
     values = result.values.copy()
     places, ends = [np.empty(0, np.intp)], [np.empty(0, np.int64)]

@@ -1,4 +1,4 @@
-"""The library of Rerun, which is imported when it is needed: it is an extra."""
+"""The library of Rerun, imported lazily because it is an optional dependency."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def library(name: str) -> Any:
     """A module of rerun-sdk.
 
     Raises:
-        ImportError: it is not installed, or too old; the text says how to install it.
+        ImportError: it is not installed or too old. The text gives the command that installs it.
     """
     try:
         module = import_module(name)

@@ -28,7 +28,7 @@ Content = Callable[[], Iterable[bytes]]
 
 
 class Server:
-    """An HTTP server on a free port of 127.0.0.1, for as long as the process lives.
+    """An HTTP server on a free port of 127.0.0.1 that runs until the process ends.
 
     Any page in the browser can send it requests, because JupyterLab has another port; so each address contains a
     secret.
@@ -59,12 +59,12 @@ def server() -> Server:
 
 
 def kept_here(script: str) -> str:
-    """A JavaScript module whose ``fetch`` reaches only the server that it came from.
+    """A JavaScript module whose ``fetch`` reaches only the server of the module.
 
-    The viewer asks the web for newer releases of itself whenever it starts, and no option turns that off.
+    The viewer requests newer releases of itself from the web whenever it starts, and no option turns that off.
 
     Raises:
-        RuntimeError: the module may fetch in another way.
+        RuntimeError: the module can also fetch in another way.
     """
     script = script.replace("arg0.fetch(arg1", "fetch(arg1")
     if ".fetch(" in script:
@@ -84,7 +84,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def __init__(self, contents: dict[str, Content], *given: object) -> None:
         self._contents = contents
-        super().__init__(*given)  # type: ignore[arg-type]  # handed on as the server gives them
+        super().__init__(*given)  # type: ignore[arg-type]  # passed on unchanged
 
     def do_GET(self) -> None:  # the name that http.server calls
         content = self._contents.get(self.path)

@@ -1,4 +1,4 @@
-"""The poses of a recording's scanners in the world."""
+"""The poses of a recording's scanners in the world frame."""
 
 from __future__ import annotations
 
@@ -7,28 +7,28 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..poses.tracks import Frames, Poses
+from ..poses.frame_tree import FrameTree, Poses
 from ..recordings import RecordingData
 
 _BASES = ("base_footprint", "base_link")
 
 
 class World:
-    """The world frame, which is that of odometry, else the root of tf, and the frame of the robot in it.
+    """The world frame, which is the parent of odometry or else the root of tf, and the frame of the robot in it.
 
     Args:
         recording: the recording.
-        scanners: names of the frames of its scans.
+        scanners: names of the frames of the scans.
     """
 
     def __init__(self, recording: RecordingData, scanners: Sequence[str]) -> None:
-        self._frames = frames = Frames(recording.transforms())
+        self._frames = frames = FrameTree(recording.transforms())
         chains = [frames.chain(_plain(scanner)) for scanner in scanners]
         if frames.odometry:
             self.name, self.robot = frames.odometry
         else:
             chain = max(chains, key=len, default=["world"])
-            moving = [name for name in chain if (track := frames.track(name)) and not track.static]
+            moving = [name for name in chain if (history := frames.history(name)) and not history.static]
             named = [base for base in _BASES if base in chain]
             self.name, self.robot = chain[-1], [*named, *moving, chain[0]][0]
         lost = sorted({chain[0] for chain in chains if self.name not in chain})
@@ -36,21 +36,21 @@ class World:
             f"Nothing says where {frame or 'the scanner'} is on the robot: its scans stand at {self.robot}."
             for frame in lost
         ]
-        """One line for each thing that is unknown, for the reader."""
+        """One line for each unknown pose, for the user."""
         if scanners and self.robot == self.name:
             self.notes.append("Neither odometry nor tf says where the robot was: all scans stand at one place.")
 
     def path(self) -> tuple[NDArray[np.int64], Poses] | None:
-        """Log times, shape (N,), and the poses of the robot at them; None when they are unknown."""
+        """Log times, shape (N,), and the poses of the robot at them; None if they are unknown."""
         chain = self._frames.chain(self.robot)
-        tracks = [track for name in chain[: chain.index(self.name)] if (track := self._frames.track(name))]
-        if not tracks:
+        histories = [history for name in chain[: chain.index(self.name)] if (history := self._frames.history(name))]
+        if not histories:
             return None
-        track = max(tracks, key=lambda track: len(track.times_ns))
-        return track.times_ns, self._frames.poses(self.robot, self.name, track.times_ns, track.stamps_ns)
+        history = max(histories, key=lambda history: len(history.times_ns))
+        return history.times_ns, self._frames.poses(self.robot, self.name, history.times_ns, history.stamps_ns)
 
     def poses(self, frame: str, times_ns: NDArray[np.int64], stamps_ns: NDArray[np.int64]) -> Poses:
-        """The poses of a scanner at some log times and stamps; those of the robot where its place on it is unknown."""
+        """The poses of a scanner at some log times and stamps; of the robot if those of the scanner are unknown."""
         name = _plain(frame)
         if self.name not in self._frames.chain(name):
             name = self.robot

@@ -1,4 +1,4 @@
-"""A recording for Rerun: in a file, or in the page."""
+"""Sending a recording to Rerun: into a file, or onto the page."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .log import Log
 from .widget import RerunWidget
 
 _TOGETHER = 8
-"""Most pieces that wait to be written."""
+"""Most pieces in the queue to be written."""
 
 
 def to_rerun(
@@ -25,7 +25,7 @@ def to_rerun(
         return viewer
     where = Path(os.fsdecode(path)).expanduser()
     log = Log(recording, topics)
-    with where.open("wb"):  # raises where the file cannot be written
+    with where.open("wb"):  # raises if the file cannot be written
         pass
     stream = log.stream()
     stream.save(where)

@@ -1,4 +1,4 @@
-"""A recording for Rerun: logged column by column, a piece at a time."""
+"""Logging a recording to Rerun, column by column and in pieces."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kinds import KINDS, load
-from ..poses.tracks import Poses
+from ..poses.frame_tree import Poses
 from ..recordings import RecordingData
 from ..recordings.columns.chunks import ScanChunk
 from ..recordings.topics import Topic
@@ -19,8 +19,8 @@ from ._sdk import library
 from ._world import World
 
 SECONDS, CLOCK = "recording_time", "message_log_time"
-"""The timelines: time since the start of the recording, as the widgets show it; and the recorder's clock, by the name
-that Rerun gives it when it opens an MCAP file by itself."""
+"""The timelines: time since the start of the recording, as the widgets show it; and the recorder's clock, under the
+name that Rerun uses when it opens an MCAP file itself."""
 
 _PIECE_BYTES = 1 << 20
 _ROOM = 3.0
@@ -34,17 +34,17 @@ _STATE_NAMES = {TouchState.FREE: "free", TouchState.TOUCHED: "touched", TouchSta
 
 
 class Log:
-    """The parts of a recording that go to Rerun.
+    """The parts of a recording that are logged to Rerun.
 
-    Topics of a kind whose row names nothing for Rerun are left out.
+    Topics of a kind without a `TopicLog` in its row are left out.
 
     Args:
-        recording: what is logged.
+        recording: the recording.
         topics: names of topics in it; none: all that have a widget.
 
     Raises:
         ImportError: rerun-sdk is not installed.
-        UnknownTopicError: it has no such topic, or one that no widget shows.
+        UnknownTopicError: the recording has no such topic, or no widget shows it.
     """
 
     def __init__(self, recording: RecordingData, topics: Sequence[str] = ()) -> None:
@@ -63,7 +63,7 @@ class Log:
         return self.rr.RecordingStream("robowidgets", send_properties=False)
 
     def steps(self, stream: Any) -> Iterator[None]:
-        """Log all of it, a piece at each step, the large pieces last."""
+        """Log the whole recording, one piece at each step, the large pieces last."""
         stream.send_recording_name(self.recording.path.name)
         world = World(self.recording, [frame for part in self._parts for frame in part.frames()])
         stream.send_blueprint(self._blueprint(world))
@@ -82,13 +82,13 @@ class Log:
         stream.send_columns(entity, times, columns, strict=True)
 
     def transforms(self, poses: Poses) -> Any:
-        """Columns of the transforms that put an entity at some poses."""
+        """Columns of the transforms that place an entity at some poses."""
         return self.rr.Transform3D.columns(translation=poses.positions, quaternion=poses.orientations)
 
     def entity(self, *parts: str) -> str:
         """An entity path with one step for each part, whose slashes are escaped.
 
-        Else a scan of the topic /a/b would inherit the transform of the topic /a.
+        Otherwise a scan of the topic /a/b would inherit the transform of the topic /a.
         """
         first, *rest = parts
         escaped = [self.rr.escape_entity_path_part(part.strip("/").replace(" ", "_")) for part in rest]
@@ -122,7 +122,7 @@ class Log:
         )
 
     def _eye(self, world: World) -> Any:
-        """The camera, above and a little behind the whole path, with room around it for what the scans see."""
+        """The camera, above and a little behind the whole path, with room around it for the scans."""
         positions = path[1].positions if (path := world.path()) else np.zeros((1, 3))
         low, high = positions.min(axis=0), positions.max(axis=0)
         x, y, z = (low + high) / 2
@@ -136,7 +136,7 @@ class TopicLog(ABC):
     """Logs the topics of one kind, whose row names its class.
 
     Args:
-        log: what it is part of.
+        log: the log of the recording.
         topics: the topics, one or more.
     """
 
@@ -181,7 +181,7 @@ class ScanLog(TopicLog):
         for chunk in self._recording.scans(topic).chunks():
             rays = chunk.ranges.shape[1]
             if rays > labelled:
-                # Once for all scans. Rays without a reading are logged too, so that each ray keeps its number.
+                # Once for all scans. Rays without a reading are logged, too, so that each ray keeps its index.
                 labels = [f"ranges[{ray}]" for ray in range(rays)]
                 stream.log(entity, rr.Points3D.from_fields(labels=labels, show_labels=False), static=True)
                 labelled = rays
@@ -214,7 +214,7 @@ class SpeedLog(TopicLog):
 
     def _log_speeds(self, stream: Any, topic: Topic) -> None:
         rr, speeds = self._rr, self._recording.speeds(topic.name)
-        # A command holds until the next one.
+        # A commanded speed is valid until the next one.
         between = rr.components.InterpolationMode.StepAfter if topic.commanded else None
         for axis, column in zip(AXES, speeds.values.T, strict=True):
             known = np.isfinite(column)

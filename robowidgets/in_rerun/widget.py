@@ -15,7 +15,7 @@ from typing import Any
 import ipywidgets
 
 from .._core.pacer import pacer
-from .._core.progress import one_bar
+from .._core.progress import without_bars
 from .._core.time_spans import Seconds
 from ..recordings import RecordingData
 from ._sdk import library
@@ -23,14 +23,14 @@ from ._server import kept_here, read, server
 from .log import CLOCK, SECONDS, Log
 
 HEIGHT = 720
-"""Pixels."""
+"""Height of the viewer in pixels."""
 
 PACE = 0.05
-"""Seconds between two times that are taken over from the viewer while it plays."""
+"""Seconds between two updates of the time from the viewer while it plays."""
 
 PATIENCE = 0.5
 """Seconds to wait for the viewer to confirm a time before the next one is sent: it draws a picture for each, and a slow
-viewer would fall behind. Limited, because no answer is heard while a cell runs."""
+viewer would fall behind. Limited, because no answer arrives while a cell runs."""
 
 _numbers = count(1)
 
@@ -42,12 +42,12 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
     run on the same machine.
 
     Args:
-        recording: the recording; it may be read on, or closed.
+        recording: the recording; it may still be read, or be closed.
         topics: names of topics in it; none: all that have a widget.
 
     Raises:
-        ImportError: rerun-sdk is not installed, or not its part for notebooks.
-        UnknownTopicError: it has no such topic, or one that no widget shows.
+        ImportError: rerun-sdk or its part for notebooks is not installed.
+        UnknownTopicError: the recording has no such topic, or no widget shows it.
     """
 
     time = Seconds(help="Seconds from the start of the recording, on show now. Python and the viewer write it.")
@@ -62,19 +62,19 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self._lock = threading.RLock()
         # Answers arrive when no cell runs, so all times sent until then must be recognised.
         self._told: deque[int] = deque(maxlen=100_000)
-        self._heard: int | None = None
+        self._on_eventd: int | None = None
         self._shown: int | None = None
         self._is_open = self._agrees = False
         self._clock = False
         self._next = self._told_at = 0.0
         self._url = server().put(f"{next(_numbers)}.rrd", partial(_pieces, recording.path, topics))
         self._viewer = viewer(width="auto", height=HEIGHT, url=self._url)
-        self._viewer._on_raw_event(self._hear)
+        self._viewer._on_raw_event(self._on_event)
         super().__init__([self._viewer], **kwargs)
         self.observe(self._on_time, "time")
 
     def close(self) -> None:
-        """Take it off the page."""
+        """Remove the viewer from the page."""
         if self._viewer:
             pacer.forget(self)
             server().drop(self._url)
@@ -82,26 +82,26 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         super().close()
 
     def send_newest(self) -> int:
-        """Bring time and viewer in line; called by the pacer."""
+        """Synchronise the time with the viewer. The pacer calls it."""
         with self._lock:
             self._next = time.monotonic() + PACE
-            heard, self._heard = self._heard, None
+            heard, self._on_eventd = self._on_eventd, None
             if heard is not None:
                 self._shown = heard
         if heard is not None:
             self.time = heard / 1e9
-        self._tell()
+        self._send_time()
         return 0
 
     def _on_time(self, change: Any) -> None:
         with self._lock:
             if round(change["new"] * 1e9) == self._shown:
                 return
-            self._heard = None
+            self._on_eventd = None
         pacer.mark(self)
 
-    def _tell(self) -> None:
-        """Send the time to the viewer, unless it shows it already."""
+    def _send_time(self) -> None:
+        """Send the time to the viewer, unless the viewer shows it already."""
         with self._lock:
             now = round(self.time * 1e9)
             if not self._is_open or now == self._shown:
@@ -113,7 +113,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             self._told.append(now)
         self._viewer.set_time_ctrl(SECONDS, duration_nanos=now, play=False)
 
-    def _hear(self, text: str) -> None:
+    def _on_event(self, text: str) -> None:
         """Handle an event of the viewer, which also echoes the times that it was sent."""
         event = json.loads(text)
         kind = event["type"]
@@ -123,14 +123,14 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
                 self._told.clear()
                 self._is_open = True
                 self._shown, self._agrees, self._clock = None, False, False
-            self._tell()
+            self._send_time()
         elif kind == "timeline_change":
             self._clock = event["timeline"] == CLOCK
-            self._hear_time(event["time"])
+            self._on_event_time(event["time"])
         elif kind == "time_update":
-            self._hear_time(event["time"])
+            self._on_event_time(event["time"])
 
-    def _hear_time(self, told: float) -> None:
+    def _on_event_time(self, told: float) -> None:
         now = round(told) - (self._start_ns if self._clock else 0)
         with self._lock:
             if now in self._told:
@@ -139,13 +139,13 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
                 self._agrees = True
                 pacer.mark(self)
             elif self._agrees and now != self._shown:
-                self._heard = now
+                self._on_eventd = now
                 pacer.mark_at(self, self._next)
 
 
 def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
-    # Without progress bars: the page is on show already.
-    with one_bar(), RecordingData(path) as recording:
+    # Without progress bars, because the page is shown already.
+    with without_bars(), RecordingData(path) as recording:
         log = Log(recording, topics)
         stream = log.stream()
         drain = stream.binary_stream()
@@ -155,7 +155,7 @@ def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:
 
 @cache
 def _viewer() -> Any:
-    """Rerun's widget, made to fetch the viewer from this process, not from the web."""
+    """Rerun's widget, changed to fetch the viewer from this process instead of the web."""
     notebook = library("rerun_notebook")
     server().put(notebook.WASM_PATH.name, partial(read, notebook.WASM_PATH))
     script = kept_here(notebook.WIDGET_PATH.read_text(encoding="utf-8")).encode()

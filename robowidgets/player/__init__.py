@@ -1,1 +1,1 @@
-"""A recording on the page."""
+"""The player: a recording on the page."""

@@ -1,4 +1,4 @@
-"""The frames of a recording's widgets: what each shows at every time, packed as the page takes it."""
+"""The tracks of a recording: the frames of each widget at every time, packed for the page."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from ..touch_widget import TouchWidget, about_touch, pack_states
 from ._touch_history import TouchHistory
 
 TICK = 0.1
-"""Seconds between two frames of touches at most: their durations grow without a message."""
+"""Most seconds between two frames of touches: their durations grow without a message."""
 
 BEFORE = -1.0
-"""Seconds, of a frame that shows that nothing was measured yet."""
+"""The ``seconds`` of a frame that shows that nothing was measured yet."""
 
 _ROW = Struct("<3d")
 
@@ -31,7 +31,7 @@ Seek = Callable[[float], None]
 
 
 class TimedFrame(NamedTuple):
-    """What a widget shows from a time on: seconds from the start of the recording, the text on it, and its bytes.
+    """A frame and its time: seconds from the start of the recording, the texts on the sample, and the bytes.
 
     ``seconds`` is `BEFORE` where nothing was measured yet.
     """
@@ -42,7 +42,7 @@ class TimedFrame(NamedTuple):
 
 
 class Track(Protocol):
-    """What one widget of a player shows through the recording."""
+    """The frames of one widget of a player through the recording."""
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """The frame at ``start``, whose sample may be much older, and all that follow up to ``end``, in seconds."""
@@ -55,7 +55,7 @@ class SampleFrames:
     """A `Track` of the last sample of a topic at each time.
 
     Args:
-        recording: where the samples are.
+        recording: the recording.
         choice: the topic, and its kind.
         widget: packs the samples.
     """
@@ -107,7 +107,7 @@ class SpeedFrames:
 
 
 class TouchFrames:
-    """A `Track` of what is known of touch sensors, which changes without a message too; see `SampleFrames`."""
+    """A `Track` of the states of touch sensors, which also change without a message; see `SampleFrames`."""
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: TouchWidget) -> None:
         self._recording, self._topic, self._widget = recording, choice.topic, widget
@@ -142,7 +142,7 @@ class TouchFrames:
 
 
 def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
-    """Frames as the page reads them: the texts on them, each once, and a table of times before the bytes."""
+    """Frames in the format of the page: each text once, and a table of times before the bytes."""
     abouts: list[dict[str, Any]] = []
     rows, end = [], 0
     for timed in frames:
@@ -154,7 +154,7 @@ def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
 
 
 def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], nothing: Any) -> Seek:
-    """Hands on the last sample of a topic at a time, unless it is the one that was handed on before."""
+    """A function that shows the last sample of a topic at a time, unless that sample was shown last."""
     before: list[int | None] = [-1]
 
     def seek(seconds: float) -> None:
@@ -168,5 +168,5 @@ def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], n
 
 
 def _header(sample: Any) -> bytes:
-    """Of a frame that the page numbers itself, from a source that has no rate."""
+    """The header of a frame without a sequence number and a rate: the page numbers the frames of a player."""
     return FRAME_HEADER.pack(0.0, nan, sample.stamp_ns or 0, sample._arrived)

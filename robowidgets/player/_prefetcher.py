@@ -12,7 +12,7 @@ from itertools import chain
 from math import floor
 from typing import Any
 
-from .._core.progress import one_bar
+from .._core.progress import without_bars
 from ..repair import RecordingError
 from ._frames import Track, pack
 
@@ -31,7 +31,7 @@ KEPT_SEGMENTS = 7200
 """Most segments that the page keeps: a recording that is silent for weeks has millions of empty ones."""
 
 BYTES_PER_SECOND = 10_000_000
-"""Half of what a page can take; the rest is left to everything else that is sent."""
+"""Half of the bytes that a page can process; the other half is left to all other messages."""
 
 PATIENCE = 3.0
 """Seconds to wait for the page to ask for segments; a busy kernel does not hear it, so then they are sent unasked."""
@@ -47,7 +47,7 @@ ANSWER = 0.03
 """Most seconds for which `Prefetcher.point` waits for the segment to be sent, which leaves the GIL to the thread."""
 
 _AT_EASE = 4
-"""Rest per work of the thread while nothing is urgent."""
+"""Idle time of the thread per working time, while nothing is urgent."""
 
 _BEHIND = 3
 """Factor on the distance of segments that lie before the time on show: playing moves away from them."""
@@ -112,7 +112,7 @@ class Prefetcher:
         self._complain = complain
         self._sent: dict[int, int] = {}
         self._largest = 0
-        self._stale: set[int] = set()
+        self._outdated: set[int] = set()
         self._edition = 0
         self._pointed: list[int] = []
         lock = threading.RLock()
@@ -148,7 +148,7 @@ class Prefetcher:
         """Send everything again: to a page that has nothing, or whose frames are out of date."""
         with self._change:
             self._edition += 1
-            self._stale.update(self._sent)
+            self._outdated.update(self._sent)
             self._sent.clear()
             self._pointed.clear()
             self._asked = True
@@ -177,7 +177,7 @@ class Prefetcher:
                 self._change.wait_for(lambda: self._asked or self._closed, self._patience)
                 self._patience = 0.0
             # Without progress bars: those of a background thread would appear below any cell.
-            with one_bar(), self._open() as tracks:
+            with without_bars(), self._open() as tracks:
                 while (index := self._await()) is not None:
                     began = time.thread_time()
                     rest = self._send_one(tracks, index) / BYTES_PER_SECOND
@@ -212,10 +212,10 @@ class Prefetcher:
         wanted = chain(self._at_once(), self._soon(), self._pointed_kept(), self._rest())
         return next((index for index in wanted if index not in self._sent), None)
 
-    def _give_up(self, words: str) -> None:
+    def _give_up(self, problem: str) -> None:
         with self._change:
             self._closed = True
-        self._complain(words)
+        self._complain(problem)
 
     def _here(self) -> float:
         """The time on show now: the page stops at the first segment that it lacks."""
@@ -293,8 +293,8 @@ class Prefetcher:
     def _dropped(self) -> list[int]:
         """Forget the segments that are more than the page keeps, and return them with the out-of-date ones."""
         spare = sorted(self._sent.keys() - {*self._soon(), *self._pointed_kept()}, key=self._distance())
-        dropped = sorted(self._stale - self._sent.keys())
-        self._stale.clear()
+        dropped = sorted(self._outdated - self._sent.keys())
+        self._outdated.clear()
         while spare and (sum(self._sent.values()) > KEPT_BYTES or len(self._sent) > KEPT_SEGMENTS):
             dropped.append(spare.pop())
             del self._sent[dropped[-1]]

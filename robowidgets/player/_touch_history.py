@@ -30,7 +30,7 @@ class TouchHistory:
         self._trackers = [TouchTracker()]
         first = next(recording.samples(topic), None)
         if first and isinstance(first.sample, Touch) and first.sample.mode is not TouchMode.PRESENCE:
-            # The sensors of the topic are known before their first messages.
+            # So that all sensors of the topic are listed before their first messages.
             self._trackers[0].apply(replace(first.sample, touched={}), self._start_ns)
         self._here = (self._start_ns, self._trackers[0])
 

@@ -15,7 +15,7 @@ from ..scanogram_widget import ScanogramWidget
 from .scanogram import scanogram
 
 MOST_READINGS = 100_000_000
-"""A scanogram of more readings is made only on request: it reads them all."""
+"""Most readings of a scanogram that is made without a request: making it reads them all."""
 
 _LOOKED_AT = 20
 
@@ -23,22 +23,22 @@ _LOOKED_AT = 20
 def whole_drive(
     recording: RecordingData, topic: str, beside: Collection[str], wanted: bool | None
 ) -> tuple[ScanogramWidget | None, str]:
-    """The scanogram of a topic, if there is one, else a line for the reader who may expect one.
+    """The scanogram of a topic, or None and a line that says why there is none.
 
     Args:
         recording: the recording.
-        topic: the topic with the scans; empty: none.
+        topic: the topic with the scans; empty: no scanogram.
         beside: topics whose speed and touches may be shown under the scans.
-        wanted: whether to make it; None: if that does not take long.
+        wanted: whether to make it; None: only if that does not take long.
 
     Raises:
-        RecordingError: it is wanted, and the topic holds no scan with rays.
+        RecordingError: ``wanted`` is True, and the topic contains no scan with rays.
     """
     if not topic or wanted is False:
         return None, ""
-    words = _too_long(recording, topic) if wanted is None else ""
-    if words:
-        return None, words
+    reason = _too_long(recording, topic) if wanted is None else ""
+    if reason:
+        return None, reason
     layout = ipywidgets.Layout(margin="0 4px", width="calc(100% - 8px)")
     try:
         return scanogram(recording, topic, beside, layout=layout), ""
@@ -49,9 +49,9 @@ def whole_drive(
 
 
 def _too_long(recording: RecordingData, topic: str) -> str:
-    """Why a scanogram would take long, and how to have it made; empty when it would not."""
+    """A line that says why a scanogram would take long and how to get it; empty if it would not."""
     count = sum(t.count for t in recording.topics if t.name == topic)
-    # Of several scans, because the first may be empty.
+    # The most rays of several scans: the first may be empty.
     firsts = islice(recording.samples(topic), _LOOKED_AT)
     rays = max((len(moment.sample) for moment in firsts if isinstance(moment.sample, Scan)), default=0)
     if count * rays <= MOST_READINGS:

@@ -35,11 +35,11 @@ _TINY = 1e-7
 _LOOKED_AT = 20
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 _VIEWER = "660px"
-"""In less width Rerun hides its time."""
+"""Minimum width: Rerun hides its time in less."""
 
 
 class View(NamedTuple):
-    """A widget, what it was chosen for, and what it shows through the recording that the player reads."""
+    """A widget of the player, its choice, and its track."""
 
     widget: Any
     choice: WidgetChoice
@@ -47,23 +47,23 @@ class View(NamedTuple):
 
 
 class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """Widgets for the topics of a recording, and one time that all of them show: what `Recording.show` gives.
+    """Widgets for the topics of a recording, and one time that all of them show; `Recording.show` returns it.
 
     Each widget shows the last sample at that time or before it. A commanded speed is a tick on the bars of the measured
-    one, and has bars of its own where none was measured. The page plays, steps and drags by itself, from segments of
-    the recording that Python sends ahead, so it goes on while a cell runs. `close` takes everything off the page and
-    closes the recording; running its cell again does the same.
+    speed, and has bars of its own if no speed was measured. The page plays, steps and drags by itself, from segments of
+    the recording that Python sends in advance, so it goes on while a cell runs. `close` removes everything from the
+    page and closes the recording; running the cell again does the same.
 
     Args:
         recording: the recording. Nothing else may read it meanwhile.
         topics: names of topics in it; none: all that have a widget.
-        scanogram: whether a scanogram of the first topic with scans stands above them; None: if it is ready in a few
-            seconds; else a line says that it is left out.
-        rerun: whether the Rerun viewer stands beside them, at the same time.
+        scanogram: whether to show a scanogram of the first topic with scans above the widgets. None: show it if it
+            takes a few seconds at most, else a line that says that it is left out.
+        rerun: whether to show the Rerun viewer beside the widgets, at the same time.
 
     Raises:
-        UnknownTopicError: it has no such topic, or one that no widget shows.
-        ImportError: Rerun is asked for, and is not installed.
+        UnknownTopicError: no such topic, or no widget shows it.
+        ImportError: ``rerun`` is set, and Rerun is not installed.
     """
 
     time = Seconds(help="Seconds from the start of the recording, on show now. Settable.")
@@ -126,12 +126,12 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Show a time, in seconds from the start of the recording.
 
         Raises:
-            traitlets.TraitError: it is no time.
+            traitlets.TraitError: the value is no time.
         """
         self.time = seconds
 
     def close(self) -> None:
-        """Take it off the page and close the recording."""
+        """Remove the player from the page and close the recording."""
         if self._prefetcher:
             self._prefetcher.close()
             close_all(self.bar)
@@ -145,7 +145,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.recording.close()
 
     def _make_bar(self, note: str) -> PlayerWidget:
-        """The bar, with the first segment in its state: there at once, however busy the kernel is."""
+        """The bar. Its state contains the first segment, which so needs no kernel to be shown."""
         seconds = _first_look(self.recording, self.views)
         index = int(seconds // SEGMENT)
         packed = segment([view.track for view in self.views], index)
@@ -176,8 +176,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _send_ahead(self, content: dict[str, Any], buffers: list[bytes]) -> None:
         self.bar.send(content, buffers)
 
-    def _complain(self, words: str) -> None:
-        self.bar._status = words
+    def _complain(self, problem: str) -> None:
+        self.bar._status = problem
 
     def _widgets(self) -> ipywidgets.Box:
         widgets = ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
@@ -194,11 +194,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         if getattr(self.bar, name) != value:
             setattr(self.bar, name, value)
             if name == "time":
-                # While it plays, a page takes a time that it is told for that of another page.
+                # While a page plays, it takes a time from Python for the time of another page.
                 self.bar.send({"seek": value})
 
     def _step(self, seconds: float, direction: int) -> None:
-        """Go from a time to the next sample of the first widget, or to the one before: it may be an hour away."""
+        """Go from a time to the next or previous sample of the first widget, which may be an hour away."""
         topic = self.views[0].choice.topic
         with self._seeking:
             if direction > 0:
@@ -210,7 +210,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _on_time(self, ahead: Prefetcher, change: Any) -> None:
         bar = self.bar
-        # Where something else changed, the time that the page sent last is old.
+        # After a change of another trait, the time that the page sent last is outdated.
         seconds = bar.time if change is None or change["name"] == "time" else None
         ahead.set_time(seconds, bar.speed if bar.playing else 0.0, bar.span, loops=bar.loop)
         if seconds is None:
@@ -229,7 +229,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
 
 def _select(scanogram: ScanogramWidget, change: Any) -> None:
-    """Select a time span of the bar in the scanogram, whose own selection may name rays too."""
+    """Select the span of the bar in the scanogram, whose own selection may contain rays, too."""
     selected = scanogram.selection
     if change["new"] != (selected and selected[:2]):
         scanogram.selection = change["new"]
@@ -249,13 +249,13 @@ def _pause(recording: RecordingData, choice: WidgetChoice) -> float:
     """Seconds after which a sample on show is stale; 0: never."""
     if not choice.kind.goes_stale:
         return 0.0
-    # From the first samples, because silences make the rate of the whole topic a poor guess.
+    # From the first samples: silences distort the rate of the whole topic.
     times = [moment.time_ns for moment in islice(recording.samples(choice.topic), _LOOKED_AT)]
     return longest_pause(usual_step(np.array(times, np.int64))) / 1e9 if len(times) > 1 else 0.0
 
 
 def _first_look(recording: RecordingData, views: Iterable[View]) -> float:
-    """The earliest time at which every topic that starts early has something to show."""
+    """The earliest time at which every topic that starts early has a sample."""
     firsts = (next(recording.samples(topic), None) for view in views for topic in view.choice.topics)
     seconds = [first.seconds for first in firsts if first]
     return max((s for s in seconds if s <= _EARLY * recording.duration), default=min(seconds, default=0.0))

@@ -25,22 +25,22 @@ from ..scanogram.scans import Scans, ScansInMemory, Sweep, cut
 from ..scanogram_widget import ScanogramWidget
 
 MEMORY_BYTES = 256 << 20
-"""Up to so many bytes of scans are kept in memory; more are read from the file again when they are looked at."""
+"""Most bytes of scans that are kept in memory. Larger topics are read from the file again when they are drawn."""
 
 CACHE_BYTES = 32 << 20
-"""Most bytes that are cached of scans that are read again."""
+"""Most bytes in the cache of scans that are read again."""
 
 _FINER = 2
-"""A scan in the picture has at most so many times the usual number of rays."""
+"""Most rays of a scan in the picture, relative to the usual number."""
 
 _KNOWN = 1000
 
 
 class RayMapper:
-    """Puts scans on the rays of one sweep. Scans with more rays than the sweep are left out: all their rays are NaN.
+    """Maps scans to the rays of one sweep. Scans with more rays than the sweep are left out: all their ranges are NaN.
 
     Args:
-        sweep: the rays.
+        sweep: the rays of the picture.
     """
 
     def __init__(self, sweep: Sweep) -> None:
@@ -48,15 +48,15 @@ class RayMapper:
         self._rays = lru_cache(_KNOWN)(lambda of: rays_at(of, sweep))
 
     def fits(self, like: Scan) -> bool:
-        """Whether scans of this geometry are in the picture."""
+        """Whether the picture includes scans with this geometry."""
         return 0 < len(like) <= self.sweep.ray_count
 
     def keeps_indices(self, like: Scan) -> bool:
-        """Whether rays of scans of this geometry keep their indices."""
+        """Whether the rays of scans with this geometry keep their indices."""
         return not self.fits(like) or self._is_same(like) or keeps_indices(self._rays(Sweep.of(like)))
 
     def __call__(self, chunk: ScanChunk) -> Iterator[NDArray[np.float32]]:
-        """The ranges of a chunk, in arrays of shape (n, rays of the sweep)."""
+        """The ranges of a chunk, as arrays of shape (n, rays of the sweep)."""
         if self._is_same(chunk.like):
             yield chunk.ranges
             return
@@ -77,7 +77,7 @@ class ScansInFile:
 
     Args:
         series: the scans.
-        mapper: puts the scans of a chunk on the rays of the picture.
+        mapper: maps the scans of a chunk to the rays of the picture.
     """
 
     def __init__(self, series: ScanSeries, mapper: RayMapper) -> None:
@@ -128,12 +128,12 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
     if not counts:
         raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} holds no scan with rays")
     usual = max(counts, key=lambda rays: counts[rays])
-    # As many rays as the finest scan of one scanner, so that none is left out; some scanners vary from turn to turn.
+    # As many rays as the finest scan has, so that none is left out: on some scanners the number varies.
     rays = max(count for count in counts if count <= _FINER * usual)
     if 4 * rays * len(scans) > most:
         loaded = None
     if loaded is None:
-        # A file of its own, so that the given recording may be closed.
+        # Opened again, so that the given recording may be closed.
         widget._file = RecordingData(recording.path)
         widget._file.memory = min(CACHE_BYTES, recording.memory)
         series = widget._file.scans(scans.topic)
@@ -176,7 +176,7 @@ def _about(likes: list[tuple[Scan, int]], mapper: RayMapper, by_angle: bool) -> 
 
 
 def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
-    """All chunks, read once; None where their ranges take more than ``most`` bytes."""
+    """All chunks, read once; None if their ranges take more than ``most`` bytes."""
     chunks, size = [], 0
     for chunk in scans.chunks():
         size += chunk.ranges.nbytes
@@ -187,7 +187,7 @@ def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
 
 
 def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic]) -> None:
-    """Put the first measured speed under the scans; a commanded one where none was measured."""
+    """Put the first measured speed under the scans, or a commanded one if none was measured."""
     for topic in sorted(topics, key=lambda topic: topic.commanded):
         speeds = recording.speeds(topic.name)
         if len(speeds):

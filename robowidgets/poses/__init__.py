@@ -1,1 +1,1 @@
-"""Where the frames of a robot were."""
+"""The poses of a robot's coordinate frames through a recording."""

@@ -1,4 +1,4 @@
-"""The transforms between frames of a robot that messages of odometry and tf hold."""
+"""The transforms between coordinate frames in messages of odometry and tf."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Transform(NamedTuple):
     """The pose of one frame in another, at one time.
 
     ``pose`` of ``child`` in ``parent``: x, y, z in metres, and a quaternion x, y, z, w of length 1. ``time_ns`` is the
-    log time, ``stamp_ns`` the stamp of the message, 0 where it has none. ``static``: it holds at all times.
+    log time, ``stamp_ns`` the stamp of the message, 0 without one. ``static``: it is valid at all times.
     ``odometry``: it comes from an odometry message, not from tf.
     """
 
@@ -36,7 +36,7 @@ def transforms_of(message: Any, topic: str, time_ns: int) -> Iterator[Transform]
     """The transforms in an Odometry or a TFMessage.
 
     Raises:
-        ValueError: a pose holds NaN or infinity, or a quaternion of length 0.
+        ValueError: a pose contains NaN or infinity, or a quaternion of length 0.
     """
     if hasattr(message, "transforms"):
         static = topic.rpartition("/")[2] == STATIC

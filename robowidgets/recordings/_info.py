@@ -1,4 +1,4 @@
-"""A recording as a table, in text and in HTML."""
+"""A recording as a table, as text and as HTML."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SLOWEST = 0.1
 
 
 def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int | None) -> str:
-    """One line: which recording, how long, from when, how much is in it."""
+    """One line: the path of the recording, its length, its start and its contents."""
     count = sum(topic.count for topic in topics)
     parts = [f"{duration:.1f} s", many(len(topics), "topic"), many(count, "message")]
     if start_ns is not None and has_date(start_ns):
@@ -24,12 +24,12 @@ def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int |
 
 
 def as_text(head: str, topics: Sequence[Topic], problems: Iterable[str]) -> str:
-    """The table in columns, for a terminal."""
+    """The table as text, for a terminal."""
     return _table.as_text(head, _HEADS, [_cells(topic) for topic in topics], _RIGHT, problems)
 
 
 def as_html(head: str, topics: Sequence[Topic], problems: Iterable[str]) -> str:
-    """The table in HTML. Every word of it comes from a file, so none of it may be markup."""
+    """The table as HTML. All texts are escaped, because they come from a file."""
     return _table.as_html(head, _HEADS, [_cells(topic) for topic in topics], _RIGHT, problems)
 
 

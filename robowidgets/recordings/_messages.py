@@ -25,16 +25,16 @@ _MOST_AT_ONCE = 64
 """Messages that are decoded together while samples are iterated over."""
 
 _LEAST_FOR_END = 20
-"""Messages of a topic; what fewer say of its pace is little."""
+"""Least messages of a topic for a usual step: with fewer, a long pause means little."""
 _LONG_END = 5.0
 _END_STEPS = 10
 
 
 class Messages:
-    """The samples of a recording in the order of their times. Every message is decoded when it is asked for.
+    """The samples of a recording in the order of their times. A message is decoded when its sample is read.
 
     Args:
-        source: where the messages are; closed with this.
+        source: the messages; closed with this object.
     """
 
     def __init__(self, source: Source) -> None:
@@ -43,10 +43,10 @@ class Messages:
         self._decoders: dict[int, Decoder] = {}
         self._shown: defaultdict[str, list[Channel]] = defaultdict(list)
         self._kinds: dict[str, tuple[Kind, str]] = {}
-        """By topic its kind, and the message type that it has it from."""
+        """For each topic its kind, and the message type that decided it."""
         self._left_out: dict[str, str] = {}
         self._stopped: list[str] = []
-        # Those without a message last: of several types of a topic, the first that came is shown.
+        # Channels without a message last: of several types of a topic, the type of the first message is shown.
         by_count = sorted(source.channels, key=lambda channel: not channel.count)
         found = {channel.id: self._understand(channel) for channel in by_count}
         self.topics = self._list([(channel, *found[channel.id]) for channel in source.channels])
@@ -54,7 +54,7 @@ class Messages:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What could not be read so far, one line each, for a person."""
+        """The parts that could not be read so far, one line each, for a person."""
         alike: defaultdict[str, list[str]] = defaultdict(list)
         for topic in self.topics:
             if topic.problem and topic.count:
@@ -78,7 +78,7 @@ class Messages:
         yield from self._moments(batch)
 
     def last(self, topic: str, time_ns: int) -> Moment | None:
-        """The last sample of a topic at or before a time; None when there is none."""
+        """The last sample of a topic at or before a time; None if there is none."""
         channels = self._shown[topic]
         count = sum(channel.count for channel in channels)
         if not count or self.start_ns is None or self.end_ns is None:
@@ -106,7 +106,7 @@ class Messages:
         return series
 
     def transforms(self) -> Iterator[Transform]:
-        """Where frames were in each other, as far as odometry and tf tell, in the order of time."""
+        """The transforms of odometry and tf, in the order of time."""
         channels = [c for c in self._source.channels if c.type in (ODOMETRY, *TRANSFORMS) and c.encoding in ENCODINGS]
         try:
             decoders = {channel.id: decoder_of(channel) for channel in channels}
@@ -125,7 +125,7 @@ class Messages:
         self._source.close()
 
     def _understand(self, channel: Channel) -> tuple[Kind | None, str]:
-        """The kind of a channel, whose decoder is made, and why it cannot be read."""
+        """Make the decoder of a channel; returns its kind, and the reason if it cannot be read."""
         if channel.encoding not in ENCODINGS:
             return None, f"its messages are encoded as {channel.encoding!r}: expected {' or '.join(ENCODINGS)}"
         kinds = kinds_of_type(channel.type)
@@ -146,7 +146,7 @@ class Messages:
         return kind, ""
 
     def _decided(self, channel: Channel) -> Kind | None:
-        """The kind of a channel of which only a message tells it."""
+        """The kind of a channel whose type has several kinds: its first messages decide."""
         decode = decoder_of(channel)
         try:
             first = next(self._source.messages([channel]), None)
@@ -171,7 +171,7 @@ class Messages:
         return tuple(t._replace(rate=(t.count - 1) / seconds) if t.count > 1 else t for t in topics.values())
 
     def _about_ends(self) -> list[str]:
-        """Lines about topics that end early; touches and commands may be silent for long."""
+        """Lines on topics that end early, except touches and commands, which may be silent for long."""
         lines: list[str] = []
         for topic, channels in self._shown.items():
             kind, _ = self._kinds[topic]
@@ -221,16 +221,16 @@ class Messages:
 
 
 def truncation_note(topic: str, count: int, last_ns: int, start_ns: int, end_ns: int) -> str:
-    """A line about a topic that ends long before its recording; empty about one that does not.
+    """A line on a topic that ends long before its recording; empty if it does not.
 
-    That is more than 5 s before, and more than ten times the mean time between two of its messages.
+    Long is more than 5 s, and more than ten times the mean time between two messages of the topic.
 
     Args:
-        topic: its name.
-        count: its messages, more than one.
-        last_ns: when the last of them came.
-        start_ns: when the recording starts.
-        end_ns: when it ends.
+        topic: the name of the topic.
+        count: the number of its messages, more than one.
+        last_ns: the time of the last message.
+        start_ns: the start of the recording.
+        end_ns: the end of the recording.
     """
     length, at = (end_ns - start_ns) / 1e9, (last_ns - start_ns) / 1e9
     is_early = length - at > max(_LONG_END, _END_STEPS * length / (count - 1))

@@ -1,4 +1,4 @@
-"""The data of a recording: its topics, their samples, and columns of these."""
+"""The data of a recording: its topics, and their samples one by one or as columns."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class RecordingData:
         path: the file or folder, as for `robowidgets.open`.
 
     Raises:
-        RecordingError: nothing of it can be read; the text says why.
+        RecordingError: nothing of it can be read. The text gives the reason.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        # Absolute: the working directory may be another one when a player opens it again.
+        # Absolute, because the working directory may have changed when a player opens the file again.
         self._path = Path(os.fsdecode(path)).expanduser().absolute()
         self._messages = Messages(open_source(self._path))
         self._closed = False
@@ -56,34 +56,34 @@ class RecordingData:
 
     @property
     def path(self) -> Path:
-        """The file or folder it was opened from."""
+        """The file or folder of the recording."""
         return self._path
 
     @property
     def topics(self) -> tuple[Topic, ...]:
-        """Every topic in it, in the order of the file, with type, count, rate and the widget that shows it."""
+        """All topics, in the order of the file, with type, count, rate and the widget that shows them."""
         return self._messages.topics
 
     @property
     def start_ns(self) -> int | None:
-        """Time of the first message in nanoseconds since the epoch; None when there is no message."""
+        """Time of the first message in nanoseconds since the epoch; None if there is no message."""
         return self._messages.start_ns
 
     @property
     def end_ns(self) -> int | None:
-        """Time of the last message in nanoseconds since the epoch; None when there is no message."""
+        """Time of the last message in nanoseconds since the epoch; None if there is no message."""
         return self._messages.end_ns
 
     @property
     def duration(self) -> float:
-        """Seconds from the first message to the last; 0 when there is no message."""
+        """Seconds from the first message to the last; 0 if there is no message."""
         return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What was wrong so far, one line each: with the file, with a topic, with messages that could not be shown.
+        """The problems found so far, one line each: of the file, of topics, of messages that could not be shown.
 
-        With the clock of a topic, too, once its `scans` or measured `speeds` were read.
+        Problems of the clock of a topic are found when its `scans` or measured `speeds` are read.
         """
         if self.start_ns is None:
             return (*self._messages.problems, "there is no message in it: nothing was recorded")
@@ -94,18 +94,18 @@ class RecordingData:
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
     ) -> Iterator[Moment]:
-        """The samples in the order of their times, each read when its turn comes.
+        """The samples in the order of their times, read one by one.
 
-        A message that cannot be shown is left out, and told in `problems`.
+        A message that cannot be shown is left out and named in `problems`.
 
         Args:
-            topics: one topic or several; None for all that a widget shows.
-            start: seconds from the start of the recording; None for the start.
-            end: the same, not included; None for the end, included.
+            topics: one topic or several; None: all that a widget shows.
+            start: seconds from the start of the recording; None: its start.
+            end: seconds from the start, not included; None: the end of the recording, included.
 
         Raises:
-            UnknownTopicError: it has no such topic, or one that no widget shows.
-            RecordingError: it is closed.
+            UnknownTopicError: the recording has no such topic, or no widget shows it.
+            RecordingError: the recording is closed.
         """
         names = [topics] if isinstance(topics, str) else list(topics) if topics is not None else list(self._by_name())
         for name in names:
@@ -118,15 +118,15 @@ class RecordingData:
         return self._messages.moments(list(dict.fromkeys(names)), *times)
 
     def at(self, topic: str, seconds: float) -> Moment | None:
-        """The last sample of a topic at a time, or before it; None when there is none yet.
+        """The last sample of a topic at a time or before it; None if there is none yet.
 
         Args:
             topic: the name of the topic.
             seconds: seconds from the start of the recording.
 
         Raises:
-            UnknownTopicError: it has no such topic, or one that no widget shows.
-            RecordingError: it is closed.
+            UnknownTopicError: the recording has no such topic, or no widget shows it.
+            RecordingError: the recording is closed.
         """
         self.check(topic)
         self._check_open()
@@ -136,24 +136,24 @@ class RecordingData:
         """Seconds from the start of the recording at a date and time of day, as `at` and a player's `seek` take them.
 
         Args:
-            when: such as ``"2024-05-03T14:32:05"``, or a datetime; in UTC, unless it tells its time zone.
+            when: a datetime, or a text such as ``"2024-05-03T14:32:05"``; in UTC unless it has a time zone.
 
         Raises:
-            ValueError: the recording was not running then; or the text is no date and time.
-            TypeError: it is neither.
-            RecordingError: the recording has no date, because its clock is that of a simulation, say.
+            ValueError: the recording does not contain that time, or the text is no date and time.
+            TypeError: ``when`` is neither a datetime nor a text.
+            RecordingError: the recording has no date, for example because its clock is that of a simulation.
         """
         return seconds_at(when, self.path.name, self.start_ns, self.end_ns)
 
     @property
     def memory(self) -> int:
-        """Bytes that `scans`, `speeds` and `touches` may hold at most of what they decoded; 1 GiB, settable.
+        """Most bytes of decoded samples that `scans`, `speeds` and `touches` keep; 1 GiB, settable.
 
-        An array that would be larger is refused, with an error that says what to do.
+        A larger array is refused, with an error that gives the next step.
 
         Raises:
-            TypeError: it is set to what is no whole number.
-            ValueError: it is set to 0 or less.
+            TypeError: the new value is no whole number.
+            ValueError: the new value is 0 or less.
         """
         return self._memory.limit
 
@@ -162,11 +162,11 @@ class RecordingData:
         self._memory.limit = limit
 
     def series(self, topic: str) -> Series[Any]:
-        """The samples of a topic of any kind as columns; `scans`, `speeds` and `touches` are such.
+        """The samples of a topic of any kind as columns, as `scans`, `speeds` and `touches` return them.
 
         Raises:
-            UnknownTopicError: it has no such topic, or one that no widget shows.
-            RecordingError: it is closed.
+            UnknownTopicError: the recording has no such topic, or no widget shows it.
+            RecordingError: the recording is closed.
         """
         self.check(topic)
         self._check_open()
@@ -178,11 +178,11 @@ class RecordingData:
         """The scans of a topic as columns: times, ranges (N, R), intensities, geometry.
 
         Args:
-            topic: may be left out where there is just one of them.
+            topic: may be omitted if only one topic has this kind.
 
         Raises:
-            UnknownTopicError: there is no such topic with scans; or none was named, and there is not just one.
-            RecordingError: it is closed.
+            UnknownTopicError: no such topic has scans, or no topic was named and there is not exactly one.
+            RecordingError: the recording is closed.
         """
         return self._of_kind(topic, LASER, Scans)
 
@@ -190,11 +190,11 @@ class RecordingData:
         """The speeds of a topic as columns: times, linear (N, 3), angular (N, 3).
 
         Args:
-            topic: may be left out where just one is measured, or there is just one.
+            topic: may be omitted if only one topic has measured speeds, or any speeds.
 
         Raises:
             UnknownTopicError: as `scans`.
-            RecordingError: it is closed.
+            RecordingError: the recording is closed.
         """
         return self._of_kind(topic, SPEED, Speeds)
 
@@ -202,21 +202,21 @@ class RecordingData:
         """The touches of a topic as columns: times, and the state of each sensor (N, L).
 
         Args:
-            topic: may be left out where there is just one of them.
+            topic: may be omitted if only one topic has this kind.
 
         Raises:
             UnknownTopicError: as `scans`.
-            RecordingError: it is closed.
+            RecordingError: the recording is closed.
         """
         return self._of_kind(topic, TOUCH, Touches)
 
     def transforms(self) -> Iterator[Transform]:
-        """Where frames were in each other, as far as odometry and tf tell, in the order of time."""
+        """The transforms of odometry and tf, in the order of time."""
         self._check_open()
         return self._messages.transforms()
 
     def info(self) -> str:
-        """The table of its topics, as text."""
+        """The table of the topics, as text."""
         return as_text(self._heading(), self.topics, self.problems)
 
     def close(self) -> None:
@@ -235,7 +235,7 @@ class RecordingData:
         self.close()
 
     def __getitem__(self, which: slice | Sequence[float]) -> TimeSlice:
-        """The samples of a stretch of time: ``recording[2:5]`` in seconds, a selection, or a span of `find`."""
+        """The slice of a span: ``recording[2:5]`` in seconds, a selection, or a span of `find`."""
         return TimeSlice(self, which)
 
     def __iter__(self) -> Iterator[Moment]:
@@ -251,10 +251,10 @@ class RecordingData:
         return heading(str(self.path), self.topics, self.duration, self.start_ns)
 
     def check(self, name: str) -> None:
-        """Nothing, if it has a topic of this name that a widget shows.
+        """Check that the recording has a topic of this name that a widget shows.
 
         Raises:
-            UnknownTopicError: it has not.
+            UnknownTopicError: it has none.
             TypeError: the name is no text.
         """
         check(name, self.topics, self.path.name)
@@ -280,7 +280,7 @@ class RecordingData:
         return found
 
     def _note_clocks(self) -> dict[str, Clock]:
-        """The clocks of topics that were read from start to end, which `close` must not forget."""
+        """Store the clocks of topics that were read from start to end, so that they outlive `close`; returns them."""
         for name, series in self._series.items():
             topic = self._by_name()[name]
             grows_stale = KINDS[topic.widget or ""].goes_stale and not topic.commanded

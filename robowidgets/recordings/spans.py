@@ -1,4 +1,4 @@
-"""What `Recording.find` gives: from when to when a condition held."""
+"""The result of `Recording.find`: the spans in which a condition is true."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ _SHOWN = 20
 
 
 class Span(NamedTuple):
-    """A stretch of time: start, end and length in seconds, from the start of the recording; and by its clock.
+    """A span: start, end and length in seconds from the start of the recording, and start and end by its clock.
 
-    ``end`` is when the next sample said that it is over, when nothing more was known because the topic fell silent, or
-    the end of the recording. It is ``start`` where one of several samples of a time held, and the last of them did not.
-    ``silent`` names the topics with a gap in it, where a gap was looked for.
+    ``end`` is the time of the first sample for which the condition is no longer true, or the time at which the last
+    sample is stale, or the end of the recording. It equals ``start`` if the condition is true for one of several
+    samples of one time and not for the last of them. ``silent`` names the topics with a gap in the span, if the
+    condition contains a gap.
     """
 
     start: float
@@ -31,10 +32,10 @@ class Spans(Sequence[Span]):
     """A table of spans; printed, it shows the first of them.
 
     Args:
-        condition: what held, in words.
-        spans: in the order of time.
-        until: seconds up to which the recording was looked at, when that was cut short; None: all of it.
-        problems: what was wrong with the recording, as `Recording.problems` tells it: something may be missed.
+        condition: the text of the condition.
+        spans: the spans in the order of time.
+        until: seconds up to which the recording was searched, if the search was interrupted; None: all of it.
+        problems: the problems of the recording, as in `Recording.problems`: spans may be missing.
     """
 
     def __init__(
@@ -47,12 +48,12 @@ class Spans(Sequence[Span]):
 
     @property
     def is_complete(self) -> bool:
-        """Whether all of the recording was looked at that can be read; `problems` says what cannot."""
+        """Whether all readable parts of the recording were searched; `problems` names the other parts."""
         return self.until is None
 
     @property
     def seconds(self) -> float:
-        """How long it held, taken together."""
+        """The sum of the lengths of all spans, in seconds."""
         return sum(span.seconds for span in self)
 
     def to_pandas(self) -> Any:
@@ -91,7 +92,7 @@ class Spans(Sequence[Span]):
         return f"<div><div>{escape(self._heading())}</div>{table}{notes}</div>"
 
     def _table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-        """Head and rows; what was silent only where something was."""
+        """Heads and rows; with a column of silent topics if there are any."""
         width = 4 if any(span.silent for span in self) else 3
         return ("start", "end", "seconds", "silent")[:width], [_cells(span)[:width] for span in self._spans[:_SHOWN]]
 

@@ -1,4 +1,4 @@
-"""The samples between two times of a recording."""
+"""A slice: the samples of a recording within a span."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ _MOMENT = 1e-9
 
 
 class TimeSlice:
-    """What ``recording[start:end]`` gives: the samples between two times, read when their turn comes.
+    """The samples of a recording within a span, read one by one: ``recording[start:end]``.
 
-    Iterated over, it gives the same as `samples`, each time anew.
+    Iterating over it yields the samples as `samples` does, any number of times.
 
     Args:
-        recording: where they are.
-        which: a slice of seconds from the start, ``recording[2:5]``, what `ScanogramWidget.selection` holds, or a span
-            of `Recording.find`; from one of 0 seconds, what came at that moment.
+        recording: the recording.
+        which: a slice of seconds from the start as in ``recording[2:5]``, a `ScanogramWidget.selection`, or a span of
+            `Recording.find`. A span of 0 seconds selects the samples at that moment.
 
-    ``start`` and ``end`` are seconds from the start, the end not included; None where a slice leaves it open. ``rays``
-    is a slice of the selected rays, all of them where none are selected: ``scan.ranges[part.rays]``. The samples
-    themselves keep all their rays, so that an index always means the same.
+    ``start`` and ``end`` are seconds from the start, the end not included; None if the slice is open there. ``rays`` is
+    a slice of the selected rays, or of all rays without a selection: ``scan.ranges[part.rays]``. The samples themselves
+    keep all their rays, so that an index always means the same.
 
     Raises:
-        TypeError: it is neither. ValueError: it is no span of time.
+        TypeError: ``which`` is none of these. ValueError: it is no span of time.
     """
 
     def __init__(self, recording: RecordingData, which: Any) -> None:
@@ -61,19 +61,19 @@ class TimeSlice:
             self.rays = slice(*span[2:])
 
     def samples(self, topics: str | Iterable[str] | None = None) -> Iterator[Moment]:
-        """The samples in it, as `Recording.samples` gives them."""
+        """The samples in the span, as in `Recording.samples`."""
         return self._recording.samples(topics, self.start, self.end)
 
     def scans(self, topic: str | None = None) -> Scans:
-        """The scans in it as columns, as `Recording.scans` gives them."""
+        """The scans in the span as columns, as in `Recording.scans`."""
         return self._recording.scans(topic).between(self.start, self.end)
 
     def speeds(self, topic: str | None = None) -> Speeds:
-        """The speeds in it as columns, as `Recording.speeds` gives them."""
+        """The speeds in the span as columns, as in `Recording.speeds`."""
         return self._recording.speeds(topic).between(self.start, self.end)
 
     def touches(self, topic: str | None = None) -> Touches:
-        """The touches in it as columns, as `Recording.touches` gives them."""
+        """The touches in the span as columns, as in `Recording.touches`."""
         return self._recording.touches(topic).between(self.start, self.end)
 
     def __iter__(self) -> Iterator[Moment]:

@@ -16,7 +16,7 @@ _UTC = re.compile(r"\s*(UTC|Z)$", re.IGNORECASE)
 
 
 def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
-    """Nanoseconds of the clock at a time in seconds from the start; TypeError or ValueError when it is no such time."""
+    """The time by the clock, in nanoseconds, of seconds from the start; TypeError or ValueError if they are no time."""
     if isinstance(seconds, bool) or not isinstance(seconds, Real):
         raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
     if not isfinite(seconds) or abs(float(seconds)) > _LONGEST:
@@ -25,7 +25,7 @@ def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
 
 
 def has_date(time_ns: int) -> bool:
-    """Whether a clock that shows this tells the date."""
+    """Whether a clock with this time has the right date."""
     return time_ns >= REAL_FROM_NS
 
 
@@ -36,16 +36,16 @@ def as_date(time_ns: int) -> str:
 
 def seconds_at(when: datetime | str, file: str, start_ns: int | None, end_ns: int | None) -> float:
     """Seconds from the start of a file's recording at a date and time of day: see `Recording.seconds_at`."""
-    told_ns = _since_epoch(when)
+    when_ns = _since_epoch(when)
     if start_ns is None or end_ns is None or not has_date(start_ns):
         why = "holds no message" if start_ns is None else f"has no date: its clock begins at {start_ns / 1e9:g} s"
         raise RecordingError(f"{file} {why}; its times are seconds from the start, 0 to its duration")
-    # The second in which it starts is the first that is written anywhere.
-    if not start_ns // 10**9 * 10**9 <= told_ns <= end_ns:
-        lies = "before" if told_ns < start_ns else "after"
-        held = f"from {as_date(start_ns)} to {as_date(end_ns)}"
-        raise ValueError(f"when: {as_date(told_ns)} lies {lies} the recording {file}, which is {held}")
-    return max(0, told_ns - start_ns) / 1e9
+    # Start times are displayed to the second, so accept times from the start of that second.
+    if not start_ns // 10**9 * 10**9 <= when_ns <= end_ns:
+        lies = "before" if when_ns < start_ns else "after"
+        span = f"from {as_date(start_ns)} to {as_date(end_ns)}"
+        raise ValueError(f"when: {as_date(when_ns)} lies {lies} the recording {file}, which is {span}")
+    return max(0, when_ns - start_ns) / 1e9
 
 
 def _since_epoch(when: datetime | str) -> int:

@@ -1,4 +1,4 @@
-"""The topics of a recording, and how one of them is named."""
+"""The topics of a recording, and the errors for missing and ambiguous names."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from ..repair import RecordingError
 class Topic(NamedTuple):
     """One topic of a recording.
 
-    ``type`` is the message type as the file names it. ``count`` is the number of messages. ``rate`` is messages a
-    second on average over the whole recording, None where that says nothing. ``widget`` is the widget that shows it,
-    None when none does. ``commanded`` marks a speed that was asked for, not measured: its name holds ``cmd`` or
-    ``command``. ``problem`` says in a line why the topic cannot be read; empty when it can.
+    ``type`` is the message type as the file names it. ``count`` is the number of messages. ``rate`` is the
+    mean number of messages per second over the whole recording, None if that means nothing. ``widget`` is the kind of
+    the widget that shows it, None without one. ``commanded`` marks a commanded speed, as opposed to a measured one: its
+    name contains ``cmd`` or ``command``. ``problem`` is a line with the reason why it cannot be read, else empty.
     """
 
     name: str
     type: str
-    count: int  # type: ignore[assignment]  # hides tuple.count, which nobody asks of a topic
+    count: int  # type: ignore[assignment]  # hides tuple.count, which a topic does not need
     rate: float | None
     widget: str | None
     commanded: bool
@@ -28,7 +28,7 @@ class Topic(NamedTuple):
 
 
 class Moment(NamedTuple):
-    """One sample of a recording: its topic, its time in nanoseconds since the epoch, and what was measured.
+    """One sample of a recording: its topic, its time in nanoseconds since the epoch, and the sample itself.
 
     ``seconds`` is the same time from the start of the recording, as `Recording.at` and a player's `seek` take it.
     """
@@ -40,19 +40,19 @@ class Moment(NamedTuple):
 
 
 class UnknownTopicError(RecordingError, KeyError):
-    """A topic that a recording does not have, or that no widget shows."""
+    """The recording has no such topic, or no widget shows it."""
 
     __str__ = Exception.__str__
 
 
 class UnnamedTopicError(UnknownTopicError):
-    """No topic was named, and there is not just one that can be meant.
+    """No topic was named, and there is not exactly one that fits.
 
     Args:
-        there: what there is, for a person.
-        topics: those that can be named.
-        widget: what shows them; None: any.
-        how: how one is named.
+        there: a text for the topics that fit.
+        topics: the topics that can be named.
+        widget: the kind of widget that shows them; None: any.
+        how: a text for the way to name one.
     """
 
     def __init__(self, there: str, topics: Sequence[str], widget: str | None, how: str = "") -> None:
@@ -63,12 +63,12 @@ class UnnamedTopicError(UnknownTopicError):
 
 
 def shown(topics: Iterable[Topic]) -> dict[str, Topic]:
-    """By name those that a widget shows."""
+    """The topics that a widget shows, by name."""
     return {topic.name: topic for topic in topics if topic.widget}
 
 
 def named(topics: Iterable[Topic], widget: str) -> list[str]:
-    """The names of the topics that a widget shows."""
+    """The names of the topics that a kind of widget shows."""
     return [topic.name for topic in topics if topic.widget == widget]
 
 
@@ -88,15 +88,15 @@ def check(name: str, topics: Iterable[Topic], file: str) -> None:
 
 
 def only(name: str, topics: Iterable[Topic], widget: str) -> str:
-    """The one topic of a kind; of speeds, the one that is measured.
+    """The only topic of a kind; for speeds, the only measured one.
 
     Args:
-        name: what the recording is called, for errors.
-        topics: those among which it is.
-        widget: what shows it.
+        name: the name of the recording, for errors.
+        topics: all topics.
+        widget: the kind of widget that shows the topic.
 
     Raises:
-        UnknownTopicError: there is none, or, as `UnnamedTopicError`, not just one.
+        UnknownTopicError: there is none; or there are several, as `UnnamedTopicError`.
     """
     topics = list(topics)
     there = named(topics, widget)

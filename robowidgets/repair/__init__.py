@@ -1,10 +1,10 @@
-"""Damaged files, broken clocks and CARMEN logs become one clean source before anything else reads them.
+"""Turning damaged files, broken clocks and CARMEN logs into a clean source, before any other part reads them.
 
 The readers walk through a file from its start, do not trust its index, and take no more memory than its size justifies,
-whatever lengths it claims. `Source.problems` lists what was wrong; `write.write` writes a source as an MCAP file.
+whatever lengths it claims. `Source.problems` lists the repairs; `write.write` writes a source as an MCAP file.
 """
 
-from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, was_set
+from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step
 from ._open import find_files, open_repaired
 from ._sqlite import is_cut
 from .source import Message, RecordingError, Source
@@ -19,7 +19,7 @@ __all__ = [
     "RecordingError",
     "Source",
     "find_files",
+    "has_clock_step",
     "is_cut",
     "open_repaired",
-    "was_set",
 ]

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..messages.channel import Channel
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
 from ._byte_range import ByteRange, FileRange, MemoryRange, find
-from ._records import MAX_TEXT, Damage, Frame, Layout, find_frames, with_bar
+from ._records import MAX_TEXT, Damage, Layout, Record, find_records, with_bar
 from ._report import foreign
 from ._walk import FoundMessages, Walk
 from .source import RecordingError
@@ -36,10 +36,10 @@ _VERSION = re.compile(rb"#ROS(?:BAG|RECORD|LOG) V(\d+\.\d+)")
 
 
 def walk_bag(path: Path) -> Walk:
-    """Every message that can be read from a ROS 1 bag, indexed or not, whole or not.
+    """All messages that can be read from a ROS 1 bag, indexed or not, whole or not.
 
     Args:
-        path: the file, whatever its name ends in.
+        path: the file, with any suffix.
 
     Raises:
         RecordingError: it cannot be opened, is no ROS 1 bag of format 2.0, is encrypted, or nothing of it can be saved.
@@ -74,40 +74,40 @@ class _Reader:
 
     def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
         """Index the records of the file (chunk -1) or of a chunk."""
-        frames = find_frames(data, _LAYOUT, damage, start)
-        for frame in with_bar(frames, self.file) if chunk < 0 else frames:
-            if frame.op == _MESSAGE and frame.whole:
-                seconds, nanoseconds = struct.unpack("<II", frame.fields["time"])
+        records = find_records(data, _LAYOUT, damage, start)
+        for record in with_bar(records, self.file) if chunk < 0 else records:
+            if record.op == _MESSAGE and record.whole:
+                seconds, nanoseconds = struct.unpack("<II", record.fields["time"])
                 time_ns = seconds * 10**9 + nanoseconds
-                self.found.add(_uint(frame.fields["conn"]), time_ns, frame.body, frame.end - frame.body, chunk)
-            elif frame.op == _CONNECTION:
-                self.connection(data, frame, damage)
-            elif frame.op == _CHUNK and frame.fields["compression"] != _PLAIN and chunk < 0:
-                self.chunk(frame)
-            elif frame.op == _FILE and chunk < 0:
-                self.header(frame)
+                self.found.add(_uint(record.fields["conn"]), time_ns, record.body, record.end - record.body, chunk)
+            elif record.op == _CONNECTION:
+                self.connection(data, record, damage)
+            elif record.op == _CHUNK and record.fields["compression"] != _PLAIN and chunk < 0:
+                self.chunk(record)
+            elif record.op == _FILE and chunk < 0:
+                self.header(record)
 
-    def header(self, frame: Frame) -> None:
-        """Note from the bag header whether the file was finished, and whether its end is missing."""
-        if encryptor := frame.fields.get("encryptor"):
+    def header(self, record: Record) -> None:
+        """Read from the bag header whether the file was finished, and whether its end is missing."""
+        if encryptor := record.fields.get("encryptor"):
             raise RecordingError(
                 f"{self.file.name}: the bag is encrypted ({_text(encryptor)}): expected a plain one; "
                 f"decrypt it with 'rosbag decrypt {self.file.name}'"
             )
-        index_pos = _uint(frame.fields["index_pos"])
+        index_pos = _uint(record.fields["index_pos"])
         self.damage.unfinished = index_pos == 0
         self.damage.cut |= index_pos >= self.file.size
 
-    def connection(self, data: ByteRange, frame: Frame, damage: Damage) -> None:
+    def connection(self, data: ByteRange, record: Record, damage: Damage) -> None:
         """Add a connection; a second one of the same id is ignored."""
-        fields = _fields(data.read(frame.body, min(frame.end - frame.body, MAX_TEXT)))
+        fields = _fields(data.read(record.body, min(record.end - record.body, MAX_TEXT)))
         if fields is None or "type" not in fields:
             damage.places += 1
             return
         package, slash, message = _text(fields["type"]).partition("/")
         channel = Channel(
-            id=_uint(frame.fields["conn"]),
-            topic=_text(frame.fields["topic"]),
+            id=_uint(record.fields["conn"]),
+            topic=_text(record.fields["topic"]),
             type=f"{package}/msg/{message}" if slash else package,
             encoding="ros1",
             definition=_text(fields.get("message_definition", b"")),
@@ -115,17 +115,17 @@ class _Reader:
         )
         self.channels.setdefault(channel.id, channel)
 
-    def chunk(self, frame: Frame) -> None:
+    def chunk(self, record: Record) -> None:
         """Index the records of a compressed chunk, as far as it decompresses."""
-        compression = _text(frame.fields["compression"])
+        compression = _text(record.fields["compression"])
         if compression not in COMPRESSIONS:
             self.damage.compressions.add(compression)
             return
-        size = min(frame.end - frame.body, MAX_CHUNK)
-        raw, whole = inflate(compression, self.file.read(frame.body, size))
+        size = min(record.end - record.body, MAX_CHUNK)
+        raw, whole = inflate(compression, self.file.read(record.body, size))
         inside = Damage()
-        self.records(MemoryRange(raw), self.found.add_chunk(frame.body, size, compression), inside)
-        self.damage.places += inside.places + (frame.whole and (inside.cut or not whole))
+        self.records(MemoryRange(raw), self.found.add_chunk(record.body, size, compression), inside)
+        self.damage.places += inside.places + (record.whole and (inside.cut or not whole))
 
 
 def _check_format(file: FileRange) -> None:
@@ -140,7 +140,7 @@ def _check_format(file: FileRange) -> None:
     raise foreign(file.name, "a ROS 1 bag of format 2.0", head)
 
 
-def _frame_at(data: ByteRange, pos: int) -> Frame | None:
+def _record_at(data: ByteRange, pos: int) -> Record | None:
     raw = data.read(pos, 4)
     if len(raw) < 4:
         return None
@@ -162,20 +162,20 @@ def _frame_at(data: ByteRange, pos: int) -> Frame | None:
     body = pos + 4 + size + 4
     plain_chunk = op == _CHUNK and fields["compression"] == _PLAIN
     end = body if plain_chunk else body + _uint(raw[size:])
-    return Frame(op, pos, body, end, fields)
+    return Record(op, pos, body, end, fields)
 
 
-def _next_frame(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-    """The next record that has the fields its kind needs."""
+def _next_record(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
+    """The offset of the next record that has the fields which its op requires; None if there is none."""
     for pos in find(data, _HEADER, _HEADER_LENGTH, start):
-        frame = _frame_at(data, pos)
-        if frame and frame.op not in barred:
+        record = _record_at(data, pos)
+        if record and record.op not in barred:
             return pos
     return None
 
 
 def _fields(raw: bytes) -> dict[str, bytes] | None:
-    """The ``name=value`` fields of a header; None when it is not made up of a few such fields."""
+    """The ``name=value`` fields of a header; None if it does not consist of a few such fields."""
     fields: dict[str, bytes] = {}
     pos = 0
     for _ in range(_MAX_FIELDS):
@@ -199,8 +199,8 @@ def _text(raw: bytes) -> str:
 
 
 _LAYOUT = Layout(
-    _frame_at,
-    _next_frame,
+    _record_at,
+    _next_record,
     last_op=None,
     index_ops=frozenset((_INDEX, _CHUNK_INFO)),
     inner_ops=frozenset((_MESSAGE, _CONNECTION)),

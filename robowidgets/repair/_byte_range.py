@@ -1,4 +1,4 @@
-"""Bytes that records are read from: those of a file, or of a chunk that was decompressed."""
+"""Sources of bytes for the records: a file, or a chunk that was decompressed."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class ByteRange(Protocol):
 
     @property
     def size(self) -> int:
-        """How many bytes there are."""
+        """The number of bytes."""
 
     def read(self, offset: int, size: int) -> bytes:
-        """The bytes at an offset, fewer at the end; takes no more memory than there is data."""
+        """Up to ``size`` bytes at an offset, fewer at the end; allocates no more than is left of the data."""
 
 
 class MemoryRange:
@@ -61,7 +61,7 @@ class FileRange:
             )
 
     def read(self, offset: int, size: int) -> bytes:
-        """The bytes at an offset; OSError where the disk fails, ValueError when the file was closed."""
+        """The bytes at an offset; OSError if the disk fails, ValueError after `close`."""
         with self._lock:
             self._file.seek(offset)
             return self._file.read(max(0, min(size, self.size - offset)))
@@ -74,13 +74,13 @@ class FileRange:
 def find(data: ByteRange, pattern: re.Pattern[bytes], length: int, start: int) -> Iterator[int]:
     """Offsets at which a pattern of at most ``length`` bytes matches, from ``start`` on.
 
-    The pattern is a lookahead, so that matches may overlap, and does not match zeros alone. None is found where fewer
-    bytes than that are left.
+    The pattern is a lookahead, so that matches may overlap, and does not match zeros alone. No match starts in the last
+    ``length - 1`` bytes.
     """
     while start + length <= data.size:
         raw = data.read(start, WINDOW)
         if len(raw) < length:
             return
-        if raw.count(0) < len(raw):  # a file that was given room and never filled is zeros for gigabytes
+        if raw.count(0) < len(raw):  # files that were allocated and never filled contain gigabytes of zeros
             yield from (start + match.start() for match in pattern.finditer(raw))
         start += len(raw) - length + 1

@@ -1,4 +1,4 @@
-"""CARMEN logs: text, a message a line, in the order in which they were logged."""
+"""CARMEN logs: text files with one message per line, in the order of logging."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ._carmen_lines import (
 )
 from ._clock import repaired_log
 from ._records import Damage
-from ._report import kind
+from ._report import format_of
 from ._walk import Walk
 from .source import RecordingError
 
@@ -36,7 +36,7 @@ _BLOCK = 1 << 16
 _LOOKED_AT = 1 << 20
 _SMALL = 1 << 26
 _RATIO = 20
-"""Bytes of text from one of a gzipped log, at most: real ones give ten. Up to `_SMALL` any do."""
+"""Most bytes of text per byte of a gzipped log: real logs have ten. Up to `_SMALL` bytes any ratio is accepted."""
 
 _TYPES = {
     **dict.fromkeys(SPEEDS, "nav_msgs/msg/Odometry"),
@@ -46,7 +46,7 @@ _TYPES = {
 
 
 class _Lines(NamedTuple):
-    """The lines that hold messages: names of their topics, and bytes; and the first error of each topic."""
+    """The lines with messages: the names of their topics, their bytes, and the first error of each topic."""
 
     names: list[str]
     texts: list[bytes]
@@ -59,12 +59,12 @@ def walk_carmen(path: Path) -> Walk:
     Its topics are the names of the lines: FLASER, ROBOTLASER1, ODOM, ... Lines that are cut are left out.
 
     Raises:
-        RecordingError: it is no such log.
+        RecordingError: the file is no CARMEN log.
     """
     text, problems = _text(path)
     names, lines, errors = _lines(text)
     if len(lines) > 1 and text.endswith(lines[-1]) and _is_before(lines[-1], lines[-2]):
-        # The last number was cut, which made it smaller.
+        # A number that was cut off is a smaller number, so the last line cannot be trusted.
         names.pop()
         lines.pop()
         problems = problems or ["the log was cut off within its last line, which is left out"]
@@ -88,8 +88,8 @@ def walk_carmen(path: Path) -> Walk:
 def _lines(text: bytes) -> _Lines:
     """The lines of a log in their order.
 
-    A program that makes maps writes ODOM lines of its own into a log, each before a line NEFF: poses that it estimates,
-    with a speed of 0 and mostly without a time. They are no measurement, and become the poses of NEFF.
+    Mapping programs add ODOM lines of their own to a log, each before a line NEFF. These are estimated poses, not
+    measurements, with a speed of 0 and mostly without a time. They become the topic NEFF.
     """
     found = _Lines([], [], {})
     for line in text.splitlines():
@@ -114,7 +114,7 @@ def _is_before(line: bytes, other: bytes) -> bool:
 
 
 def _times(names: Sequence[str], lines: Sequence[bytes]) -> tuple[list[int], str]:
-    """Monotonic log times, and a line on what was wrong. An estimate has the time of the line before it."""
+    """Monotonic log times, and a line on problems of the clock. An estimate has the time of the line before it."""
     is_timed = [name != ESTIMATE for name in names]
     monotonic, about_clock = repaired_log([time_ns_of(line) for line in compress(lines, is_timed)])
     latest = monotonic[0] if monotonic else 0
@@ -127,7 +127,7 @@ def _times(names: Sequence[str], lines: Sequence[bytes]) -> tuple[list[int], str
 
 
 def _encoder(topic: str, names: Sequence[str], lines: Sequence[bytes]) -> Callable[[bytes], bytes]:
-    """What makes messages of the lines of a topic."""
+    """A function that turns a line of a topic into a message."""
     if topic in SPEEDS:
         return odometry
     if topic in NEW_SCANS:
@@ -149,7 +149,7 @@ def _text(path: Path) -> tuple[bytes, list[str]]:
         start = _gunzip(start, _LOOKED_AT)[0] if packed else start
         if not any(name_of(line) for line in start.splitlines()):
             is_foreign = not packed or not start
-            got = kind(head) if is_foreign else f"{kind(start[:64])} in gzip: unpack it with gunzip"
+            got = format_of(head) if is_foreign else f"{format_of(start[:64])} in gzip: unpack it with gunzip"
             raise RecordingError(f"{path.name}: expected {_EXPECTED}, got {got}")
         file.seek(0)
         text = file.read()
@@ -165,7 +165,7 @@ def _text(path: Path) -> tuple[bytes, list[str]]:
 
 
 def _gunzip(data: bytes, limit: int) -> tuple[bytes, bool]:
-    """What can be decompressed, up to a limit, and whether that is all of it."""
+    """The data that can be decompressed, up to a limit, and whether it is complete."""
     text = bytearray()
     stream = zlib.decompressobj(wbits=31)
     try:

@@ -27,16 +27,16 @@ _SHARE = 1 / 200
 _LINES_LOOKED_AT = 100
 _LATEST = 2**62 / 1e9
 _LATEST_STAMP = 2**32
-"""Seconds that a ROS 1 stamp can hold."""
+"""Seconds at which ROS 1 stamps overflow."""
 
 
 def name_of(line: bytes) -> str:
-    """The name of a line's message; empty when it is none of CARMEN's."""
+    """The name of the message in a line; empty if CARMEN has no such message."""
     return _NAMES.get(line.partition(b" ")[0], "")
 
 
 def time_ns_of(line: bytes) -> int | None:
-    """When a line was logged, in nanoseconds: its last word. None when that is no number, or out of range."""
+    """The time at which a line was logged, its last word, in nanoseconds; None if that is no number or out of range."""
     try:
         seconds = float(line.rsplit(None, 1)[-1])
     except ValueError:
@@ -73,7 +73,7 @@ def odometry(line: bytes) -> bytes:
 
 
 def estimate(line: bytes) -> bytes:
-    """The geometry_msgs/Pose2D in such a line."""
+    """The geometry_msgs/Pose2D in the ODOM line of an estimate."""
     return pack("<3d", *(_float(word) for word in line.split()[1:4]))
 
 
@@ -107,10 +107,10 @@ def new_scan(line: bytes) -> bytes:
 
 
 def range_max_of(lines: Sequence[bytes]) -> float:
-    """The longest range in metres of the scanner behind some FLASER or RLASER lines, which do not have it.
+    """The maximum range in metres of the scanner of some FLASER or RLASER lines, which do not contain it.
 
-    80 m as in CARMEN. But if the largest reading is one of the numbers that such scanners send for "nothing", and is
-    frequent (1 reading in 200), the range ends just below it.
+    It is 80 m, as in CARMEN. But if the largest reading is a number that such scanners send for "nothing in range", and
+    is frequent (1 reading in 200), the maximum range is just below it.
     """
     seen = _some_ranges(lines)
     longest = float(seen.max()) if seen.size else 0.0
@@ -164,7 +164,7 @@ def _floats(words: list[bytes], first: int, count: int) -> NDArray[np.float32]:
 
 
 def _float(word: bytes) -> float:
-    """A number; NaN where a word is damaged."""
+    """The number in a word; NaN if the word is damaged."""
     try:
         return float(word)
     except ValueError:

@@ -1,7 +1,7 @@
-"""Clocks that were set while a recording was written: found, and made monotonic.
+"""Clocks that were set while a recording was written: detecting the steps, and making the times monotonic.
 
 A robot sets its clock when it reaches a time server: the clock goes back, or leaps years ahead. Repaired times continue
-from the last one before, in the order in which the messages arrived.
+from the last time before the step, in the order of arrival of the messages.
 """
 
 from __future__ import annotations
@@ -19,61 +19,61 @@ Times = NDArray[np.int64]
 
 SECOND = 1_000_000_000
 JITTER_NS = 10_000_000
-"""How far times in a row may go back: threads of a recorder overtake each other by less, clocks are set by more."""
+"""Largest step back that is jitter: threads of a recorder overtake each other by less, clocks are set by more."""
 
 RESET_NS = 10 * SECOND
-"""How far a clock may go back until it counts as set back for good."""
+"""Largest step back after which the clock may catch up; after a larger one it was set back for good."""
 
 LEAP_NS = 30 * 86_400 * SECOND
-"""Time between two messages, of whatever topics, that is no silence: the clock was set ahead."""
+"""Longest time between two messages of any topics; after a longer one the clock was set ahead."""
 
 REAL_FROM_NS = 631_152_000 * SECOND
-"""1990: a clock before that was never set, or counts from somewhere else, as in a simulation."""
+"""1990: a clock before that was never set, or has another epoch, as in a simulation."""
 
 _STILL_STEP_NS = SECOND // 10
 _STILL_SHARE = 10
 _LATEST = 2**63 - 1
 _HABIT, _RARELY = 10, 100
-"""A topic has several senders, whose times differ, if it goes back more than 10 times and in more than 1 message of
-100."""
+"""A topic has several publishers, whose times differ, if it goes back more than 10 times and in more than 1 message
+of 100."""
 _SILENT = 10
 """A topic has ended if it is silent for 10 of its usual steps."""
 _MOST_VOTES = 10_000_000
-"""No clock is set so often, and counting the votes would take long."""
+"""Most votes that are counted: no clock is set so often, and counting more would take long."""
 
 
 class Arrivals(NamedTuple):
-    """Log times of messages in nanoseconds and the ids of their channels, both of shape (N,), as they were written."""
+    """Log times of messages in nanoseconds and the ids of their channels, shape (N,) each, in the order of the file."""
 
     times: Times
     channels: Times
 
 
-def was_set(arrivals: Arrivals) -> bool:
+def has_clock_step(arrivals: Arrivals) -> bool:
     """Whether the clock was set back, or far ahead."""
     return _leaps(arrivals.times) or bool(_steps_back(arrivals))
 
 
 def repaired(arrivals: Arrivals) -> tuple[Times, str]:
-    """Monotonic times of the same messages, and a line on what was wrong; empty where nothing was."""
+    """Monotonic times of the same messages, and a line on the problems of the clock; empty if there are none."""
     steps = _steps_back(arrivals)
     if not steps and not _leaps(arrivals.times):
         return arrivals.times, ""
     runs = np.zeros(len(arrivals.times), np.int64)
     runs[steps] = 1
-    # Between two steps the clock ran, and topics overtake each other as they do in any recording.
+    # Between two steps the clock is right, and messages overtake each other as in any recording: sort them by time.
     order = np.lexsort((arrivals.times, np.cumsum(runs)))
-    monotonic, oddities = make_monotonic(arrivals.times[order].tolist())
+    monotonic, problems = make_monotonic(arrivals.times[order].tolist())
     times = np.empty_like(arrivals.times)
     times[order] = [max(-_LATEST, min(time, _LATEST)) for time in monotonic]
-    return times, _about(len(steps), oddities)
+    return times, _described(len(steps), problems)
 
 
 def repaired_log(times: Sequence[int | None]) -> tuple[list[int], str]:
-    """Monotonic times for the lines of a log, and a line on what was wrong.
+    """Monotonic times for the lines of a log, and a line on the problems of the clock.
 
-    The order of the lines is kept. A clock that hardly moves (fewer than one different time in ten) is of no use: its
-    lines are set 0.1 s apart.
+    The order of the lines is kept. If the clock stands still (fewer than one different time in ten lines), the lines
+    are set 0.1 s apart.
 
     Args:
         times: nanoseconds, in the order of the lines; None where a line has no time.
@@ -90,15 +90,16 @@ def repaired_log(times: Sequence[int | None]) -> tuple[list[int], str]:
     for time in times:
         latest = latest if time is None else time
         filled.append(latest)
-    monotonic, oddities = make_monotonic(filled)
+    monotonic, problems = make_monotonic(filled)
     back = sum(after < before for before, after in pairwise(filled))
-    return monotonic, _about(back, oddities)
+    return monotonic, _described(back, problems)
 
 
-class Oddities(NamedTuple):
-    """What was odd about a clock, in nanoseconds.
+class ClockProblems(NamedTuple):
+    """The problems of a clock; times in nanoseconds.
 
-    How far it was behind at most, how often it leapt ahead, by how much at most; and the first of the monotonic times.
+    ``behind`` is the largest step back, ``leaps`` the number of leaps ahead, ``ahead`` the largest of these, ``start``
+    the first of the monotonic times.
     """
 
     behind: int
@@ -107,12 +108,13 @@ class Oddities(NamedTuple):
     start: int
 
 
-def make_monotonic(times: Sequence[int]) -> tuple[list[int], Oddities]:
-    """Times that never go back and never leap, in the same order, and what was odd.
+def make_monotonic(times: Sequence[int]) -> tuple[list[int], ClockProblems]:
+    """Times that never go back and never leap, in the same order, and the problems of the clock.
 
-    A small step back (up to `RESET_NS`) repeats the last time until the clock has caught up. A larger one, if the clock
-    stays there, and a leap ahead by more than `LEAP_NS` shift all that follow, so that they continue from the last
-    time. After a leap the result is dated by the first time from 1990 on; without a leap, or such a time, by the first.
+    After a small step back (up to `RESET_NS`) the last time is repeated until the clock has caught up. A larger step
+    back, if the clock stays there, and a leap ahead by more than `LEAP_NS` shift all later times, so that they continue
+    from the last one. After a leap the result is dated by the first time from 1990 on; without a leap, or without such
+    a time, by the first.
     """
     result: list[int] = []
     latest = times[0] if times else 0
@@ -135,40 +137,39 @@ def make_monotonic(times: Sequence[int]) -> tuple[list[int], Oddities]:
     if leaps:
         moved = next((time - result[i] for i, time in enumerate(times) if time >= REAL_FROM_NS), 0)
         result = [time + moved for time in result]
-    return result, Oddities(furthest, leaps, widest, result[0] if result else 0)
+    return result, ClockProblems(furthest, leaps, widest, result[0] if result else 0)
 
 
 def _goes_on(pair: Sequence[int]) -> bool:
     return len(pair) == 2 and 0 <= pair[1] - pair[0] < RESET_NS
 
 
-def _about(back: int, odd: Oddities) -> str:
+def _described(back: int, problems: ClockProblems) -> str:
     lines = []
     if back:
-        lines.append(
-            f"goes back {often(back)}, by up to {odd.behind / SECOND:.2f} s: order is kept, time held meanwhile"
-        )
-    if odd.leaps:
-        by = f"{'up to ' * (odd.leaps > 1)}{odd.ahead / SECOND / 86_400:,.1f} days"
-        date = np.datetime64(odd.start // SECOND, "s").astype("datetime64[D]")
-        lines.append(f"jumps ahead {often(odd.leaps)}, by {by}: time goes on from where it was, dated {date}")
+        depth = f"by up to {problems.behind / SECOND:.2f} s"
+        lines.append(f"goes back {often(back)}, {depth}: order is kept, time stands still meanwhile")
+    if problems.leaps:
+        by = f"{'up to ' * (problems.leaps > 1)}{problems.ahead / SECOND / 86_400:,.1f} days"
+        date = np.datetime64(problems.start // SECOND, "s").astype("datetime64[D]")
+        lines.append(f"jumps ahead {often(problems.leaps)}, by {by}: time goes on from where it was, dated {date}")
     return f"the clock {'; it '.join(lines)}" if lines else ""
 
 
 def _leaps(times: Times) -> bool:
-    """Whether nothing came for longer than a robot is silent: its clock was set ahead meanwhile."""
+    """Whether there is a gap that is too long for a silence: the clock was set ahead within it."""
     if not times.size or float(times.max()) - float(times.min()) <= LEAP_NS:
         return False
     return bool((np.diff(np.sort(times).astype(np.float64)) > LEAP_NS).any())
 
 
 def _steps_back(arrivals: Arrivals) -> list[int]:
-    """The first message after each time that the clock was set back.
+    """The first messages after the clock was set back.
 
-    It was set back where a topic goes back in the order of arrival and most other topics agree. If they do not, its
-    messages were late, were written twice, or have times of their own.
+    The clock was set back if a topic goes back in the order of arrival and most other topics agree. Otherwise messages
+    of the topic were late, were written twice, or have times of their own.
     """
-    # As floats, for differences of any two: a quarter of a microsecond does not matter.
+    # As floats, so that no difference overflows; rounding by a quarter of a microsecond does not matter.
     times = arrivals.times.astype(np.float64)
     if not times.size or (times >= np.maximum.accumulate(times) - JITTER_NS).all():
         return []
@@ -183,7 +184,7 @@ def _steps_back(arrivals: Arrivals) -> list[int]:
     steps: list[int] = []
     start = 0
     for i in np.argsort(falls.places, kind="stable"):
-        # At a step every topic that continues falls: later falls across the same place are the same step.
+        # At a step all topics that continue go back: later falls across the same place belong to the same step.
         if votes[i] > 0 and falls.before[i] >= start:
             start = int(falls.places[i])
             steps.append(start)
@@ -191,9 +192,10 @@ def _steps_back(arrivals: Arrivals) -> list[int]:
 
 
 class _Falls(NamedTuple):
-    """Where one message of a topic has an earlier time than the one before.
+    """Falls: messages with an earlier time than the previous message of their topic.
 
-    Places of both, by how much, time until the end, and the place of the last leap ahead before it.
+    Indices of both messages, the depth of each fall, the time from it to the end of the topic, and the index of the
+    last leap ahead before it.
     """
 
     places: Times
@@ -213,10 +215,10 @@ def _falls(times: NDArray[np.float64], places: Times, ahead: Times) -> _Falls:
 
 
 def _votes(times: NDArray[np.float64], places: Times, falls: _Falls) -> Times:
-    """The vote of one topic on each fall: 1 if it falls there too, -1 if it continues or has ended, 0 if it is unsure.
+    """The vote of one topic on each fall: 1 if it falls there, too, -1 if it continues or has ended, 0 if it is unsure.
 
-    That it continues counts only if its usual step is less than half the depth of the fall and, where the clock leapt
-    ahead before the fall, only if it had a message since.
+    A topic continues only if its usual step is less than half the depth of the fall. If the clock leapt ahead before
+    the fall, the topic must also have had a message since the leap.
     """
     own = times[places]
     steps = np.diff(own)

@@ -1,4 +1,4 @@
-"""A source over files that were walked through: an index in memory of where each message lies, by a repaired clock."""
+"""A source over files that were walked through: an index of the messages in memory, sorted by a repaired clock."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from .source import Message
 class IndexedSource:
     """A `Source` over one file, or over the files of one recording in their order.
 
-    Channels of the same topic, type, encoding and definition are one. Problems of several files bear their names.
+    Channels with the same topic, type, encoding and definition are merged. With several files, problems name theirs.
 
     Args:
-        walks: what was found in each file; closed with the source.
+        walks: the walk through each file; closed with the source.
         problems: lines that come before all others.
 
     Raises:
@@ -81,7 +81,7 @@ class IndexedSource:
             walk.close()
 
     def _before(self, time_ns: int) -> int:
-        """How many messages were logged before a time."""
+        """The number of messages that were logged before a time."""
         limits = np.iinfo(np.int64)
         if time_ns > limits.max:
             return len(self._times)
@@ -89,7 +89,7 @@ class IndexedSource:
 
 
 def _renumbered(walk: Walk, channels: dict[Channel, int]) -> NDArray[np.int64]:
-    """The channel of each message by its number among all channels; -1 where the file names none."""
+    """The channel of each message, as a number among all channels; -1 if the file does not name it."""
     ids = np.asarray(walk.ids, np.int64)
     numbers = np.full(len(ids), -1, np.int64)
     for channel in walk.channels:

@@ -11,14 +11,14 @@ from typing import NamedTuple
 from ..messages.channel import Channel, definition_text
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
 from ._byte_range import ByteRange, FileRange, MemoryRange, find
-from ._records import MAX_TEXT, Damage, Frame, Layout, find_frames, with_bar
+from ._records import MAX_TEXT, Damage, Layout, Record, find_records, with_bar
 from ._report import foreign
 from ._walk import FoundMessages, Walk
 
 MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(2, 7)
 _INDEX_OPS = frozenset((0x07, 0x08, 0x0A, 0x0B, 0x0D, 0x0E))
-# The least number of bytes in a record of each kind, 0x01 (header) to 0x0F (end of data).
+# The least number of bytes in a record of each op, 0x01 (header) to 0x0F (end of data).
 _LEAST = dict(enumerate((8, 20, 14, 16, 22, 40, 6, 68, 36, 40, 46, 8, 20, 17, 4), start=1))
 _PRIVATE = 0x80
 _HEAD = struct.Struct("<BQ")
@@ -31,12 +31,12 @@ _READ_AT_ONCE = 1 << 20
 
 
 def walk_mcap(path: Path) -> Walk:
-    """Every message that can be read from an MCAP file, with chunks or without, indexed or not, whole or not.
+    """All messages that can be read from an MCAP file, with chunks or without, indexed or not, whole or not.
 
-    Messages of any encoding and channels of any schema are listed as they are named in the file.
+    Encodings and schemas are not interpreted: channels of all of them are listed.
 
     Args:
-        path: the file, whatever its name ends in.
+        path: the file, with any suffix.
 
     Raises:
         RecordingError: it cannot be opened, is no MCAP file, or nothing of it can be saved.
@@ -85,7 +85,7 @@ class _Reader:
         return self.found.as_walk(self.channels(), self.damage)
 
     def channels(self) -> list[Channel]:
-        """The channels with their schemas, which may come anywhere in the file, also after them."""
+        """The channels with their schemas. A schema may lie anywhere in the file, even after its channel."""
         channels = []
         for number, (schema_id, topic, encoding) in self.named.items():
             schema = self.schemas.get(schema_id, _Schema("", "", ""))
@@ -95,32 +95,32 @@ class _Reader:
 
     def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
         """Index the records of the file (chunk -1) or of a chunk."""
-        frames = find_frames(data, _LAYOUT, damage, start)
-        for frame in with_bar(frames, self.file) if chunk < 0 else frames:
-            if frame.op == _MESSAGE and frame.whole:
-                self.message(data, frame, chunk, damage)
-            elif frame.op in (_SCHEMA, _CHANNEL):
-                self.name(data, frame, damage)
-            elif frame.op == _CHUNK and chunk < 0:
-                self.chunk(frame)
-            elif frame.op == _FOOTER:
+        records = find_records(data, _LAYOUT, damage, start)
+        for record in with_bar(records, self.file) if chunk < 0 else records:
+            if record.op == _MESSAGE and record.whole:
+                self.message(data, record, chunk, damage)
+            elif record.op in (_SCHEMA, _CHANNEL):
+                self.name(data, record, damage)
+            elif record.op == _CHUNK and chunk < 0:
+                self.chunk(record)
+            elif record.op == _FOOTER:
                 damage.unfinished = False
 
-    def message(self, data: ByteRange, frame: Frame, chunk: int, damage: Damage) -> None:
+    def message(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
         """Index a message."""
-        head = data.read(frame.body, _MESSAGE_HEAD.size)
-        offset = frame.body + len(head)
-        if len(head) == _MESSAGE_HEAD.size and offset <= frame.end:
+        head = data.read(record.body, _MESSAGE_HEAD.size)
+        offset = record.body + len(head)
+        if len(head) == _MESSAGE_HEAD.size and offset <= record.end:
             channel, _, time_ns, _ = _MESSAGE_HEAD.unpack(head)
-            if self.found.add(channel, time_ns, offset, frame.end - offset, chunk):
+            if self.found.add(channel, time_ns, offset, record.end - offset, chunk):
                 return
         damage.places += 1
 
-    def name(self, data: ByteRange, frame: Frame, damage: Damage) -> None:
+    def name(self, data: ByteRange, record: Record, damage: Damage) -> None:
         """Add a schema or a channel; a second one of the same id is ignored."""
-        raw = data.read(frame.body, min(frame.end - frame.body, MAX_TEXT))
+        raw = data.read(record.body, min(record.end - record.body, MAX_TEXT))
         try:
-            if frame.op == _SCHEMA:
+            if record.op == _SCHEMA:
                 (number,) = struct.unpack_from("<H", raw)
                 name, encoding, text = _strings(raw[2:], 3)
                 schema = _Schema(name, encoding, definition_text(encoding, name, text))
@@ -132,26 +132,26 @@ class _Reader:
         except struct.error:
             damage.places += 1
 
-    def chunk(self, frame: Frame) -> None:
+    def chunk(self, record: Record) -> None:
         """Check the checksum of a chunk; index the records of a compressed one, as far as it decompresses."""
-        checksum = int.from_bytes(frame.fields["checksum"], "little")
-        compression = frame.fields["compression"].decode()
+        checksum = int.from_bytes(record.fields["checksum"], "little")
+        compression = record.fields["compression"].decode()
         if not compression:
-            size = int.from_bytes(frame.fields["size"], "little")
-            self.damage.checksums += bool(checksum) and self.checksum(frame.body, size) not in (checksum, None)
+            size = int.from_bytes(record.fields["size"], "little")
+            self.damage.checksums += bool(checksum) and self.checksum(record.body, size) not in (checksum, None)
             return
         if compression not in COMPRESSIONS:
             self.damage.compressions.add(compression)
             return
-        size = min(frame.end - frame.body, MAX_CHUNK)
-        raw, whole = inflate(compression, self.file.read(frame.body, size))
+        size = min(record.end - record.body, MAX_CHUNK)
+        raw, whole = inflate(compression, self.file.read(record.body, size))
         inside = Damage()
-        self.records(MemoryRange(raw), self.found.add_chunk(frame.body, size, compression), inside)
-        self.damage.places += inside.places + (frame.whole and (inside.cut or not whole))
+        self.records(MemoryRange(raw), self.found.add_chunk(record.body, size, compression), inside)
+        self.damage.places += inside.places + (record.whole and (inside.cut or not whole))
         self.damage.checksums += bool(whole and checksum) and checksum != crc32(raw)
 
     def checksum(self, offset: int, size: int) -> int | None:
-        """CRC-32 of bytes in the file; None when they are not all there."""
+        """CRC-32 of bytes in the file; None if some are missing."""
         end = offset + size
         if end > self.file.size:
             return None
@@ -161,7 +161,7 @@ class _Reader:
         return value
 
 
-def _frame_at(data: ByteRange, pos: int) -> Frame | None:
+def _record_at(data: ByteRange, pos: int) -> Record | None:
     head = data.read(pos, _HEAD.size)
     if len(head) < _HEAD.size:
         return None
@@ -171,11 +171,11 @@ def _frame_at(data: ByteRange, pos: int) -> Frame | None:
     body = pos + _HEAD.size
     if op == _CHUNK:
         return _chunk_at(data, pos, body + size)
-    return Frame(op, pos, body, body + size) if body + size <= data.size else None
+    return Record(op, pos, body, body + size) if body + size <= data.size else None
 
 
-def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Frame | None:
-    """A chunk whose own lengths agree, or whose data is at least all there."""
+def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
+    """The chunk at an offset, if its lengths agree or if at least all of its data is in the file; else None."""
     body = pos + _HEAD.size + _CHUNK_HEAD.size
     head = data.read(pos + _HEAD.size, _CHUNK_HEAD.size)
     if len(head) < _CHUNK_HEAD.size:
@@ -190,11 +190,11 @@ def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Frame | None:
     if len(size) < 8 or not compression.isascii() or (end != outer_end and end > data.size):
         return None
     fields = {"compression": compression, "checksum": checksum.to_bytes(4, "little"), "size": size}
-    return Frame(_CHUNK, pos, body, end if compression else body, fields)
+    return Record(_CHUNK, pos, body, end if compression else body, fields)
 
 
-def _next_frame(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-    """The next record that others follow without a gap, or that is followed by the end."""
+def _next_record(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
+    """The offset of the next record that others follow without a gap, or that ends the file; None if there is none."""
     for pos in find(data, _RECORD, _HEAD.size, start):
         if data.read(pos, 1)[0] not in barred and _is_chain(data, pos):
             return pos
@@ -203,17 +203,17 @@ def _next_frame(data: ByteRange, start: int, barred: frozenset[int]) -> int | No
 
 def _is_chain(data: ByteRange, pos: int) -> bool:
     for _ in range(_IN_A_ROW):
-        frame = _frame_at(data, pos)
-        if not frame:
+        record = _record_at(data, pos)
+        if not record:
             return False
-        if frame.op == _FOOTER or frame.end >= data.size:
+        if record.op == _FOOTER or record.end >= data.size:
             return True
-        pos = frame.end
+        pos = record.end
     return True
 
 
 def _strings(raw: bytes, count: int) -> list[str]:
-    """The first strings of a record, each after its length; struct.error when they are not all there."""
+    """The first strings of a record, each after its length; struct.error if some are missing."""
     strings = []
     pos = 0
     for _ in range(count):
@@ -225,8 +225,8 @@ def _strings(raw: bytes, count: int) -> list[str]:
 
 
 _LAYOUT = Layout(
-    _frame_at,
-    _next_frame,
+    _record_at,
+    _next_record,
     last_op=_FOOTER,
     index_ops=_INDEX_OPS,
     inner_ops=frozenset((_SCHEMA, _CHANNEL, _MESSAGE)),

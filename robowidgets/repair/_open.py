@@ -28,17 +28,17 @@ _MOST_RATIO = 256
 
 
 def open_repaired(paths: Sequence[Path], problems: Sequence[str] = ()) -> IndexedSource:
-    """Whatever can be read of the files of one recording, by a clock that never goes back.
+    """All messages that can be read from the files of one recording, on a clock that never goes back.
 
-    Each file is walked through once, with a progress bar; an index of 40 bytes a message stays in memory. Of several
-    files, those that cannot be read become lines in the problems.
+    Each file is walked through once, with a progress bar; an index of 40 bytes per message stays in memory. If
+    only some of several files cannot be read, each of these becomes a line in the problems.
 
     Args:
         paths: the files, in their order: ROS 1 bags, MCAP files, rosbag2 databases, any of them in zstd, CARMEN logs.
         problems: lines that come before all others.
 
     Raises:
-        RecordingError: nothing can be read of any of them; the text is that of the first.
+        RecordingError: no file can be read; the text is that of the first.
     """
     found = [_attempt(path) for path in paths]
     errors = [error for error in found if isinstance(error, str)]
@@ -49,7 +49,7 @@ def open_repaired(paths: Sequence[Path], problems: Sequence[str] = ()) -> Indexe
 
 
 def find_files(folder: Path) -> list[Path]:
-    """The recordings that lie in a folder, in the order a person counts: ``drive_2.db3`` before ``drive_10.db3``."""
+    """The recordings in a folder, with numbers in numerical order: ``drive_2.db3`` before ``drive_10.db3``."""
     return sorted((path for path in folder.iterdir() if _is_recording(path)), key=lambda path: _natural(path.name))
 
 
@@ -63,7 +63,7 @@ def _attempt(path: Path) -> Walk | str:
 
 
 def _walk_file(path: Path) -> Walk:
-    """The walk through one file. Its first bytes name its format; its name does only where they do not."""
+    """The walk through one file. Its first bytes decide its format, and its suffix only if they do not."""
     left_behind = path.with_name(f"{path.name}-wal")
     if left_behind.is_file() and left_behind.stat().st_size:
         return _sqlite.walk_sqlite(path)
@@ -80,7 +80,7 @@ def _walk_file(path: Path) -> Walk:
 
 
 def _walk_packed(path: Path) -> Walk:
-    """The walk through a file that was compressed as a whole: through a temporary copy of what decompresses."""
+    """The walk through a file that was compressed as a whole: through a temporary copy of the decompressed data."""
     folder = TemporaryDirectory(prefix="robowidgets-")
     try:
         copy = Path(folder.name, path.name.removesuffix(path.suffix) if path.suffix in _ZSTD_SUFFIXES else path.name)

@@ -13,10 +13,10 @@ MAX_PLACES = 10_000
 MAX_TEXT = 1 << 22
 
 
-class Frame(NamedTuple):
-    """Where a record lies: ``start``, first byte of its data (``body``) and the byte after its data (``end``).
+class Record(NamedTuple):
+    """The offsets of a record: ``start``, the first byte of its data (``body``), the byte after its data (``end``).
 
-    A chunk that is not compressed ends where its data starts: its records are walked as if they stood outside, so a
+    A chunk that is not compressed ends where its data starts: its records are walked as if they lay outside it, so a
     wrong length or a missing end costs nothing. ``whole`` is False when the data ends early.
     """
 
@@ -31,33 +31,33 @@ class Frame(NamedTuple):
 class Layout(NamedTuple):
     """How records are recognised in one file format.
 
-    ``frame_at`` gives the record at an offset, which may reach past the end of the data, or None when no record stands
-    there. ``next_frame`` searches from an offset for a place where ``frame_at`` gives a record and that is no accident;
-    records of some kinds are skipped. After ``last_op`` nothing follows. Records in ``index_ops`` hold no messages,
-    those in ``inner_ops`` stand in chunks.
+    ``record_at`` returns the record at an offset, which may reach past the end of the data, or None if there is none.
+    ``next_record`` searches from an offset for a record that is unlikely to be an accident; it skips the given ops.
+    After ``last_op`` nothing follows. Records in ``index_ops`` contain no messages; those in ``inner_ops`` lie in
+    chunks.
     """
 
-    frame_at: Callable[[ByteRange, int], Frame | None]
-    next_frame: Callable[[ByteRange, int, frozenset[int]], int | None]
+    record_at: Callable[[ByteRange, int], Record | None]
+    next_record: Callable[[ByteRange, int, frozenset[int]], int | None]
     last_op: int | None
     index_ops: frozenset[int]
     inner_ops: frozenset[int]
     chunk_op: int
 
-    def search(self, data: ByteRange, pending: Frame | None, pos: int) -> int | None:
+    def search(self, data: ByteRange, pending: Record | None, pos: int) -> int | None:
         """The offset of the next record, after a record whose end is in doubt or, with none, after an offset.
 
-        What looks like a message within compressed data is a piece of one, or one that will be read from there.
+        Records of messages within compressed data are skipped: they are accidents, or are read after decompression.
         """
         if pending is None:
-            return self.next_frame(data, pos + 1, frozenset())
+            return self.next_record(data, pos + 1, frozenset())
         is_packed = pending.op == self.chunk_op and pending.end > pending.body
-        return self.next_frame(data, pending.body, self.inner_ops if is_packed else frozenset())
+        return self.next_record(data, pending.body, self.inner_ops if is_packed else frozenset())
 
 
 @dataclass
 class Damage:
-    """What was wrong with a file.
+    """The damage of a file.
 
     ``places`` counts where the walk had to search for the next record or could not use one; ``index``: lengths in the
     index were wrong; ``cut``: data is missing at the end; ``unfinished``: only the index is missing at the end;
@@ -75,33 +75,33 @@ class Damage:
     disk: str = ""
 
 
-def with_bar(frames: Iterable[Frame], file: FileRange) -> Iterator[Frame]:
-    """The records of a file, with a bar where they take long."""
+def with_bar(records: Iterable[Record], file: FileRange) -> Iterator[Record]:
+    """The records of a file, with a progress bar if they take long."""
     done = 0
     with Progress(file.size, f"Reading {file.name}", "B") as bar:
-        for frame in frames:
-            yield frame
-            bar.update(frame.end - done)
-            done = frame.end
+        for record in records:
+            yield record
+            bar.update(record.end - done)
+            done = record.end
 
 
-def find_frames(data: ByteRange, layout: Layout, damage: Damage, start: int = 0) -> Iterator[Frame]:
-    """Every record that can be recognised, in the order of the file; what was wrong is noted in ``damage``.
+def find_records(data: ByteRange, layout: Layout, damage: Damage, start: int = 0) -> Iterator[Record]:
+    """Every record that can be recognised, in the order of the file; adds to ``damage``.
 
     A record is yielded once another one is found where it ends. If there is none, the next one is searched for within
     the pending record, because its length may be wrong.
     """
-    pending: Frame | None = None
+    pending: Record | None = None
     pos = start
     while pos < data.size:
-        frame = layout.frame_at(data, pos)
-        if frame:
+        record = layout.record_at(data, pos)
+        if record:
             if pending:
                 yield pending
-            pending = frame
-            if frame.op == layout.last_op:
+            pending = record
+            if record.op == layout.last_op:
                 break
-            pos = frame.end
+            pos = record.end
             if pos <= data.size:
                 continue
         found = layout.search(data, pending, pos) if damage.places < MAX_PLACES else None

@@ -1,4 +1,4 @@
-"""Errors and lines about files that are damaged, or are no recordings."""
+"""Errors and problems of files that are damaged, or are no recordings."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from ._records import Damage
 from ._walk import Walk
 from .source import RecordingError
 
-_KINDS = {
+_FORMATS = {
     b"#ROSBAG V": "a ROS 1 bag",
     b"\x89MCAP0\r\n": "an MCAP file",
     b"SQLite format 3\0": "an SQLite database (a rosbag2 .db3)",
@@ -18,9 +18,9 @@ _KINDS = {
 }
 
 
-def kind(head: bytes) -> str:
-    """What a file seems to be, by its first bytes."""
-    for magic, name in _KINDS.items():
+def format_of(head: bytes) -> str:
+    """The format of a file by its first bytes, or a description of them."""
+    for magic, name in _FORMATS.items():
         if head.startswith(magic):
             return name
     shown = head[:16].split(b"\n")[0]
@@ -30,8 +30,8 @@ def kind(head: bytes) -> str:
 
 
 def foreign(name: str, expected: str, head: bytes) -> RecordingError:
-    """The error for a file that is no recording of the kind expected."""
-    return RecordingError(f"{name}: expected {expected}, got {kind(head)}")
+    """The error for a file that is no recording in the expected format."""
+    return RecordingError(f"{name}: expected {expected}, got {format_of(head)}")
 
 
 def nothing_readable(walk: Walk) -> RecordingError:
@@ -51,9 +51,9 @@ def damage_lines(damage: Damage, count: int, span_ns: int) -> tuple[str, ...]:
     """One line for each kind of damage in a file that was read all the same.
 
     Args:
-        damage: what was wrong.
-        count: how many messages can be read.
-        span_ns: nanoseconds from the first of them to the last.
+        damage: the damage.
+        count: number of messages that can be read.
+        span_ns: nanoseconds from the first of these to the last.
     """
     amount = f"{many(count, 'message')}, up to {span_ns / 1e9:.1f} s"
     places = f"damaged in {many(damage.places, 'place')}" if damage.places else ""

@@ -1,4 +1,4 @@
-"""rosbag2 databases (.db3), read row by row past what is missing, without ever writing to them."""
+"""rosbag2 databases (.db3), read row by row and past damage, without ever writing to them."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ _MAX_ROW = 2**62
 
 
 def walk_sqlite(path: Path) -> Walk:
-    """Every message that can be read from a rosbag2 database, whole or not.
+    """All messages that can be read from a rosbag2 database, whole or not.
 
-    The files that a killed recorder left beside it (``-wal``, ``-journal``) are taken in.
+    Files that a killed recorder left beside it (``-wal``, ``-journal``) are read, too.
 
     Args:
-        path: the file, whatever its name ends in.
+        path: the file, with any suffix.
 
     Raises:
         RecordingError: it cannot be opened, or is no rosbag2 database.
@@ -81,15 +81,15 @@ def _walk_rows(path: Path, connection: sqlite3.Connection, damage: Damage) -> Wa
 
 
 def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
-    """A connection, and the damage that shows before any row is read.
+    """A connection, and the damage that is visible before any row is read.
 
-    The file is opened read-only and as one that nobody changes, so that no file appears beside it. Where it has to be
-    changed, a temporary copy is opened: to take in what a killed recorder left beside it (``-wal``, ``-journal``), or
-    to drop the piece of a page with which a file ends that was cut off: sqlite takes what is missing of it for zeros.
+    The file is opened read-only and immutable, so that sqlite creates no file beside it. In two cases a temporary copy
+    is opened instead, which sqlite may change: to apply the files of a killed recorder (``-wal``, ``-journal``), and to
+    drop an incomplete page at the end, whose missing bytes sqlite would read as zeros.
 
     Args:
         path: the file.
-        stack: takes in what has to be closed.
+        stack: closes the connection and removes the copy.
 
     Raises:
         RecordingError: the file cannot be opened or copied, or is no database.
@@ -113,7 +113,7 @@ def _connect(path: Path, stack: ExitStack) -> tuple[sqlite3.Connection, Damage]:
     )
     stack.callback(connection.close)
     connection.text_factory = lambda raw: raw.decode("utf-8", errors="replace")
-    # Without the first, sqlite refuses a file with pages missing; the others guard against a hostile one.
+    # Without the first, sqlite refuses a file with missing pages; the others guard against a hostile file.
     for pragma in ("writable_schema = ON", "cell_size_check = ON", "trusted_schema = OFF"):
         connection.execute(f"PRAGMA {pragma}")
     return connection, damage
@@ -126,7 +126,7 @@ def is_cut(path: Path) -> bool:
 
 
 def _sizes(path: Path) -> tuple[int, int, int]:
-    """Size of the file, size of a page, and the number of pages that the file says it has."""
+    """The size of the file, the size of a page, and the number of pages by the header of the file."""
     file = FileRange(path)
     try:
         head = file.read(0, 64)
@@ -139,7 +139,7 @@ def _sizes(path: Path) -> tuple[int, int, int]:
 
 
 def _copy(path: Path, beside: list[Path], stack: ExitStack) -> Path:
-    """A copy with what lies beside it."""
+    """A copy of the file and of the files beside it."""
     folder = Path(stack.enter_context(TemporaryDirectory(prefix="robowidgets-")))
     try:
         for file in (path, *beside):
@@ -185,7 +185,7 @@ class _Message(NamedTuple):
 
 
 def _look_up(connection: sqlite3.Connection, row: int) -> _Message | None:
-    """A message by the number of its row; None where there is none that can be read."""
+    """A message by the number of its row; None if it is missing or cannot be read."""
     try:
         found = connection.execute(_LOOK_UP, (row,)).fetchone()
     except sqlite3.Error:
@@ -197,7 +197,7 @@ def _look_up(connection: sqlite3.Connection, row: int) -> _Message | None:
 def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
     """The numbers of the rows in their order; where sqlite fails, the walk continues behind the damage.
 
-    A row that the walk gives may still be missing when it is looked up.
+    A row of the walk may still be missing when it is looked up.
     """
     start: int | None = 1
     while start is not None:
@@ -208,7 +208,7 @@ def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
                 start = row + 1
                 yield row
             return
-        # Python reads a row ahead: the last before the break is still to be had, by itself.
+        # Python reads one row ahead, so the last row before the damage can still be read by itself.
         if row := _peek(connection, start):
             start = row + 1
             yield row
@@ -217,7 +217,7 @@ def _rows(connection: sqlite3.Connection, damage: Damage) -> Iterator[int]:
 
 
 def _next_start(connection: sqlite3.Connection, start: int) -> int | None:
-    """The least row number after ``start`` from which the walk can continue; None when there is none."""
+    """The least row number after ``start`` from which the walk can continue; None if there is none."""
     step = 1
     while _peek(connection, start + step) is None:
         step *= 2
@@ -231,7 +231,7 @@ def _next_start(connection: sqlite3.Connection, start: int) -> int | None:
 
 
 def _peek(connection: sqlite3.Connection, start: int) -> int | None:
-    """The first row number from ``start`` on, 0 where no row is left; None where the walk cannot go on."""
+    """The first row number from ``start`` on; 0 if no row is left, None if sqlite cannot read on from there."""
     try:
         row, *_ = connection.execute(f"{_WALK} LIMIT 1", (start,)).fetchone() or (0,)
     except sqlite3.DatabaseError:

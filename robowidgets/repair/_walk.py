@@ -1,4 +1,4 @@
-"""The result of a walk through one file: where each message lies, and how to read it."""
+"""The result of a walk through one file: an index of its messages, and a function that reads them."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ class Walk:
     """The messages of one file.
 
     Args:
-        name: of the file.
-        size: of the file, in bytes.
-        channels: every channel that the file names; messages of others are left out.
+        name: name of the file.
+        size: size of the file in bytes.
+        channels: all channels that the file names; messages of other channels are left out.
         times: log times in nanoseconds, in the order of arrival.
         ids: the ids of the channels of these messages.
-        read: gives the bytes of a message by its number.
+        read: returns the bytes of a message by its number.
         close: closes the file.
-        damage: what was wrong.
-        problems: lines on what else was wrong.
-        hint: another way to save a file of which nothing can be read.
+        damage: the damage of the file.
+        problems: lines on other problems.
+        hint: another way to save the file, if nothing of it can be read.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Walk:
 
 
 class _Chunk(NamedTuple):
-    """Where the data of a compressed chunk lies in the file."""
+    """The place of the data of a compressed chunk in the file."""
 
     offset: int
     size: int
@@ -57,7 +57,7 @@ class _Chunk(NamedTuple):
 
 
 class FoundMessages:
-    """Where every message of a file of records lies: 40 bytes each, so that a file of any size can be indexed.
+    """The places of all messages of a file of records: 40 bytes each, so that a file of any size can be indexed.
 
     Args:
         file: the file.
@@ -75,12 +75,12 @@ class FoundMessages:
         self._raw: OrderedDict[int, bytes] = OrderedDict()
 
     def add_chunk(self, offset: int, size: int, compression: str) -> int:
-        """Note a compressed chunk, and return its number."""
+        """Add a compressed chunk; returns its number."""
         self._chunks.append(_Chunk(offset, size, compression))
         return len(self._chunks) - 1
 
     def add(self, channel: int, time_ns: int, offset: int, size: int, chunk: int) -> bool:
-        """Note a message in a chunk, or in the file itself (-1); False when its time is beyond 2262."""
+        """Add a message in a chunk, or in the file itself (-1); returns False if its time is beyond 2262."""
         if time_ns >= _MAX_TIME:
             return False
         self.channels.append(channel)
@@ -91,7 +91,7 @@ class FoundMessages:
         return True
 
     def read(self, number: int) -> bytes:
-        """The bytes of a message; RecordingError where the file does not give them any more."""
+        """The bytes of a message; RecordingError if the file cannot be read any more."""
         chunk, offset, size = self._where[number], self._offsets[number], self._sizes[number]
         try:
             data = self._file.read(offset, size) if chunk < 0 else self._chunk(chunk)[offset : offset + size]
@@ -104,7 +104,7 @@ class FoundMessages:
         return data
 
     def as_walk(self, channels: Sequence[Channel], damage: Damage) -> Walk:
-        """All that was found."""
+        """The result of the walk."""
         file = self._file
         return Walk(file.name, file.size, channels, self.times, self.channels, self.read, self._close, damage)
 
@@ -113,7 +113,7 @@ class FoundMessages:
         self._raw.clear()
 
     def _chunk(self, number: int) -> bytes:
-        """A chunk's data; the last ones are cached, because messages next to each other in time mostly share one."""
+        """The data of a chunk; the last ones are cached, because neighbouring messages mostly share one."""
         with self._lock:
             raw = self._raw.pop(number, None)
             if raw is None:

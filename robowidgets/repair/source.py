@@ -1,4 +1,4 @@
-"""A file of messages, whatever its format: the seam between the readers of files and a recording."""
+"""The interface between the readers of files and a recording: a file of messages in any format."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ Message = tuple[Channel, int, bytes]
 
 
 class RecordingError(Exception):
-    """A recording that cannot be opened or read. The text is one line for a person: which file, and why."""
+    """A recording that cannot be opened or read. The text is one line for a person: the file and the reason."""
 
 
 class Source(Protocol):
-    """The messages of one file or folder, as bytes, by a clock that never goes back and never leaps.
+    """The messages of one file or folder, as bytes, on a clock that never goes back and never leaps.
 
-    Opening one raises `RecordingError` when nothing at all can be read.
+    Opening a source raises `RecordingError` if nothing can be read.
     """
 
     @property
     def channels(self) -> tuple[Channel, ...]:
-        """Every channel that the file names, also those without a message."""
+        """All channels that the file names, including those without a message."""
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What was repaired or could not be read so far, one line each, for a person."""
+        """The repairs, and the parts that could not be read so far, one line each, for a person."""
 
     @property
     def start_ns(self) -> int | None:
@@ -42,12 +42,12 @@ class Source(Protocol):
     ) -> Iterator[Message]:
         """The messages of these channels, by log time; those of the same time in the order of arrival.
 
-        Those logged at ``start_ns`` or later and before ``stop_ns``; None means no limit. No channel, no message. May
-        be called again and again, also while an earlier iterator is in use.
+        Messages logged at ``start_ns`` or later and before ``stop_ns``; None means no limit. Without channels there is
+        no message. Several iterators may be in use at once.
         """
 
     def last_ns(self, channel: Channel) -> int | None:
-        """Log time of the last message of a channel, or a little later; None where the index does not have it."""
+        """Log time of the last message of a channel, or a little later; None if the index does not contain it."""
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""

@@ -1,4 +1,4 @@
-"""A source as an MCAP file that every tool reads: indexed, in chunks, by a clock that never goes back."""
+"""Writing a source as an MCAP file that every tool reads: indexed, in chunks, on a clock that never goes back."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _PROFILES = {"cdr": "ros2", "ros1": "ros1"}
 
 
 class Written(NamedTuple):
-    """What is in a written file: messages, seconds from the first to the last, bytes; and lines on what is not."""
+    """A written file: its messages, seconds from the first to the last, bytes, and lines on missing parts."""
 
     messages: int
     seconds: float
@@ -29,12 +29,12 @@ class Written(NamedTuple):
 def write(source: Source, path: Path) -> Written:
     """Write all messages of a source into an MCAP file, in chunks compressed with zstd.
 
-    The file appears under its name when it is complete, and replaces one that is there. Until then, and only until
-    then, a file ending in ``.part`` lies beside it. A definition that the source lacks is written where the type is
-    known. What the source gives until it can be read no further is written, too.
+    The file appears under its name when it is complete, and replaces an existing one. Until then a file ending in
+    ``.part`` lies beside it. A definition that the source lacks is written if the type is known. If the source fails
+    midway, the messages before are written.
 
     Raises:
-        RecordingError: it cannot be written, or the source gives nothing; the text says why.
+        RecordingError: the file cannot be written, or the source has no message. The text gives the reason.
     """
     if (source.start_ns or 0) < 0:
         raise RecordingError(f"{path}: cannot be written: the clock begins before 1970, and MCAP holds no such times")
@@ -55,7 +55,7 @@ def write(source: Source, path: Path) -> Written:
 
 
 def _write_messages(source: Source, file: BinaryIO, name: str) -> tuple[int, list[str]]:
-    """Write them; how many there were, and lines on what is missing."""
+    """Write all messages; returns their number, and lines on missing parts."""
     writer = Writer(file)
     encodings = {channel.encoding for channel in source.channels}
     writer.start(_PROFILES.get(encodings.pop(), "") if len(encodings) == 1 else "", "robowidgets")
@@ -76,7 +76,7 @@ def _write_messages(source: Source, file: BinaryIO, name: str) -> tuple[int, lis
 
 
 def _register(writer: Writer, channels: Sequence[Channel]) -> tuple[dict[int, int], list[str]]:
-    """Name the channels in the file: their ids there, by their ids in the source; and lines on lost definitions."""
+    """Register the channels; returns their ids in the file by those in the source, and lines on missing definitions."""
     schemas: dict[tuple[str, str, str], int] = {}
     ids, problems = {}, []
     for channel in channels:

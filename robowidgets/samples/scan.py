@@ -227,8 +227,8 @@ class Scan(HasAge):
         """The class of every ray, shape (R,), values of `Validity`, in the order that REP-117 asks for."""
         r = self.ranges
         conditions = [(self.range_min <= r) & (r <= self.range_max), r == -np.inf, r == np.inf, np.isnan(r)]
-        kinds = [Validity.READING, Validity.TOO_CLOSE, Validity.NOTHING_IN_RANGE, Validity.NO_MEASUREMENT]
-        return frozen(np.select(conditions, kinds, Validity.OUTSIDE_LIMITS).astype(np.uint8))
+        validities = [Validity.READING, Validity.TOO_CLOSE, Validity.NOTHING_IN_RANGE, Validity.NO_MEASUREMENT]
+        return frozen(np.select(conditions, validities, Validity.OUTSIDE_LIMITS).astype(np.uint8))
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
@@ -239,7 +239,7 @@ class Scan(HasAge):
     def counts(self) -> dict[Validity, int]:
         """How many rays there are of each class."""
         counted = np.bincount(self.validity, minlength=len(Validity))
-        return {kind: int(counted[kind]) for kind in Validity}
+        return {validity: int(counted[validity]) for validity in Validity}
 
     @cached_property
     def x(self) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Ranges as whole numbers, of which the least is shown where several share a pixel."""
+"""Codes: ranges as whole numbers. Of several codes in one pixel the least is shown."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
     """Ranges in metres as codes of the same shape.
 
     Of several rays the least code is shown: the nearest reading; without a reading, the first of too close, outside the
-    limits, no measurement, nothing in range. So nothing near vanishes in a coarse picture.
+    limits, no measurement, nothing in range. So a coarse picture omits no near reading.
 
     Source: REP-117 for the classes.
     """
     low, high = np.float32(range_min), np.float32(far)
     reading = ranges >= low
     reading &= ranges <= high
-    with np.errstate(invalid="ignore", over="ignore"):  # others than readings get their codes below
+    with np.errstate(invalid="ignore", over="ignore"):  # values that are no readings get their codes below
         scaled = ranges - low
         scaled *= np.float32(FARTHEST / (float(high) - float(low)))
         codes: Codes = scaled.astype(np.uint16)
@@ -41,7 +41,7 @@ def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
 
 
 def fold(codes: Codes, count: int, axis: int = 0) -> Codes:
-    """The least of each ``count`` codes along an axis; the last may be of fewer."""
+    """The least of each ``count`` codes along an axis; the last group may be smaller."""
     if axis == 0:
         while count % 2 == 0:  # halving is five times as fast as reduceat
             even = len(codes) // 2 * 2

@@ -6,16 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 GAP = 3.0
-"""A gap is a pause longer than so many times the 90th percentile of all pauses between two scans."""
+"""Least length of a gap, relative to the 90th percentile of all pauses between two scans."""
 
 _PAUSE = 0.1
 
 
 class Clock:
-    """Start and end of every scan in seconds: it ends where the next scan or a gap begins.
+    """Start and end of all scans in seconds: a scan ends where the next scan or a gap begins.
 
-    ``pause`` is the median time from one to the next, ``gap`` the longest that is no gap. A time that goes back counts
-    as the latest before it: `notes` says so.
+    ``pause`` is the median time from one scan to the next, ``gap`` the longest pause that is no gap. A time that goes
+    back is replaced by the latest time before it, and `notes` says so.
 
     Args:
         times_ns: shape (N,), in the order of arrival.

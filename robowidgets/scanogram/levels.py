@@ -14,16 +14,16 @@ BUDGET = 256 << 20
 """Most bytes that all levels together take; finer levels are read again from the scans."""
 
 FIRST = 3
-"""The first level that is kept, where there are many scans; finer ones are made when they are looked at."""
+"""The first level that is kept if there are many scans; finer ones are made when they are drawn."""
 
 FEW = 16 << 20
-"""Up to so many bytes of all levels together, level 0 is kept too."""
+"""Most bytes of all levels together for which level 0 is kept, too."""
 
 COARSEST = 256
 """Most cells of the last level."""
 
 _FAR = 0.01 * FARTHEST
-"""Metres up to which neighbouring codes lie within a centimetre of each other."""
+"""Metres up to which neighbouring codes are at most a centimetre apart."""
 
 _SAMPLED = 1 << 14
 _BIN = 4
@@ -31,15 +31,15 @@ _BIN = 4
 
 
 class Levels:
-    """Scans in cells of ``2 ** level`` scans each; a cell holds the least code of each ray.
+    """Scans in cells of ``2 ** level`` scans each; a cell contains the least code of each ray.
 
     Args:
-        scans: the scans; read once from start to end, and again where somebody looks closely.
+        scans: the scans; read once from start to end, and again for fine levels.
         sweep: their common geometry.
         budget: most bytes of all levels.
 
     ``counts``: the number of rays of each class of `Validity`. ``far``: the distance of the greatest code, which is
-    range_max, or the farthest reading where codes up to range_max would lie too far apart.
+    range_max, or the farthest reading if codes up to range_max would be too far apart.
     """
 
     def __init__(self, scans: Scans, sweep: Sweep, budget: int = BUDGET) -> None:
@@ -71,7 +71,7 @@ class Levels:
     def near_and_far(self) -> tuple[float, float]:
         """The distances in metres between which nearly all readings lie, for the scale of colours.
 
-        From the nearest reading to the 99th percentile; range_min and `far` where there is no reading.
+        From the nearest reading to the 99th percentile; range_min and `far` without a reading.
         """
         low, high = self.sweep.range_min, self.far
         counts = self._histogram
@@ -114,7 +114,7 @@ class Levels:
 
 
 def _farthest(scans: Scans, sweep: Sweep) -> float:
-    """The farthest reading in metres; a fixed distance beyond range_min where there is none."""
+    """The farthest reading in metres; a fixed distance beyond range_min without a reading."""
     far = sweep.range_min
     for ranges in scans.chunks():
         far = float(ranges.max(initial=far, where=ranges <= sweep.range_max))
@@ -122,7 +122,7 @@ def _farthest(scans: Scans, sweep: Sweep) -> float:
 
 
 def _step(rays: int, scans: int) -> int:
-    """The step of a sample of all codes that meets every ray in turn."""
+    """A step for sampling the codes that visits all rays in turn."""
     step = max(1, rays * scans // _SAMPLED)
     while gcd(step, rays) > 1:
         step += 1

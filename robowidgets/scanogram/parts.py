@@ -1,4 +1,4 @@
-"""The parts of a scanogram that a page gets: a coarse overview at once, and details of what it looks at."""
+"""The parts of a scanogram that a page gets: a coarse overview at once, and details of the span that it shows."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ DETAIL_BYTES = 3_000_000
 """Most bytes of a detail."""
 
 MOST_RAYS = 2048
-"""Most rows of rays that a page gets, which no picture exceeds; where there are more rays, neighbours share one."""
+"""Most rows that a page gets, which no picture exceeds; with more rays, neighbours share a row."""
 
 MOST_COLUMNS = 8192
 _MARGIN = 0.5
@@ -31,8 +31,8 @@ _LENGTH = struct.Struct("<I")
 class Part(NamedTuple):
     """Neighbouring cells of a level.
 
-    ``level``: a cell holds ``2 ** level`` scans. ``first``: number of the first scan. ``ray_step``: rays per row.
-    ``starts``, ``ends``: seconds. ``cells``: shape (cells, rows), codes; at level 0, where there is room, the ranges
+    ``level``: a cell contains ``2 ** level`` scans. ``first``: number of the first scan. ``ray_step``: rays per row.
+    ``starts``, ``ends``: seconds. ``cells``: shape (cells, rows), codes; at level 0, if they fit, the ranges
     themselves as float32.
     """
 
@@ -66,7 +66,7 @@ def detail(levels: Levels, clock: Clock, start: float, end: float, columns: int)
 def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
     """Facts and arrays: the length of a JSON text, that text, then the arrays, little-endian one after the other.
 
-    The text holds the facts, and as ``arrays`` name, type and number of elements of each.
+    The text contains the facts, and as ``arrays`` the name, type and number of elements of each array.
     """
     little = {name: np.ascontiguousarray(a, a.dtype.newbyteorder("<")) for name, a in arrays.items()}
     listed = [[name, a.dtype.str[1:], a.size] for name, a in little.items()]

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from ..samples import Scan
 
 CHUNK_CELLS = 1 << 18
-"""Ranges that are worked on at once: few enough for the processor cache."""
+"""Number of ranges that are processed at once: few enough for the processor cache."""
 
 
 class Sweep(NamedTuple):
     """The geometry that all scans of a scanogram share: radians and metres as in `Scan`, and the number of rays.
 
-    ``by_angle``: some scans had other rays and are drawn by angle, so an index in the picture is none in the scan.
+    ``by_angle``: some scans had other rays and are drawn by angle, so indices in the picture and in the scan differ.
     """
 
     angle_min: float
@@ -72,7 +72,7 @@ class ScansInMemory:
 
 
 def cut(pieces: Iterable[NDArray[np.float32]], width: int = 0) -> Iterator[NDArray[np.float32]]:
-    """The same rows in arrays of about `CHUNK_CELLS`; a row counts as ``width`` cells at least."""
+    """The rows in arrays of about `CHUNK_CELLS` cells; a row counts as ``width`` cells at least."""
     for piece in pieces:
         rows = max(1, CHUNK_CELLS // max(1, width, piece.shape[1]))
         for start in range(0, len(piece), rows):

@@ -16,16 +16,16 @@ MOST_SPEEDS = 4_000
 """Most points of the speeds that a page gets at once."""
 
 MOST_TOUCHES = 2_000
-"""Most spans of touches that a page gets; where there are more, the closest are joined."""
+"""Most spans of touches that a page gets; of more, the closest are joined."""
 
 SIDEWAYS = 0.05
-"""Metres per second; slower sideways speeds are taken for noise of a robot that cannot move sideways."""
+"""Metres per second; slower sideways speeds count as noise of a robot that cannot move sideways."""
 
 _ALWAYS = ("linear.x", "angular.z")
 
 
 class SpeedPart(NamedTuple):
-    """M points of the speeds: start in seconds (M,), and least and greatest by axis (A, 2, M)."""
+    """M points of the speeds: start in seconds (M,), and the least and greatest values of each axis (A, 2, M)."""
 
     starts: NDArray[np.float64]
     extremes: NDArray[np.float32]
@@ -36,9 +36,9 @@ class SpeedStrip:
 
     Args:
         title: the topic.
-        clock: their times.
-        values: shape (M, 6), in the order of `AXES`; NaN where there is no value.
-        limits: by axis, (min, max).
+        clock: the times of the speeds.
+        values: shape (M, 6), in the order of `AXES`; NaN for missing values.
+        limits: (min, max) of each axis.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class SpeedStrip:
         self.limits = [limits[axis] for axis in self.axes]
 
     def part(self, start: float, end: float) -> SpeedPart:
-        """The speeds between two times in seconds, and one more at either end; where they are many, their extremes."""
+        """The speeds between two times in seconds, and one more at either end; of too many, the extremes."""
         first, stop = self.clock.between(start, end)
         first, stop = max(0, first - 1), min(len(self.clock), stop + 1)
         every = max(1, -(-(stop - first) // MOST_SPEEDS))
@@ -71,12 +71,12 @@ class SpeedStrip:
 
 
 class TouchStrip:
-    """The spans in which something was touched.
+    """The spans of touches.
 
     Args:
         title: the topic, or several.
-        sensors: their names.
-        spans: (start, end, number of the sensor), in seconds, by their start.
+        sensors: the names of the sensors.
+        spans: (start, end, index of the sensor), in seconds, ordered by start.
     """
 
     def __init__(self, title: str, sensors: Sequence[str], spans: NDArray[np.float64]) -> None:

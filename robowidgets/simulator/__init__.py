@@ -1,7 +1,7 @@
 """A small robot in a small world, without any middleware: for lessons, demos and tests.
 
-It drives on two wheels, scans with a laser, feels with three bumpers and answers with the samples that the widgets
-show. Simulated time only passes in `Robot.step`, and the same seed gives the same bytes.
+It has two driven wheels, a laser scanner and three bumpers, and returns the samples that the widgets show.
+Simulated time only passes in `Robot.step`, and the same seed gives the same bytes.
 
 Example:
     >>> from robowidgets.simulator import Robot, World

@@ -1,4 +1,4 @@
-"""What happens where the round body of the robot meets a wall or an obstacle."""
+"""Contacts between the round body of the robot and walls or obstacles."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ BUMPERS = {
 }
 """The part of the body's rim that each bumper covers, radians counter-clockwise from forward.
 
-Neighbours overlap: a hit between 15 and 30 degrees presses two of them. Sides and back have none.
+Neighbours overlap: a contact between 15 and 30 degrees presses two of them. Sides and back have no bumper.
 """
 
 PRESSED_WITHIN = 0.002
-"""Metres between the body and a thing at which a bumper is still pressed."""
+"""Largest distance in metres from the body at which a wall or an obstacle presses a bumper."""
 
 _EXACT = 1e-9
 _ROUNDS = 20
 
 
 def push_out(world: World, x: float, y: float, radius: float) -> tuple[float, float] | None:
-    """Where a body of this radius ends up when the world pushes it back: (x, y) itself when nothing is in the way.
+    """The place of a body after walls and obstacles have pushed it out: (x, y) itself if nothing is in the way.
 
-    The deepest thing pushes first, and again, so that a body slides along walls and comes to rest in corners. None when
-    it finds no place (the body is stuck and should stay where it was).
+    The one that it is deepest in pushes first, repeatedly, so that a body slides along walls and comes to rest in
+    corners. None if there is no free place: the body is stuck and should stay where it was.
     """
     for _ in range(_ROUNDS):
         points = world.nearest_points(x, y)
@@ -49,7 +49,7 @@ def push_out(world: World, x: float, y: float, radius: float) -> tuple[float, fl
 
 
 def contact_angles(world: World, x: float, y: float, yaw: float, radius: float) -> list[float]:
-    """Where things touch the rim of the body: radians counter-clockwise from forward, within +-pi."""
+    """The angles of all contacts on the rim of the body: radians counter-clockwise from forward, within +-pi."""
     points = world.nearest_points(x, y) - (x, y)
     touching = points[np.hypot(points[:, 0], points[:, 1]) <= radius + PRESSED_WITHIN]
     angles = np.arctan2(touching[:, 1], touching[:, 0]) - yaw
@@ -57,5 +57,5 @@ def contact_angles(world: World, x: float, y: float, yaw: float, radius: float) 
 
 
 def pressed(angles: list[float]) -> dict[str, bool]:
-    """For each bumper whether one of these contacts presses it."""
+    """Whether one of these contacts presses each bumper, by the name of the bumper."""
     return {name: any(low <= angle <= high for angle in angles) for name, (low, high) in BUMPERS.items()}

@@ -1,4 +1,4 @@
-"""How far rays go until they meet a wall or an obstacle, all rays and all things at once."""
+"""Ray casting: distances to walls and obstacles, for all rays at once."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ def cast_rays(world: World, x: float, y: float, angles: Floats) -> tuple[Floats,
     """Distance to the nearest wall and to the nearest obstacle along each ray.
 
     Args:
-        world: what there is to hit.
-        x: where the rays start, metres.
-        y: as above.
+        world: the walls and obstacles.
+        x: start of the rays, metres.
+        y: start of the rays, metres.
         angles: R directions in the world's frame, radians.
 
     Returns:
-        Two arrays of shape (R,), metres; inf where nothing is hit, 0 for an obstacle in which the rays start. A wall
+        Two arrays of shape (R,), metres; inf if nothing is hit, 0 for an obstacle that contains the start. A wall
         seen exactly edge-on has no width and is not hit.
     """
     directions = np.vstack((np.cos(angles), np.sin(angles)))
@@ -33,9 +33,9 @@ def cast_rays(world: World, x: float, y: float, angles: Floats) -> tuple[Floats,
 
 
 def _nearness_of_walls(world: World, x: float, y: float, directions: Floats) -> Floats:
-    """1 / distance, because along a ray d the line n.p = c lies at distance c / n.d, and a product is cheap.
+    """1 / distance to each wall: along a ray d the line n.p = c has the distance c / n.d, and products are cheap.
 
-    The ray meets the wall itself, not only its line, when it points between the two ends.
+    A ray hits the wall, and not only its line, if it points between the two ends.
     """
     start, end = world.walls[:, :2] - (x, y), world.walls[:, 2:] - (x, y)
     away = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]

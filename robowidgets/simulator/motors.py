@@ -1,4 +1,4 @@
-"""How fast the wheels may turn the robot, and how fast that may change."""
+"""The limits of the motors: speed and acceleration."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Motors:
 
     Raises:
         TypeError: something is not a number.
-        ValueError: a limit that is not finite and above 0.
+        ValueError: a limit is not finite and above 0.
     """
 
     max_linear: float = 1.2
@@ -34,7 +34,7 @@ class Motors:
                 raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
 
     def toward(self, linear: float, angular: float, command: tuple[float, float], dt: float) -> tuple[float, float]:
-        """The speeds after dt seconds of heading for a command, as far as the limits let them."""
+        """The speeds after dt seconds of accelerating toward a command within the limits."""
         return (
             _approach(linear, _clip(command[0], self.max_linear), self.linear_acceleration * dt),
             _approach(angular, _clip(command[1], self.max_angular), self.angular_acceleration * dt),

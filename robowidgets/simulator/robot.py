@@ -20,7 +20,7 @@ _SUBSTEP_NS = 10_000_000
 
 
 class Pose(NamedTuple):
-    """Where the robot is: metres in the world's frame, yaw in radians, counter-clockwise from x, within +-pi."""
+    """The pose of the robot: metres in the world's frame, yaw in radians, counter-clockwise from x, within +-pi."""
 
     x: float
     y: float
@@ -30,21 +30,21 @@ class Pose(NamedTuple):
 class Robot:
     """A round robot with a differential drive, a laser scanner and three bumpers.
 
-    It obeys `drive` within the limits of its motors. A wall or an obstacle stops it: it slides along when it came at a
-    slant, and its wheels stand still when it came head on. Time passes in `step` only, so it runs as fast as it is
-    asked to, or live. The same seed and the same calls give the same bytes.
+    It obeys `drive` within the limits of its motors. It slides along a wall or an obstacle that it hits at an angle,
+    and stops at one that it hits head on. Time passes only in `step`, so it runs in real time or at any other speed.
+    The same seed and the same calls give the same bytes.
 
     Args:
-        world: where it drives.
+        world: the world in which it drives.
         pose: (x, y, yaw) at the start, metres and radians within ±2 pi.
-        scanner: its laser; `Scanner()` when None.
-        motors: its drive; `Motors()` when None.
-        radius: of the body, metres.
-        seed: of everything random, a whole number of 0 or more.
+        scanner: its laser scanner; None: `Scanner()`.
+        motors: the limits of its motors; None: `Motors()`.
+        radius: radius of the body, metres.
+        seed: seed of everything random, a whole number of 0 or more.
 
     Raises:
         TypeError: something is not a number, or a world, scanner or motors of another type.
-        ValueError: a value out of its range, or a pose at which the body does not fit.
+        ValueError: a value is out of range, or the body does not fit at the pose.
 
     Example:
         >>> robot = Robot(World.rooms(), seed=1)
@@ -109,11 +109,11 @@ class Robot:
 
     @property
     def pose(self) -> Pose:
-        """Where the robot really is."""
+        """The true pose of the robot."""
         return self._pose
 
     def drive(self, linear: float, angular: float) -> None:
-        """Ask for a speed: m/s forward and rad/s counter-clockwise, until the next call."""
+        """Command a speed, m/s forward and rad/s counter-clockwise, until the next call."""
         self._command = (finite("linear", linear, "m/s"), finite("angular", angular, "rad/s"))
 
     def step(self, dt: float) -> None:
@@ -144,11 +144,11 @@ class Robot:
         return self._as_speed(self._linear, self._angular)
 
     def command(self) -> Speed:
-        """The speed that `drive` asked for last, even when it is more than the motors can do."""
+        """The speed that `drive` commanded last, even if it is beyond the limits of the motors."""
         return self._as_speed(*self._command)
 
     def touch(self) -> Touch:
-        """Which bumpers are pressed."""
+        """The states of the bumpers."""
         angles = contact_angles(self.world, *self._pose, self.radius)
         return Touch(pressed(angles), TouchMode.LEVEL, tuple(BUMPERS), self._time_ns, "robowidgets.simulator")
 

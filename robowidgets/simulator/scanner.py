@@ -17,22 +17,22 @@ from .world import World
 WALL_INTENSITY = 200.0
 OBSTACLE_INTENSITY = 80.0
 _HALF_INTENSITY = 4.0
-"""Metres at which half of the light comes back."""
+"""Metres at which the scanner receives half of the light."""
 
 
 @dataclass(frozen=True)
 class Scanner:
     """A scanner in the middle of the robot, looking forward; it sweeps counter-clockwise, all rays at one moment.
 
-    What it gives back follows REP-117: +inf when nothing is within range_max, -inf when something is closer than
-    range_min, NaN when the measurement failed.
+    Its ranges follow REP-117: +inf if nothing is within range_max, -inf if an object is closer than range_min, NaN if
+    the measurement failed.
 
     Args:
         ray_count: rays in a scan.
         field_of_view: radians from the first ray to the last, half on each side of forward. At 2 pi the last ray stops
             one step before the first one.
-        range_min: closer than this, metres, is too close to measure.
-        range_max: further than this, metres, is nothing in range.
+        range_min: least distance that is measured, metres.
+        range_max: greatest distance that is measured, metres.
         noise: standard deviation of a reading, metres.
         resolution: readings are rounded to multiples of this, metres; 0 does not round.
         dropout: share of the rays that give NaN, 0 to 1.
@@ -42,7 +42,7 @@ class Scanner:
 
     Raises:
         TypeError: something is not a number.
-        ValueError: a value out of its range.
+        ValueError: a value is out of range.
 
     Example:
         >>> pr2 = Scanner(ray_count=1040, field_of_view=radians(259.75), range_max=30.0)

@@ -1,4 +1,4 @@
-"""A first behaviour: bounce around a house."""
+"""A simple behaviour: wander about and turn away from obstacles."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from .robot import Robot
 
 
 def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[None]:
-    """Drive forward; on a bump stop, back up, turn away from it and drive on, for ever.
+    """Drive forward; at a bump stop, back up, turn away and drive on, forever.
 
-    It decides, and hands over to its caller, who lets time pass and uses the data.
+    It commands speeds, then yields to its caller, which steps the robot and uses the data.
 
     Args:
         robot: the robot to drive.

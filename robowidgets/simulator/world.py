@@ -1,4 +1,4 @@
-"""Where the robot drives: straight walls and round obstacles."""
+"""The world of the robot: straight walls and round obstacles."""
 
 from __future__ import annotations
 

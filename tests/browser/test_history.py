@@ -219,7 +219,7 @@ def test_silence_and_the_words_of_a_feed_are_told(plain_page: Callable[..., Plai
     card = nb.widget(0).locator(".rw-card")
     facts, notice, empty, silence = (card.locator(f".rw-{name}") for name in ("facts", "notice", "empty", "silence"))
     nb.python(
-        "laser._source = {'topic': '/scan', 'type': 'sensor_msgs/msg/LaserScan', 'words': 'waiting for <b>/scan'}"
+        "laser._source = {'topic': '/scan', 'type': 'sensor_msgs/msg/LaserScan', 'status': 'waiting for <b>/scan'}"
     )
     expect(empty).to_have_text("waiting for <b>/scan")
     expect(notice).to_be_hidden()
@@ -234,7 +234,7 @@ def test_silence_and_the_words_of_a_feed_are_told(plain_page: Callable[..., Plai
     expect(notice).to_have_text("waiting for <b>/scan")
     expect(notice).to_have_css("color", "rgb(95, 107, 122)")
     expect(facts).to_have_text(re.compile(r"^laser\s·\s19 rays\s·\s\d+\.\d Hz$"))
-    nb.python("laser._source = {**laser._source, 'words': ''}")
+    nb.python("laser._source = {**laser._source, 'status': ''}")
     expect(notice).to_be_hidden()
     card.locator(".rw-title").hover()
     expect(card.locator(".rw-header")).to_have_attribute(
@@ -248,7 +248,7 @@ def test_silence_and_the_words_of_a_feed_are_told(plain_page: Callable[..., Plai
     nb.resize(320)
     expect(silence).to_be_visible()
     nb.python(
-        "laser._source = {**laser._source, 'words': 'connection lost, trying again in 2 s'}\n"
+        "laser._source = {**laser._source, 'status': 'connection lost, trying again in 2 s'}\n"
         "try: laser.update(ranges='x')\n"
         "except (TypeError, ValueError): pass"
     )

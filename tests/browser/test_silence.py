@@ -141,13 +141,13 @@ def test_a_lost_connection_dims_what_speaks_in_events_too(plain_page: Callable[.
     nb = plain_page([WIDGETS, "speed", "touch"])
     nb.python(
         "for state in (1, 0, 1):\n    touch.update({'bumper': 1, 'state': state}); pacer.flush(); time.sleep(0.2)\n"
-        "source = {'topic': '/bumper', 'type': 'kobuki_msgs/BumperEvent', 'words': ''}\n"
+        "source = {'topic': '/bumper', 'type': 'kobuki_msgs/BumperEvent', 'status': ''}\n"
         "touch._source = source"
     )
     card = cards(nb)[2]
     expect(card.locator(".rw-facts")).to_contain_text("events")
     is_new(card)
-    nb.python("touch._source = {**source, 'words': 'connection lost, trying again in 2 s', 'lost': True}")
+    nb.python("touch._source = {**source, 'status': 'connection lost, trying again in 2 s', 'lost': True}")
     expect(card.locator(".rw-notice")).to_have_text("connection lost, trying again in 2 s")
     eventually(lambda: is_dimmed(card), True)
     expect(card.locator(".rw-silence")).to_be_hidden()

@@ -271,7 +271,7 @@ def test_an_allow_that_waited_for_the_kernel_releases_nothing(notebook: Callable
     allow_of(nb).click()
     says(nb, "nobody may drive", "the kernel is busy")
     nb.wait(busy)
-    says(nb, "nobody may drive", "that came too late: press again")
+    says(nb, "nobody may drive", "Allow came too late: press it again")
     allow_of(nb).click()
     says(nb, PROGRAM)
 
@@ -307,7 +307,7 @@ def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
 
 LOOKS = {
     "program": (PROGRAM, ""),
-    "words": (PROGRAM, "feed.on_unheard('/cmd_vel', 'nobody listens to /cmd_vel; speeds go to /base/cmd_vel')"),
+    "status": (PROGRAM, "feed.on_unheard('/cmd_vel', 'nobody listens to /cmd_vel; speeds go to /base/cmd_vel')"),
     "stopped": ("nobody may drive", "feed.stopped = True"),
     "free": ("nobody drives", "runs = feed.stopped = False; feed.on_unheard('/cmd_vel', '')"),
     "failed": (

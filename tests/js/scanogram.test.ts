@@ -203,7 +203,7 @@ test("where scans count their rays differently no index is named", () => {
   assert.equal(toRows({ ...SWEEP, byAngle: true }).byAngle, true);
 });
 
-test("a span of rays that a circle cuts is two stretches of rows", () => {
+test("a span of rays that a circle cuts is two ranges of rows", () => {
   const circle = toRows({ ...SWEEP, angleMin: 0, angleIncrement: (2 * Math.PI) / 360, count: 360 });
   assert.deepEqual(runs(circle, 10, 20), [[190, 199]]);
   assert.deepEqual(runs(circle, 170, 190), [

@@ -178,7 +178,7 @@ test("the bar tells who drives and how fast", () => {
   assert.equal(say({ driver: "program", speed: [0.2, -0.5], topic: "" }).text, `a program drives: ${speed}`);
   assert.equal(say({ driver: "p", speed: [0.2, -0.5] }).text, `a hand drives /cmd_vel from a pad: ${speed}`);
   assert.equal(say({ ready: false, cause: "the feed is closed" }).text, "the feed is closed");
-  assert.equal(say({ words: "nobody listens to /cmd_vel" }).hint, "nobody listens to /cmd_vel");
+  assert.equal(say({ status: "nobody listens to /cmd_vel" }).hint, "nobody listens to /cmd_vel");
   assert.equal(say({ driver: "program" }, { isNews: false }).text, "no news from the kernel");
 });
 
@@ -195,5 +195,5 @@ test("stopped is only what Python confirmed", () => {
   assert.equal(text("unreachable", false), "Stop cannot reach the busy kernel");
   assert.equal(text("", true), "nobody may drive");
   assert.equal(say({ stopped: true, speed: [0.2, 0] }).text, "stopping", "zero was not sent yet");
-  assert.equal(say({ stopped: true }, { note: "refused" }).hint, "that came too late: press again");
+  assert.equal(say({ stopped: true }, { note: "refused" }).hint, "Allow came too late: press it again");
 });

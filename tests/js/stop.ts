@@ -10,7 +10,7 @@ export function told(more: Partial<Told> = {}): Told {
     stopped: false,
     error: "",
     cause: "",
-    words: "",
+    status: "",
     topic: "/cmd_vel",
     number: 0,
     ...more,

@@ -107,7 +107,7 @@ def test_scans_and_speeds_arrive_and_are_listed(feed, publish):
     wait_for(lambda: rays(laser) == 7, "a scan comes")
     wait_for(lambda: speed.speed is not None, "a speed comes")
     assert speed.speed.values[0] == 0.25
-    wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+    wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
     listed = {topic.name: topic for topic in feed.topics}
     assert listed["/one/scan"].type == "sensor_msgs/msg/LaserScan"
     assert listed["/one/scan"].offered
@@ -128,19 +128,19 @@ def test_a_publisher_that_was_killed_and_comes_back_is_heard_again(feed, publish
     publisher = publish("/three/scan", "scan", 5)
     wait_for(lambda: rays(laser) == 5, "a scan comes")
     publisher.kill()
-    wait_for(lambda: "rosnode cleanup" in laser._source["words"], "the widget says that its publisher has gone")
-    assert laser._source["words"].startswith("/three/scan is published, but its node /scan_")
+    wait_for(lambda: "rosnode cleanup" in laser._source["status"], "the widget says that its publisher has gone")
+    assert laser._source["status"].startswith("/three/scan is published, but its node /scan_")
     publish("/three/scan", "scan", 9)
     wait_for(lambda: rays(laser) == 9, "a scan of the next one comes")
-    wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+    wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
 
 
 def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_told(feed, publish):
     laser = LaserWidget()
     feed.connect("/far/scan", laser)
     publish("/far/scan", "scan", ROS_HOSTNAME="robot.invalid")
-    wait_for(lambda: "cannot be reached at robot.invalid:" in laser._source["words"], "the widget says so")
-    assert laser._source["words"].endswith("set ROS_IP where it runs")
+    wait_for(lambda: "cannot be reached at robot.invalid:" in laser._source["status"], "the widget says so")
+    assert laser._source["status"].endswith("set ROS_IP where it runs")
 
 
 def test_data_still_come_when_the_master_is_lost_and_the_widget_says_both(feed, publish, master):
@@ -151,22 +151,22 @@ def test_data_still_come_when_the_master_is_lost_and_the_widget_says_both(feed, 
     wait_for(lambda: rays(laser) == 5, "a scan comes")
     master.kill()
     try:
-        wait_for(lambda: laser._source["words"] == "master lost; data still come", "the widget says so")
+        wait_for(lambda: laser._source["status"] == "master lost; data still come", "the widget says so")
         came = laser.scan
         wait_for(lambda: laser.scan is not came, "a scan comes without a master")
-        assert laser._source["words"] == "master lost; data still come"
+        assert laser._source["status"] == "master lost; data still come"
         assert not feed.status
-        wait_for(lambda: "master lost, trying again: " in other._source["words"], "the other widget says what it lacks")
-        assert f"no ROS master at http://127.0.0.1:{master.port}" in other._source["words"]
+        wait_for(lambda: "master lost, trying again: " in other._source["status"], "the other widget says so")
+        assert f"no ROS master at http://127.0.0.1:{master.port}" in other._source["status"]
         publisher.kill()
         wait_for(lambda: f"no ROS master at http://127.0.0.1:{master.port}" in feed.status, "now nothing is left")
-        assert "is roscore running, and ROS_MASTER_URI right?" in laser._source["words"]
+        assert "is roscore running, and ROS_MASTER_URI right?" in laser._source["status"]
     finally:
         master.start()
     wait_for(lambda: not feed.status, "the feed is connected again")
     publish("/four/scan", "scan", 8)
     wait_for(lambda: rays(laser) == 8, "a scan of a publisher comes that only the new master knows")
-    wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+    wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
 
 
 def test_a_master_that_is_restarted_while_data_come_hears_of_us_again(feed, publish, master):
@@ -175,7 +175,7 @@ def test_a_master_that_is_restarted_while_data_come_hears_of_us_again(feed, publ
     publish("/again/scan", "scan", 5)
     wait_for(lambda: rays(laser) == 5, "a scan comes")
     master.kill()
-    wait_for(lambda: laser._source["words"], "the widget says that the master is lost")
+    wait_for(lambda: laser._source["status"], "the widget says that the master is lost")
     master.start()
     publish("/again/scan", "scan", 8)
     wait_for(lambda: rays(laser) == 8, "a scan of a publisher comes that only the new master knows")
@@ -204,11 +204,11 @@ def test_messages_that_cannot_be_read_are_told_and_the_next_good_one_is_shown(fe
     feed.connect(topic, laser)
     publisher = publish(topic, what)
     words = f"{topic}: a message of it cannot be read: "
-    wait_for(lambda: laser._source["words"].startswith(words), "the widget says that they cannot be read")
+    wait_for(lambda: laser._source["status"].startswith(words), "the widget says that they cannot be read")
     publisher.kill()
     publish(topic, "sweep" if what == "cut_sweep" else "scan", 4)
     wait_for(lambda: rays(laser) == 4, "a good scan comes")
-    wait_for(lambda: laser._source["words"] == "", "nothing is left to say")
+    wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
 
 
 @pytest.mark.parametrize(
@@ -239,7 +239,7 @@ def test_two_publishers_with_different_geometry_are_told(feed, publish):
     feed.connect("/seven/scan", laser)
     publish("/seven/scan", "scan", 5)
     publish("/seven/scan", "scan", 9)
-    wait_for(lambda: "two scanners take turns on this topic" in laser._source["words"], "the widget says so")
+    wait_for(lambda: "two scanners take turns on this topic" in laser._source["status"], "the widget says so")
 
 
 class Robot(NamedTuple):

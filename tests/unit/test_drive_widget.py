@@ -314,11 +314,11 @@ class TestFeed:
         wait_for(lambda: pad.told["speed"] == (0.2, 1.0), "it drives")
         assert pad.told["topic"] == pad.title == "/base/cmd_vel"
         unheard = "nobody listens to /base/cmd_vel; speeds go to /cmd_vel"
-        assert pad.told["words"] == f"{unheard}; 0.5 m/s is cut to 0.2"
+        assert pad.told["status"] == f"{unheard}; 0.5 m/s is cut to 0.2"
         script.listener.on_topics([CMD_VEL._replace(name="/base/cmd_vel")])
-        assert pad.told["words"] == "0.5 m/s is cut to 0.2"
+        assert pad.told["status"] == "0.5 m/s is cut to 0.2"
         pad.hold("q", forward=0.2)
-        assert pad.told["words"] == ""
+        assert pad.told["status"] == ""
 
     def test_beside_a_program_the_hand_drives_and_the_program_is_refused(
         self, pad: Pad, feed: Feed, script: Scripted
@@ -611,7 +611,7 @@ class TestProgram:
             "stopped": False,
             "error": "",
             "cause": "",
-            "words": "",
+            "status": "",
             "topic": "",
         }
 

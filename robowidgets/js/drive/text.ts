@@ -3,7 +3,7 @@ import type { State } from "./press.ts";
 
 const AGAIN = "let go and press again";
 
-/** Words for a pad, of which a press is in a state. */
+/** The texts of a pad whose press is in a state. */
 export function toText(situation: Situation, lease: { state: State; press: string }, enabled: boolean): Text {
   const stop = toStopText(situation);
   if (stop) return stop;
@@ -16,7 +16,7 @@ export function toText(situation: Situation, lease: { state: State; press: strin
   if (state === "silent") return warn(`kernel busy${then}`, "it does not answer");
   if (state === "late") return warn(`no answer in time${then}`, AGAIN);
   if (state === "failed") return warn(told.cause, AGAIN);
-  if (state === "hangs") return warn("the robot's program hangs", "what drives it has not come back");
+  if (state === "hangs") return warn("the robot's program hangs", "the function that drives it has not returned");
   if (state === "taken") return rest("driven from another pad", AGAIN);
   if (state === "released") return rest(isProgram ? now : "stopped by the program", AGAIN);
   if (!told.ready)

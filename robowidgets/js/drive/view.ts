@@ -16,7 +16,7 @@ import type { DriveTraits } from "./traits.ts";
 const ARROW = "M6 3.2l4 5.6h-8z";
 const SETTINGS = ["title", "header", "linear_limit", "angular_limit", "enabled"] as const;
 
-/** One view of a drive pad: Stop, the pad with its knob, the words, and the two numbers. */
+/** One view of a drive pad: Stop, the pad with its knob, the texts, and the two numbers. */
 export class DriveView {
   readonly #model: Model<DriveTraits>;
   readonly #root = make("div", "rw-card rw-drive");
@@ -26,7 +26,7 @@ export class DriveView {
   readonly #pad = make("div", "rw-pad");
   readonly #stem = make("div", "rw-stem");
   readonly #knob = make("div", "rw-knob");
-  readonly #words = make("div", "rw-words");
+  readonly #text = make("div", "rw-words");
   readonly #hint = make("div", "rw-hint");
   readonly #linear = new Readout("linear", "m/s", 1);
   readonly #angular = new Readout("angular", "rad/s", -1);
@@ -67,10 +67,10 @@ export class DriveView {
 
   #build(): void {
     const side = make("div", "rw-side");
-    const words = make("div", "rw-pad-words");
-    words.role = "status";
-    words.append(this.#words, this.#hint, this.#buttons.allow);
-    side.append(words, this.#linear.root, this.#angular.root);
+    const texts = make("div", "rw-pad-words");
+    texts.role = "status";
+    texts.append(this.#text, this.#hint, this.#buttons.allow);
+    side.append(texts, this.#linear.root, this.#angular.root);
     for (const edge of ["up", "left", "right", "down"]) {
       const arrow = makeIcon(ARROW);
       arrow.classList.add(`rw-${edge}`);
@@ -95,10 +95,10 @@ export class DriveView {
     this.#header.hidden = !model.get("header");
     setText(this.#title, model.get("title") || "drive");
     this.#buttons.update();
-    setText(this.#notice, told.error || (told.driver ? told.words : ""));
+    setText(this.#notice, told.error || (told.driver ? told.status : ""));
     const enabled = model.get("enabled");
     const { text, hint, kind } = toText(stop, this.#lease, enabled);
-    setText(this.#words, text);
+    setText(this.#text, text);
     setText(this.#hint, hint);
     this.#root.dataset.kind = kind;
     this.#root.classList.toggle("rw-off", !told.ready || !enabled || told.stopped);

@@ -84,8 +84,8 @@ function drawLine(
 ): void {
   const first = Math.max(0, firstWhere(startsAt, (start) => start >= axis.span[0]) - 1);
   const stop = Math.min(startsAt.length, firstWhere(startsAt, (start) => start > axis.span[1]) + 1);
-  const stretch = ((startsAt.at(-1) ?? 0) - (startsAt[0] ?? 0)) / Math.max(1, startsAt.length - 1);
-  const longest = Math.max(gap, 3 * stretch);
+  const meanStep = ((startsAt.at(-1) ?? 0) - (startsAt[0] ?? 0)) / Math.max(1, startsAt.length - 1);
+  const longest = Math.max(gap, 3 * meanStep);
   const over: { x: number; y: number; up: boolean }[] = [];
   context.beginPath();
   let before = NaN;

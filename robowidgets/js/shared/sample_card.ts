@@ -58,7 +58,7 @@ export class SampleCard extends Card {
   /** The text of a picture before the first sample. */
   waiting(noun: string): string {
     if (this.#stream.since) return `frozen before the first ${noun}`;
-    return this.#model.get("_source").words || `waiting for a ${noun}`;
+    return this.#model.get("_source").status || `waiting for a ${noun}`;
   }
 
   /**
@@ -77,8 +77,8 @@ export class SampleCard extends Card {
     const said = error ? [error + (shown ? ` Showing the last good ${noun}.` : ""), ...notes] : notes;
     const source = this.#model.get("_source");
     const isError = Boolean(error || source.error);
-    // An empty picture shows the source's words itself.
-    const lines = [source.error ?? "", (shown && source.words) || "", ...said].filter(Boolean);
+    // An empty picture shows the status of the source itself.
+    const lines = [source.error ?? "", (shown && source.status) || "", ...said].filter(Boolean);
     this.updateFrame(lines, isError ? "error" : said.length ? "note" : "status");
     this.#bar.update(this.footer.hidden ? null : place);
 

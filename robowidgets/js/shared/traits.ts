@@ -38,7 +38,7 @@ export interface About {
 export interface Source {
   topic?: string;
   type?: string;
-  words?: string;
+  status?: string;
   /** Error of a function that the program connected to this topic. */
   error?: string;
   /** Whether the connection is lost, so that nothing comes. */

@@ -2,7 +2,7 @@ import { toFixed } from "../shared/format.ts";
 import type { Note, StopControl } from "./control.ts";
 import type { Told } from "./traits.ts";
 
-/** Status in words, and whether it is a warning. */
+/** A text for the status line, and whether it is a warning. */
 export interface Text {
   text: string;
   /** What a person can do, or should know. */
@@ -35,7 +35,7 @@ export function toStopText({ told, note, hears, isNews }: Situation): Text | nul
   if (!told.stopped) return null;
   if (isMoving(told)) return rest("stopping");
   if (note === "interrupted") return rest("nobody may drive", "the kernel was interrupted");
-  if (note === "refused") return rest("nobody may drive", "that came too late: press again");
+  if (note === "refused") return rest("nobody may drive", "Allow came too late: press it again");
   return rest("nobody may drive", hears ? "until it is allowed again" : "the kernel is busy");
 }
 
@@ -45,7 +45,7 @@ export function toDriverText(situation: Situation): Text {
   const stop = toStopText(situation);
   if (stop) return stop;
   const busy = `kernel busy: Stop ${canInterrupt ? "interrupts the cell" : "cannot reach it"}`;
-  const hint = hears ? told.words || "Escape stops, too" : busy;
+  const hint = hears ? told.status || "Escape stops, too" : busy;
   if (!told.ready) return rest(told.cause || "no feed", hint);
   const topic = told.topic && ` ${told.topic}`;
   if (told.driver === "program") return { text: `a program drives${topic}: ${toSpeed(told)}`, hint, kind: "drive" };

@@ -13,7 +13,7 @@ export interface Told {
   stopped: boolean;
   error: string;
   cause: string;
-  words: string;
+  status: string;
   topic: string;
   /** Counts the messages, so that an unchanged state is sent as well. */
   number: number;

@@ -20,12 +20,12 @@ export class StopView {
     const redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#control = new StopControl(model, crypto.randomUUID().slice(0, 8), redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
-    const words = make("div", "rw-stop-words");
-    words.role = "status";
-    words.append(this.#text, this.#hint);
+    const texts = make("div", "rw-stop-words");
+    texts.role = "status";
+    texts.append(this.#text, this.#hint);
     this.#notice.role = "alert";
     const row = make("div", "rw-stop-row");
-    row.append(this.#buttons.stop, words, this.#buttons.allow);
+    row.append(this.#buttons.stop, texts, this.#buttons.allow);
     this.#root.append(row, this.#notice);
     element.append(this.#root);
     watchTheme(redraw, signal);
@@ -39,8 +39,8 @@ export class StopView {
     this.#root.dataset.kind = kind;
     setText(this.#text, text);
     setText(this.#hint, hint);
-    const { error, words } = this.#control.told;
-    this.#hint.classList.toggle("rw-alarm", hint !== "" && hint === words);
+    const { error, status } = this.#control.told;
+    this.#hint.classList.toggle("rw-alarm", hint !== "" && hint === status);
     setText(this.#notice, error);
   }
 }

@@ -33,7 +33,7 @@ export class Body {
   }
 }
 
-/** A stretch of the outline about the place of a sensor. */
+/** The part of the outline around the place of a sensor. */
 function arc({ angle }: Lead, center: { x: number; y: number }, radius: number): string {
   const at = (turn: number) =>
     `${center.x - radius * Math.sin(angle + turn)} ${center.y - radius * Math.cos(angle + turn)}`;

@@ -1,4 +1,4 @@
-"""What is wrong with the clock behind the times of a topic."""
+"""Problems of the clock of a topic, and lines on them."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ _SAME_SHARE = 0.9
 
 
 class Clock(NamedTuple):
-    """What is wrong with a topic's clock: lines, and start and end of its silences in seconds, shape (K, 2)."""
+    """The problems of a topic's clock: lines, and start and end of its silences in seconds, shape (K, 2)."""
 
     lines: tuple[str, ...]
     silences: NDArray[np.float64]
 
 
 def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> Clock:
-    """Whether a clock stands still, and where nothing comes for long.
+    """The problems of a clock: it stands still, or there are silences.
 
-    It stands still when every other message, and ten at least, bears the time of the one before. A silence is where
-    nothing comes for a minute and for a hundred times the usual pause: what was recorded does not tell it from a clock
-    that jumps ahead.
+    A clock stands still if half of the messages, and ten at least, have the time of the previous one. A silence is a
+    pause of more than a minute and more than a hundred usual pauses. A recording cannot distinguish it from a clock
+    that jumped ahead.
 
     Args:
         times_ns: nanoseconds, shape (N,), ascending.
@@ -47,13 +47,13 @@ def clock_of(times_ns: NDArray[np.int64], start_ns: int) -> Clock:
 
 
 def about_clock(times_ns: NDArray[np.int64], start_ns: int) -> tuple[str, ...]:
-    """Lines about a clock, by the arguments of `clock_of`; none about one that is sound."""
+    """Lines on the problems of a clock; takes the arguments of `clock_of`."""
     clock = clock_of(times_ns, start_ns)
     return (*clock.lines, *_about(clock.silences))
 
 
 def about_clocks(clocks: Mapping[str, Clock]) -> tuple[str, ...]:
-    """Lines about the clocks of topics, by their names; what several are silent for is told once."""
+    """Lines on the clocks of topics, by their names; a silence that several topics share gets one line."""
     shared: list[tuple[list[str], NDArray[np.float64]]] = []
     for name, clock in clocks.items():
         for i, (names, silences) in enumerate(shared):
@@ -80,7 +80,7 @@ def _about(silences: NDArray[np.float64]) -> tuple[str, ...]:
 
 
 def _common(some: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
-    """When both are silent."""
+    """The silences that both have in common."""
     return np.stack((np.maximum(some[:, 0], others[:, 0]), np.minimum(some[:, 1], others[:, 1])), 1)
 
 

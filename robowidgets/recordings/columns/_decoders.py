@@ -1,4 +1,4 @@
-"""Raw messages of one channel to chunks of columns."""
+"""Decoding the messages of one channel into chunks."""
 
 from __future__ import annotations
 
@@ -16,35 +16,35 @@ from ._template import MessageTemplate, Rows, scan_template, speed_template
 from .chunks import SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
 
 Note = Callable[[int, Exception], None]
-"""Is told of a message that cannot be shown: its number among those given, and why."""
+"""Called for a message that cannot be shown, with its index in the given messages and the error."""
 
 _FIRST_LOOK, _CAREFUL_LOOK = 1024, 32
 
 
 class Decoder(Protocol):
-    """Makes chunks of the messages of one channel."""
+    """Decodes the messages of one channel into chunks."""
 
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
-        """The chunks of some messages in their order; those that cannot be shown are noted and left out.
+        """The chunks of some messages in their order, without the messages that cannot be shown.
 
         Args:
             raws: the messages.
             times: their log times in nanoseconds.
-            note: is told of those that cannot be shown.
+            note: called for each message that cannot be shown.
         """
 
 
 class TemplateDecoder:
-    """Decodes messages alike but for their numbers many at a time, and all others one by one.
+    """Decodes many messages at a time if they differ only in their numbers, and all others one by one.
 
-    Subclasses read one message in full, and cut the chunk of those that are like it.
+    Subclasses read one message in full, and cut the chunk of the messages that match its template.
     """
 
     def __init__(self, channel: Channel) -> None:
         self.shape, self.encoding = shape_of(channel), channel.encoding
         self.read = decoder_of(channel)
         self._template: MessageTemplate | None = None
-        # How many messages are compared at once: fewer where they have proved to differ.
+        # Number of messages that are compared at once: fewer after messages that differed.
         self._look = _FIRST_LOOK
 
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
@@ -106,10 +106,10 @@ class SpeedDecoder(TemplateDecoder):
 
 
 class SampleDecoder:
-    """Decodes messages of any kind, one by one; a message that repeats the one before is not read again.
+    """Decodes messages of any kind, one by one; a message that repeats the previous one is not read again.
 
     Args:
-        channel: whose messages they are.
+        channel: the channel of the messages.
         read: makes a sample of a message.
     """
 
@@ -141,7 +141,7 @@ class SampleDecoder:
 
 
 def _rows(raws: Sequence[bytes]) -> Rows:
-    """The first messages of one size, one under the other."""
+    """The first messages, up to one of another size, as rows."""
     size = len(raws[0])
     alike = list(takewhile(lambda raw: len(raw) == size, raws))
     return np.frombuffer(b"".join(alike), np.uint8).reshape(len(alike), size)

@@ -1,4 +1,4 @@
-"""How much of a recording is held in memory."""
+"""A cache of decoded messages, with a limit in bytes."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ DEFAULT = 1 << 30
 
 
 class Memory:
-    """Keeps what was decoded last, in no more bytes than a limit.
+    """Keeps the sequences used last, in no more bytes than a limit.
 
     Args:
-        limit: bytes.
+        limit: the limit in bytes.
 
     Raises:
-        TypeError: it is no whole number.
-        ValueError: it is not above 0.
+        TypeError: the limit is no whole number.
+        ValueError: the limit is not above 0.
     """
 
     def __init__(self, limit: int = DEFAULT) -> None:
-        self._held: OrderedDict[Hashable, Sequence[Any]] = OrderedDict()
+        self._cached: OrderedDict[Hashable, Sequence[Any]] = OrderedDict()
         self._bytes = self._reserved = 0
         self._lock = Lock()
         self.limit = limit
 
     @property
     def limit(self) -> int:
-        """Bytes; settable, at once in force."""
+        """The limit in bytes; a new one applies at once."""
         return self._limit
 
     @limit.setter
@@ -48,32 +48,32 @@ class Memory:
         self._drop(0)
 
     @property
-    def held(self) -> int:
-        """Bytes that are held now."""
+    def used_bytes(self) -> int:
+        """Bytes in use now."""
         return self._bytes
 
     def get(self, key: Hashable, make: Callable[[], Sequence[Any]]) -> Sequence[Any]:
-        """What is held under a key, or is made now, and held if there is room: a sequence of things with ``nbytes``."""
+        """The sequence cached under a key; else it is made, and cached if there is room. Its items have ``nbytes``."""
         with self._lock:
-            if key in self._held:
-                self._held.move_to_end(key)
-                return self._held[key]
+            if key in self._cached:
+                self._cached.move_to_end(key)
+                return self._cached[key]
         made = make()
         self.put(key, made)
         return made
 
     def put(self, key: Hashable, made: Sequence[Any]) -> None:
-        """Hold it, in place of what was asked for longest ago."""
+        """Cache a sequence, in place of those used longest ago."""
         size = _size(made)
         self._drop(size)
         with self._lock:
-            if key not in self._held and self._bytes + self._reserved + size <= self._limit:
-                self._held[key] = made
+            if key not in self._cached and self._bytes + self._reserved + size <= self._limit:
+                self._cached[key] = made
                 self._bytes += size
 
     @contextmanager
     def reserved(self, size: int, what: str, instead: str) -> Iterator[None]:
-        """Let go of what is held, so that an array has room while it is filled.
+        """Make room for an array while it is filled, and give the room back.
 
         Raises:
             RecordingError: it is larger than the limit.
@@ -85,7 +85,7 @@ class Memory:
             self._reserved -= size
 
     def take(self, size: int, what: str, instead: str) -> None:
-        """Let go of what is held, so that something has room that stays.
+        """Make room, for good, for something of a size.
 
         Raises:
             RecordingError: it is larger than the limit.
@@ -95,7 +95,7 @@ class Memory:
         self._drop(0)
 
     def check(self, size: int, what: str, instead: str) -> None:
-        """Nothing, if something of a size may be made.
+        """Check that something of a size fits into the limit.
 
         Raises:
             RecordingError: it is larger than the limit.
@@ -106,10 +106,10 @@ class Memory:
             )
 
     def _drop(self, size: int) -> None:
-        """Let go of what was asked for longest ago, until so many bytes have room."""
+        """Drop the sequences used longest ago, until so many bytes have room."""
         with self._lock:
-            while self._held and self._bytes + self._reserved + size > self._limit:
-                self._bytes -= _size(self._held.popitem(last=False)[1])
+            while self._cached and self._bytes + self._reserved + size > self._limit:
+                self._bytes -= _size(self._cached.popitem(last=False)[1])
 
 
 def megabytes(size: int) -> str:

@@ -1,4 +1,4 @@
-"""All chunks of a topic: found on one pass through the file, and decoded again when they are asked for."""
+"""All chunks of a topic: located in one pass through the file, and decoded again when they are read."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from ._decoders import Decoder
 from ._memory import Memory
 from .chunks import ScanChunk, compact, merged
 
-PAGE_BYTES = 1 << 20
-"""About how many bytes of messages are decoded together, and held in memory or not."""
+BATCH_BYTES = 1 << 20
+"""About how many bytes of messages are decoded together, and kept in memory together."""
 
 _numbers = count()
 
 
-class Page(NamedTuple):
-    """Messages in a row: how they are found again.
+class Batch(NamedTuple):
+    """Consecutive messages, by the numbers that read them again.
 
-    Log times of the first and the last; how many there are, after how many others of the first time.
+    ``first_ns`` and ``last_ns`` are the log times of the first and the last message, ``messages`` their number.
+    ``skipped`` counts earlier messages with the log time ``first_ns``.
     """
 
     first_ns: int
@@ -37,9 +38,9 @@ class Page(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a chunk is found again: the page and the number in it; what it holds, from which row on."""
+    """The place of a chunk: its batch, its number in the batch, its first row, and its size."""
 
-    page: int
+    batch: int
     number: int
     start: int
     rows: int
@@ -48,26 +49,26 @@ class Place(NamedTuple):
 
 @dataclass
 class _Index:
-    """What a pass through the topic found."""
+    """The batches, places and times that a pass through the topic found."""
 
     id: int = field(default_factory=lambda: next(_numbers))
-    pages: list[Page] = field(default_factory=list)
+    batches: list[Batch] = field(default_factory=list)
     places: list[Place] = field(default_factory=list)
     times: list[NDArray[np.int64]] = field(default_factory=list)
     stamps: list[NDArray[np.int64]] = field(default_factory=list)
     rows: int = 0
 
-    def add_page(self, page: Page, chunks: Sequence[Any]) -> list[Any]:
-        """Take in the next page; its chunks with the numbers of their rows."""
+    def add_batch(self, batch: Batch, chunks: Sequence[Any]) -> list[Any]:
+        """Add the next batch, and return its chunks with their first rows set."""
         numbered = []
         for number, chunk in enumerate(chunks):
             rays = chunk.ranges.shape[1] if isinstance(chunk, ScanChunk) else 0
-            self.places.append(Place(len(self.pages), number, self.rows, len(chunk), rays))
+            self.places.append(Place(len(self.batches), number, self.rows, len(chunk), rays))
             self.times.append(chunk.times_ns)
             self.stamps.append(chunk.stamps_ns)
             numbered.append(replace(chunk, start=self.rows))
             self.rows += len(chunk)
-        self.pages.append(page)
+        self.batches.append(batch)
         return numbered
 
     def finish(self) -> None:
@@ -79,12 +80,12 @@ class Store:
     """The chunks of a topic.
 
     Args:
-        source: where the messages are.
-        channels: those of the topic.
-        decoders: by the id of a channel.
-        memory: keeps the pages that were asked for last.
-        note: is told of a message that cannot be shown: channel, log time, error.
-        stop: is told of an error after which nothing more can be read.
+        source: the messages.
+        channels: the channels of the topic.
+        decoders: the decoder of each channel, by its id.
+        memory: keeps the batches that were read last.
+        note: called with the channel, the log time and the error of a message that cannot be shown.
+        stop: called with an error after which nothing more can be read.
     """
 
     def __init__(
@@ -107,30 +108,30 @@ class Store:
 
     @property
     def places(self) -> list[Place]:
-        """Where each chunk is found."""
-        return self._known().places
+        """The places of all chunks."""
+        return self._indexed().places
 
     @property
     def times_ns(self) -> NDArray[np.int64]:
         """Log times, shape (N,), ascending."""
-        return self._known().times[0]
+        return self._indexed().times[0]
 
     @property
     def stamps_ns(self) -> NDArray[np.int64]:
-        """The messages' own times, shape (N,); 0 where they have none."""
-        return self._known().stamps[0]
+        """The stamps of the messages in nanoseconds, shape (N,); 0 for messages without one."""
+        return self._indexed().stamps[0]
 
     @property
-    def is_known(self) -> bool:
-        """Whether all of it was read once."""
+    def is_indexed(self) -> bool:
+        """Whether the first pass has reached the end of the topic."""
         return self._index is not None
 
     def chunks(self, start: int = 0, stop: int | None = None) -> Iterator[Any]:
-        """The chunks that hold the rows from ``start`` up to, not including, ``stop``, cut to these."""
+        """The chunks of the rows from ``start`` up to, not including, ``stop``, cut to these rows."""
         if self._index is None and start == 0 and stop is None:
             yield from self._first_pass()
             return
-        index = self._known()
+        index = self._indexed()
         stop = index.rows if stop is None else stop
         first_place = bisect_right(index.places, start, key=lambda place: place.start) - 1
         for place in index.places[max(first_place, 0) :]:
@@ -138,11 +139,11 @@ class Store:
                 return
             first, end = max(start - place.start, 0), min(stop - place.start, place.rows)
             if first < end:
-                chunk = self._page(index, place.page)[place.number]
+                chunk = self._batch(index, place.batch)[place.number]
                 part = chunk if end - first == place.rows else chunk.part(slice(first, end))
                 yield replace(part, start=place.start + first)
 
-    def _known(self) -> _Index:
+    def _indexed(self) -> _Index:
         if self._index is None:
             for _ in self._first_pass():
                 pass
@@ -154,9 +155,9 @@ class Store:
         total = sum(channel.count for channel in self._channels)
         with Progress(total, f"Reading {self.topic}") as bar:
             try:
-                for page, messages in _pages(self._source.messages(self._channels)):
-                    chunks = index.add_page(page, self._decode(messages))
-                    self.memory.put((index.id, len(index.pages) - 1), chunks)
+                for batch, messages in _batches(self._source.messages(self._channels)):
+                    chunks = index.add_batch(batch, self._decode(messages))
+                    self.memory.put((index.id, len(index.batches) - 1), chunks)
                     bar.update(len(messages))
                     yield from chunks
             except RecordingError as error:
@@ -164,12 +165,12 @@ class Store:
         index.finish()
         self._index = index
 
-    def _page(self, index: _Index, number: int) -> Any:
-        return self.memory.get((index.id, number), lambda: self._decode(self._read(index.pages[number])))
+    def _batch(self, index: _Index, number: int) -> Any:
+        return self.memory.get((index.id, number), lambda: self._decode(self._read(index.batches[number])))
 
-    def _read(self, page: Page) -> list[Message]:
-        messages = self._source.messages(self._channels, page.first_ns, page.last_ns + 1)
-        return list(islice(messages, page.skipped, page.skipped + page.messages))
+    def _read(self, batch: Batch) -> list[Message]:
+        messages = self._source.messages(self._channels, batch.first_ns, batch.last_ns + 1)
+        return list(islice(messages, batch.skipped, batch.skipped + batch.messages))
 
     def _decode(self, messages: Sequence[Message]) -> list[Any]:
         chunks: list[Any] = []
@@ -180,22 +181,22 @@ class Store:
         return [compact(chunk) for chunk in merged(chunks)]
 
 
-def _pages(messages: Iterator[Message]) -> Iterator[tuple[Page, list[Message]]]:
-    """Messages in pages of about `PAGE_BYTES`."""
+def _batches(messages: Iterator[Message]) -> Iterator[tuple[Batch, list[Message]]]:
+    """Messages in batches of about `BATCH_BYTES` bytes."""
     latest: int | None = None
     same = 0
     for first in messages:
-        held: list[Message] = []
+        batch: list[Message] = []
         size = 0
         skipped = same if first[1] == latest else 0
         for message in chain((first,), messages):
             same = same + 1 if message[1] == latest else 1
             latest = message[1]
-            held.append(message)
+            batch.append(message)
             size += len(message[2])
-            if size >= PAGE_BYTES:
+            if size >= BATCH_BYTES:
                 break
-        yield Page(first[1], held[-1][1], len(held), skipped), held
+        yield Batch(first[1], batch[-1][1], len(batch), skipped), batch
 
 
 def _joined(parts: list[NDArray[np.int64]]) -> NDArray[np.int64]:

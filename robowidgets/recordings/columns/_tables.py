@@ -1,4 +1,4 @@
-"""Columns as tables of other libraries, each imported when it is asked for."""
+"""Columns as tables of other libraries, each imported lazily."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TIMES = ("times_ns", "seconds", "stamps_ns")
 
 
 def to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
-    """A DataFrame by seconds. Of ranges one column for each ray, named by its index."""
+    """A DataFrame by seconds. Ranges have one column per ray, named by its index."""
     pandas = library("pandas", "to_pandas")
     index = pandas.Index(columns["seconds"], name="seconds")
     values = {name: column for name, column in columns.items() if name not in TIMES}
@@ -25,7 +25,7 @@ def to_pandas(columns: Mapping[str, NDArray[Any]]) -> Any:
 
 
 def to_polars(columns: Mapping[str, NDArray[Any]]) -> Any:
-    """A DataFrame with all columns; of those of two dimensions each value is an array."""
+    """A DataFrame with all columns; each value of a two-dimensional column is an array."""
     polars = library("polars", "to_polars")
     return polars.DataFrame(
         [
@@ -38,7 +38,7 @@ def to_polars(columns: Mapping[str, NDArray[Any]]) -> Any:
 
 
 def to_arrow(columns: Mapping[str, NDArray[Any]]) -> Any:
-    """A table with all columns; of those of two dimensions each value is a list of fixed size."""
+    """A table with all columns; each value of a two-dimensional column is a list of fixed size."""
     arrow = library("pyarrow", "to_arrow")
 
     def array(column: NDArray[Any]) -> Any:
@@ -51,12 +51,12 @@ def to_arrow(columns: Mapping[str, NDArray[Any]]) -> Any:
 
 
 def _filled(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Without columns that have nothing in any row: intensities of a scanner that sends none."""
+    """The columns without the empty ones, such as the intensities of a scanner that sends none."""
     return {name: column for name, column in columns.items() if column.ndim == 1 or column.shape[1]}
 
 
 def library(name: str, method: str) -> Any:
-    """A library that is only needed for one method; ImportError, with what to type, when it is missing."""
+    """A library that only one method needs; ImportError with the command that installs it if it is missing."""
     try:
         return import_module(name)
     except ImportError as error:

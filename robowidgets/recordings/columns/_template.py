@@ -1,7 +1,7 @@
-"""The fast path from bytes to columns: most messages repeat the one before with other numbers in the same places.
+"""The fast path from bytes to columns: most messages repeat the previous one with other numbers at the same offsets.
 
-A message that was read in full is a template for those that follow. A later one that is as long, and the same wherever
-nothing but a time or a number may stand, gives its numbers straight from their places; any other is read in full.
+A message that was read in full is the template for later ones. If a later message has the same length and differs only
+in times and numbers, its numbers are copied from these offsets. Any other message is read in full.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ...messages.scan import LONGEST_SCAN
 from ...samples import Scan, Speed
 
 Rows = NDArray[np.uint8]
-"""Messages of one size, one under the other, shape (N, size)."""
+"""Messages of one size as rows, shape (N, size)."""
 
 # In CDR a stamp at the start follows the four bytes of encapsulation, in ROS 1 the four of `seq`.
 _STAMP = np.dtype([("seconds", "<i4"), ("nanoseconds", "<u4")])
@@ -26,17 +26,17 @@ _STAMP_AT, _STAMP_END = 4, 12
 _SIX = Struct("<6d")
 _FLOAT = np.dtype("<f4")
 _SETTINGS = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
-# Before the ranges stand their count and, of a LaserScan, range_max and range_min, and before these the two times.
+# The ranges follow their count; in a LaserScan range_max, range_min and the two times come before it, last to first.
 _TIMES_START, _TIMES_END = 20, 12
 
 
 class MessageTemplate(NamedTuple):
-    """What later messages share with the one that was read in full last.
+    """The layout of the message that was read in full last, which later messages may share.
 
-    ``size``: bytes of the message. ``fixed``: the parts that are the same, and their bytes. ``times``: where
-    time_increment and scan_time lie, which may change but must be such as a scanner can have. ``numbers``: where the
-    ranges lie, or the six numbers of a twist. ``intensities``: where these lie, if there are any. ``is_stamped``:
-    whether it starts with a header. ``sample``: the sample in the message.
+    ``size``: bytes of the message. ``fixed``: the offsets of the parts that must be equal, and their bytes. ``times``:
+    the offsets of time_increment and scan_time, which may change within the limits of real scanners. ``numbers``: the
+    offsets of the ranges, or of the six numbers of a twist. ``intensities``: the offsets of the intensities, if there
+    are any. ``is_stamped``: whether the message starts with a header. ``sample``: the sample in the message.
     """
 
     size: int
@@ -48,7 +48,7 @@ class MessageTemplate(NamedTuple):
     sample: Any
 
     def count_alike(self, rows: Rows) -> int:
-        """How many of the rows, from the first on, differ from the template in their numbers alone."""
+        """The number of rows, from the first on, that differ from the template only in their numbers."""
         same = np.ones(len(rows), bool)
         for part, expected in self.fixed:
             same &= (rows[:, part] == expected).all(axis=1)
@@ -71,7 +71,7 @@ class MessageTemplate(NamedTuple):
 
 
 def scan_template(raw: bytes, message: Any, scan: Scan, shape: Shape, encoding: str) -> MessageTemplate | None:
-    """The template that a LaserScan-like message makes; None where its numbers have no fixed places."""
+    """The template of a LaserScan-like message; None if its numbers have no fixed offsets."""
     ranges = _place(raw, message.ranges)
     intensities = _place(raw, message.intensities) if len(scan.intensities) else None
     if not _is_stamped(shape) or ranges is None or (intensities is None and len(scan.intensities)):
@@ -86,7 +86,7 @@ def scan_template(raw: bytes, message: Any, scan: Scan, shape: Shape, encoding: 
 
 
 def speed_template(raw: bytes, speed: Speed, shape: Shape, encoding: str) -> MessageTemplate | None:
-    """The same of a Twist or Odometry-like message."""
+    """The template of a Twist or Odometry-like message; None if its numbers have no fixed offsets."""
     places = _doubles(shape)
     if places is None:
         return None
@@ -109,7 +109,7 @@ def _parts(raw: bytes, parts: list[slice]) -> tuple[tuple[slice, NDArray[np.uint
 
 
 def _is_stamped(shape: Shape) -> bool:
-    """Whether the message starts with a header, so that its stamp is where we look for it."""
+    """Whether the message starts with a header, so that its stamp has a fixed offset."""
     first = next(iter(shape), "")
     header = shape.get(first)
     names = [name for name in header if name != "seq"] if isinstance(header, Mapping) else []
@@ -117,7 +117,7 @@ def _is_stamped(shape: Shape) -> bool:
 
 
 def _place(raw: bytes, array: NDArray[Any]) -> slice | None:
-    """Where an array lies within the bytes it was read from; None when it is not a view of them."""
+    """The offsets of an array in the bytes from which it was read; None if it is no view of them."""
     if array.dtype is not _FLOAT or not array.size:
         return None
     start = _address(array) - _address(np.frombuffer(raw, np.uint8))
@@ -129,7 +129,7 @@ def _address(array: NDArray[Any]) -> int:
 
 
 def _doubles(shape: Shape) -> tuple[int, int] | None:
-    """Of the float64 values that end a message: how many come before the six of its twist, and how many there are."""
+    """Of the float64 values at the end of a message: the number before the six of its twist, and the number of all."""
     names: list[str] = []
     for name, kind in reversed(list(_leaves(shape))):
         base, _, count = str(kind).rstrip("]").partition("[")

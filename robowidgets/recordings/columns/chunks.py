@@ -1,4 +1,4 @@
-"""Columns of some samples in a row."""
+"""Chunks: the columns of consecutive samples."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _SAMPLE_BYTES = 1000
 
 @dataclass(frozen=True)
 class Chunk:
-    """Samples in a row that share all but the columns.
+    """Consecutive samples, which share everything but the columns.
 
     Args:
-        start: number of the first within its series.
+        start: index of the first sample in its series.
         times_ns: log times in nanoseconds, shape (N,), int64.
-        stamps_ns: the messages' own times, shape (N,), int64; 0 where there is none.
+        stamps_ns: stamps of the messages in nanoseconds, shape (N,), int64; 0 for messages without one.
     """
 
     start: int
@@ -42,11 +42,11 @@ class Chunk:
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What the samples of a chunk share."""
+        """The properties that the samples of a chunk share."""
         return ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Its columns by name."""
+        """The columns by name."""
         return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def sample(self, i: int) -> Any:
@@ -54,19 +54,19 @@ class Chunk:
         raise NotImplementedError
 
     def part(self, rows: slice) -> Self:
-        """Some of them."""
+        """The chunk of some rows."""
         columns: Any = {name: column[rows] for name, column in self.columns().items()}
         return replace(self, start=self.start + (rows.start or 0), **columns)
 
 
 @dataclass(frozen=True)
 class ScanChunk(Chunk):
-    """Scans in a row with the same number of rays and the same geometry.
+    """Consecutive scans with the same number of rays and the same geometry.
 
     Args:
         ranges: metres, shape (N, R), float32; NaN and infinities as in REP-117.
-        intensities: device units, shape (N, R), float32; (N, 0) where there are none.
-        like: one scan of these, for all that they share.
+        intensities: device units, shape (N, R), float32; (N, 0) without intensities.
+        like: one of the scans, for the properties that all share.
     """
 
     ranges: NDArray[np.float32]
@@ -75,12 +75,12 @@ class ScanChunk(Chunk):
 
     @property
     def angle_min(self) -> float:
-        """Radians, of ray 0."""
+        """Angle of ray 0 in radians."""
         return self.like.angle_min
 
     @property
     def angle_increment(self) -> float:
-        """Radians from ray to ray."""
+        """Angle from one ray to the next in radians."""
         return self.like.angle_increment
 
     @property
@@ -108,11 +108,11 @@ class ScanChunk(Chunk):
 
 @dataclass(frozen=True)
 class SpeedChunk(Chunk):
-    """Speeds in a row.
+    """Consecutive speeds.
 
     Args:
         values: shape (N, 6), float64, in the order of `AXES`: linear in m/s, angular in rad/s.
-        frame_id: the frame they are expressed in.
+        frame_id: the frame in which they are expressed.
     """
 
     values: NDArray[np.float64]
@@ -131,7 +131,7 @@ class SpeedChunk(Chunk):
 
 @dataclass(frozen=True)
 class SampleChunk(Chunk):
-    """Samples of any kind in a row.
+    """Consecutive samples of any kind.
 
     Args:
         samples: shape (N,), objects.
@@ -141,7 +141,7 @@ class SampleChunk(Chunk):
 
     @property
     def nbytes(self) -> int:
-        """About how many bytes it takes."""
+        """Estimated size in bytes."""
         return _SAMPLE_BYTES * len(self)
 
     def sample(self, i: int) -> Any:
@@ -153,12 +153,12 @@ AnyChunk = TypeVar("AnyChunk", bound=Chunk)
 
 
 def merged(chunks: Iterable[AnyChunk]) -> list[AnyChunk]:
-    """Chunks that follow each other and share all they can as one."""
+    """The chunks, with consecutive ones of the same key joined."""
     return [join(list(run)) for _, run in groupby(chunks, key=lambda chunk: chunk.key)]
 
 
 def join(chunks: list[AnyChunk]) -> AnyChunk:
-    """Chunks with the same key as one."""
+    """One chunk of several with the same key."""
     first = chunks[0]
     if len(chunks) == 1:
         return first
@@ -167,7 +167,7 @@ def join(chunks: list[AnyChunk]) -> AnyChunk:
 
 
 def compact(chunk: AnyChunk) -> AnyChunk:
-    """The chunk with read-only columns; those that are small parts of the messages they were cut from are copied."""
+    """The chunk with read-only columns; a column that is a small part of its buffer is copied."""
     columns: Any = {}
     for name, value in vars(chunk).items():
         if isinstance(value, np.ndarray):
@@ -177,7 +177,7 @@ def compact(chunk: AnyChunk) -> AnyChunk:
 
 
 def _keeps_alive_more(column: NDArray[Any]) -> bool:
-    """Whether a view keeps alive a buffer of which most is not in it."""
+    """Whether a column is a view that keeps a much larger buffer in memory."""
     base: Any = column
     while isinstance(base, np.ndarray) and base.base is not None:
         base = base.base

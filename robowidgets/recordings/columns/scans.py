@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 
 class Scans(Series[Scan]):
-    """The scans of a topic as columns; see `Series` for how to pick some of them.
+    """The scans of a topic as columns; see `Series` for the ways to select from them.
 
-    A scanner may change its number of rays; then ``ranges`` is no one array, and `groups` has one series for each.
+    If the scanner changes its number of rays, ``ranges`` raises an error, and `groups` has one series for each number.
 
     Example:
         >>> scans = recording.scans("/scan")  # doctest: +SKIP
@@ -40,13 +40,13 @@ class Scans(Series[Scan]):
 
     @cached_property
     def ray_counts(self) -> dict[int, int]:
-        """How many rays a scan has, to how many scans have so many, in the order in which they first come."""
+        """The number of scans for each number of rays, in the order of their first scans."""
         rays, first, counts = np.unique(self._rays, return_index=True, return_counts=True)
         return {int(rays[i]): int(counts[i]) for i in np.argsort(first)}
 
     @property
     def groups(self) -> tuple[Self, ...]:
-        """A series for each number of rays, in the order in which they first come."""
+        """A series for each number of rays, in the order of their first scans."""
         if len(self.ray_counts) < 2:
             return (self,)
         rows, rays = np.asarray(self.rows, np.int64), self._rays
@@ -57,7 +57,7 @@ class Scans(Series[Scan]):
         """R, the number of rays of each scan.
 
         Raises:
-            RecordingError: it changes.
+            RecordingError: the number changes.
         """
         if len(self.ray_counts) > 1:
             counts = ", ".join(f"{scans:,} with {rays:,} rays" for rays, scans in self.ray_counts.items())
@@ -71,7 +71,7 @@ class Scans(Series[Scan]):
     def ranges(self) -> NDArray[np.float32]:
         """Metres as the scanner sent them, shape (N, R), a row for each scan; NaN, infinities and codes such as 0.0.
 
-        The least of them is not how far the nearest thing is: see `distances` and `ray_distances`.
+        Their minimum is not the distance to the nearest obstacle: see `distances` and `ray_distances`.
 
         Raises:
             RecordingError: the number of rays changes, or the array would be larger than `Recording.memory`.
@@ -79,7 +79,7 @@ class Scans(Series[Scan]):
         return self._of_rays("ranges", self.ray_count, lambda chunk: chunk.ranges)
 
     def distances(self, sector: Sector | str | None = None, *, percentile: float | None = None) -> NDArray[np.float32]:
-        """`Scan.distance` of each, shape (N,): metres, inf where nothing is met, 0 too close, NaN unknown.
+        """`Scan.distance` of each scan in metres, shape (N,); inf: nothing in range, 0: too close, NaN: unknown.
 
         Args:
             sector: as in `Scan.distance`.
@@ -94,9 +94,9 @@ class Scans(Series[Scan]):
 
     @property
     def ray_distances(self) -> np.ma.MaskedArray[Any, np.dtype[np.float32]]:
-        """What each ray counts as in `Scan.distance`, shape (N, R): masked where it says nothing, as NaN and codes.
+        """The distance of each ray as in `Scan.distance`, shape (N, R); masked if unknown, as for NaN and codes.
 
-        ``ray_distances[:, rays].min(axis=1)`` is the distance among some of the rays.
+        ``ray_distances[:, rays].min(axis=1)`` is the distance within some of the rays.
 
         Raises:
             RecordingError: as `ranges`.
@@ -106,7 +106,7 @@ class Scans(Series[Scan]):
 
     @property
     def intensities(self) -> NDArray[np.float32]:
-        """In device units, shape (N, R), or (N, 0) where there are none; NaN for scans without, where others have some.
+        """Intensities in device units, shape (N, R), or (N, 0) if no scan has any; NaN for scans without intensities.
 
         Raises:
             RecordingError: as `ranges`.
@@ -117,27 +117,27 @@ class Scans(Series[Scan]):
 
     @property
     def angle_min(self) -> NDArray[np.float64]:
-        """Angle of ray 0 in radians, shape (N,), as are the three that follow."""
+        """Angle of ray 0 in radians, shape (N,)."""
         return self._setting("angle_min")
 
     @property
     def angle_increment(self) -> NDArray[np.float64]:
-        """Radians from one ray to the next."""
+        """Angle from one ray to the next in radians, shape (N,)."""
         return self._setting("angle_increment")
 
     @property
     def range_min(self) -> NDArray[np.float64]:
-        """Metres; see `Scan`."""
+        """Metres, shape (N,); see `Scan`."""
         return self._setting("range_min")
 
     @property
     def range_max(self) -> NDArray[np.float64]:
-        """Metres; see `Scan`."""
+        """Metres, shape (N,); see `Scan`."""
         return self._setting("range_max")
 
     @property
     def angles(self) -> NDArray[np.float64]:
-        """Angle of every ray in radians, shape (R,).
+        """Angles of all rays in radians, shape (R,).
 
         Raises:
             RecordingError: the geometry changes from scan to scan.

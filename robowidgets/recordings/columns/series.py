@@ -1,4 +1,4 @@
-"""The samples of a topic as columns: what the series of all kinds have in common."""
+"""Series: the samples of one topic as columns. The base of the series of all kinds."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ _INSTEAD = (
 class Series(Generic[Taken]):
     """Samples of one topic, each with its time, in the order of time.
 
-    By number: ``series[3]`` is a `Moment` (its ``sample``, ``time_ns`` and ``seconds``), ``series[10:20]`` a shorter
+    By index: ``series[3]`` is a `Moment` (with ``sample``, ``time_ns`` and ``seconds``), ``series[10:20]`` a shorter
     series. By time, in seconds from the start of the recording: ``series.at(21.96)`` is the nearest sample,
     ``series.between(2.0, 5.0)`` a shorter series.
 
-    Nothing is read until it is needed; then the topic is read once from start to end, with a progress bar if that takes
-    longer than a second, and what was decoded last is kept, within `Recording.memory`.
+    Nothing is read until it is needed. Then the topic is read once from start to end, with a progress bar if that takes
+    longer than a second, and the samples decoded last are cached, within `Recording.memory`.
     """
 
     def __init__(self, store: Store, start_ns: int, rows: Rows | None = None) -> None:
@@ -50,7 +50,7 @@ class Series(Generic[Taken]):
 
     @staticmethod
     def decoder(channel: Channel, kind: Kind) -> Decoder:
-        """What makes chunks of the messages of a channel."""
+        """The decoder of the messages of a channel."""
         return SampleDecoder(channel, kind.read)
 
     @property
@@ -61,16 +61,16 @@ class Series(Generic[Taken]):
     @property
     def is_read(self) -> bool:
         """Whether the topic was read from start to end."""
-        return self._store.is_known
+        return self._store.is_indexed
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Its columns by name, as `to_numpy` gives them: here the times."""
+        """The columns by name, as `to_numpy` returns them; in this class only the times."""
         return {"times_ns": self.times_ns, "seconds": self.seconds, "stamps_ns": self.stamps_ns}
 
     def chunks(self) -> Iterator[Any]:
-        """The columns piece by piece; ``start`` of a piece counts within this series.
+        """The columns chunk by chunk; ``start`` of a chunk counts within this series.
 
-        One piece at a time is held, so that any recording fits.
+        Only one chunk at a time is in memory, so a recording of any size fits.
         """
         if self._rows is None:
             yield from self._store.chunks()
@@ -85,32 +85,32 @@ class Series(Generic[Taken]):
 
     @property
     def stamps_ns(self) -> NDArray[np.int64]:
-        """The times that the messages bear, in nanoseconds, shape (N,); 0 where they bear none."""
+        """The stamps of the messages in nanoseconds, shape (N,); 0 for messages without one."""
         return self._picked(self._store.stamps_ns)
 
     @property
     def rows(self) -> Rows:
-        """The numbers of its samples among all of the topic: a range, or an array."""
+        """The indices of the samples among all of the topic: a range, or an array."""
         return range(len(self._all_times)) if self._rows is None else self._rows
 
     @property
     def times_ns(self) -> NDArray[np.int64]:
-        """When each was recorded, in nanoseconds since the epoch, shape (N,)."""
+        """Log times in nanoseconds since the epoch, shape (N,)."""
         return _frozen(self._picked(self._all_times))
 
     @property
     def said(self) -> NDArray[np.bool_]:
-        """Shape (N,): True for a message, False for a row that no message told."""
+        """Whether each row comes from a message, shape (N,)."""
         return np.ones(len(self), bool)
 
     @property
     def seconds(self) -> NDArray[np.float64]:
-        """The same from the start of the recording, in seconds, shape (N,)."""
+        """Log times in seconds from the start of the recording, shape (N,)."""
         return _frozen((self.times_ns - self._start_ns) / 1e9)
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What is wrong with the clock of its times, one line each: standing still, silent for long."""
+        """The problems of the clock of the topic, one line each: standing still, silent for long."""
         return about_clock(self.times_ns, self._start_ns)
 
     def __len__(self) -> int:
@@ -144,14 +144,14 @@ class Series(Generic[Taken]):
         return (self._moment(time_ns, sample) for time_ns, sample in self._samples())
 
     def at(self, seconds: float) -> Moment:
-        """The sample nearest to a time; of two equally near ones the first.
+        """The sample nearest to a time; of two equally near ones, the first.
 
         Args:
             seconds: seconds from the start of the recording.
 
         Raises:
-            TypeError: it is no number.
-            ValueError: it is no time.
+            TypeError: ``seconds`` is no number.
+            ValueError: ``seconds`` is no time.
             RecordingError: there is no sample.
         """
         time_ns = to_ns(self._start_ns, "seconds", seconds)
@@ -161,11 +161,11 @@ class Series(Generic[Taken]):
         return self[int(np.abs(times - time_ns).argmin())]
 
     def between(self, start: float | None = None, end: float | None = None) -> Self:
-        """Those recorded from ``start`` up to, not including, ``end``: seconds from the start of the recording.
+        """The samples from ``start`` up to, not including, ``end``, in seconds from the start of the recording.
 
         Args:
-            start: None for the start of the recording.
-            end: None for its end, included.
+            start: None: the start of the recording.
+            end: None: its end, included.
 
         Raises:
             TypeError: a time is no number.
@@ -183,7 +183,7 @@ class Series(Generic[Taken]):
         return self._with(np.asarray(self.rows, np.int64)[found])
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """Its columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
+        """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
         return dict(self.columns())
 
     def to_pandas(self) -> Any:
@@ -220,15 +220,15 @@ class Series(Generic[Taken]):
 
     @property
     def _all_times(self) -> NDArray[np.int64]:
-        """Log times of all rows, not only of those in this series."""
+        """Log times of all rows of the topic."""
         return self._store.times_ns
 
     def _with(self, rows: Rows) -> Self:
-        """The same with other rows of all."""
+        """A series with other rows of the topic."""
         return type(self)(self._store, self._start_ns, rows)
 
     def _sample(self, row: int) -> Taken:
-        """The sample in one row of all."""
+        """The sample in one row of the topic."""
         sample: Taken = next(self._store.chunks(row, row + 1)).sample(0)
         return sample
 
@@ -262,11 +262,11 @@ class Series(Generic[Taken]):
 
 
 class Samples(Series[Any]):
-    """The samples of a topic of any kind, with their times; see `Series` for how to pick some of them."""
+    """The samples of a topic of any kind, with their times; see `Series` for the ways to select from them."""
 
 
 def _runs(rows: Rows) -> Iterator[tuple[int, int, int]]:
-    """Start, stop and step, above 0, of runs that together are the rows, in their order."""
+    """Start, stop and step (above 0) of the runs that make up the rows, in their order."""
     if isinstance(rows, range) and rows.step > 0:
         if rows:
             yield rows[0], rows[-1] + 1, rows.step

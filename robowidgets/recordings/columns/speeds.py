@@ -15,7 +15,7 @@ from .series import Series
 
 
 class Speeds(Series[Speed]):
-    """The speeds of a topic as columns; see `Series` for how to pick some of them.
+    """The speeds of a topic as columns; see `Series` for the ways to select from them.
 
     Example:
         >>> speeds = recording.speeds("/odom")  # doctest: +SKIP
@@ -29,7 +29,7 @@ class Speeds(Series[Speed]):
 
     @property
     def values(self) -> NDArray[np.float64]:
-        """All six numbers, shape (N, 6), in the order of `AXES`; NaN where there is no value.
+        """All six numbers, shape (N, 6), in the order of `AXES`; NaN for missing values.
 
         Raises:
             RecordingError: the array would be larger than `Recording.memory`.

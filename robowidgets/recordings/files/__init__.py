@@ -1,4 +1,4 @@
-"""The door to files: from a path to one clean source of messages."""
+"""Opening files: from a path to one clean source of messages."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path, PurePath
 
 from ..._core.text import listed, many
-from ...repair import RecordingError, Source, find_files, open_repaired, was_set
+from ...repair import RecordingError, Source, find_files, has_clock_step, open_repaired
 from . import _rosbags
 from ._chain import Chain
 from ._fallback import FallbackSource
@@ -29,7 +29,7 @@ _NAMED_AT_MOST = 5
 
 
 class _SeveralError(RecordingError):
-    """Files in one folder that are no parts of one recording."""
+    """The files in a folder are not parts of one recording."""
 
     def __init__(self, files: Sequence[Path]) -> None:
         there = listed([file.name for file in files], _NAMED_AT_MOST)
@@ -37,12 +37,12 @@ class _SeveralError(RecordingError):
 
 
 def open_source(path: Path) -> Source:
-    """The messages in a file or folder, by a clock that never goes back.
+    """The messages in a file or folder, on a clock that never goes back.
 
-    rosbags reads whole files. `repair` reads all others, and takes over where reading meets damage.
+    rosbags reads whole files. `repair` reads all others, and continues where rosbags meets damage.
 
     Raises:
-        RecordingError: there is nothing, or nothing of it can be read; the text says why.
+        RecordingError: the path does not exist, or nothing of it can be read. The text gives the reason.
     """
     try:
         return _open(path.parent if path.name == _METADATA else path)
@@ -63,17 +63,17 @@ def _open(path: Path) -> Source:
 def _whole(
     open_first: Callable[[], _rosbags.RosbagsSource | Chain], files: Sequence[Path], problems: Sequence[str] = ()
 ) -> Source | None:
-    """A source that rosbags can read, and whose clock was never set; None where there is damage."""
+    """A source that rosbags reads, if the file is whole and its clock was never set; else None."""
     try:
         with ExitStack() as stack:
             source = open_first()
             stack.callback(source.close)
-            if not was_set(source.arrivals()):
+            if not has_clock_step(source.arrivals()):
                 stack.pop_all()
                 return FallbackSource(source, lambda: open_repaired(files, problems))
     except _SeveralError:
         raise
-    except Exception:  # rosbags raises anything; repair finds out what is wrong
+    except Exception:  # rosbags raises anything; repair reports the damage
         pass
     return None
 
@@ -91,7 +91,7 @@ def _open_by_rosbags(path: Path) -> _rosbags.RosbagsSource:
 
 
 def _open_folder(path: Path) -> Source:
-    """The files of a rosbag2 folder: those that its metadata name, else all."""
+    """The source of a rosbag2 folder: of the files that its metadata name, else of all files."""
     metadata = _metadata(path)
     named = {PurePath(name).name for name in _NAMED.findall(metadata or "")}
     files = find_files(path)
@@ -116,7 +116,7 @@ def _open_folder(path: Path) -> Source:
 
 
 def _counts_up(names: Sequence[str]) -> bool:
-    """Whether files are named as a recorder names the parts of one recording: alike, with a last number that counts."""
+    """Whether the names are those of the parts of one recording: equal except for a last number, which counts up."""
     stems = [_SUFFIX.sub("", name) for name in names]
     numbers = [int(found[-1]) for stem in stems if (found := _NUMBER.findall(stem))]
     alike = len({_NUMBER.sub("", stem) for stem in stems}) == 1
@@ -148,7 +148,7 @@ def _disagreement(metadata: str, source: Source) -> list[str]:
 
 
 def _metadata(path: Path) -> str | None:
-    """The text of the metadata, empty where it cannot be read; None where there is none."""
+    """The text of the metadata, empty if it cannot be read; None without a file."""
     file = path / _METADATA
     try:
         return file.read_text(errors="replace") if file.exists() else None

@@ -1,4 +1,4 @@
-"""Several sources as one: the files that a recorder split a recording into."""
+"""Several sources as one, for a recording that the recorder split into files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._rosbags import RosbagsSource
 class Chain:
     """A `Source` over other sources.
 
-    Channels of the same topic, type, encoding and definition become one.
+    Channels with the same topic, type, encoding and definition are merged.
 
     Args:
         sources: one for each file, in their order; closed with the chain.
@@ -46,7 +46,7 @@ class Chain:
         return joined(renumbered(s.arrivals(), {c.id: self._ids[_same(c)] for c in s.channels}) for s in self._sources)
 
     def follows_on(self) -> bool:
-        """Whether each file has the topics of the one before, and goes on where that ends."""
+        """Whether each file has the topics of the previous one and starts where that ends."""
         topics = [{(c.topic, c.type) for c in source.channels} for source in self._sources]
         times = [times for s in self._sources if (times := s.arrivals().times).size]
         in_order = all(later[0] >= times[-1] - RESET_NS for times, later in pairwise(times))
@@ -71,5 +71,5 @@ class Chain:
 
 
 def _same(channel: Channel) -> Channel:
-    """What channels have in common that are one."""
+    """The channel without its id and count, which merged channels have in common."""
     return channel._replace(id=0, count=0)

@@ -1,4 +1,4 @@
-"""A file that looks whole, with damage inside: a repaired source takes over where reading fails."""
+"""A file that looks whole but is damaged inside: a repaired source continues where reading fails."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class FallbackSource:
 
     Args:
         first: a source that may raise anything while it reads.
-        open_repaired: opens a source for the same file, when it is needed; RecordingError when it cannot.
+        open_repaired: opens a source for the same file when needed; raises RecordingError if it cannot.
     """
 
     def __init__(self, first: Source, open_repaired: Callable[[], Source]) -> None:
@@ -42,7 +42,7 @@ class FallbackSource:
                     given += 1
                     yield message
                 return
-            except Exception:  # rosbags raises anything; repair finds out what is wrong
+            except Exception:  # rosbags raises anything; repair reports the damage
                 if self._closed:
                     raise RecordingError("the recording is closed: open it again") from None
                 self._repaired = self._open_repaired()
@@ -65,7 +65,7 @@ class FallbackSource:
     def _resume(
         self, source: Source, channels: Collection[Channel], latest: int | None, stop_ns: int | None, given: int
     ) -> Iterator[Message]:
-        """The messages after the last one, of which ``given`` of the same time have gone out already."""
+        """The messages after the last one; ``given`` messages with its time were yielded already."""
         ours = {(c.topic, c.type): c for c in channels}
         theirs = {c.id: ours[c.topic, c.type] for c in source.channels if (c.topic, c.type) in ours}
         wanted = [c for c in source.channels if c.id in theirs]

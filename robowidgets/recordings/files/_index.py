@@ -1,4 +1,4 @@
-"""When and in which order messages were written, from the indexes of files that rosbags has opened.
+"""The times and the order of messages, from the indexes of files that rosbags has opened.
 
 No message is read: this takes a moment even for a large file.
 """
@@ -21,23 +21,23 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 from ...repair import JITTER_NS, LEAP_NS, Arrivals, RecordingError
 
 _MOST_CHUNKS = 1000
-"""Of an MCAP file: of more than these, a look into the index of each may take seconds where a disk is slow."""
+"""Most chunks of an MCAP file whose indexes are read: with more, a slow disk would take seconds."""
 
 _INDEX_OP = 7
 _RECORD_HEAD = 9
 _INDEX_HEAD = Struct("<BQHI")
 _ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
-"""Of a message in the index of a chunk of an MCAP file; before those of a channel stands the head."""
+"""The entry of a message in the index of a chunk of an MCAP file; the entries of a channel follow a head."""
 
 
 class Index(Protocol):
     """The index of a file or folder."""
 
     def arrivals(self) -> Arrivals:
-        """The order of arrival: of every message, or of some of each part."""
+        """The order of arrival of all messages, or of some messages of each part."""
 
     def last_ns(self, number: int) -> int | None:
-        """Log time of the last message of a connection, or a little later; None where there is none."""
+        """Log time of the last message of a connection, or a little later; None if there is none."""
 
 
 class BagIndex:
@@ -47,7 +47,7 @@ class BagIndex:
         self._indexes = reader.indexes
 
     def arrivals(self) -> Arrivals:
-        """See `Index`: of every message."""
+        """See `Index`: all messages."""
         counts = [len(index) for index in self._indexes.values()]
         entries = chain.from_iterable(chain.from_iterable(self._indexes.values()))
         table = np.fromiter(entries, np.int64, 3 * sum(counts)).reshape(-1, 3)
@@ -61,7 +61,7 @@ class BagIndex:
 
 
 class McapIndex:
-    """The index of an MCAP file. Its methods raise RecordingError where it claims what cannot be."""
+    """The index of an MCAP file. Its methods raise RecordingError if its contents are impossible."""
 
     def __init__(self, reader: McapReader) -> None:
         self._path = Path(str(reader.path))
@@ -69,9 +69,9 @@ class McapIndex:
         self._is_missing = bool(not self._chunks and reader.metadata.message_count)
 
     def arrivals(self) -> Arrivals:
-        """See `Index`: of every message, or of the ends of its chunks.
+        """See `Index`: all messages, or the first and last ones of each chunk.
 
-        Of the ends where time goes forward from each chunk to the next, and leaps in none.
+        The latter if time goes forward from each chunk to the next and leaps in none.
         """
         if self._is_missing:
             raise RecordingError(f"{self._path}: expected an index of its chunks")
@@ -85,7 +85,7 @@ class McapIndex:
         return Arrivals(np.repeat(np.stack((starts, ends), 1), np.repeat(counts, 2)), np.array(ids, np.int64))
 
     def last_ns(self, number: int) -> int | None:
-        """See `Index`: where chunks overlap, perhaps a time after it."""
+        """See `Index`: if chunks overlap, perhaps a later time."""
         chunks = sorted((chunk for chunk in self._chunks if chunk.channel_count.get(number)), key=_end)
         if not chunks:
             return None
@@ -103,14 +103,14 @@ class SqliteIndex:
         self._connection = reader.dbconn
 
     def arrivals(self) -> Arrivals:
-        """See `Index`: of every row, or of its ends, as if each topic was there.
+        """See `Index`: all rows, or the first and last row, as if each topic had them.
 
-        Of the ends where time goes forward with the rows, and not for so long that it may leap.
+        The latter if time goes forward with the rows and the recording is too short for a leap.
         """
         ids = [connection.id for connection in self._reader.connections if connection.msgcount]
         if not ids:
             return joined(())
-        # Of the index of times alone, and as one text: that takes a tenth of the time to open the file.
+        # From the index of times alone, and as one text: this takes a tenth of the time to open the file.
         query = "SELECT group_concat(rowid) FROM (SELECT rowid FROM messages ORDER BY timestamp)"
         ((rows,),) = self._connection.execute(query)
         start, end = self._reader.metadata.start_time, self._reader.metadata.end_time - 1
@@ -129,20 +129,20 @@ class SqliteIndex:
 
 
 def joined(parts: Iterable[Arrivals]) -> Arrivals:
-    """Arrivals one after the other."""
+    """Several arrivals, concatenated."""
     none = np.empty(0, np.int64)
     times, channels = zip(Arrivals(none, none), *parts, strict=True)
     return Arrivals(np.concatenate(times), np.concatenate(channels))
 
 
 def renumbered(arrivals: Arrivals, ids: Mapping[int, int]) -> Arrivals:
-    """The same with other ids of channels."""
+    """Arrivals with other ids of channels."""
     known, places = np.unique(arrivals.channels, return_inverse=True)
     return Arrivals(arrivals.times, np.array([ids[number] for number in known.tolist()], np.int64)[places])
 
 
 def _goes_back_within(path: Path, chunks: Sequence[ChunkInfo]) -> bool:
-    """Whether the clock goes back within a chunk, as far as the channel with the most messages there tells."""
+    """Whether the clock goes back within a chunk, judged by the channel with the most messages there."""
     if len(chunks) > _MOST_CHUNKS:
         return False
     most = [max(chunk.channel_count.items(), key=itemgetter(1), default=(0, 0)) for chunk in chunks]
@@ -170,7 +170,7 @@ def _by_message(path: Path, chunks: Sequence[ChunkInfo]) -> Arrivals:
 
 
 class _Records(NamedTuple):
-    """Of each record: the number of the place where it was read, channel, number of entries; and all entries."""
+    """For each record the index of its place, its channel and its number of entries; and all entries."""
 
     places: NDArray[np.int64]
     channels: NDArray[np.int64]
@@ -179,7 +179,7 @@ class _Records(NamedTuple):
 
 
 def _read_index(path: Path, places: Sequence[tuple[int, int]]) -> _Records:
-    """The records of indexes of chunks at some places: where each starts, and its bytes."""
+    """The records of the indexes of chunks at some places, given as offset and size in bytes."""
     records: list[tuple[int, int, int]] = []
     bodies: list[bytes] = []
     with path.open("rb", buffering=0) as file:
@@ -197,7 +197,7 @@ def _read_index(path: Path, places: Sequence[tuple[int, int]]) -> _Records:
 
 
 def _records(index: bytes) -> Iterator[tuple[int, int, int]]:
-    """Of each record of the index of a chunk: id of the channel, where its entries start, how many; struct.error."""
+    """For each record of the index of a chunk: id of the channel, offset and number of entries. Raises struct.error."""
     at = 0
     while at < len(index):
         op, size, channel, length = _INDEX_HEAD.unpack_from(index, at)

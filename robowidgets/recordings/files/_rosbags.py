@@ -1,6 +1,6 @@
 """Whole files and folders of messages, as rosbags reads them.
 
-This folder and `messages.decoding` are the only ones that know rosbags.
+Files are read by rosbags only in this folder.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class RosbagsSource:
 
     Args:
         reader: not yet open.
-        index: makes of the open reader what tells times without reading messages.
+        index: makes the index of the open reader, which has the times without reading messages.
     """
 
     problems: tuple[str, ...] = ()
@@ -89,7 +89,7 @@ class RosbagsSource:
                 yield asked[connection.id], time_ns, plain(raw)
 
     def arrivals(self) -> Arrivals:
-        """The order of arrival as the index tells it: of every message, or of some of each part."""
+        """The order of arrival by the index, of all messages or of some messages of each part."""
         return self._index.arrivals()
 
     def last_ns(self, channel: Channel) -> int | None:

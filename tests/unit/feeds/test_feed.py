@@ -1,4 +1,4 @@
-"""A feed: topics, connections, words, closing."""
+"""A feed: topics, connections, status, closing."""
 
 from __future__ import annotations
 
@@ -123,23 +123,23 @@ def test_once_a_topic_that_was_mended_delivers_the_widget_is_titled_after_it_and
     feed.connect("/scna", laser)
     feed.connect("/scan", laser)
     complaint = "no such topic /scna; there are /scan, /odom, /cmd_vel; did you mean /scan?"
-    assert (laser.title, source(laser)["words"]) == ("/scna", complaint)
+    assert (laser.title, source(laser)["status"]) == ("/scna", complaint)
     script.listener.on_message("/scan", scan())
     assert laser.title == "/scan"
-    assert source(laser) == {"topic": "/scan", "type": SCAN.type, "words": "", "error": "", "lost": False}
+    assert source(laser) == {"topic": "/scan", "type": SCAN.type, "status": "", "error": "", "lost": False}
     assert feed.status_of("/scna") == complaint
     script.listener.on_lost("no route to host", 1.0)
     script.listener.on_connected()
-    assert (laser.title, source(laser)["words"]) == ("/scan", "waiting for /scan")
+    assert (laser.title, source(laser)["status"]) == ("/scan", "waiting for /scan")
     feed.connect("/odm", speed)
     feed.connect("/cmd_vle", speed.command)
     feed.connect("/odom", speed)
     script.listener.on_message("/odom", twist(0.1))
     assert (speed.title, speed.command_title) == ("/odom", "/cmd_vle")
-    assert source(speed)["words"].startswith("no such topic /cmd_vle; ")
+    assert source(speed)["status"].startswith("no such topic /cmd_vle; ")
     feed.connect("/cmd_vel", speed.command)
     script.listener.on_message("/cmd_vel", twist(0.1))
-    assert (speed.command_title, source(speed)["words"]) == ("/cmd_vel", "")
+    assert (speed.command_title, source(speed)["status"]) == ("/cmd_vel", "")
 
 
 def test_a_topic_that_is_misspelt_after_another_delivered_is_told(opened: Opened) -> None:
@@ -149,7 +149,7 @@ def test_a_topic_that_is_misspelt_after_another_delivered_is_told(opened: Opened
     script.listener.on_message("/scan", scan())
     feed.connect("/raer", laser)
     assert laser.title == "/scan"
-    assert source(laser)["words"] == "no such topic /raer; there are /scan"
+    assert source(laser)["status"] == "no such topic /raer; there are /scan"
 
 
 def test_a_method_of_a_speed_widget_takes_the_commanded_speed(opened: Opened) -> None:
@@ -161,7 +161,8 @@ def test_a_method_of_a_speed_widget_takes_the_commanded_speed(opened: Opened) ->
     script.listener.on_message("/odom", twist(0.25))
     assert (speed.commanded.linear[0], speed.speed.linear[0]) == (0.5, 0.25)  # type: ignore[union-attr]
     assert (speed.title, speed.command_title) == ("/odom", "/cmd_vel")
-    assert source(speed) == {"topic": "/odom", "type": "nav_msgs/msg/Odometry", "words": "", "error": "", "lost": False}
+    expected = {"topic": "/odom", "type": "nav_msgs/msg/Odometry", "status": "", "error": "", "lost": False}
+    assert source(speed) == expected
 
 
 def test_what_is_disconnected_gets_nothing_more(opened: Opened) -> None:
@@ -234,22 +235,22 @@ def test_a_widget_says_what_it_waits_for_and_then_nothing(opened: Opened) -> Non
     assert source(laser) == {
         "topic": "/scan",
         "type": "",
-        "words": "connecting to the script",
+        "status": "connecting to the script",
         "error": "",
         "lost": True,
     }
     script.listener.on_connected()
-    assert source(laser)["words"] == "waiting for /scan"
+    assert source(laser)["status"] == "waiting for /scan"
     script.listener.on_topics([SCAN])
     assert source(laser) == {
         "topic": "/scan",
         "type": SCAN.type,
-        "words": "waiting for /scan",
+        "status": "waiting for /scan",
         "error": "",
         "lost": False,
     }
     script.listener.on_message("/scan", scan())
-    assert source(laser)["words"] == ""
+    assert source(laser)["status"] == ""
 
 
 @pytest.mark.parametrize(
@@ -265,7 +266,7 @@ def test_a_widget_names_what_is_there_instead(opened: Opened, asked: str, there:
     feed, _ = opened(*there)
     laser = LaserWidget()
     feed.connect(asked, laser)
-    assert source(laser)["words"] == words
+    assert source(laser)["status"] == words
 
 
 def test_a_publisher_that_ends_and_comes_back_is_told(opened: Opened) -> None:
@@ -274,11 +275,11 @@ def test_a_publisher_that_ends_and_comes_back_is_told(opened: Opened) -> None:
     feed.connect("/scan", laser)
     script.listener.on_message("/scan", scan())
     script.listener.on_topics([SCAN._replace(offered=False)])
-    assert source(laser)["words"] == "nobody publishes /scan any more"
+    assert source(laser)["status"] == "nobody publishes /scan any more"
     script.listener.on_topics([SCAN])
-    assert source(laser)["words"] == "waiting for /scan"
+    assert source(laser)["status"] == "waiting for /scan"
     script.listener.on_message("/scan", scan())
-    assert source(laser)["words"] == ""
+    assert source(laser)["status"] == ""
 
 
 def test_a_topic_that_vanishes_with_its_publisher_is_told_as_one_that_nobody_publishes(opened: Opened) -> None:
@@ -287,7 +288,7 @@ def test_a_topic_that_vanishes_with_its_publisher_is_told_as_one_that_nobody_pub
     feed.connect("/scan", laser)
     script.listener.on_message("/scan", scan())
     script.listener.on_topics([ODOM])
-    assert source(laser)["words"] == "nobody publishes /scan any more"
+    assert source(laser)["status"] == "nobody publishes /scan any more"
 
 
 def test_a_connection_that_is_lost_and_found_is_told(opened: Opened) -> None:
@@ -295,14 +296,14 @@ def test_a_connection_that_is_lost_and_found_is_told(opened: Opened) -> None:
     laser = LaserWidget()
     feed.connect("/scan", laser)
     script.listener.on_lost("connection refused", 0.5)
-    assert source(laser)["words"] == "cannot reach the script, trying again in 0.5 s: connection refused"
+    assert source(laser)["status"] == "cannot reach the script, trying again in 0.5 s: connection refused"
     script.listener.on_connected()
     script.listener.on_topics([SCAN])
     script.listener.on_message("/scan", scan())
     script.listener.on_lost("the other side hung up", 2.0)
-    assert source(laser)["words"] == "connection lost, trying again in 2 s: the other side hung up"
+    assert source(laser)["status"] == "connection lost, trying again in 2 s: the other side hung up"
     script.listener.on_connected()
-    assert source(laser)["words"] == "waiting for /scan"
+    assert source(laser)["status"] == "waiting for /scan"
     assert laser.scan is not None
 
 
@@ -311,13 +312,13 @@ def test_trouble_of_the_middleware_is_told_until_it_is_over(opened: Opened) -> N
     laser = LaserWidget()
     feed.connect("/scan", laser)
     script.listener.on_trouble("/scan", "the publisher is best-effort, so nothing comes")
-    assert source(laser)["words"] == "the publisher is best-effort, so nothing comes"
+    assert source(laser)["status"] == "the publisher is best-effort, so nothing comes"
     script.listener.on_topics([ODOM])
     gone = "no such topic /scan; there are /odom"
-    assert source(laser)["words"] == f"{gone}; the publisher is best-effort, so nothing comes"
+    assert source(laser)["status"] == f"{gone}; the publisher is best-effort, so nothing comes"
     script.listener.on_topics([SCAN])
     script.listener.on_trouble("/scan", "")
-    assert source(laser)["words"] == "waiting for /scan"
+    assert source(laser)["status"] == "waiting for /scan"
     script.listener.on_trouble("/other", "nobody is connected to it")
 
 
@@ -327,11 +328,11 @@ def test_a_topic_that_changes_its_type_is_told_and_goes_on(opened: Opened) -> No
     feed.connect("/scan", laser)
     script.listener.on_topics([SCAN._replace(type="my_msgs/msg/Scan")])
     script.listener.on_message("/scan", scan(4.0))
-    assert source(laser)["words"] == "/scan was sensor_msgs/msg/LaserScan and is now my_msgs/msg/Scan"
+    assert source(laser)["status"] == "/scan was sensor_msgs/msg/LaserScan and is now my_msgs/msg/Scan"
     assert source(laser)["type"] == "my_msgs/msg/Scan"
     assert laser.scan is not None
     script.listener.on_topics([SCAN, SCAN._replace(type="my_msgs/msg/Scan")])
-    assert source(laser)["words"] == "/scan is published as sensor_msgs/msg/LaserScan and as my_msgs/msg/Scan"
+    assert source(laser)["status"] == "/scan is published as sensor_msgs/msg/LaserScan and as my_msgs/msg/Scan"
 
 
 def test_two_scanners_on_one_topic_are_told(opened: Opened) -> None:
@@ -341,7 +342,7 @@ def test_two_scanners_on_one_topic_are_told(opened: Opened) -> None:
     for ranges in ([1.0] * 3, [1.0] * 5) * 2:
         script.listener.on_message("/scan", scan(*ranges))
     few, many = (f"{count} rays from 0.0° in steps of 5.73°" for count in (3, 5))
-    assert source(laser)["words"] == f"two scanners take turns on this topic: {few}, and {many}"
+    assert source(laser)["status"] == f"two scanners take turns on this topic: {few}, and {many}"
 
 
 def test_a_message_of_the_wrong_type_keeps_the_last_picture_and_says_so(opened: Opened) -> None:
@@ -390,9 +391,9 @@ def test_a_commanded_speed_need_not_be_waited_for(opened: Opened) -> None:
     feed.connect("/odom", speed)
     feed.connect("/cmd_vel", speed.command)
     script.listener.on_message("/odom", twist(0.1))
-    assert source(speed)["words"] == ""
+    assert source(speed)["status"] == ""
     feed.connect("/cmd_vle", speed.command)
-    assert source(speed)["words"] == "no such topic /cmd_vle; there are /odom, /cmd_vel; did you mean /cmd_vel?"
+    assert source(speed)["status"] == "no such topic /cmd_vle; there are /odom, /cmd_vel; did you mean /cmd_vel?"
 
 
 # -- closing -----------------------------------------------------------------------------------------------------------
@@ -405,13 +406,13 @@ def test_a_closed_feed_says_so_and_hears_nothing_more(opened: Opened) -> None:
     feed.close()
     feed.close()
     assert script.closed == 1
-    assert source(laser)["words"] == "the feed is closed"
+    assert source(laser)["status"] == "the feed is closed"
     script.listener.on_connected()
     script.listener.on_lost("late", 1.0)
     script.listener.on_topics([])
     script.listener.on_trouble("/scan", "late")
     script.listener.on_message("/scan", scan())
-    assert source(laser)["words"] == "the feed is closed"
+    assert source(laser)["status"] == "the feed is closed"
     assert laser.scan is None
     feed.disconnect("/scan")
     assert script.asked == [("subscribe", "/scan")]

@@ -27,8 +27,8 @@ def test_a_recording_is_played_to_its_end_at_any_speed() -> None:
         began = time.monotonic()
         feed.attach("/scan", got.append)
         feed.connect("/scan", laser)
-        wait_for(lambda: "end" in laser._source.get("words", ""), "it is at its end")
-        assert laser._source["words"] == "sample.mcap is at its end"
+        wait_for(lambda: "end" in laser._source.get("status", ""), "it is at its end")
+        assert laser._source["status"] == "sample.mcap is at its end"
         assert time.monotonic() - began > 0.8 * duration / 100
     assert [scan.stamp_ns for scan in got] == stamps[-len(got) :]
     assert len(got) > 0.9 * len(stamps)
@@ -68,7 +68,7 @@ def test_a_topic_that_no_widget_shows_is_said_not_to_come(tmp_path: Path) -> Non
     with feeds.recording(robot.write(tmp_path / "drive")) as feed:
         feed.connect("/log", lambda _: None)
         wait_for(lambda: "only" in feed.status_of("/log"), "it is said")
-        assert feed.status_of("/log") == "/log: a recording hands on only what a widget shows"
+        assert feed.status_of("/log") == "/log: a recording publishes only topics that a widget shows"
 
 
 def test_a_real_recording_plays(data: Path) -> None:

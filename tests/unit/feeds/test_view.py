@@ -140,7 +140,7 @@ def test_a_connection_that_is_lost_is_told_by_the_widgets_themselves(opened: Ope
     view = feed.show()
     script.listener.on_lost("refused", 1.0)
     assert words(view) == ""
-    assert view.widgets["/scan"]._source["words"] == "connection lost, trying again in 1 s: refused"
+    assert view.widgets["/scan"]._source["status"] == "connection lost, trying again in 1 s: refused"
 
 
 def test_showing_waits_for_the_first_topics(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 import robowidgets
 from robowidgets.in_rerun.widget import _pieces
-from robowidgets.poses.tracks import Poses, _rotated
+from robowidgets.poses.frame_tree import Poses, _rotated
 from robowidgets.recording import Recording
 from robowidgets.recordings import RecordingError, UnknownTopicError
 from robowidgets.simulator import World

@@ -36,7 +36,7 @@ class Viewer:
 
     def says(self, kind: str, **more: object) -> None:
         event = {"application_id": "robowidgets", "recording_id": "1", "segment_id": None, "type": kind, **more}
-        self._widget._hear(json.dumps(event))
+        self._widget._on_event(json.dumps(event))
 
     def at(self, seconds: float) -> None:
         self.says("time_update", time=seconds * 1e9)

@@ -12,7 +12,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from robowidgets.poses.tracks import Frames, Poses
+from robowidgets.poses.frame_tree import FrameTree, Poses
 from robowidgets.poses.transforms import Pose, Transform, transforms_of
 from robowidgets.recording import open
 
@@ -28,7 +28,7 @@ def joint(parent: str, child: str, seconds: float, at: Pose, stamp: float = 0.0,
     return Transform(parent, child, round(seconds * S), round(stamp * S), at, **kind)
 
 
-def at(frames: Frames, frame: str, world: str, seconds: float, stamp: float = 0.0) -> tuple[float, float, float]:
+def at(frames: FrameTree, frame: str, world: str, seconds: float, stamp: float = 0.0) -> tuple[float, float, float]:
     """X, y and yaw."""
     times, stamps = (np.array([round(value * S)], np.int64) for value in (seconds, stamp))
     (place,), (turn,) = frames.poses(frame, world, times, stamps)
@@ -38,7 +38,7 @@ def at(frames: Frames, frame: str, world: str, seconds: float, stamp: float = 0.
 
 
 def test_between_two_messages_a_frame_is_between_their_poses_and_beyond_them_it_stays() -> None:
-    frames = Frames([joint("odom", "base", 1, pose(0, 0)), joint("odom", "base", 3, pose(2, 4, pi / 2))])
+    frames = FrameTree([joint("odom", "base", 1, pose(0, 0)), joint("odom", "base", 3, pose(2, 4, pi / 2))])
     assert at(frames, "base", "odom", 2) == pytest.approx((1, 2, pi / 4))
     assert at(frames, "base", "odom", 0) == pytest.approx((0, 0, 0))
     assert at(frames, "base", "odom", 9) == pytest.approx((2, 4, pi / 2))
@@ -46,31 +46,31 @@ def test_between_two_messages_a_frame_is_between_their_poses_and_beyond_them_it_
 
 def test_a_turn_goes_the_short_way_whatever_sign_its_quaternion_has() -> None:
     x, y, z, *turn = pose(0, 0, 0.2)
-    frames = Frames([joint("odom", "base", 0, pose(0, 0)), joint("odom", "base", 2, (x, y, z, *(-q for q in turn)))])
+    frames = FrameTree([joint("odom", "base", 0, pose(0, 0)), joint("odom", "base", 2, (x, y, z, *(-q for q in turn)))])
     assert at(frames, "base", "odom", 1)[2] == pytest.approx(0.1, abs=1e-4)
 
 
 def test_the_robots_own_clock_goes_before_that_of_the_recorder() -> None:
     late = [joint("odom", "base", 10 + t, pose(t, 0), stamp=5 + t) for t in (0, 1, 2)]
-    assert at(Frames(late), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
-    assert at(Frames(late), "base", "odom", 11.5)[0] == pytest.approx(1.5)
-    assert at(Frames(late[::-1]), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
+    assert at(FrameTree(late), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
+    assert at(FrameTree(late), "base", "odom", 11.5)[0] == pytest.approx(1.5)
+    assert at(FrameTree(late[::-1]), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
 
 
 def test_stamps_of_another_clock_are_not_taken_for_times() -> None:
     moving = [joint("odom", "base", 10 + t, pose(t, 0), stamp=5 + t) for t in (0, 1, 2)]
-    assert at(Frames(moving), "base", "odom", 11.5, stamp=900_000)[0] == pytest.approx(1.5)
+    assert at(FrameTree(moving), "base", "odom", 11.5, stamp=900_000)[0] == pytest.approx(1.5)
 
 
 def test_of_two_parents_the_one_that_was_named_last_holds() -> None:
     said = [joint("odom", "base", 0, pose(9, 9)), *(joint("map", "base", t, pose(t, 0)) for t in (1, 3))]
-    assert Frames(said).chain("base") == ["base", "map"]
-    assert at(Frames(said), "base", "map", 2) == pytest.approx((2, 0, 0))
+    assert FrameTree(said).chain("base") == ["base", "map"]
+    assert at(FrameTree(said), "base", "map", 2) == pytest.approx((2, 0, 0))
 
 
 def test_a_scanner_stands_where_the_robot_is_and_turned_as_it_is_mounted() -> None:
     mounted = joint("base", "laser", 0, pose(1, 0, pi), static=True)
-    frames = Frames([mounted, joint("odom", "base", 0, pose(5, 5, pi / 2), odometry=True)])
+    frames = FrameTree([mounted, joint("odom", "base", 0, pose(5, 5, pi / 2), odometry=True)])
     assert frames.chain("laser") == ["laser", "base", "odom"]
     assert frames.odometry == ("odom", "base")
     assert at(frames, "laser", "odom", 7) == pytest.approx((5, 6, -pi / 2))
@@ -79,19 +79,19 @@ def test_a_scanner_stands_where_the_robot_is_and_turned_as_it_is_mounted() -> No
 
 def test_tf_goes_before_odometry_that_says_the_same() -> None:
     said = [joint("odom", "base", 0, pose(9, 9), odometry=True), joint("odom", "base", 0, pose(1, 0))]
-    assert at(Frames(said), "base", "odom", 0) == pytest.approx((1, 0, 0))
+    assert at(FrameTree(said), "base", "odom", 0) == pytest.approx((1, 0, 0))
 
 
 def test_odometry_of_a_frame_below_the_root_of_tf_moves_the_root() -> None:
     above = joint("footprint", "base", 0, pose(1, 0), static=True)
-    frames = Frames([above, joint("odom", "base", 0, pose(5, 5, pi / 2), odometry=True)])
+    frames = FrameTree([above, joint("odom", "base", 0, pose(5, 5, pi / 2), odometry=True)])
     assert frames.chain("base") == ["base", "footprint", "odom"]
     assert at(frames, "footprint", "odom", 0) == pytest.approx((5, 4, pi / 2))
     assert at(frames, "base", "odom", 0) == pytest.approx((5, 5, pi / 2))
 
 
 def test_frames_that_hold_each_other_end_somewhere() -> None:
-    frames = Frames([joint("a", "b", 0, pose(1, 0)), joint("b", "a", 0, pose(1, 0))])
+    frames = FrameTree([joint("a", "b", 0, pose(1, 0)), joint("b", "a", 0, pose(1, 0))])
     assert frames.chain("a") == ["a", "b"]
 
 
@@ -151,7 +151,7 @@ def test_odometry_without_a_pose_is_left_out_and_told(tmp_path: Path) -> None:
 
 def test_a_real_robot_has_its_scanner_behind_its_middle_and_turned_round(data: Path) -> None:
     with open(data / "good" / "neato_fsm") as recording:
-        frames = Frames(recording.transforms())
+        frames = FrameTree(recording.transforms())
         scans = recording.scans("/scan")
         assert frames.chain("base_laser_link") == ["base_laser_link", "base_link", "base_footprint", "odom"]
         robot = frames.poses("base_footprint", "odom", scans.times_ns, scans.stamps_ns)

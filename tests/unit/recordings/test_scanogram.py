@@ -179,14 +179,14 @@ def test_a_topic_without_scans_is_refused_with_words(sample: robowidgets.Recordi
 def test_a_selection_picks_its_samples(sample: robowidgets.Recording) -> None:
     widget = sample.scanogram()
     widget.selection = (2.0, 4.0, 10, 20)
-    stretch = sample[widget.selection]
-    assert [m.seconds for m in stretch] == [m.seconds for m in sample.samples(start=2.0, end=4.0)]
-    assert len(list(stretch)) == len(list(stretch)), "it may be read again"
-    assert {m.topic for m in stretch.samples("/scan")} == {"/scan"}
-    assert stretch.scans("/scan").ranges[:, stretch.rays].shape == (len(stretch.scans("/scan")), 10)
-    assert len(stretch.speeds("/odom")) == len(list(stretch.samples("/odom")))
-    assert stretch.touches("/bumper").labels
-    assert repr(stretch) == f"{sample.path.name} from 2.00 to 4.00 s"
+    part = sample[widget.selection]
+    assert [m.seconds for m in part] == [m.seconds for m in sample.samples(start=2.0, end=4.0)]
+    assert len(list(part)) == len(list(part)), "it may be read again"
+    assert {m.topic for m in part.samples("/scan")} == {"/scan"}
+    assert part.scans("/scan").ranges[:, part.rays].shape == (len(part.scans("/scan")), 10)
+    assert len(part.speeds("/odom")) == len(list(part.samples("/odom")))
+    assert part.touches("/bumper").labels
+    assert repr(part) == f"{sample.path.name} from 2.00 to 4.00 s"
 
 
 def test_a_slice_of_seconds_picks_too(sample: robowidgets.Recording) -> None:

@@ -298,7 +298,7 @@ class TestMemory:
         scans = recording.scans()
         seen = []
         for chunk in scans.chunks():
-            seen.append(recording._memory.held)
+            seen.append(recording._memory.used_bytes)
             whole = chunk.ranges
             while isinstance(whole, np.ndarray) and whole.base is not None:
                 whole = whole.base
@@ -434,6 +434,6 @@ class TestTouches:
         drive.memory = 1 << 20
         assert len(drive.touches()) == 4
         memory.put("fits", [np.zeros((1 << 20) - size, np.uint8)])
-        assert memory.held == (1 << 20) - size
+        assert memory.used_bytes == (1 << 20) - size
         memory.put("fits no more", [np.zeros((1 << 20) - size + 1, np.uint8)])
-        assert memory.held == 0
+        assert memory.used_bytes == 0

@@ -1,4 +1,4 @@
-"""The chunks of a topic: read again when they are asked for, and never believed more than the file bears out."""
+"""The chunks of a topic: decoded again on demand, and correct where the index of the file is wrong."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from robowidgets.recordings.files import open_source
 from . import sweeps
 from .written import messages, write_bag, write_db3, write_indexed_mcap
 
-HELD = messages(200)
+MESSAGES = messages(200)
 
 FILES = {
-    "mcap": lambda folder: write_indexed_mcap(folder / "x", HELD),
-    "db3": lambda folder: write_db3(folder / "x", HELD),
-    "bag": lambda folder: write_bag(folder / "x.bag", HELD),
-    "bz2": lambda folder: write_bag(folder / "x.bag", HELD, "bz2"),
-    "lz4": lambda folder: write_bag(folder / "x.bag", HELD, "lz4"),
+    "mcap": lambda folder: write_indexed_mcap(folder / "x", MESSAGES),
+    "db3": lambda folder: write_db3(folder / "x", MESSAGES),
+    "bag": lambda folder: write_bag(folder / "x.bag", MESSAGES),
+    "bz2": lambda folder: write_bag(folder / "x.bag", MESSAGES, "bz2"),
+    "lz4": lambda folder: write_bag(folder / "x.bag", MESSAGES, "lz4"),
 }
 
 
 @pytest.mark.parametrize("kind", FILES)
-def test_pages_that_are_read_again_hold_the_same(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_store, "PAGE_BYTES", 5000)
+def test_batches_are_the_same_when_read_again(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_store, "BATCH_BYTES", 5000)
     source = open_source(FILES[kind](tmp_path))
-    found = list(_store._pages(source.messages(source.channels)))
+    found = list(_store._batches(source.messages(source.channels)))
     assert len(found) > 3
-    assert [m for _, held in found for m in held] == list(source.messages(source.channels))
-    for page, held in found:
-        again = list(source.messages(source.channels, page.first_ns, page.last_ns + 1))
-        assert again[page.skipped : page.skipped + page.messages] == held
+    assert [m for _, read in found for m in read] == list(source.messages(source.channels))
+    for batch, read in found:
+        again = list(source.messages(source.channels, batch.first_ns, batch.last_ns + 1))
+        assert again[batch.skipped : batch.skipped + batch.messages] == read
     source.close()
 
 
@@ -50,11 +50,12 @@ def test_messages_that_were_compressed_one_by_one_are_read(tmp_path: Path) -> No
 
 
 def test_messages_of_one_time_are_not_read_twice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_store, "PAGE_BYTES", 1000)
-    source = open_source(write_db3(tmp_path / "x", [(topic, HELD[0][1], raw) for topic, _, raw in HELD[:40]]))
-    found = list(_store._pages(source.messages(source.channels)))
+    monkeypatch.setattr(_store, "BATCH_BYTES", 1000)
+    source = open_source(write_db3(tmp_path / "x", [(topic, MESSAGES[0][1], raw) for topic, _, raw in MESSAGES[:40]]))
+    found = list(_store._batches(source.messages(source.channels)))
     assert len(found) > 3
-    assert [page.skipped for page, _ in found] == np.cumsum([0, *(page.messages for page, _ in found[:-1])]).tolist()
+    counts = [batch.messages for batch, _ in found]
+    assert [batch.skipped for batch, _ in found] == np.cumsum([0, *counts[:-1]]).tolist()
     source.close()
 
 
@@ -110,10 +111,10 @@ class TestDamage:
             assert sum(len(chunk) for chunk in scans.chunks()) == count
 
     def test_a_bag_whose_index_lies(self, tmp_path: Path) -> None:
-        path = write_bag(tmp_path / "x.bag", HELD, chunk=1 << 20)
-        _, time_ns, _ = HELD[100]
+        path = write_bag(tmp_path / "x.bag", MESSAGES, chunk=1 << 20)
+        _, time_ns, _ = MESSAGES[100]
         entry = struct.pack("<II", *divmod(time_ns, 10**9))
         spoil(path, entry, 8, struct.pack("<I", 77))
         source = open_source(path)
-        assert [(channel.topic, at, raw) for channel, at, raw in source.messages(source.channels)] == HELD
+        assert [(channel.topic, at, raw) for channel, at, raw in source.messages(source.channels)] == MESSAGES
         source.close()

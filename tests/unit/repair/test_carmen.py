@@ -65,7 +65,9 @@ class TestTheClock:
     def test_is_held_when_it_goes_back_a_little(self, log: Open) -> None:
         recording = self.open(log, [1.0, 2.0, 1.5, 1.75, 3.0])
         self.check(recording, 0, 1, 1, 1, 2)
-        assert recording.problems == ("the clock goes back once, by up to 0.50 s: order is kept, time held meanwhile",)
+        assert recording.problems == (
+            "the clock goes back once, by up to 0.50 s: order is kept, time stands still meanwhile",
+        )
 
     def test_goes_on_when_it_was_set_back_for_good(self, log: Open) -> None:
         recording = self.open(log, [100.0, 101.0, 3.0, 4.0, 6.0])

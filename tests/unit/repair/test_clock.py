@@ -23,7 +23,7 @@ from robowidgets.messages.compression import zstd
 from robowidgets.player._frames import SampleFrames
 from robowidgets.player._prefetcher import segment
 from robowidgets.recordings.files import _index
-from robowidgets.repair import LEAP_NS, Arrivals, Source, open_repaired, was_set
+from robowidgets.repair import LEAP_NS, Arrivals, Source, has_clock_step, open_repaired
 
 from ..recordings.clock_back import KINDS, SCAN, SPEED, START_NS, Message, cut, db3, drive, long_mcap, mcap, step
 from ..recordings.written import MCAP_END, MCAP_MAGIC, read, record, string
@@ -31,8 +31,8 @@ from .test_sqlite import HUMBLE
 
 YEAR = 365 * 86_400.0
 EPOCH = START_NS / 1e9
-SET_BACK_3 = "the clock goes back once, by up to 2.90 s: order is kept, time held meanwhile"
-SET_BACK_3600 = "the clock goes back once, by up to 3599.90 s: order is kept, time held meanwhile"
+SET_BACK_3 = "the clock goes back once, by up to 2.90 s: order is kept, time stands still meanwhile"
+SET_BACK_3600 = "the clock goes back once, by up to 3599.90 s: order is kept, time stands still meanwhile"
 SET = "the clock jumps ahead once, by 19,675.9 days: time goes on from where it was, dated 2023-11-14"
 HELD = [max(i / 10 - 3 * (i >= 50), 4.9 * (i >= 50)) for i in range(100)]
 GONE_ON = [i / 10 - 0.1 * (i >= 50) for i in range(100)]
@@ -180,7 +180,7 @@ class TestALeapAhead:
         times = [i / 10 + YEAR * (20 <= i < 70) for i in range(100)]
         recording = robowidgets.open(KINDS[kind](tmp_path, drive(times)))
         assert recording.problems == (
-            f"the clock goes back once, by up to {YEAR - 0.1:.2f} s: order is kept, time held meanwhile; "
+            f"the clock goes back once, by up to {YEAR - 0.1:.2f} s: order is kept, time stands still meanwhile; "
             "it jumps ahead once, by 365.0 days: time goes on from where it was, dated 2023-11-14",
         )
         assert order(recording) == order(recording, SPEED) == list(range(100))
@@ -407,7 +407,7 @@ class TestAStepBack:
         times = [i / 10 - 2.0 * (i >= 30) - 1000 * (i >= 60) for i in range(100)]
         source = written(tmp_path, *((time, 0) for time in times))
         assert source.problems == (
-            "the clock goes back 2 times, by up to 999.90 s: order is kept, time held meanwhile",
+            "the clock goes back 2 times, by up to 999.90 s: order is kept, time stands still meanwhile",
         )
         assert numbers(source) == list(range(100))
 
@@ -444,7 +444,7 @@ class TestAStepBack:
         count = 60_000
         times = np.tile(np.array([50, 0], np.int64), 10 * count) * 10**9
         began = time.perf_counter()
-        assert not was_set(Arrivals(times, np.arange(2 * 10 * count, dtype=np.int64) // 20))
+        assert not has_clock_step(Arrivals(times, np.arange(2 * 10 * count, dtype=np.int64) // 20))
         assert time.perf_counter() - began < 10
 
 
@@ -474,10 +474,10 @@ class TestTimesAtTheirLimits:
 
     def test_are_seen_to_leap(self) -> None:
         ends = np.array([2**63 - 1, -(2**63), 5], np.int64)
-        assert was_set(Arrivals(ends, np.zeros(3, np.int64)))
+        assert has_clock_step(Arrivals(ends, np.zeros(3, np.int64)))
 
     def test_are_none_where_there_is_no_message(self) -> None:
-        assert not was_set(Arrivals(np.empty(0, np.int64), np.empty(0, np.int64)))
+        assert not has_clock_step(Arrivals(np.empty(0, np.int64), np.empty(0, np.int64)))
 
 
 def test_messages_of_the_same_time_stay_in_the_order_of_the_file(tmp_path: Path) -> None:

@@ -159,7 +159,7 @@ class TestTheCommand:
         output = tmp_path / "drive_repaired.mcap"
         assert capsys.readouterr().out.splitlines() == [
             "! the recording was cut off: read 200 messages, up to 6.9 s",
-            "! the clock goes back once, by up to 2.90 s: order is kept, time held meanwhile",
+            "! the clock goes back once, by up to 2.90 s: order is kept, time stands still meanwhile",
             f"Wrote {output}: 200 messages, 6.9 s, {output.stat().st_size / 1e6:.1f} MB",
         ]
 

@@ -1,4 +1,4 @@
-"""What `Recording.find` gave, taken as a stretch of the recording and as a selection."""
+"""A span that `Recording.find` gave, as a slice of the recording and as a selection."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def drive(tmp_path: Path) -> Iterator[Recording]:
 
 def test_a_span_picks_its_samples(drive: Recording) -> None:
     span = drive.find(conditions.touched())[0]
-    stretch = drive[span]
-    assert [moment.seconds for moment in stretch] == [moment.seconds for moment in drive[2:3]]
-    assert len(stretch.scans()) == 10
-    assert stretch.rays == slice(None)
-    assert repr(stretch) == "drive from 2.00 to 3.00 s"
+    part = drive[span]
+    assert [moment.seconds for moment in part] == [moment.seconds for moment in drive[2:3]]
+    assert len(part.scans()) == 10
+    assert part.rays == slice(None)
+    assert repr(part) == "drive from 2.00 to 3.00 s"
 
 
 def test_a_span_of_no_time_picks_what_came_then(tmp_path: Path) -> None:

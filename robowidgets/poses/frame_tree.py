@@ -1,4 +1,4 @@
-"""The frames of a robot through a recording, and the pose of one in another at any time."""
+"""The coordinate frames of a robot through a recording, and the pose of one in another at any time."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ class Poses(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Track:
+class TransformHistory:
     """The poses of one frame in its parent through a recording.
 
     Args:
         parent: the name of the parent.
         times_ns: log times, shape (N,), N > 0.
-        stamps_ns: stamps of the messages, shape (N,); 0 where they have none.
+        stamps_ns: stamps of the messages, shape (N,); 0 for messages without one.
         poses: the poses at these times.
-        static: whether the last pose holds at all times.
+        static: whether the last pose is valid at all times.
     """
 
     parent: str
@@ -61,20 +61,20 @@ class Track:
     def at(self, times_ns: Times, stamps_ns: Times) -> Poses:
         """The poses at some log times and stamps, shape (N,) each: interpolated, and at the ends the nearest.
 
-        By stamps where both have stamps of the same clock; else by log times.
+        By stamps if both have stamps of the same clock, else by log times.
         """
         if self.static:
             return Poses(*(np.tile(column[-1], (len(times_ns), 1)) for column in self.poses))
-        known, order = self._by_stamp
+        given, order = self._by_stamp
         asked = stamps_ns
-        if not (known[0] and stamps_ns.all() and stamps_ns.max() >= known[0] and stamps_ns.min() <= known[-1]):
-            known, order = self._by_time
+        if not (given[0] and stamps_ns.all() and stamps_ns.max() >= given[0] and stamps_ns.min() <= given[-1]):
+            given, order = self._by_time
             asked = times_ns
-        after = np.searchsorted(known, asked).clip(1, max(len(known) - 1, 1))
+        after = np.searchsorted(given, asked).clip(1, max(len(given) - 1, 1))
         before = after - 1
-        after = np.minimum(after, len(known) - 1)
-        span = np.maximum(known[after] - known[before], 1)
-        share = ((asked - known[before]) / span).clip(0.0, 1.0)[:, None]
+        after = np.minimum(after, len(given) - 1)
+        span = np.maximum(given[after] - given[before], 1)
+        share = ((asked - given[before]) / span).clip(0.0, 1.0)[:, None]
         one, other = (Poses(*(column[order[rows]] for column in self.poses)) for rows in (before, after))
         start, end = one.orientations, other.orientations
         # q and -q are the same orientation: take the nearer. Between two messages linear interpolation is close enough.
@@ -92,8 +92,8 @@ class Track:
         return _sorted(self.stamps_ns)
 
 
-class _Growing:
-    """The poses of a frame in its parent, as they arrive."""
+class _Collected:
+    """The transforms of a frame to its parent, collected one by one."""
 
     def __init__(self) -> None:
         self._times, self._stamps, self._poses = array("q"), array("q"), array("d")
@@ -106,17 +106,17 @@ class _Growing:
         self._poses.extend(transform.pose)
         self._static = transform.static
 
-    def track(self, parent: str) -> Track:
-        """All of them."""
+    def history(self, parent: str) -> TransformHistory:
+        """The history of these transforms."""
         poses = np.array(self._poses).reshape(-1, 7)
         times, stamps = (np.array(column, np.int64) for column in (self._times, self._stamps))
-        return Track(parent, times, stamps, Poses(poses[:, :3], poses[:, 3:]), self._static)
+        return TransformHistory(parent, times, stamps, Poses(poses[:, :3], poses[:, 3:]), self._static)
 
 
-class Frames:
-    """All frames of a recording.
+class FrameTree:
+    """The tree of all coordinate frames of a recording.
 
-    Odometry is one of the transforms where tf does not hold the same: so robots that record no tf have poses too.
+    Odometry is added to the tree unless tf contains the same transform, so that robots without tf have poses too.
 
     Args:
         transforms: all of the recording, in any order.
@@ -126,46 +126,46 @@ class Frames:
     """The parent and the child frame of the odometry that came first; None without odometry."""
 
     def __init__(self, transforms: Iterable[Transform]) -> None:
-        by_tf: defaultdict[tuple[str, str], _Growing] = defaultdict(_Growing)
-        by_odometry: defaultdict[tuple[str, str], _Growing] = defaultdict(_Growing)
+        by_tf: defaultdict[tuple[str, str], _Collected] = defaultdict(_Collected)
+        by_odometry: defaultdict[tuple[str, str], _Collected] = defaultdict(_Collected)
         parents: dict[str, str] = {}
         for transform in transforms:
             (by_odometry if transform.odometry else by_tf)[transform.parent, transform.child].add(transform)
             if not transform.odometry:
                 parents[transform.child] = transform.parent
-        # Where messages name different parents of a frame, the parent in the last message counts.
-        self._tracks = {child: by_tf[parent, child].track(parent) for child, parent in parents.items()}
+        # If messages name different parents of a frame, the parent in the last message counts.
+        self._histories = {child: by_tf[parent, child].history(parent) for child, parent in parents.items()}
         self.odometry = next(iter(by_odometry), None)
         if self.odometry:
-            self._join(*self.odometry, by_odometry[self.odometry].track(self.odometry[0]))
+            self._join(*self.odometry, by_odometry[self.odometry].history(self.odometry[0]))
 
     def chain(self, frame: str) -> list[str]:
         """The frame, its parent, the parent of that, up to the root."""
         chain = [frame]
-        while (track := self._tracks.get(chain[-1])) and track.parent not in chain:
-            chain.append(track.parent)
+        while (history := self._histories.get(chain[-1])) and history.parent not in chain:
+            chain.append(history.parent)
         return chain
 
-    def track(self, frame: str) -> Track | None:
-        """The track of a frame; None when its parent is not known."""
-        return self._tracks.get(frame)
+    def history(self, frame: str) -> TransformHistory | None:
+        """The history of a frame; None if no message names its parent."""
+        return self._histories.get(frame)
 
     def poses(self, frame: str, world: str, times_ns: Times, stamps_ns: Times) -> Poses:
         """The poses of a frame in one above it in its `chain`, at some log times and stamps, shape (N,) each."""
         chain = self.chain(frame)
         poses = Poses.identity(len(times_ns))
         for name in chain[: chain.index(world)]:
-            poses = self._tracks[name].at(times_ns, stamps_ns).of(poses)
+            poses = self._histories[name].at(times_ns, stamps_ns).of(poses)
         return poses
 
-    def _join(self, world: str, base: str, odometry: Track) -> None:
+    def _join(self, world: str, base: str, odometry: TransformHistory) -> None:
         chain = self.chain(base)
         if world in chain:
             return
-        # Odometry may be of a frame that has parents in tf; the root of those is what moves then.
+        # The child of odometry may have parents in tf: then their root moves in the world.
         below = self.poses(base, chain[-1], odometry.times_ns, odometry.stamps_ns)
         poses = odometry.poses.of(below.inverse())
-        self._tracks[chain[-1]] = Track(world, odometry.times_ns, odometry.stamps_ns, poses)
+        self._histories[chain[-1]] = TransformHistory(world, odometry.times_ns, odometry.stamps_ns, poses)
 
 
 def _sorted(times: Times) -> tuple[Times, Times]:
