@@ -1,4 +1,4 @@
-import { toFixed } from "../shared/format.ts";
+import { decimalsFor as decimalsUpTo, toFixed } from "../shared/format.ts";
 import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
 import { isOff } from "./scale.ts";
@@ -8,8 +8,7 @@ const MINUS = "\u2212";
 
 /** How many decimals tell speeds within limits apart: two, and more where all limits are below 0.1. */
 export function decimalsFor(limits: Limits[]): number {
-  const reach = Math.max(...limits.flat().map(Math.abs));
-  return Math.min(6, Math.max(2, 1 - Math.floor(Math.log10(reach))));
+  return decimalsUpTo(Math.max(...limits.flat().map(Math.abs)));
 }
 
 /** A speed with some decimals, or fewer if it would be wider than a column. The pop-up shows all of them. */
