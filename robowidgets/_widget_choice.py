@@ -45,9 +45,9 @@ class WidgetChoice(NamedTuple):
         """The widget, with its titles."""
         widget = load(self.kind.widget)
         if not self.kind.commands:
-            return widget(title=self.topic)
+            return widget(title=self.topic, **self.kind.options)
         bars = "commanded" if self.commanded else "measured"
-        return widget(title=self.topic, command_title=self.command, bars=bars)
+        return widget(title=self.topic, command_title=self.command, bars=bars, **self.kind.options)
 
 
 def choose_widgets(topics: Iterable[Shown]) -> tuple[WidgetChoice, ...]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from math import nan
 from typing import Any
@@ -42,6 +42,7 @@ class Kind:
         rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.log.TopicLog`; empty: Rerun leaves them out.
         commands: whether a topic may hold what was asked for, not measured; it goes with a measured topic: the widget
             has ``command(sample)`` too, and takes ``command_title`` and ``bars``.
+        options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
         goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
         every_message: whether each message counts, as an event does; of other kinds the newest is enough.
     """
@@ -61,6 +62,7 @@ class Kind:
     frames: str = "robowidgets.player._frames:SampleFrames"
     rerun: str = ""
     commands: bool = False
+    options: Mapping[str, Any] = field(default_factory=dict)
     goes_stale: bool = True
     every_message: bool = False
 
@@ -129,6 +131,8 @@ SPEED = Kind(
     frames="robowidgets.player._frames:SpeedFrames",
     rerun="robowidgets.in_rerun.log:SpeedLog",
     commands=True,
+    # No topic says how fast its robot may be.
+    options={"linear_limits": None, "angular_limits": None},
 )
 TOUCH = Kind(
     name="touch",

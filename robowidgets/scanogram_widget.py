@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from .recording import Recording
     from .recordings import RecordingData
 
-_LIMITS: dict[str, Pair] = dict.fromkeys(AXES, (-1.0, 1.0))
-
 
 @dataclass(frozen=True)
 class Picture:
@@ -179,7 +177,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
             times_ns: times of M speeds in nanoseconds, of the clock of the scans.
             values: shape (M, 6): linear x, y, z in m/s, angular x, y, z in rad/s; NaN where there is no value.
             title: where they come from; usually the topic.
-            limits: by axis, (min, max), past which a speed is marked; ±1 for those left out.
+            limits: by axis, (min, max), past which a speed is marked; those left out have none.
 
         Raises:
             RuntimeError: there are no scans yet. TypeError: something is no number. ValueError: shapes do not fit.
@@ -188,7 +186,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         times, speeds = _array("times_ns", times_ns, np.int64, 1), _array("values", values, np.float64, 2)
         if speeds.shape != (len(times), len(AXES)) or not len(times):
             raise ValueError(f"values: expected the shape ({max(1, len(times))}, {len(AXES)}), got {speeds.shape}")
-        strip = SpeedStrip(title, Clock(times, picture.start_ns), speeds, {**_LIMITS, **(limits or {})})
+        strip = SpeedStrip(title, Clock(times, picture.start_ns), speeds, limits or {})
         duration = max(picture.duration, float(strip.clock.starts[-1]))
         self._draw(replace(picture, speed=strip, duration=duration))
 

@@ -69,7 +69,8 @@ class SpeedWidget(RobotWidget[Reading]):
     Args:
         title: what is shown, for the header; usually the topic.
         command_title: where commanded speeds come from, for the header; usually the topic.
-        linear_limits: (min, max) in m/s with min <= 0 <= max; one number stands for both sides.
+        linear_limits: (min, max) in m/s with min <= 0 <= max; one number stands for both sides; None: no limits, and a
+            scale that holds the fastest speed since the last reset of the peaks.
         angular_limits: the same in rad/s.
         limits: by axis, instead of those two: ``{"linear.x": (-0.2, 0.5), "angular.z": 1.8}``. To change it, set
             another dictionary.
@@ -99,8 +100,10 @@ class SpeedWidget(RobotWidget[Reading]):
     _esm, _css = bundle("speed_widget")
 
     command_title = traitlets.Unicode(help="Where commands come from, for the header. Plain text.").tag(sync=True)
-    linear_limits = Limits((-1.0, 1.0), "m/s", help="(min, max) of the linear speeds, m/s.").tag(sync=True)
-    angular_limits = Limits((-1.0, 1.0), "rad/s", help="(min, max) of the angular speeds, rad/s.").tag(sync=True)
+    linear_limits = Limits((-1.0, 1.0), "m/s", help="(min, max) of the linear speeds, m/s, or None.").tag(sync=True)
+    angular_limits = Limits((-1.0, 1.0), "rad/s", help="(min, max) of the angular speeds, rad/s, or None.").tag(
+        sync=True
+    )
     limits = AxisLimits(help="(min, max) by axis, m/s and rad/s, instead of those two.").tag(
         sync=True, to_json=lambda value, _: dict(value)
     )
@@ -172,9 +175,10 @@ class SpeedWidget(RobotWidget[Reading]):
         reading = self._on_show()
         return dict(zip(AXES, zip(reading.least, reading.greatest, strict=True), strict=True))
 
-    def limits_of(self, axis: str) -> Pair:
-        """The limits (min, max) of one axis, like "linear.x"."""
-        pair: Pair = self.limits.get(axis, self.linear_limits if axis.startswith("linear") else self.angular_limits)
+    def limits_of(self, axis: str) -> Pair | None:
+        """The limits (min, max) of one axis, like "linear.x"; None without."""
+        group = self.linear_limits if axis.startswith("linear") else self.angular_limits
+        pair: Pair | None = self.limits.get(axis, group)
         return pair
 
     def _take(self, method: str, message: Any, fields: dict[str, Any]) -> None:

@@ -19,8 +19,10 @@ LARGEST = 1e6
 Pair = tuple[float, float]
 
 
-def is_past(value: float, limits: Pair) -> bool:
-    """Whether a value lies outside its limits by more than rounding (1e-6); False for NaN."""
+def is_past(value: float, limits: Pair | None) -> bool:
+    """Whether a value lies outside its limits by more than rounding (1e-6); False for NaN, and without limits."""
+    if limits is None:
+        return False
     low, high = limits
     return value < low - _slack(low) or value > high + _slack(high)
 
@@ -35,15 +37,15 @@ def unit_of(axis: str) -> str:
 
 
 class Limits(traitlets.TraitType[Any, Any]):
-    """A pair (min, max) of floats with min <= 0 <= max and min < max; one number stands for both sides."""
+    """A pair (min, max) of floats with min <= 0 <= max and min < max; one number stands for both sides; None: none."""
 
     def __init__(self, default: Pair, unit: str, **more: Any) -> None:
         super().__init__(default, **more)
         self.unit = unit
 
-    def validate(self, _obj: Any, value: Any) -> Pair:
-        """The pair; TraitError says what is wrong with it."""
-        return _to_pair(str(self.name), value, self.unit)
+    def validate(self, _obj: Any, value: Any) -> Pair | None:
+        """The pair, or None; TraitError says what is wrong with it."""
+        return None if value is None else _to_pair(str(self.name), value, self.unit)
 
 
 class AxisLimits(traitlets.TraitType[Any, Any]):

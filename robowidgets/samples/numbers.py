@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite, pi
+from math import floor, isfinite, log10, pi
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -80,6 +80,19 @@ def _unmasked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[np.float32]:
 def is_frozen(values: Any) -> TypeGuard[NDArray[np.float32]]:
     """Whether this is a read-only one-dimensional array of float32."""
     return type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1 and not values.flags.writeable
+
+
+def shortest(value: ArrayLike) -> float:
+    """A float32 as the float that a person would write: 2.54, not 2.5399999618530273."""
+    return float(str(np.float32(value)))
+
+
+def metres(value: float, reach: float) -> str:
+    """A distance in a picture that reaches so far in metres, as the page writes it: ``"2.54 m"``, ``"1.235 km"``."""
+    if value >= 1000:
+        return f"{value / 1000:.3f} km"
+    text = f"{value:.{min(6, max(2, 1 - floor(log10(reach))))}f}"
+    return f"{value:.2g} m" if value and not float(text) else f"{text} m"
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:

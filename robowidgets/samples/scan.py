@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._age import HasAge
-from .numbers import ANGLE_ROUNDING, OF_DEGREES, finite, floats, frozen, in_radians, is_frozen, number
+from .numbers import ANGLE_ROUNDING, OF_DEGREES, finite, floats, frozen, in_radians, is_frozen, metres, number, shortest
 from .sector import Sector, in_sector, to_sector
 
 MAX_RAYS = 1_000_000
@@ -46,9 +46,9 @@ class Validity(IntEnum):
 class Ray(NamedTuple):
     """One ray of a scan, as a program meets it.
 
-    ``index`` is the index in ``ranges``; ``range`` is in metres, as measured (it may be NaN or infinite); ``angle`` is
-    in radians within ±pi, counter-clockwise from forward; ``x`` and ``y`` are in metres and None when there is no
-    reading; ``intensity`` is in device units and None when the scanner sent none.
+    ``index`` is the index in ``ranges``; ``range`` is in metres, as measured, the shortest decimal of its float32 (it
+    may be NaN or infinite); ``angle`` is in radians within ±pi, counter-clockwise from forward; ``x`` and ``y`` are in
+    metres and None when there is no reading; ``intensity`` is in device units and None when the scanner sent none.
     """
 
     index: int  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
@@ -163,7 +163,7 @@ class Scan(HasAge):
         reading = validity is Validity.READING
         return Ray(
             index=i,
-            range=float(self.ranges[i]),
+            range=shortest(self.ranges[i]),
             angle=_within_half_turn(float(self.angles[i])),
             x=float(self.x[i]) if reading else None,
             y=float(self.y[i]) if reading else None,
@@ -177,7 +177,7 @@ class Scan(HasAge):
         near = self.nearest()
         how = "no readings"
         if near:
-            how = f"nearest {near.range:.2f} m" if near.validity is Validity.READING else "too close"
+            how = f"nearest {metres(near.range, self._reach)}" if near.validity is Validity.READING else "too close"
             how += f" at ranges[{near.index}]"
         return f"<Scan of {rays}{sweep}, {how}>"
 
@@ -285,7 +285,7 @@ class Scan(HasAge):
             TypeError: the sector is no pair of numbers, or the percentile no number.
             ValueError: no such sector, an angle is beyond a full turn either way, or the percentile is not 0 to 100.
         """
-        return float(distances(self.ranges, self, sector, percentile))
+        return shortest(distances(self.ranges, self, sector, percentile))
 
     def nearest(self, sector: Sector | str | None = None) -> Ray | None:
         """The ray that meets the nearest thing, the first of equals; None where `distance` is inf or NaN.
@@ -325,6 +325,11 @@ class Scan(HasAge):
         turned = replace(self, angle_min=self.angle_min + angle)
         turned._arrive(self._arrived)
         return turned
+
+    @property
+    def _reach(self) -> float:
+        """Metres that a picture of this scan reaches: range_max, or the farthest reading where that is no limit."""
+        return self.range_max if self.range_max < _FARTHEST else float(self.ranges[self.valid].max(initial=0)) or 1.0
 
     @cached_property
     def _settings(self) -> dict[str, Any]:

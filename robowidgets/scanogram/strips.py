@@ -21,6 +21,9 @@ MOST_TOUCHES = 2_000
 SIDEWAYS = 0.05
 """Metres per second; slower sideways speeds count as noise of a robot that cannot move sideways."""
 
+FAST = 1.0
+"""m/s or rad/s; other axes are shown where they are faster."""
+
 _ALWAYS = ("linear.x", "angular.z")
 
 
@@ -32,13 +35,13 @@ class SpeedPart(NamedTuple):
 
 
 class SpeedStrip:
-    """The axes shown: linear x, angular z, linear y if the robot moves sideways, and those that pass their limits.
+    """The axes shown: linear x and angular z, linear y if the robot moves sideways, fast ones, those past limits.
 
     Args:
         title: the topic.
         clock: the times of the speeds.
         values: shape (M, 6), in the order of `AXES`; NaN for missing values.
-        limits: (min, max) of each axis.
+        limits: (min, max) by axis; an axis that is left out has none.
     """
 
     def __init__(
@@ -49,13 +52,15 @@ class SpeedStrip:
         ends = {
             axis: (column.min(initial=0), column.max(initial=0)) for axis, column in zip(AXES, known.T, strict=True)
         }
-        over = {axis for axis in AXES if any(is_past(float(end), limits[axis]) for end in ends[axis])}
+        over = {
+            axis for axis in AXES if any(is_past(float(end), limits.get(axis, (-FAST, FAST))) for end in ends[axis])
+        }
         if max(np.abs(ends["linear.y"])) > SIDEWAYS:
             over.add("linear.y")
         shown = [i for i, axis in enumerate(AXES) if axis in _ALWAYS or axis in over]
         self._values = np.ascontiguousarray(values[:, shown].T, np.float32)
         self.axes = [AXES[i] for i in shown]
-        self.limits = [limits[axis] for axis in self.axes]
+        self.limits = [limits.get(axis) for axis in self.axes]
 
     def part(self, start: float, end: float) -> SpeedPart:
         """The speeds between two times in seconds, and one more at either end; of too many, the extremes."""

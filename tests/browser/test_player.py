@@ -207,7 +207,7 @@ def test_a_command_alone_is_not_shown_as_measured(plain_page: Open, tmp_path: Pa
     speed = nb.output(1).locator(".rw-speed")
     expect(speed.locator(".rw-facts")).to_have_text("commanded")
     expect(speed.locator("[data-axis='0'] .rw-value")).to_have_text("0.70")
-    expect(speed.locator(".rw-key-item:visible")).to_have_text(["commanded", "limits"])
+    expect(speed.locator(".rw-key-item:visible")).to_have_text(["commanded"])
     expect(speed).not_to_contain_text("measured")
     shoot(speed, "player-command-alone")
     nb.theme("dark")

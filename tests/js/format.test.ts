@@ -24,8 +24,28 @@ test("what is no finite number is said in words", () => {
 
 test("metres come in full and short", () => {
   assert.equal(toMetres(2.5), "2.50 m");
-  const short = [6, 4.5, 100, 1200, 0.05, 0.125, 1.0004, 10.1, 0].map(toShortMetres);
-  assert.deepEqual(short, ["6 m", "4.5 m", "100 m", "1200 m", "0.05 m", "0.125 m", "1 m", "10.1 m", "0 m"]);
+  const short = [6, 4.5, 100, 0.05, 0.125, 1.0004, 10.1, 0].map(toShortMetres);
+  assert.deepEqual(short, ["6 m", "4.5 m", "100 m", "0.05 m", "0.125 m", "1 m", "10.1 m", "0 m"]);
+});
+
+test("metres have the decimals of the picture, and no distance reads as 0", () => {
+  assert.deepEqual(
+    [0.003, 0.0025, 0].map((value) => toMetres(value, 0.004)),
+    ["0.0030 m", "0.0025 m", "0.0000 m"],
+  );
+  assert.deepEqual(
+    [0.003, 0.02, 0].map((value) => toMetres(value, 10)),
+    ["0.003 m", "0.02 m", "0.00 m"],
+  );
+  assert.deepEqual([0.002, 0.000125, 0.0033333].map(toShortMetres), ["0.002 m", "0.000125 m", "0.00333 m"]);
+});
+
+test("from 1 km on metres are kilometres", () => {
+  assert.deepEqual(
+    [999.99, 1000, 1234.56].map((value) => toMetres(value, 5000)),
+    ["999.99 m", "1.000 km", "1.235 km"],
+  );
+  assert.deepEqual([1000, 1200, 100_000].map(toShortMetres), ["1 km", "1.2 km", "100 km"]);
 });
 
 test("angles lie within half a turn, with one decimal", () => {

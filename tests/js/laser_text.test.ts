@@ -46,6 +46,12 @@ test("a reading is told with distance, angle, x and y", () => {
   assert.equal(describeRay(scanOf([2], { angleMin: -90 * DEGREE }), 0).details, `x 0.00  y ${MINUS}2.00`);
 });
 
+test("a reading in a picture of millimetres has their decimals", () => {
+  const near = { ...scanOf([0.003], { angleMin: 0 }), minRange: 0, kinds: [0] };
+  const { distance, details } = describeRay(near as never, 0, 0.004);
+  assert.deepEqual([distance, details], ["0.0030 m", "x 0.0030  y 0.0000"]);
+});
+
 test("a ray without a reading is told with what its value means", () => {
   const told = [1, 2, 3, 4].map((index) => describeRay(scan, index));
   assert.deepEqual(

@@ -11,6 +11,7 @@ import {
   toClearance,
   toHeight,
   toHeightOnTrack,
+  toReach,
   toScales,
 } from "../../robowidgets/js/speed/scale.ts";
 import type { Limits } from "../../robowidgets/js/speed/traits.ts";
@@ -62,6 +63,11 @@ test("a limit of zero leaves room below zero for a speed that passes it", () => 
   assert.deepEqual(scale, { low: -0.0625, high: 0.5625 });
 });
 
+test("without limits a scale reaches to the next round number that holds the fastest speed", () => {
+  const reaches = [0, 0.0004, 0.1, 0.22, 0.3, 0.5, 1, 1.2, 2.84, 20, 51, 1e9].map(toReach);
+  assert.deepEqual(reaches, [0.1, 0.1, 0.1, 0.5, 0.5, 0.5, 1, 2, 5, 20, 100, 1e6]);
+});
+
 test("what is off the scale is drawn at its end and known to be off", () => {
   const scale = { low: -1.25, high: 1.25 };
   assert.equal(toHeightOnTrack(scale, 2), 1);
@@ -92,6 +98,8 @@ test("an axis has its own limits, else those of its group", () => {
 test("limits are shared when they are the same for all", () => {
   assert.deepEqual(sharedLimits([ONE, [-1, 1]]), ONE);
   assert.equal(sharedLimits([ONE, [-1, 2]]), null);
+  assert.equal(sharedLimits([null, null]), null);
+  assert.equal(sharedLimits([ONE, null]), null);
 });
 
 test("the numbers beside the tracks are the limits, zero, and round ones between", () => {

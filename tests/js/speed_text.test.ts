@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type AxisFacts, toFacts } from "../../robowidgets/js/speed/facts.ts";
+import { type AxisFacts, toFacts, toFastest } from "../../robowidgets/js/speed/facts.ts";
 import { decodeSpeeds, type Speeds } from "../../robowidgets/js/speed/frame.ts";
 import {
   decimalsFor,
@@ -19,7 +19,9 @@ const SETTINGS = {
   limits: { linear: [-1, 1] as Limits, angular: [-1, 1] as Limits, axes: {} },
   planar: false,
   marksPeaks: false,
+  fastest: { linear: 0, angular: 0 },
 };
+const NO_LIMITS = { ...SETTINGS, limits: { linear: null, angular: null, axes: {} } };
 
 function speeds(more: Partial<Speeds>): Speeds {
   return { sequence: 1, rate: NaN, measured: null, commanded: null, least: NONE, greatest: NONE, resets: 0, ...more };
@@ -159,6 +161,38 @@ test("one line says what is past its limits", () => {
   assert.equal(summary([1.5, 2, 0, 0, 0, -2]), "3 past their limits");
   assert.equal(summary(NONE), "");
   assert.equal(summarize([], []), "");
+});
+
+test("without limits nothing is past them, and no word is said of them", () => {
+  const measured = [3, 0, 0, 0, 0, -20];
+  const fastest = toFastest(speeds({ measured }), false, SETTINGS.fastest);
+  const words = describeAxis(axisFacts(0, { measured }, { ...NO_LIMITS, fastest }));
+  assert.deepEqual([words.value, words.alarm, words.details], ["3.0000 m/s", "", []]);
+  const groups = toFacts(speeds({ measured }), { ...NO_LIMITS, fastest });
+  assert.equal(
+    summarize(
+      groups.flatMap(({ axes }) => axes),
+      groups.flatMap(({ hidden }) => hidden),
+    ),
+    "",
+  );
+  assert.deepEqual(
+    groups.map(({ scale, shared }) => [scale, shared]),
+    [
+      [{ low: -6.25, high: 6.25 }, null],
+      [{ low: -25, high: 25 }, null],
+    ],
+  );
+  const infinite = describeAxis(axisFacts(0, { measured: [Infinity, 0, 0, 0, 0, 0] }, NO_LIMITS));
+  assert.equal(infinite.alarm, "off the scale");
+});
+
+test("the fastest speed counts commands and peaks of the axes on show, and never falls", () => {
+  const more = { measured: [0.1, 0, 9, 0, 0, NaN], commanded: [-0.4, 0, 0, 0, 0, 0], greatest: [0, 0, 0, 0, 0, 2] };
+  const fastest = toFastest(speeds(more), true, SETTINGS.fastest);
+  assert.deepEqual(fastest, { linear: 0.4, angular: 2 });
+  assert.deepEqual(toFastest(speeds({ measured: [0, 0, 0, 0, 0, -Infinity] }), true, fastest), fastest);
+  assert.equal(toFastest(speeds(more), false, SETTINGS.fastest).linear, 9);
 });
 
 test("an axis that is not shown but moves or passes its limit is named", () => {

@@ -394,3 +394,25 @@ class TestTouch:
     def test_what_says_nothing_of_touch_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
         with pytest.raises(error, match=text):
             Touch(**given)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "range_max", "text"),
+    [
+        ([0.003, 0.004], 0.004, "nearest 0.0030 m at"),
+        ([0.003, 4.0], 10.0, "nearest 0.003 m at"),
+        ([0.0031, 0.004], inf, "nearest 0.0031 m at"),
+        ([2.54, 4.0], 10.0, "nearest 2.54 m at"),
+        ([1234.5, 4000.0], 5000.0, "nearest 1.234 km at"),
+    ],
+)
+def test_a_distance_is_written_with_the_decimals_of_its_scale(ranges: list[float], range_max: float, text: str) -> None:
+    assert text in repr(Scan(ranges, 0.0, 0.1, 0.0, range_max))
+
+
+def test_a_distance_is_the_number_that_was_measured() -> None:
+    scan = Scan([2.54, -inf, nan, inf], 0.0, 0.5, 0.1, 10.0)
+    assert repr(scan[0].range) == "2.54"
+    assert repr(Scan([2.54], 0.0, 0.1, 0.1, 10.0).distance()) == "2.54"
+    assert [scan[1].range, scan[3].range] == [-inf, inf]
+    assert isnan(scan[2].range)

@@ -172,7 +172,7 @@ def test_speeds_and_touches_lie_on_the_same_axis(scanogram: ScanogramWidget) -> 
     scanogram.set_speeds(times_ns=times, values=np.zeros((60, 6)), title="/odom", limits={"linear.x": (-0.2, 0.5)})
     scanogram.set_touches([(3.0, 4.0, "right"), (1.0, 2.0, "left")], title="/bumper")
     facts = facts_of(scanogram._frame)
-    assert facts["speed"]["limits"] == [[-0.2, 0.5], [-1.0, 1.0]]
+    assert facts["speed"]["limits"] == [[-0.2, 0.5], None]
     assert facts["touch"] == {"title": "/bumper", "sensors": ["left", "right"]}
     assert facts["duration"] == pytest.approx(5.9)
     with pytest.raises(ValueError, match=r"values: expected the shape \(60, 6\), got \(60, 3\)"):

@@ -165,7 +165,6 @@ class TestLimits:
             ("fast", r"expected a number above 0, or a pair .* got 'fast'"),
             (("-1", "1"), r"expected a number above 0, or a pair .* got \('-1', '1'\)"),
             (True, r"expected a number above 0, or a pair .* got True"),
-            (None, r"expected a number above 0, or a pair .* got None"),
         ],
     )  # fmt: skip
     def test_what_is_no_pair_round_zero_is_refused(self, given: Any, said: str) -> None:
@@ -175,6 +174,13 @@ class TestLimits:
         with pytest.raises(TraitError, match=r"^limits\['angular.z'\]: "):
             speed.limits = {"angular.z": given}
         assert speed.limits == {}
+
+    def test_none_stands_for_no_limits_of_a_group_and_an_axis_is_left_out_instead(self) -> None:
+        speed = SpeedWidget(linear_limits=None, limits={"linear.z": 0.1})
+        speed.update(linear=(9, 0, 0.2), angular=(0, 0, 2))
+        assert speed.over_limits == {"linear.z": 0.2, "angular.z": 2.0}
+        with pytest.raises(TraitError, match=r"^limits\['linear.x'\]: expected a number above 0, .* got None"):
+            speed.limits = {"linear.x": None}
 
     def test_angular_limits_are_named_with_their_unit(self) -> None:
         with pytest.raises(TraitError, match=r"angular_limits: expected .* in rad/s; got 'x'"):

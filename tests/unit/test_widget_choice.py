@@ -44,3 +44,13 @@ def test_a_command_alone_is_shown_as_one() -> None:
     ]  # fmt: skip
     assert [choice.make().bars for choice in choose_widgets(shown)[1:]] == ["measured", "commanded"]
     assert [choice.make().bars for choice in choose_widgets(shown[2:])] == ["commanded", "commanded"]
+
+
+def test_a_speed_of_a_topic_has_no_limits_until_somebody_sets_them() -> None:
+    shown = [Topic("/odom", "", "speed", commanded=False, offered=True, wanted=None)]
+    speed = choose_widgets(shown)[0].make()
+    speed.update(linear=(3.0, 0.0, 0.0))
+    assert (speed.linear_limits, speed.angular_limits, speed.limits_of("linear.x")) == (None, None, None)
+    assert speed.over_limits == {}
+    speed.linear_limits = 0.5
+    assert speed.over_limits == {"linear.x": 3.0}

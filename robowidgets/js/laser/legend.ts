@@ -28,7 +28,8 @@ export class Legend {
     footer.append(counts, this.#nearest);
   }
 
-  update(scan: Scan | null, shown: string[]): void {
+  /** @param reach metres of the picture, which set the decimals */
+  update(scan: Scan | null, shown: string[], reach: number): void {
     for (const { name, item, count, kind } of this.#items) {
       setText(count, toCount(scan?.counts[kind] ?? 0));
       if (kind !== READING) item.ariaPressed = String(shown.includes(name));
@@ -37,7 +38,7 @@ export class Legend {
     const nearest = scan?.nearest ?? -1;
     if (scan && nearest >= 0) {
       if (scan.kinds[nearest] === READING) {
-        parts.push("nearest ", make("b", "", toMetres(scan.ranges[nearest] as number)));
+        parts.push("nearest ", make("b", "", toMetres(scan.ranges[nearest] as number, reach)));
       } else parts.push("too close");
       parts.push(" at ", make("b", "", toDegrees(angleOf(scan, nearest))), " ", make("b", "rw-index", `[${nearest}]`));
     }

@@ -1,4 +1,4 @@
-import { toCount, toDegrees, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
+import { decimalsFor, toCount, toDegrees, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
 import {
   angleOf,
   type Limits,
@@ -89,7 +89,8 @@ interface Where {
   side: string;
 }
 
-export function describeRay(scan: Scan, index: number): RayWords {
+/** @param reach metres of the picture, which set the decimals */
+export function describeRay(scan: Scan, index: number, reach = 1): RayWords {
   const expression = `ranges[${index}]`;
   if (index >= scan.count) {
     return {
@@ -105,11 +106,18 @@ export function describeRay(scan: Scan, index: number): RayWords {
   const intensity = scan.intensities[index];
   const parts = [meaningOf(scan, index)];
   const isReading = parts[0] === "";
-  if (isReading) parts[0] = `x ${toFixed(range * Math.cos(angle), 2)}  y ${toFixed(range * Math.sin(angle), 2)}`;
+  if (isReading) {
+    const [x, y] = [Math.cos(angle), Math.sin(angle)].map((part) => toFixed(range * part, decimalsFor(reach)));
+    parts[0] = `x ${x}  y ${y}`;
+  }
   if (intensity !== undefined) parts.push(`intensity ${toFixed(intensity, Number.isInteger(intensity) ? 0 : 2)}`);
   return {
     expression,
-    distance: isReading ? toMetres(range) : Number.isFinite(range) ? `${toFixed(range, 3)} m` : toFixed(range, 0),
+    distance: isReading
+      ? toMetres(range, reach)
+      : Number.isFinite(range)
+        ? `${toFixed(range, 3)} m`
+        : toFixed(range, 0),
     angle: toDegrees(angle),
     details: parts.join("\n"),
     side: sideOf(angle),

@@ -40,7 +40,7 @@ export class LaserView {
     this.#model = model;
     this.#stream = stream;
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
-    const tell = () => this.#legend.update(stream.shown, model.get("marks"));
+    const tell = () => this.#legend.update(stream.shown, model.get("marks"), this.#scene.viewRange);
     this.#tell = throttle(tell, READING_MS, signal);
     this.#card = new SampleCard(element, "laser", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
@@ -130,12 +130,12 @@ export class LaserView {
     if (this.#size.width === 0) return;
     const scan = this.#stream.shown;
     const { theme } = this.#card;
-    this.#tell();
     this.#card.update([this.#stream.about.frame_id ?? "", scan ? toMany(scan.count, "ray") : ""], "scan");
     setText(this.#empty, scan ? whyEmpty(scan, this.#stream.about.notes) : this.#card.waiting("scan"));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.#card.picture, this.#empty)];
     this.#scene.draw(scan, this.#size, this.#card.noticeHeight, covered, theme);
+    this.#tell();
     setText(this.#range, toShortMetres(this.#scene.viewRange));
     this.#fit.ariaPressed = String(this.#model.get("view_range") === "data");
     this.#drawPopups(scan);
@@ -150,7 +150,7 @@ export class LaserView {
       const center = { x: projection.centerX, y: projection.centerY };
       const end = index < scan.count ? this.#scene.drawPointer(scan, index, this.#card.theme) : center;
       others.push(
-        popup.show(describeRay(scan, index), (size) =>
+        popup.show(describeRay(scan, index, projection.viewRange), (size) =>
           placePopup(size, box, center, end, occupied, others, labelBoxes),
         ),
       );

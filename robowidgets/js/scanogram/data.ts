@@ -51,7 +51,7 @@ export interface Whole {
   counts: number[];
   colors: [number, number];
   block: Block;
-  speed: { title: string; axes: string[]; limits: [number, number][]; gap: number; speeds: Speeds } | null;
+  speed: { title: string; axes: string[]; limits: ([number, number] | null)[]; gap: number; speeds: Speeds } | null;
   touch: { title: string; sensors: string[]; spans: NamedSpan[] } | null;
 }
 

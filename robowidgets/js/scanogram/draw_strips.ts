@@ -19,7 +19,9 @@ const LETTERS: Record<string, string> = {
 type Speed = NonNullable<Whole["speed"]>;
 
 /** Whether a speed exceeds its limits by more than rounding errors, as in Python. */
-function isPast(value: number, [low, high]: [number, number]): boolean {
+function isPast(value: number, limits: [number, number] | null): boolean {
+  if (!limits) return false;
+  const [low, high] = limits;
   return value < low - ROUNDING * Math.max(1, -low) || value > high + ROUNDING * Math.max(1, high);
 }
 
@@ -44,7 +46,7 @@ export function drawSpeed(
   number: number,
   theme: Theme,
 ): void {
-  const limits = speed.limits[number] ?? [-1, 1];
+  const limits = speed.limits[number] ?? null;
   const reach = reachOf(speed, number);
   const half = band.height / 2;
   const toY = (value: number) => band.top + half - (value / reach) * (half - 1);
@@ -54,7 +56,7 @@ export function drawSpeed(
   context.fillRect(left, Math.round(toY(0)), width, 1);
   context.strokeStyle = theme.muted;
   context.setLineDash([3, 3]);
-  for (const limit of limits.filter((value) => Math.abs(value) <= reach)) {
+  for (const limit of (limits ?? []).filter((value) => Math.abs(value) <= reach)) {
     const y = Math.round(toY(limit)) + 0.5;
     context.beginPath();
     context.moveTo(left, y);
@@ -78,7 +80,7 @@ function drawLine(
   startsAt: Float64Array,
   least: Float32Array,
   greatest: Float32Array,
-  limits: [number, number],
+  limits: [number, number] | null,
   toY: (value: number) => number,
   theme: Theme,
 ): void {

@@ -33,8 +33,8 @@ export class Legend {
   drawKey(whole: Whole | null, [near, far]: [number, number], theme: Theme): void {
     this.#scale.hidden = whole === null;
     const all = (whole?.counts ?? []).reduce((sum, count) => sum + count, 0);
-    setText(this.#near, toMetres(near));
-    setText(this.#far, toMetres(far));
+    setText(this.#near, toMetres(near, far));
+    setText(this.#far, toMetres(far, far));
     this.#bar.style.background = `linear-gradient(to right, ${distanceColors(theme.dark).join(",")})`;
     const shown = CLASSES.filter(({ kind }) => kind !== READING && (whole?.counts[kind] ?? 0) > 0);
     const colors = classColors(theme);

@@ -19,7 +19,7 @@ export function describePlace(place: Place, angle: number, sweep: Sweep): RayWor
   const lines = [meaningOf({ kinds: [kind], ...sweep }, 0), toMoment(place), nearestOf(place)];
   return {
     expression: sweep.byAngle ? "" : `ranges[${place.index}]`,
-    distance: kind === READING ? toMetres(place.range) : (known ?? ""),
+    distance: kind === READING ? toMetres(place.range, sweep.far) : (known ?? ""),
     angle: toDegrees(angle),
     details: lines.filter(Boolean).join("\n"),
     side: sideOf(angle),

@@ -8,14 +8,29 @@ export function toFixed(value: number, decimals: number): string {
   return value < 0 && Number(text) !== 0 ? MINUS + text : text;
 }
 
-/** Metres with two decimals: "2.54 m". */
-export function toMetres(value: number): string {
-  return `${toFixed(value, 2)} m`;
+const KILOMETRE = 1000;
+
+/** How many decimals tell numbers up to a size apart: two, and more where the size is below 0.1; at most six. */
+export function decimalsFor(size: number): number {
+  return Math.min(6, Math.max(2, 1 - Math.floor(Math.log10(size))));
 }
 
-/** Metres with as many decimals as the number needs, at most three: "6 m", "4.5 m". */
+/**
+ * Metres with the decimals of a picture that reaches so far, and more where a distance would read as 0: "2.54 m". From
+ * 1 km on, kilometres to the metre: "1.234 km".
+ */
+export function toMetres(value: number, reach = 1): string {
+  if (Number.isFinite(value) && Math.abs(value) >= KILOMETRE) return `${toFixed(value / KILOMETRE, 3)} km`;
+  const text = toFixed(value, decimalsFor(reach));
+  return value !== 0 && Number(text) === 0 ? toShortMetres(value) : `${text} m`;
+}
+
+/** Metres, or kilometres, with as many decimals as the number needs: "6 m", "4.5 m", "0.0025 m", "1.2 km". */
 export function toShortMetres(value: number): string {
-  return `${toFixed(value, 3).replace(/\.?0+$/, "")} m`;
+  const isFar = Number.isFinite(value) && Math.abs(value) >= KILOMETRE;
+  const shown = isFar ? value / KILOMETRE : value;
+  const text = toFixed(shown, Math.min(6, decimalsFor(Math.abs(shown) || 1) + 1));
+  return `${text.includes(".") ? text.replace(/\.?0+$/, "") : text} ${isFar ? "km" : "m"}`;
 }
 
 /** Radians as degrees within ±180 with one decimal. Rounds twice, so that 28.75° in float32 is "28.8°", not "28.7°". */

@@ -60,8 +60,8 @@ export class Column {
   }
 
   #drawLimits({ limits, scale }: AxisFacts, labelled: boolean, clearance: number): void {
-    const isClose = toHeight(scale, limits[1]) - toHeight(scale, limits[0]) < clearance;
-    for (const [i, limit] of limits.entries()) {
+    const isClose = limits !== null && toHeight(scale, limits[1]) - toHeight(scale, limits[0]) < clearance;
+    for (const [i, limit] of (limits ?? [0, 0]).entries()) {
       const [line, label] = i ? [this.#limits[1], this.#labels[1]] : [this.#limits[0], this.#labels[0]];
       const bottom = `bottom: ${toPercent(toHeight(scale, limit))}`;
       this.#style(line, bottom);

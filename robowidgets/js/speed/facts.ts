@@ -1,7 +1,7 @@
-import { type Axis, GROUPS, isShown } from "./axes.ts";
+import { type Axis, GROUPS, type Group, isShown } from "./axes.ts";
 import type { Speeds } from "./frame.ts";
 import { type LimitSettings, limitsOf } from "./limits.ts";
-import { type Scale, sharedLimits, toScales } from "./scale.ts";
+import { type Scale, sharedLimits, toReach, toScales } from "./scale.ts";
 import { decimalsFor } from "./text.ts";
 import type { Limits } from "./traits.ts";
 
@@ -14,7 +14,8 @@ export interface AxisFacts {
   commanded: number | null;
   /** Least and greatest; null when peaks are not marked. */
   peaks: [number, number] | null;
-  limits: Limits;
+  /** Null without. */
+  limits: Limits | null;
   scale: Scale;
   /** With how many decimals its numbers are shown. */
   decimals: number;
@@ -23,7 +24,7 @@ export interface AxisFacts {
 /** All data of the axes of a group, which share a scale. */
 export interface GroupFacts {
   scale: Scale;
-  /** The limits that all axes on show have; null when they differ. */
+  /** The limits that all axes on show have; null when they differ, or there are none. */
   shared: Limits | null;
   axes: AxisFacts[];
   hidden: AxisFacts[];
@@ -33,17 +34,40 @@ export interface Settings {
   limits: LimitSettings;
   planar: boolean;
   marksPeaks: boolean;
+  /** For axes without limits. */
+  fastest: Fastest;
+}
+
+/** The fastest speed so far, by group. */
+export type Fastest = Record<Group["name"], number>;
+
+/** The fastest speed of axes on show, counting the peaks and all that was shown before. */
+export function toFastest(speeds: Speeds | null, planar: boolean, before: Fastest): Fastest {
+  const fastest = { ...before };
+  for (const values of speeds ? [speeds.measured, speeds.commanded, speeds.least, speeds.greatest] : []) {
+    for (const group of GROUPS) {
+      for (const axis of group.axes.filter((axis) => isShown(axis, planar))) {
+        const size = Math.abs(values?.[axis.index] ?? 0);
+        if (Number.isFinite(size) && size > fastest[group.name]) fastest[group.name] = size;
+      }
+    }
+  }
+  return fastest;
 }
 
 /** What the groups show. */
-export function toFacts(speeds: Speeds | null, { limits, planar, marksPeaks }: Settings): GroupFacts[] {
+export function toFacts(speeds: Speeds | null, { limits, planar, marksPeaks, fastest }: Settings): GroupFacts[] {
   const onShow = GROUPS.map((group) =>
     group.axes.filter((axis) => isShown(axis, planar)).map((axis) => limitsOf(limits, group, axis)),
   );
-  const scales = toScales(onShow);
+  const bounds = GROUPS.map((group, g) => {
+    const reach = toReach(fastest[group.name]);
+    return (onShow[g] ?? []).map((pair): Limits => pair ?? [-reach, reach]);
+  });
+  const scales = toScales(bounds);
   return GROUPS.map((group, g) => {
-    const [scale, groupLimits] = [scales[g] as Scale, onShow[g] as Limits[]];
-    const decimals = decimalsFor(groupLimits);
+    const [scale, groupLimits] = [scales[g] as Scale, onShow[g] as (Limits | null)[]];
+    const decimals = decimalsFor(bounds[g] as Limits[]);
     const toAxisFacts = (axis: Axis): AxisFacts => ({
       ...toSpeeds(speeds, axis, marksPeaks),
       axis,

@@ -24,15 +24,16 @@ export class GroupView {
 
   /** @param clearance how close labels may come, as a part of a track */
   update(facts: GroupFacts, clearance: number): void {
-    this.#updateScale(facts, clearance);
+    const labelled = facts.shared === null && facts.axes.some(({ limits }) => limits);
+    this.#updateScale(facts, labelled, clearance);
     for (const [i, column] of this.columns.entries()) {
       const axisFacts = facts.axes[i];
-      if (axisFacts) column.update(axisFacts, facts.shared === null, clearance);
+      if (axisFacts) column.update(axisFacts, labelled, clearance);
     }
   }
 
-  #updateScale({ scale, shared }: GroupFacts, clearance: number): void {
-    const key = JSON.stringify([scale, shared, clearance]);
+  #updateScale({ scale, shared }: GroupFacts, labelled: boolean, clearance: number): void {
+    const key = JSON.stringify([scale, shared, labelled, clearance]);
     if (key === this.#key) return;
     this.#key = key;
     this.root.style.setProperty("--rw-zero", toPercent(toHeight(scale, 0)));
@@ -44,7 +45,7 @@ export class GroupView {
       lane.append(label);
     }
     this.#scale.replaceChildren(make("div", "rw-axis-name"), lane, make("div", "rw-value"), make("div", "rw-said"));
-    this.root.classList.toggle("rw-labelled", shared === null);
+    this.root.classList.toggle("rw-labelled", labelled);
     const width = (isNarrow: boolean) =>
       Math.max(...labels.filter(({ round }) => !(round && isNarrow)).map(({ value }) => toShort(value).length));
     this.root.style.setProperty("--rw-chars", String(width(false)));

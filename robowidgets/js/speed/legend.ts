@@ -22,9 +22,10 @@ export class Legend {
   }
 
   /** @param bars what the bars show, in a word */
-  update(bars: string, hasCommand: boolean, hasPeaks: boolean, summary: string): void {
+  update(bars: string, hasCommand: boolean, hasLimits: boolean, hasPeaks: boolean, summary: string): void {
     setText(this.#bars, bars);
     this.#show("command", hasCommand);
+    this.#show("limit", hasLimits);
     this.#show("peak", hasPeaks);
     setText(this.#summary, summary);
     this.#summary.title = summary;

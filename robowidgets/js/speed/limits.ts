@@ -6,22 +6,24 @@ export type State = "within" | "over" | "under" | "none";
 
 /** The limits as Python sets them: by group, and by axis instead of those. */
 export interface LimitSettings {
-  linear: Limits;
-  angular: Limits;
+  linear: Limits | null;
+  angular: Limits | null;
   axes: Record<string, Limits>;
 }
 
 /** As in Python: past a limit by more than rounding. */
 const ROUNDING = 1e-6;
 
-export function judge(value: number, [low, high]: Limits): State {
+export function judge(value: number, limits: Limits | null): State {
   if (Number.isNaN(value)) return "none";
+  if (!limits) return "within";
+  const [low, high] = limits;
   if (value > high + ROUNDING * Math.max(1, Math.abs(high))) return "over";
   if (value < low - ROUNDING * Math.max(1, Math.abs(low))) return "under";
   return "within";
 }
 
-/** The limits of an axis: its own, else those of its group. */
-export function limitsOf(settings: LimitSettings, group: Group, axis: Axis): Limits {
+/** The limits of an axis: its own, else those of its group; null without. */
+export function limitsOf(settings: LimitSettings, group: Group, axis: Axis): Limits | null {
   return settings.axes[axis.name] ?? settings[group.name];
 }

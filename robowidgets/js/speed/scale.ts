@@ -17,6 +17,9 @@ export interface Label {
 
 /** Room beyond the limits on either side, as a part of what lies between them. */
 const HEADROOM = 0.125;
+/** Noise of a robot that stands still is not drawn large, and an absurd speed is drawn cut. */
+const LEAST_REACH = 0.1;
+const MOST_REACH = 1e6;
 const TICK_COUNT = 5;
 /** Least distance of labels, as a part of the track. */
 export const CLEARANCE = 0.09;
@@ -59,10 +62,18 @@ export function toClearance(pixels: number): number {
   return Math.max(CLEARANCE, LABEL / (pixels || Infinity));
 }
 
-/** The limits that all axes have; null when they differ. */
-export function sharedLimits(limits: Limits[]): Limits | null {
+/** The limits that all axes have; null when they differ, or there are none. */
+export function sharedLimits(limits: (Limits | null)[]): Limits | null {
   const [first] = limits;
-  return first && limits.every(([low, high]) => low === first[0] && high === first[1]) ? first : null;
+  return first && limits.every((pair) => pair?.[0] === first[0] && pair?.[1] === first[1]) ? first : null;
+}
+
+/** What an axis without limits has in place of them: the next 1, 2 or 5 that holds the fastest speed. */
+export function toReach(fastest: number): number {
+  const size = Math.min(MOST_REACH, Math.max(LEAST_REACH, fastest));
+  const power = Math.floor(Math.log10(size));
+  const steps = [1, 2, 5, 10].map((step) => Number(`${step}e${power}`));
+  return steps.find((step) => step >= size) ?? size;
 }
 
 /** The numbers beside the tracks: the limits that all axes have, and where they leave room zero and round ones. */

@@ -1,4 +1,4 @@
-import { toFixed } from "../shared/format.ts";
+import { decimalsFor as decimalsUpTo, toFixed } from "../shared/format.ts";
 import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
 import { isOff } from "./scale.ts";
@@ -8,8 +8,7 @@ const MINUS = "\u2212";
 
 /** How many decimals tell speeds within limits apart: two, and more where all limits are below 0.1. */
 export function decimalsFor(limits: Limits[]): number {
-  const reach = Math.max(...limits.flat().map(Math.abs));
-  return Math.min(6, Math.max(2, 1 - Math.floor(Math.log10(reach))));
+  return decimalsUpTo(Math.max(...limits.flat().map(Math.abs)));
 }
 
 /** A speed with some decimals, or fewer if it would be wider than a column. The pop-up shows all of them. */
@@ -61,7 +60,7 @@ export function describeAxis(facts: AxisFacts): AxisWords {
     const state = toStateText(judge(value, limits));
     return `${Number.isNaN(value) ? "no value" : toFixed(value, decimals)} ${state}`.trim();
   };
-  const details: [string, string][] = [["limits", `${toShort(limits[0])} to ${toShort(limits[1])}`]];
+  const details: [string, string][] = limits ? [["limits", `${toShort(limits[0])} to ${toShort(limits[1])}`]] : [];
   if (commanded !== null) details.push(["commanded", say(commanded)]);
   if (peaks) details.push(["least", say(peaks[0])], ["greatest", say(peaks[1])]);
   const words = { expression: axis.name, direction: "", value: "not measured", alarm: "", details };
@@ -72,7 +71,7 @@ export function describeAxis(facts: AxisFacts): AxisWords {
     ...words,
     direction: isMoving ? axis.directions[measured > 0 ? 0 : 1] : "",
     value: Number.isNaN(measured) ? "no value" : `${toFixed(measured, decimals)} ${unit}`,
-    alarm: isOff(measured, scale) ? `${alarm}, off the scale` : alarm,
+    alarm: [alarm, isOff(measured, scale) ? "off the scale" : ""].filter(Boolean).join(", "),
   };
 }
 
@@ -88,7 +87,8 @@ export function summarize(shown: AxisFacts[], hidden: AxisFacts[]): string {
   });
   const hasValue = shown.some(({ measured }) => measured !== null && !Number.isNaN(measured));
   const parts = [past.length > 2 ? `${past.length} past their limits` : past.join(", ")];
-  if (!past.length && hasValue) parts[0] = "within limits";
+  const hasLimits = [...shown, ...hidden].some(({ limits }) => limits);
+  if (!past.length && hasValue && hasLimits) parts[0] = "within limits";
   if (moving.length) parts.push(`not shown: ${moving.join(", ")}`);
   return parts.filter(Boolean).join(" · ");
 }

@@ -4,8 +4,9 @@ import type { SampleTraits } from "../shared/traits.ts";
 export type Limits = [number, number];
 
 export interface SpeedTraits extends SampleTraits {
-  linear_limits: Limits;
-  angular_limits: Limits;
+  /** Null: no limits. */
+  linear_limits: Limits | null;
+  angular_limits: Limits | null;
   /** Of single axes, like "linear.x", in place of those of their group. */
   limits: Record<string, Limits>;
   planar: boolean;

@@ -7,7 +7,7 @@ import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { GROUPS } from "./axes.ts";
 import type { Column } from "./column.ts";
-import { type AxisFacts, toFacts } from "./facts.ts";
+import { type AxisFacts, type Fastest, toFacts, toFastest } from "./facts.ts";
 import type { Speeds } from "./frame.ts";
 import { watchGestures } from "./gestures.ts";
 import { GroupView } from "./group.ts";
@@ -45,6 +45,9 @@ export class SpeedView {
   #isPlanar: boolean | null = null;
   #hovered: number | null = null;
   #picked: number | null = null;
+  /** Kept, so that the scale of axes without limits grows and never jumps back; a reset of the peaks starts anew. */
+  #fastest: Fastest = { linear: 0, angular: 0 };
+  #resets: number | null = null;
 
   constructor(model: Model<SpeedTraits>, element: HTMLElement, stream: Stream<Speeds>, signal: AbortSignal) {
     this.#model = model;
@@ -118,6 +121,11 @@ export class SpeedView {
     const planar = model.get("planar");
     // Hide the old peaks at once; Python sends new ones when it has handled the reset.
     const isReset = !this.#stream.paused && speeds?.resets !== model.get("_resets");
+    if (!isReset && speeds && this.#resets !== speeds.resets) {
+      this.#resets = speeds.resets;
+      this.#fastest = { linear: 0, angular: 0 };
+    }
+    this.#fastest = toFastest(speeds, planar, this.#fastest);
     const groups = toFacts(speeds, {
       limits: {
         linear: model.get("linear_limits"),
@@ -126,11 +134,13 @@ export class SpeedView {
       },
       planar,
       marksPeaks: model.get("hold_peaks") && !isReset,
+      fastest: this.#fastest,
     });
     const shown = groups.flatMap(({ axes }) => axes);
     const hidden = groups.flatMap((group) => group.hidden);
     this.#layOut(planar);
-    this.#drawCard(speeds, summarize(shown, hidden));
+    const hasLimits = shown.some(({ limits }) => limits);
+    this.#drawCard(speeds, hasLimits, summarize(shown, hidden));
     const clearance = toClearance(this.#columns[0]?.track.clientHeight ?? 0);
     for (const [g, view] of this.#groups.entries()) {
       const facts = groups[g];
@@ -147,7 +157,7 @@ export class SpeedView {
     this.#board.replaceChildren(...this.#groups.map(({ root }) => root));
   }
 
-  #drawCard(speeds: Speeds | null, summary: string): void {
+  #drawCard(speeds: Speeds | null, hasLimits: boolean, summary: string): void {
     const model = this.#model;
     const bars = model.get("bars");
     const isCommanded = bars === "commanded";
@@ -160,7 +170,7 @@ export class SpeedView {
     this.#empty.hidden = speeds !== null;
     setText(this.#empty, this.#card.waiting("speed"));
     this.#board.classList.toggle("rw-commanded", Boolean(speeds?.commanded));
-    this.#legend.update(bars, Boolean(speeds?.commanded), model.get("hold_peaks"), summary);
+    this.#legend.update(bars, Boolean(speeds?.commanded), hasLimits, model.get("hold_peaks"), summary);
   }
 
   #drawPopup(shown: AxisFacts[]): void {

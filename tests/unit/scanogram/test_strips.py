@@ -20,6 +20,14 @@ def test_sideways_speed_has_a_strip_only_where_there_is_any() -> None:
     assert strip(values).axes == ["linear.x", "linear.y", "angular.z"]
 
 
+def test_a_strip_has_limits_only_where_somebody_set_them() -> None:
+    values = np.zeros((10, 6))
+    values[5, 0], values[6, 2] = 3.0, 1.5
+    speeds = SpeedStrip("/odom", Clock(np.arange(10), 0), values, {"angular.z": (-1.0, 1.0)})
+    assert speeds.axes == ["linear.x", "linear.z", "angular.z"], "an axis that is fast has a strip without limits too"
+    assert speeds.limits == [None, None, (-1.0, 1.0)]
+
+
 def test_any_other_axis_has_a_strip_only_where_it_is_past_its_limit() -> None:
     values = np.full((10, 6), 0.9)
     values[4, 3] = np.nan
