@@ -1,24 +1,33 @@
 // One self-contained script and stylesheet per widget: Jupyter loads each as a single text, in which relative imports
 // cannot resolve. Arguments: the folder of the widgets, and the one to build into; without them, those of robowidgets.
-import { readdirSync } from "node:fs";
-import { join } from "node:path";
-import { context } from "esbuild";
+import { createHash } from "node:crypto";
+import { mkdirSync, readdirSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { build, context } from "esbuild";
 
 const watch = process.argv.includes("--watch");
 const [from = ".", to = "../static"] = process.argv.slice(2).filter((argument) => !argument.startsWith("--"));
-const build = await context({
+const options = {
   entryPoints: readdirSync(from).flatMap((name) => (/_widget\.(ts|css)$/.test(name) ? join(from, name) : [])),
   outdir: to,
   bundle: true,
-  format: "esm",
   target: "es2022",
-  charset: "utf8",
-  minify: !watch,
   logLevel: "info",
-});
+};
+
+// Jupyter imports the script anew for each widget, and a page keeps every module that it has imported. So the first one
+// runs the code, and the others take what it made: a page then has the code of a widget once, not once per instance.
+function share(script) {
+  const key = `robowidgets ${createHash("sha256").update(script).digest("hex").slice(0, 16)}`;
+  return `const run=()=>{${script}return widget.default};export default globalThis[Symbol.for("${key}")]??=run();\n`;
+}
+
 if (watch) {
-  await build.watch();
+  await (await context({ ...options, format: "esm" })).watch();
 } else {
-  await build.rebuild();
-  await build.dispose();
+  const { outputFiles } = await build({ ...options, format: "iife", globalName: "widget", minify: true, write: false });
+  for (const { path, text } of outputFiles) {
+    mkdirSync(dirname(path), { recursive: true });
+    writeFileSync(path, path.endsWith(".js") ? share(text) : text);
+  }
 }

@@ -1,4 +1,4 @@
-import { make, makeIcon, setText } from "../shared/dom.ts";
+import { make, makeIcon, mount, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { type Model, onChange, onMessage } from "../shared/model.ts";
@@ -44,7 +44,7 @@ export class DriveView {
     this.#stop = new StopControl(model, name, this.#redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#stop, signal);
     this.#build();
-    element.append(this.#root);
+    mount(element, this.#root, signal);
     watchTheme(this.#redraw, signal);
     onChange(model, SETTINGS, this.#redraw, signal);
     onMessage(model, (answer: Answer) => this.#lease.onAnswer(answer), signal);

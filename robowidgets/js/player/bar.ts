@@ -1,4 +1,4 @@
-import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, mount, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toClock, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
@@ -62,7 +62,7 @@ export class PlayerBar {
     // On the document: the bar may be created before it is inserted next to the widgets that it moves.
     on(document, "keydown", (event) => this.#isLeftOver(event) && this.#onKey(event), signal);
     keepKeys(this.#root, signal);
-    element.append(this.#root);
+    mount(element, this.#root, signal);
 
     const draw = perAnimationFrame(() => this.#draw(), signal);
     playback.listen(draw, signal);

@@ -1,4 +1,4 @@
-import { make, setText } from "./dom.ts";
+import { make, mount, setText } from "./dom.ts";
 import { keepKeys } from "./keys.ts";
 import { type Model, onChange } from "./model.ts";
 import { applyTheme, type Theme, watchTheme } from "./theme.ts";
@@ -31,7 +31,7 @@ export class Card {
     this.header.append(this.#title, this.#facts, this.controls);
     this.picture.append(this.#notice);
     this.root.append(this.header, this.picture, this.footer);
-    element.append(this.root);
+    mount(element, this.root, signal);
     const onTheme = () => {
       this.#theme = null;
       redraw();

@@ -1,4 +1,4 @@
-import { on } from "./events.ts";
+import { on, onAbort } from "./events.ts";
 
 /** An element with a class and text. Text is never parsed as HTML. */
 export function make<K extends keyof HTMLElementTagNameMap>(
@@ -36,6 +36,12 @@ export function makeButton(
   setLabel(button, label);
   on(button, "click", onClick, signal);
   return button;
+}
+
+/** Shows an element in a view's own until the signal aborts: hosts keep the latter, empty, while the model lives. */
+export function mount(parent: HTMLElement, element: HTMLElement, signal: AbortSignal): void {
+  parent.append(element);
+  onAbort(signal, () => element.remove());
 }
 
 /** The box of an element in the coordinates of one that holds it. */

@@ -11,7 +11,7 @@ export function on<K extends keyof HTMLElementEventMap>(
 
 /** Calls back when the signal aborts: the view or the model has ended. */
 export function onAbort(signal: AbortSignal, callback: () => void): void {
-  signal.addEventListener("abort", callback);
+  signal.addEventListener("abort", callback, { once: true });
 }
 
 /** Whether a key is pressed without Ctrl, Alt or Meta. */

@@ -1,4 +1,4 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, mount, setText } from "../shared/dom.ts";
 import type { Model } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
@@ -27,7 +27,7 @@ export class StopView {
     const row = make("div", "rw-stop-row");
     row.append(this.#buttons.stop, texts, this.#buttons.allow);
     this.#root.append(row, this.#notice);
-    element.append(this.#root);
+    mount(element, this.#root, signal);
     watchTheme(redraw, signal);
     this.#draw();
   }

@@ -1,0 +1,48 @@
+"""What a page keeps of views that are gone, while the kernel keeps their widgets."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import pytest
+
+from .notebook import Notebook
+from .page_memory import Kept, PageMemory
+
+WARM_UP = 4
+RUNS = 12
+# JupyterLab and ipywidgets keep about 4 nodes and 30 kB per run of a cell that shows any widget.
+NODES_PER_RUN = 15
+BYTES_PER_RUN = 150_000
+LISTENERS_PER_RUN = 40
+PATIENCE_S = 10.0
+
+
+@pytest.mark.parametrize("widget", ["LaserWidget", "SpeedWidget", "TouchWidget", "DriveWidget"])
+def test_a_cell_that_runs_again_leaves_nothing_of_the_view_before(
+    notebook: Callable[..., Notebook], widget: str
+) -> None:
+    # `made` keeps every widget alive in Python, as IPython's history does.
+    nb = notebook(["made = []", f"import robowidgets\nmade.append(robowidgets.{widget}())\nmade[-1]"])
+    memory = PageMemory(nb.page)
+    for _ in range(WARM_UP):
+        nb.run(1)
+    nb.widget(1)
+    before = memory.kept()
+    for _ in range(RUNS):
+        nb.run(1)
+    nb.widget(1)
+    deadline = time.monotonic() + PATIENCE_S
+    while not _is_little(before, after := memory.kept()) and time.monotonic() < deadline:
+        nb.page.wait_for_timeout(200)
+    assert _is_little(before, after), f"{RUNS} runs later {before} has become {after}"
+
+
+def _is_little(before: Kept, after: Kept) -> bool:
+    return (
+        after.detached_canvases <= 2
+        and after.nodes - before.nodes < RUNS * NODES_PER_RUN
+        and after.listeners - before.listeners < RUNS * LISTENERS_PER_RUN
+        and after.heap - before.heap < RUNS * BYTES_PER_RUN
+    )
