@@ -18,7 +18,7 @@ from pathlib import Path
 n = 0
 while not Path({stop!r}).exists():
     n = n % 800 + 1
-    laser.update(**fan({{9: 0.6002 + n / 1000}}))
+    laser.update(**fan({{9: 0.6002 + n / 1000, 17: nan}}))
     sum(range(100_000))
 """
 
@@ -127,13 +127,13 @@ def test_a_busy_cell_is_seen_frozen_pointed_at_and_zoomed(notebook: Callable[...
     expect(popup.locator(".rw-popup-expression")).to_have_text("ranges[5]")
     card.get_by_role("button", name="Zoom in (+)").click()
     expect(card.locator(".rw-range")).to_have_text("3 m")
-    card.locator(".rw-class-too_close").click()
-    expect(card.locator(".rw-class-too_close")).to_have_attribute("aria-pressed", "false")
+    card.locator(".rw-class-no_measurement").click()
+    expect(card.locator(".rw-class-no_measurement")).to_have_attribute("aria-pressed", "false")
     assert nearest(card) == held
     (nb.lab.files / "busy-laser-seen").touch()
     nb.wait(1)
     eventually(lambda: nb.python("print(laser.paused, laser.pinned, laser.view_range)"), "True 5 3.0\n")
-    eventually(lambda: nb.python("'too_close' in laser.marks"), "False")
+    eventually(lambda: nb.python("'no_measurement' in laser.marks"), "False")
     assert f"nearest {float(nb.python('laser.scan.nearest().range')):.2f} m at 0.0° [9]" == held
     freeze_of(card).click()
     is_live(card)

@@ -6,7 +6,10 @@ import { angleOf, READING, type Scan, type Validity } from "./scan.ts";
 import { CLASSES } from "./text.ts";
 import type { LaserTraits } from "./traits.ts";
 
-/** The counts of the five classes, each of which switches its marks on and off, and the nearest thing. */
+/**
+ * The counts of the classes that the scanner sends, each of which switches its marks on and off, and the nearest thing.
+ * A class that has been counted stays, and texts keep the greatest width that they had: a live legend does not jump.
+ */
 export class Legend {
   readonly #items: { name: string; item: HTMLElement; count: HTMLElement; kind: Validity }[];
   readonly #nearest = make("span", "rw-nearest");
@@ -17,7 +20,8 @@ export class Legend {
       const item = make(kind === READING ? "span" : "button", `rw-class rw-class-${name}`);
       item.title = kind === READING ? explained : `${explained}. Click: marks on or off`;
       const count = make("b", "");
-      item.append(make("span", "rw-symbol", symbol), count, make("span", "rw-class-word", word));
+      item.hidden = kind !== READING;
+      item.append(make("span", "rw-symbol", symbol), count, make("span", "", word));
       if (item instanceof HTMLButtonElement) {
         item.type = "button";
         on(item, "click", () => toggleMark(model, name), signal);
@@ -31,7 +35,10 @@ export class Legend {
   /** @param reach metres of the picture, which set the decimals */
   update(scan: Scan | null, shown: string[], reach: number): void {
     for (const { name, item, count, kind } of this.#items) {
-      setText(count, toCount(scan?.counts[kind] ?? 0));
+      const rays = scan?.counts[kind] ?? 0;
+      setText(count, toCount(rays));
+      if (rays) item.hidden = false;
+      keepWidth(count);
       if (kind !== READING) item.ariaPressed = String(shown.includes(name));
     }
     const parts: (string | HTMLElement)[] = [];
@@ -43,7 +50,13 @@ export class Legend {
       parts.push(" at ", make("b", "", toDegrees(angleOf(scan, nearest))), " ", make("b", "rw-index", `[${nearest}]`));
     }
     this.#nearest.replaceChildren(...parts);
+    keepWidth(this.#nearest);
   }
+}
+
+/** Never lets an element become narrower than the longest text so far, in widths of a digit. */
+function keepWidth({ style, textContent }: HTMLElement): void {
+  if (textContent.length > (Number.parseInt(style.minWidth, 10) || 0)) style.minWidth = `${textContent.length}ch`;
 }
 
 function toggleMark(model: Model<LaserTraits>, name: string): void {
