@@ -181,19 +181,19 @@ def add(kind: Kind, *, replace: bool = False) -> None:
             not ``"module:name"``.
     """
     others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
-    for field in ("name", "sample_name"):
-        name = getattr(kind, field)
-        taken = (*_RESERVED, *(getattr(other, field) for other in others))
+    for key in ("name", "sample_name"):
+        name = getattr(kind, key)
+        taken = (*_RESERVED, *(getattr(other, key) for other in others))
         if not name.isidentifier() or name in taken:
-            hint = "; replace=True replaces a row" if field == "name" else ""
-            raise ValueError(f"{field}: expected an identifier other than {', '.join(taken)}, got {name!r}{hint}")
+            hint = "; replace=True replaces a row" if key == "name" else ""
+            raise ValueError(f"{key}: expected an identifier other than {', '.join(taken)}, got {name!r}{hint}")
     for type_name in (*kind.types, *kind.undecided):
         if not _TYPE.fullmatch(type_name):
             raise ValueError(f"types: expected message types such as 'sensor_msgs/msg/Range', got {type_name!r}")
-    for field in ("widget", "columns", "frames", "rerun"):
-        reference = getattr(kind, field)
-        if not _REFERENCE.fullmatch(reference) and (reference or field != "rerun"):
-            raise ValueError(f"{field}: expected 'module:name', got {reference!r}")
+    for key in ("widget", "columns", "frames", "rerun"):
+        reference = getattr(kind, key)
+        if not _REFERENCE.fullmatch(reference) and (reference or key != "rerun"):
+            raise ValueError(f"{key}: expected 'module:name', got {reference!r}")
     KINDS[kind.name] = kind
 
 
