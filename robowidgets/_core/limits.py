@@ -40,7 +40,7 @@ class Limits(traitlets.TraitType[Any, Any]):
     """A pair (min, max) of floats with min <= 0 <= max and min < max; one number stands for both sides; None: none."""
 
     def __init__(self, default: Pair, unit: str, **more: Any) -> None:
-        super().__init__(default, **more)
+        super().__init__(default, allow_none=True, **more)
         self.unit = unit
 
     def validate(self, _obj: Any, value: Any) -> Pair | None:

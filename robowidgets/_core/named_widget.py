@@ -22,7 +22,7 @@ STATIC = Path(__file__).parents[1] / "static"
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
 
-def bundle(name: str, folder: Path = STATIC) -> tuple[Any, Any]:
+def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
     """The built script and stylesheet of a widget, by its name, like "laser_widget", from a folder of such files.
 
     Returns:
@@ -31,7 +31,8 @@ def bundle(name: str, folder: Path = STATIC) -> tuple[Any, Any]:
     Raises:
         ImportError: one is missing.
     """
-    return _static_file(folder / f"{name}.js"), _static_file(folder / f"{name}.css")
+    path = folder or STATIC
+    return _static_file(path / f"{name}.js"), _static_file(path / f"{name}.css")
 
 
 def _static_file(path: Path) -> Any:
