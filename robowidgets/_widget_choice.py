@@ -1,4 +1,4 @@
-"""Which widgets a set of topics gets."""
+"""The choice of widgets for a set of topics."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from .kinds import KINDS, Kind, load
 
 
 class Shown(Protocol):
-    """What a topic tells to choose its widget."""
+    """The properties of a topic that decide its widget."""
 
     @property
     def name(self) -> str:
-        """Its name."""
+        """The name of the topic."""
 
     @property
     def widget(self) -> str | None:
-        """The name of its kind; None when no widget shows it."""
+        """The name of its kind; None if no widget shows it."""
 
     @property
     def commanded(self) -> bool:
-        """Whether its samples were asked for, not measured."""
+        """Whether its samples are commanded, not measured."""
 
 
 class WidgetChoice(NamedTuple):
@@ -69,7 +69,7 @@ def choose_widgets(topics: Iterable[Shown]) -> tuple[WidgetChoice, ...]:
 
 
 def _paired(measured: list[str], commands: list[str]) -> dict[str, str]:
-    """By measured topic its commanded one: the one that shares most of its namespace, unless another shares more."""
+    """The commanded topic of each measured one: the one with most of its namespace, unless another shares more."""
     command_of = {}
     for name in measured:
         best = max(commands, key=lambda command: shared(name, command), default="")
@@ -79,6 +79,6 @@ def _paired(measured: list[str], commands: list[str]) -> dict[str, str]:
 
 
 def shared(one: str, other: str) -> int:
-    """How many parts of their namespace two topics share."""
+    """The number of parts of the namespace that two topics share."""
     parts = zip(one.strip("/").split("/")[:-1], other.strip("/").split("/")[:-1], strict=False)
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], parts))

@@ -32,7 +32,7 @@ FARTHEST = 100_000
 
 
 class ViewRange(traitlets.TraitType[Any, Any]):
-    """How far the picture reaches: "sensor", "data", or metres above 0."""
+    """The range of the picture: "sensor", "data", or metres above 0."""
 
     info_text = f'"sensor" (range_max), "data" (fit to the readings), or metres above 0, {FARTHEST:,} at most'
 
@@ -216,7 +216,7 @@ class LaserWidget(RobotWidget[Scan]):
 
 
 def about_scan(scan: Scan) -> dict[str, Any]:
-    """What is said of a scan in words."""
+    """The texts on a scan."""
     return {"frame_id": scan.frame_id, "notes": list(scan.notes)}
 
 

@@ -26,7 +26,7 @@ _NO_VALUES = (nan,) * 6
 
 @dataclass(frozen=True)
 class Reading:
-    """What a speed widget shows: the speeds measured and commanded, and the peaks of the measured one."""
+    """The content of a speed widget: the measured and the commanded speed, and the peaks of the measured one."""
 
     measured: Speed | None = None
     commanded: Speed | None = None

@@ -130,7 +130,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     @property
     def touches(self) -> dict[str, int]:
-        """How often each sensor on show was touched; frozen while paused."""
+        """The number of touches of each sensor on show; frozen while paused."""
         return {name: sensor.touches for name, sensor in self._on_show().items()}
 
     @property
@@ -166,7 +166,7 @@ class TouchWidget(RobotWidget[Touch]):
         is_events = self._newest is not None and self._newest.mode is TouchMode.EVENT
         return LONGEST_SILENCE if is_events else super()._longest_silence()
 
-    def _pack(self, sample: Touch) -> bytes:  # noqa: ARG002  # what it said is in the tracker, with all before it
+    def _pack(self, sample: Touch) -> bytes:  # noqa: ARG002  # the tracker contains its states
         with self._tracking:
             return pack_states(self._tracker, self._now_ns())
 
@@ -217,7 +217,7 @@ class TouchWidget(RobotWidget[Touch]):
 
 
 def about_touch(touch: Touch) -> dict[str, Any]:
-    """What is said of a touch in words."""
+    """The texts on a touch."""
     return {"dialect": touch.dialect, "mode": touch.mode.value}
 
 

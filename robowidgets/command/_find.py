@@ -114,7 +114,7 @@ def _check_used(arguments: argparse.Namespace) -> None:
 
 
 def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
-    """What to print of ``robowidgets find``, and its exit code: 0 when something was found, 1 when nothing was.
+    """The output of ``robowidgets find``, and its exit code: 0 if there are spans, 1 if there are none.
 
     ``warn`` is told what is wrong with the recording, line by line, as ``robowidgets info`` words it.
 
@@ -148,7 +148,7 @@ def _in_options(error: str) -> str:
 
 
 def info(arguments: argparse.Namespace) -> str:
-    """What to print of ``robowidgets info``."""
+    """The output of ``robowidgets info``."""
     with robowidgets.open(arguments.file) as recording:
         return _info_as_json(recording) if arguments.json else recording.info()
 

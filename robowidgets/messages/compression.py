@@ -28,7 +28,7 @@ COMPRESSIONS = frozenset(_DECOMPRESSORS)
 
 
 class Inflated(NamedTuple):
-    """What came out, and whether that is all of it."""
+    """The decompressed data, and whether it is complete."""
 
     raw: bytes
     whole: bool

@@ -46,10 +46,10 @@ def shape_of(channel: Channel) -> Shape:
 
 
 def decoder_of(channel: Channel) -> Decode:
-    """What makes messages of a channel's bytes.
+    """A function that decodes the messages of a channel.
 
     Raises:
-        DecodeError: the type or the encoding is not known; what is returned raises it for bytes that are no such
+        DecodeError: the type or the encoding is unknown; the returned function raises it for bytes that are no such
             message.
     """
     store, type_name, encoding = store_of(channel), channel.type, channel.encoding
@@ -75,7 +75,7 @@ def definition_of(channel: Channel) -> str:
 
 
 def store_of(channel: Channel) -> Typestore:
-    """What knows the type of a channel; DecodeError when nothing does."""
+    """The store that has the type of a channel; DecodeError if none has."""
     find = _find if len(channel.definition) <= _LONGEST_KEPT else _find.__wrapped__
     return find(channel.type, channel.definition, channel.encoding)
 
@@ -107,7 +107,7 @@ def _default(encoding: str) -> Typestore:
 
 
 def _complete(types: Types, encoding: str) -> Types:
-    """With what the definition uses and leaves out."""
+    """The types, with those that the definition uses and does not contain."""
     missing = {used for name in types for used in _used(types[name]) if used not in types}
     missing -= {"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"}
     if not missing:
@@ -124,7 +124,7 @@ def _add_ours(store: Typestore, type_name: str) -> None:
 
 
 def one_line(error: Exception) -> str:
-    """What an error says, in one line for a person."""
+    """The text of an error as one line for a person."""
     text = next((line.strip() for line in str(error).splitlines() if line.strip()), "")
     return (text if len(text) <= 120 else f"{text[:119]}…") or type(error).__name__
 

@@ -1,4 +1,4 @@
-"""How each kind of message speaks of touch: one row per dialect, tried from top to bottom.
+"""The messages of touch sensors: one row per dialect, tried from top to bottom.
 
 Sources: the message definitions of kobuki_msgs, create_msgs, irobot_create_msgs, turtlebot3_msgs, neato2_interfaces,
 neato_node (ROS 1), gazebo_msgs, ros_gz_interfaces, std_msgs and sensor_msgs.

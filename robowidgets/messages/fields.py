@@ -79,7 +79,7 @@ def type_name(message: Any) -> str:
 
 
 def describe(message: Any) -> str:
-    """What came, in a few words, for an error: the type and its fields."""
+    """A short description of a message for an error: its type and its fields."""
     if isinstance(message, Mapping):
         return f"a dict with the keys {_listed([str(k) for k in message])}"
     fields = getattr(message, "__slots__", None) or getattr(message, "__dict__", {})

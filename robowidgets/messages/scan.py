@@ -147,7 +147,7 @@ class _Known:
 
 
 def _nothing(_message: Any) -> None:
-    """Where no message is known, none is like it."""
+    """Without a previous message, none is like it."""
 
 
 def _fields(message: Any) -> KeysView[str]:
@@ -162,7 +162,7 @@ def _count(ranges: Any) -> int:
 
 
 def _about_unit(angle_min: Any) -> tuple[str, ...]:
-    """What is said of an angle that no scanner starts at in radians."""
+    """A note on a start angle that is too large for radians."""
     first = number("angle_min", angle_min)
     if not isfinite(first) or is_angle(first):
         return ()
@@ -170,7 +170,7 @@ def _about_unit(angle_min: Any) -> tuple[str, ...]:
 
 
 def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> tuple[str, ...]:
-    """What the header's angle_max says of the angles where the array says otherwise."""
+    """A note on an angle_max that contradicts the number of ranges."""
     if stated is None or count < 2:
         return ()
     first, step = number("angle_min", angle_min), number("angle_increment", increment)

@@ -17,7 +17,7 @@ whose ``min_range`` equals their ``max_range``: which ones these are, their mess
 
 
 def to_touch(message: Any, own: Collection[str] = ()) -> Touch:
-    """What a message says of touch sensors.
+    """The states of touch sensors in a message.
 
     Args:
         message: an object or dictionary in one of the dialects of `robowidgets.messages.dialects`, or a mapping of

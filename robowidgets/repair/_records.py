@@ -29,7 +29,7 @@ class Record(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """How records are recognised in one file format.
+    """The functions that recognise the records of one file format.
 
     ``record_at`` returns the record at an offset, which may reach past the end of the data, or None if there is none.
     ``next_record`` searches from an offset for a record that is unlikely to be an accident; it skips the given ops.

@@ -1,4 +1,4 @@
-"""How old a sample is."""
+"""The age of a sample."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def floats(name: str, values: ArrayLike | Any) -> NDArray[np.float32]:
 
 
 def _unmasked(values: np.ma.MaskedArray[Any, Any]) -> NDArray[np.float32]:
-    """What is masked as NaN: there is no measurement."""
+    """Masked values as NaN, because they are no measurements."""
     return np.ma.filled(values.astype(np.float32), np.nan)
 
 

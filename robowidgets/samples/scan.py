@@ -34,7 +34,7 @@ MILLIMETRES = 25
 
 
 class Validity(IntEnum):
-    """What a range says (REP-117). The five never mix: not in a picture, a pop-up or a count."""
+    """The class of a range (REP-117). The five are kept apart everywhere: in pictures, pop-ups and counts."""
 
     READING = 0
     TOO_CLOSE = 1
@@ -44,7 +44,7 @@ class Validity(IntEnum):
 
 
 class Ray(NamedTuple):
-    """One ray of a scan, as a program meets it.
+    """One ray of a scan.
 
     ``index`` is the index in ``ranges``; ``range`` is in metres, as measured, the shortest decimal of its float32 (it
     may be NaN or infinite); ``angle`` is in radians within ±pi, counter-clockwise from forward; ``x`` and ``y`` are in
@@ -237,18 +237,18 @@ class Scan(HasAge):
 
     @cached_property
     def counts(self) -> dict[Validity, int]:
-        """How many rays there are of each class."""
+        """The number of rays of each class."""
         counted = np.bincount(self.validity, minlength=len(Validity))
         return {validity: int(counted[validity]) for validity in Validity}
 
     @cached_property
     def x(self) -> NDArray[np.float64]:
-        """Metres forward, shape (R,); NaN where there is no reading."""
+        """Metres forward, shape (R,); NaN for rays without a reading."""
         return frozen(self._distances * np.cos(self.angles))
 
     @cached_property
     def y(self) -> NDArray[np.float64]:
-        """Metres to the left, shape (R,); NaN where there is no reading."""
+        """Metres to the left, shape (R,); NaN for rays without a reading."""
         return frozen(self._distances * np.sin(self.angles))
 
     @property
@@ -341,7 +341,7 @@ class Scan(HasAge):
 
 
 def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32]:
-    """What each ray counts as in `Scan.distance`, in an array of its own, of the same shape; NaN for a code.
+    """The distance of each ray as in `Scan.distance`, in a new array of the same shape; NaN for a code.
 
     Args:
         ranges: of one scan, shape (R,), or of many, (N, R).
@@ -356,7 +356,7 @@ def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32
 
 
 def inside(like: Scan, sector: Sector | str | None) -> NDArray[np.bool_]:
-    """Which rays of scans like one lie in a sector, shape (R,)."""
+    """Whether each ray of scans with the same angles lies in a sector, shape (R,)."""
     return np.ones(len(like), bool) if sector is None else in_sector(like.angles, to_sector(sector))
 
 
@@ -394,7 +394,7 @@ def _within_half_turn(angle: float) -> float:
 
 
 def _about_metres(ranges: NDArray[np.float32], low: float, high: float) -> list[str]:
-    """What is said of ranges none of which is a reading, and most of which lie as far out as millimetres do."""
+    """A note on ranges that are probably in millimetres: none is a reading, and most are far too large."""
     if ((low <= ranges) & (ranges <= high)).any():
         return []
     finite = ranges[np.isfinite(ranges)]

@@ -1,4 +1,4 @@
-"""What touch sensors said at one moment."""
+"""The states of touch sensors in one message."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ class TouchState(IntEnum):
 
 
 class TouchMode(Enum):
-    """How a source speaks of its sensors.
+    """The meaning of the messages of a source.
 
-    EVENT: one message per change, of the sensors it names only. LEVEL: each message says how each sensor stands.
-    PRESENCE: each message lists what is touched; what it does not list is free.
+    EVENT: one message per change, only for the sensors that it names. LEVEL: each message has the states of all
+    sensors. PRESENCE: each message lists the touched sensors; all others are free.
     """
 
     EVENT = "event"
@@ -37,12 +37,12 @@ class TouchMode(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Touch(HasAge):
-    """What touch sensors said at one moment.
+    """The states of touch sensors in one message.
 
     Args:
         touched: sensor name to True (touched), False (free) or None (the source does not know). In PRESENCE mode it
             holds the touched ones only.
-        mode: how the source speaks, see `TouchMode`.
+        mode: the meaning of the messages, see `TouchMode`.
         sensors: every sensor that this source is known to have, from the robot's left to its right; those that the
             message did not name are shown as unknown (or, in PRESENCE mode, as free).
         stamp_ns: time in nanoseconds since the epoch, or None.

@@ -1,4 +1,4 @@
-"""What is known of touch sensors over time: states, counts and timed releases."""
+"""The states of touch sensors over time, with counts and timed releases."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _STATES = {True: TouchState.TOUCHED, False: TouchState.FREE, None: TouchState.UN
 
 @dataclass(frozen=True)
 class TouchSensor:
-    """What is known of one sensor.
+    """The state of one sensor, with its history.
 
     Args:
         state: see `TouchState`.
-        touches: how often it went from free or unknown to touched.
-        since_ns: when it came into its state; None while nothing was said of it.
-        seen_ns: when a PRESENCE source last listed it; None while none does.
-        missed: whether a later message of that source left it out.
+        touches: number of changes from free or unknown to touched.
+        since_ns: start of the state; None before the first message about it.
+        seen_ns: time at which a PRESENCE source last listed it; None while it is not listed.
+        missed: whether a later message of that source does not list it.
     """
 
     state: TouchState = TouchState.UNKNOWN
@@ -30,34 +30,34 @@ class TouchSensor:
     missed: bool = False
 
     def became(self, state: TouchState, at_ns: int) -> TouchSensor:
-        """The sensor in a state: timed, and counted, only when it is another one than before."""
+        """The sensor in a state, with a new start, and counted, only if the state differs."""
         if state is self.state:
             return self if self.seen_ns is None else replace(self, seen_ns=None, missed=False)
         return TouchSensor(state, self.touches + (state is TouchState.TOUCHED), at_ns)
 
     def no_later_than(self, now_ns: int) -> TouchSensor:
-        """The sensor without times that lie ahead of now."""
+        """The sensor, with times later than now replaced by now."""
         since, seen = (None if t is None else min(t, now_ns) for t in (self.since_ns, self.seen_ns))
         return self if (since, seen) == (self.since_ns, self.seen_ns) else replace(self, since_ns=since, seen_ns=seen)
 
 
 class TouchTracker:
-    """Keeps what touch sensors said, in the three modes of `TouchMode`.
+    """Keeps the states of touch sensors, in the three modes of `TouchMode`.
 
-    EVENT and LEVEL states hold until the next word on the same sensor. In PRESENCE mode nobody says "released": a
-    sensor that later messages leave out is free ``hold`` after the last one that listed it, which bridges the gaps of
+    EVENT and LEVEL states last until the next message about the sensor. In PRESENCE mode no message reports a release:
+    a sensor that later messages do not list is free ``hold`` seconds after the last one that did. This bridges gaps of
     sources that flicker. Sources that publish only while something touches fall silent at the release instead: after
     ``timeout`` of silence their sensors are free too.
 
-    It has no clock: every call is told the time, in nanoseconds from any start. When that goes back (a bag played
-    again, a simulation started anew), what was noted of later times counts as noted now: states and counts stay,
-    durations begin again, and no release is further away than its hold or timeout.
+    It has no clock: the caller passes the time, in nanoseconds from any start. If the time goes back (a bag is played
+    again, a simulation restarted), later times are replaced by the new time: states and counts stay, durations begin
+    again, and no release is further away than its hold or timeout.
 
     Args:
         hold: seconds, 0 or more; longer than the pause between two messages of the slowest source.
         timeout: seconds, 0 or more, infinite to wait for ever; None: the same as ``hold``.
 
-    ``newest`` is what was taken in last; None before the first message.
+    ``newest`` is the last message; None before the first one.
 
     Raises:
         TypeError: a time is not a number.
@@ -78,7 +78,7 @@ class TouchTracker:
 
     @property
     def hold(self) -> float:
-        """Seconds that a touch outlasts the last message that listed it. Settable, at once in force."""
+        """Seconds for which a touch lasts after the last message that listed it. Settable; applies at once."""
         return self._hold
 
     @hold.setter
@@ -90,7 +90,7 @@ class TouchTracker:
 
     @property
     def timeout(self) -> float | None:
-        """Seconds of silence after which a touch is over. Settable, at once in force."""
+        """Seconds of silence after which a touch is over. Settable; applies at once."""
         return self._timeout
 
     @timeout.setter
@@ -101,7 +101,7 @@ class TouchTracker:
         self._timeout = value
 
     def apply(self, touch: Touch, now_ns: int) -> None:
-        """Take in what a message said at a time."""
+        """Apply a message that arrived at a time."""
         known = {name: s.no_later_than(now_ns) for name, s in self.states(now_ns).items()}
         for name in touch.sensors:
             known.setdefault(name, TouchSensor())
@@ -118,16 +118,16 @@ class TouchTracker:
         self._sensors, self.newest = known, touch
 
     def states(self, now_ns: int) -> dict[str, TouchSensor]:
-        """Every sensor as it is known at a time, in the order of their first mention."""
+        """All sensors at a time, in the order of their first mention."""
         return {name: self._at(sensor, now_ns) for name, sensor in self._sensors.items()}
 
     def next_change_ns(self, now_ns: int) -> int | None:
-        """When the next release is due if no message comes; None when none is."""
+        """The time of the next release if no message comes; None if there is none."""
         due = (self._release_ns(sensor) for sensor in self.states(now_ns).values())
         return min((at for at in due if at is not None), default=None)
 
     def reset(self) -> None:
-        """Forget what was said and counted; the names stay, in their order."""
+        """Reset states and counts; the names stay, in their order."""
         self._sensors = {name: TouchSensor() for name in self._sensors}
 
     def _at(self, sensor: TouchSensor, now_ns: int) -> TouchSensor:
