@@ -11,11 +11,10 @@ import traitlets
 
 from ._core.named_widget import bundle, nearest_name
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
-from ._core.traits import Flag
+from ._core.traits import Angle, Flag
 from .messages import ScanReader
 from .messages.fields import unwrap
 from .samples import Scan, Validity
-from .samples.numbers import in_radians
 from .samples.scan import MAX_RAYS
 
 _GEOMETRY = struct.Struct("<5d")
@@ -79,8 +78,8 @@ class LaserWidget(RobotWidget[Scan]):
         ray_count: radial lines that divide the swept angle in equal parts, 0 to 360; each says angle and index.
         view_range: "sensor", "data" or metres. The view writes it too, when a person zooms.
         forward: where the robot's forward is in the picture: "up", "left", "down" or "right".
-        angle_offset: radians added to every angle, within ±2 pi, for a scanner whose header lies about where it
-            points.
+        angle_offset: radians, or text like "20deg", added to every angle, within ±2 pi, for a scanner whose header lies
+            about where it points.
         marks: which rays without a reading are drawn: of "too_close", "nothing_in_range", "no_measurement",
             "outside_limits".
         color_by_intensity: whether the intensities colour the dots.
@@ -110,7 +109,7 @@ class LaserWidget(RobotWidget[Scan]):
     ray_count = traitlets.Int(9, min=0, max=360, help="Radial lines that divide the swept angle.").tag(sync=True)
     view_range = ViewRange("sensor", help="How far the picture reaches. Python and the view write it.").tag(sync=True)
     forward = traitlets.Enum(("up", "left", "down", "right"), "up", help="Where forward is.").tag(sync=True)
-    angle_offset = traitlets.Float(0.0, help="Radians added to every angle, within ±2 pi.")
+    angle_offset = Angle(0.0, help="Radians added to every angle, within ±2 pi.")
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
     hovered = traitlets.Int(
@@ -198,13 +197,6 @@ class LaserWidget(RobotWidget[Scan]):
         )
         scan._arrive(arrived)
         return scan
-
-    @traitlets.validate("angle_offset")
-    def _in_radians(self, proposal: Any) -> float:
-        try:
-            return in_radians("angle_offset", proposal["value"])
-        except ValueError as error:
-            raise traitlets.TraitError(str(error)) from None
 
     @traitlets.observe("angle_offset")
     def _turn(self, change: Any) -> None:

@@ -32,8 +32,8 @@ class TouchWidget(RobotWidget[Touch]):
         sensors: which sensors are shown, from left to right; empty: all of them, as their messages name them. For
             contacts of a simulator: the names of the robot's collisions.
         labels: sensor name to another text for its rectangle. Plain text.
-        angles: sensor name to its place on the body, in radians counter-clockwise from forward, within
-            ±2 pi.
+        angles: sensor name to its place on the body, in radians or text like "20deg", counter-clockwise from forward,
+            within ±2 pi.
         hold: seconds that a touch outlasts the last message that listed it, 0 or more.
         timeout: seconds of silence after which such a touch is over, infinite to wait for ever; None: like `hold`.
         paused: whether the picture is frozen.
@@ -63,7 +63,6 @@ class TouchWidget(RobotWidget[Touch]):
     ).tag(sync=True)
     angles = traitlets.Dict(
         key_trait=traitlets.Unicode(),
-        value_trait=traitlets.Float(),
         help="Sensor name to radians counter-clockwise from forward, within ±2 pi.",
     ).tag(sync=True)
     hold = traitlets.Float(0.15, help="Seconds that a touch outlasts the last message that listed it, 0 or more.")
@@ -204,7 +203,7 @@ class TouchWidget(RobotWidget[Touch]):
     def _in_radians(self, proposal: Any) -> Any:
         try:
             return {name: in_radians(f"angles[{name!r}]", angle) for name, angle in proposal["value"].items()}
-        except ValueError as error:
+        except (TypeError, ValueError) as error:
             raise traitlets.TraitError(str(error)) from None
 
     @traitlets.validate("sensors")

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import traitlets
 
+from ..samples.numbers import in_radians
+
 
 class Flag(traitlets.Bool[Any, Any]):
     """True or False, also as NumPy's own, which its comparisons return."""
@@ -15,6 +17,17 @@ class Flag(traitlets.Bool[Any, Any]):
         """The flag as Python's own."""
         flag: bool = super().validate(obj, bool(value) if isinstance(value, np.bool_) else value)
         return flag
+
+
+class Angle(traitlets.TraitType[Any, Any]):
+    """Radians within ±2 pi, also given as text like "20deg"."""
+
+    def validate(self, _obj: Any, value: Any) -> float:
+        """The radians; TraitError says what is wrong with them."""
+        try:
+            return in_radians(str(self.name), value)
+        except (TypeError, ValueError) as error:
+            raise traitlets.TraitError(str(error)) from None
 
 
 def bytes_trait(**tags: Any) -> Any:

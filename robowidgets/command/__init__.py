@@ -23,7 +23,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         ``find`` is as grep: 1 when nothing was found, 2 when it could not look. Arguments that make no sense exit
         with 2.
     """
-    arguments = _parser().parse_args(argv)
+    arguments = _parser().parse_args(_questions.readable(sys.argv[1:] if argv is None else argv))
     try:
         return int(arguments.do(arguments) or 0)
     except (robowidgets.RecordingError, _questions.QuestionError, NoLabError, OSError) as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import reduce
 from operator import and_, or_
 from typing import Any
@@ -17,7 +17,8 @@ from ..kinds import LASER, SPEED, TOUCH
 from ..recording import Recording
 from ..recordings.spans import Spans
 from ..recordings.topics import UnnamedTopicError
-from ..samples.numbers import OF_DEGREES
+from ..samples.numbers import DEGREES, OF_DEGREES
+from ..samples.sector import SECTORS, Asked, to_sector
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 
@@ -72,10 +73,11 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     how = parser.add_argument_group("where to look")
     how.add_argument(
         "--sector",
-        type=float,
+        type=_angle,
         nargs=2,
         metavar=("FROM", "TO"),
-        help="only rays between these angles, in radians counter-clockwise (default: all)",
+        help="only rays between these angles, counter-clockwise: radians, or degrees as in -30deg 30deg; or one word: "
+        f"{', '.join(SECTORS)} (default: all)",
     )
     how.add_argument("--axis", help="of the speed (default: linear.x; angular.z is yaw)")
     for name in (kind.sample_name for kind in _LOOKS_AT.values()):
@@ -84,6 +86,37 @@ def add_find(parser: argparse.ArgumentParser) -> None:
         "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans or measured speeds)"
     )
     parser.add_argument("--json", action="store_true", help="print a list of spans as JSON, times in seconds")
+
+
+def readable(words: Iterable[str]) -> list[str]:
+    """The words of a command, as argparse can read them.
+
+    It takes ``-30deg`` for an option unless a space stands before it, and wants two words after ``--sector``.
+    """
+    read: list[str] = []
+    for word in words:
+        if read[-1:] == ["--sector"] and word in SECTORS:
+            read.append(word)
+        read.append(f" {word}" if DEGREES.fullmatch(word) else word)
+    return read
+
+
+def _angle(word: str) -> float | str:
+    try:
+        return float(word)
+    except ValueError:
+        return word.strip()
+
+
+def _sector(words: list[Any] | None) -> Asked | None:
+    if not words:
+        return None
+    if words[0] in SECTORS:
+        return str(words[0])
+    try:
+        return to_sector(words)
+    except TypeError as error:
+        raise QuestionError(_in_options(str(error))) from None
 
 
 def condition(arguments: argparse.Namespace) -> Condition:
@@ -95,7 +128,7 @@ def condition(arguments: argparse.Namespace) -> Condition:
     """
     asked: list[Condition] = [conditions.touched(label or None, arguments.touch) for label in arguments.touched]
     if arguments.nearest_below is not None:
-        asked.append(conditions.nearest_below(arguments.nearest_below, arguments.sector, arguments.scan))
+        asked.append(conditions.nearest_below(arguments.nearest_below, _sector(arguments.sector), arguments.scan))
     if arguments.speed_above is not None:
         asked.append(conditions.speed_above(arguments.speed_above, arguments.axis or "linear.x", arguments.speed))
     if arguments.gap is not None:
@@ -144,7 +177,7 @@ def _in_options(error: str) -> str:
     """An error about an argument of a condition, with the name of the option that gave it."""
     argument, colon, what = error.partition(":")
     option = next((option for option, gives in _GIVES.items() if gives == argument), argument)
-    return f"find: {option}{colon}{what.replace(OF_DEGREES, 'a degree is 0.01745 radians')}"
+    return f"find: {option}{colon}{what.replace(OF_DEGREES, 'degrees are written as -30deg')}"
 
 
 def info(arguments: argparse.Namespace) -> str:

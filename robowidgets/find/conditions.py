@@ -25,7 +25,7 @@ from ..recordings.topics import UnknownTopicError, UnnamedTopicError
 from ..samples import AXES, TouchState
 from ..samples.numbers import number
 from ..samples.scan import distances
-from ..samples.sector import Sector, to_sector
+from ..samples.sector import Asked, to_sector
 from ._function import Function
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
@@ -73,8 +73,8 @@ def touched(label: str | None = None, topic: str | None = None) -> Condition:
     return _Touched(label, topic)
 
 
-def nearest_below(distance: float, sector: Sector | str | None = None, topic: str | None = None) -> Condition:
-    """`Scan.distance` is below a distance. Where it is NaN, the condition is unknown, and so is its opposite.
+def nearest_below(distance: float, sector: Asked | None = None, topic: str | None = None) -> Condition:
+    """`Scan.distance` is below a distance. Where it is NaN, neither this nor its opposite holds.
 
     Args:
         distance: metres.
@@ -186,7 +186,7 @@ class _Touched(Condition):
 
 
 class _NearestBelow(Condition):
-    def __init__(self, distance: float, sector: Sector | str | None, topic: str | None) -> None:
+    def __init__(self, distance: float, sector: Asked | None, topic: str | None) -> None:
         self._distance = number("distance", distance)
         if not 0 < self._distance < inf:
             raise ValueError(f"distance: expected metres above 0, got {self._distance!r}")

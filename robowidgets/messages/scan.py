@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..samples import Scan
-from ..samples.numbers import OF_DEGREES, is_angle, number
+from ..samples.numbers import OF_DEGREES, is_angle, number, to_radians
 from .fields import MISSING, describe, frame_id, has, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
@@ -162,8 +162,8 @@ def _count(ranges: Any) -> int:
 
 
 def _about_unit(angle_min: Any) -> tuple[str, ...]:
-    """A note on a start angle that is too large for radians."""
-    first = number("angle_min", angle_min)
+    """What is said of an angle that no scanner starts at in radians."""
+    first = to_radians("angle_min", angle_min)
     if not isfinite(first) or is_angle(first):
         return ()
     return (f"angle_min is {first:g} rad: is it in degrees? {OF_DEGREES}",)
@@ -173,8 +173,8 @@ def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> tu
     """A note on an angle_max that contradicts the number of ranges."""
     if stated is None or count < 2:
         return ()
-    first, step = number("angle_min", angle_min), number("angle_increment", increment)
-    last = number("angle_max", stated)
+    first, step = to_radians("angle_min", angle_min), to_radians("angle_increment", increment)
+    last = to_radians("angle_max", stated)
     if not all(map(isfinite, (first, step, last))) or step == 0:
         return ()
     implied = (last - first) / step + 1

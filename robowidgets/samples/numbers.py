@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from math import floor, isfinite, log10, pi
-from typing import Any, TypeGuard
+import re
+from math import floor, isfinite, log10, pi, radians
+from typing import Any, SupportsFloat, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,9 @@ ANGLE_ROUNDING = 1e-6
 
 _FULL_TURN = 2 * pi + 0.01
 """And what is lost when it is typed with few digits."""
+
+DEGREES = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*(?:deg|°)\s*")
+"""Degrees as text: ``"20deg"``, ``"-7.5°"``."""
 
 _FLOAT32 = np.dtype(np.float32)
 
@@ -39,12 +43,22 @@ def finite(name: str, value: Any, unit: str) -> float:
     return result
 
 
+def to_radians(name: str, value: Any) -> float:
+    """Radians, NaN and inf included, also of degrees as text (``"20deg"``); TypeError when it is neither."""
+    if not isinstance(value, str):
+        return number(name, value)
+    degrees = DEGREES.fullmatch(value)
+    if not degrees:
+        raise TypeError(f'{name}: expected radians, or degrees as in "20deg", got {value!r}')
+    return radians(float(degrees[1]))
+
+
 def in_radians(name: str, value: Any) -> float:
-    """An angle within ±2 pi; ValueError beyond it, where it is in degrees."""
-    angle = finite(name, value, "radians")
-    if not is_angle(angle):
-        raise ValueError(f"{name}: expected radians within ±2 pi, got {angle!r}; {OF_DEGREES}")
-    return angle
+    """An angle within ±2 pi, as `to_radians` takes it; ValueError beyond it, where it is in degrees."""
+    given = finite(name, to_radians(name, value), "radians")
+    if not is_angle(given):
+        raise ValueError(f"{name}: expected radians within ±2 pi, got {given!r}; {OF_DEGREES}")
+    return given
 
 
 def is_angle(value: float) -> bool:
@@ -82,9 +96,9 @@ def is_frozen(values: Any) -> TypeGuard[NDArray[np.float32]]:
     return type(values) is np.ndarray and values.dtype is _FLOAT32 and values.ndim == 1 and not values.flags.writeable
 
 
-def shortest(value: ArrayLike) -> float:
+def shortest(value: SupportsFloat) -> float:
     """A float32 as the float that a person would write: 2.54, not 2.5399999618530273."""
-    return float(str(np.float32(value)))
+    return float(str(np.float32(float(value))))
 
 
 def metres(value: float, reach: float) -> str:

@@ -15,8 +15,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._age import HasAge
-from .numbers import ANGLE_ROUNDING, OF_DEGREES, finite, floats, frozen, in_radians, is_frozen, metres, number, shortest
-from .sector import Sector, in_sector, to_sector
+from .numbers import (
+    ANGLE_ROUNDING,
+    OF_DEGREES,
+    finite,
+    floats,
+    frozen,
+    in_radians,
+    is_frozen,
+    metres,
+    number,
+    shortest,
+    to_radians,
+)
+from .sector import Asked, in_sector, to_sector
 
 MAX_RAYS = 1_000_000
 _FARTHEST = float(np.finfo(np.float32).max)
@@ -115,8 +127,8 @@ class Scan(HasAge):
             intensities = floats("intensities", ())
         put(self, "intensities", intensities)
 
-        put(self, "angle_min", finite("angle_min", self.angle_min, "radians"))
-        increment = number("angle_increment", self.angle_increment)
+        put(self, "angle_min", finite("angle_min", to_radians("angle_min", self.angle_min), "radians"))
+        increment = to_radians("angle_increment", self.angle_increment)
         if ranges.size <= 1:
             if ranges.size == 1 and not isfinite(increment):
                 notes.append("one ray, angle_increment is not a number: drawn at angle_min")
@@ -256,7 +268,7 @@ class Scan(HasAge):
         """Points of the readings only, shape (N, 2), metres forward and to the left."""
         return np.column_stack((self.x, self.y))[self.valid]
 
-    def distance(self, sector: Sector | str | None = None, *, percentile: float | None = None) -> float:
+    def distance(self, sector: Asked | None = None, *, percentile: float | None = None) -> float:
         """Metres to the nearest thing: inf where nothing is met, 0 where it is too close, NaN where that is unknown.
 
         Each ray counts as its range says, and the least of them is the distance:
@@ -276,8 +288,9 @@ class Scan(HasAge):
         at NaN.
 
         Args:
-            sector: two angles in radians, from the first counter-clockwise to the second, or "front", "left",
-                "back" or "right", the quarter of the circle round that direction. None: all rays.
+            sector: two angles in radians, or in degrees as text (``("-15deg", "15deg")``), from the first
+                counter-clockwise to the second; or "front", "left", "back" or "right", the quarter of the circle round
+                that direction. None: all rays.
             percentile: 0 to 100, of what the rays count as, in place of the least: 5 is robust against single wrong
                 rays. It is always that of a ray, the nearer of two, so that nothing lies between a number and inf.
 
@@ -287,7 +300,7 @@ class Scan(HasAge):
         """
         return shortest(distances(self.ranges, self, sector, percentile))
 
-    def nearest(self, sector: Sector | str | None = None) -> Ray | None:
+    def nearest(self, sector: Asked | None = None) -> Ray | None:
         """The ray that meets the nearest thing, the first of equals; None where `distance` is inf or NaN.
 
         A thing that is too close to measure is nearer than any other: its ray has a range of -inf, or below range_min.
@@ -304,16 +317,18 @@ class Scan(HasAge):
         found = int(away.argmin()) if away.size else 0
         return self[found] if away.size and away[found] < np.inf else None
 
-    def at(self, angle: float) -> Ray | None:
-        """The ray that points closest to an angle in radians; None more than half a step outside the sweep.
+    def at(self, angle: float | str) -> Ray | None:
+        """The ray that points closest to an angle in radians, or in degrees as text (``"20deg"``).
+
+        None more than half a step outside the sweep.
 
         Raises:
-            TypeError: no number. ValueError: it is beyond ±2 pi and all angles of the scan, as degrees are.
+            TypeError: no angle. ValueError: it is beyond ±2 pi and all angles of the scan, as degrees are.
         """
-        angle = finite("angle", angle, "radians")
-        if abs(angle) > np.abs(self.angles).max(initial=0.0):
-            in_radians("angle", angle)
-        off = np.abs((self.angles - angle + pi) % (2 * pi) - pi)
+        asked = finite("angle", to_radians("angle", angle), "radians")
+        if abs(asked) > np.abs(self.angles).max(initial=0.0):
+            in_radians("angle", asked)
+        off = np.abs((self.angles - asked + pi) % (2 * pi) - pi)
         if not off.size or off.min() > abs(self.angle_increment) / 2 + ANGLE_ROUNDING:
             return None
         return self[int(off.argmin())]
@@ -355,7 +370,7 @@ def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32
     return away
 
 
-def inside(like: Scan, sector: Sector | str | None) -> NDArray[np.bool_]:
+def inside(like: Scan, sector: Asked | None) -> NDArray[np.bool_]:
     """Whether each ray of scans with the same angles lies in a sector, shape (R,)."""
     return np.ones(len(like), bool) if sector is None else in_sector(like.angles, to_sector(sector))
 
@@ -363,7 +378,7 @@ def inside(like: Scan, sector: Sector | str | None) -> NDArray[np.bool_]:
 def distances(
     ranges: NDArray[np.float32],
     like: Scan,
-    sector: Sector | str | None = None,
+    sector: Asked | None = None,
     percentile: float | None = None,
 ) -> NDArray[np.float32]:
     """`Scan.distance` of one scan, shape (R,), or of many, (N, R): shape () or (N,).

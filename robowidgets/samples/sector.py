@@ -13,6 +13,9 @@ from .numbers import ANGLE_ROUNDING, in_radians
 Sector = tuple[float, float]
 """Two angles in radians: from the first counter-clockwise to the second."""
 
+Asked = tuple[float | str, float | str] | str
+"""A sector as it is given: two angles, each in radians or as text like ``"20deg"``, or a name in `SECTORS`."""
+
 SECTORS: dict[str, Sector] = {
     "front": (-pi / 4, pi / 4),
     "left": (pi / 4, 3 * pi / 4),
@@ -22,11 +25,11 @@ SECTORS: dict[str, Sector] = {
 """Quarters of the circle by name, centred on 0, 90, 180 and -90 degrees: together they leave no direction out."""
 
 
-def to_sector(sector: Iterable[float] | str) -> Sector:
-    """Two angles in radians, also of a name in `SECTORS`.
+def to_sector(sector: Iterable[float | str] | str) -> Sector:
+    """Two angles in radians, also of degrees as text (``"20deg"``), or of a name in `SECTORS`.
 
     Raises:
-        TypeError: it is no pair of numbers.
+        TypeError: it is no pair of angles.
         ValueError: no such name, or an angle is beyond a full turn either way, infinite or NaN.
     """
     if isinstance(sector, str):

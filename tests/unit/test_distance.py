@@ -110,6 +110,13 @@ class TestSectors:
             degrees = (first + step * index) % 360
             assert len(found) == (2 if degrees % 90 == 45 else 1)
 
+    @pytest.mark.parametrize("sector", [("-10deg", "10deg"), ("-10 deg", radians(10)), ("-10°", "+10.0°")])
+    def test_a_sector_may_be_given_in_degrees(self, sector: tuple[float | str, float | str]) -> None:
+        one = circle(ahead=1.0, left=0.5, behind=2.0, right=nan)
+        assert one.distance(sector) == 1
+        assert one.nearest(sector).index == 0
+        assert one.at("12deg").index == 12
+
     def test_a_sector_that_the_scanner_does_not_sweep_is_nan(self) -> None:
         assert isnan(scan([1.0] * 11).distance("back"))
         assert scan([1.0] * 11).nearest("back") is None
@@ -119,6 +126,8 @@ class TestSectors:
         [
             ("frnt", ValueError, r"^sector: expected front, left, back, right or two angles in radians, got 'frnt'$"),
             ((0, 90), ValueError, r"^sector: expected radians within ±2 pi, got 90.0; "),
+            (("-10", 0), TypeError, r"^sector: expected radians, or degrees as in \"20deg\", got '-10'$"),
+            (("400deg", 0), ValueError, r"^sector: expected radians within ±2 pi, got 6.98"),
             (0.5, TypeError, r"^sector: expected two angles in radians, got 0.5$"),
         ],
     )

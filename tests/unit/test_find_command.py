@@ -27,7 +27,7 @@ FILE = str(robowidgets.SAMPLE)
         (["--speed-above", "-1"], "find: --speed-above: expected a speed, 0 or more, got -1.0"),
         (
             ["--nearest-below", "1", "--sector", "-30", "30"],
-            "find: --sector: expected radians within ±2 pi, got -30.0; a degree is 0.01745 radians",
+            "find: --sector: expected radians within ±2 pi, got -30.0; degrees are written as -30deg",
         ),
     ],
 )
@@ -38,6 +38,26 @@ def test_what_has_no_use_or_no_sense_is_refused(
     said = capsys.readouterr()
     assert (said.out, said.err.count("\n")) == ("", 1)
     assert text in said.err
+
+
+@pytest.mark.parametrize(
+    ("sector", "where"),
+    [
+        (["-30deg", "30deg"], "between -0.523599 and 0.523599 rad"),
+        (["-0.5", "7.5deg"], "between -0.5 and 0.1309 rad"),
+        (["back"], "in back"),
+    ],
+)
+def test_a_sector_is_given_in_degrees_or_by_name(
+    sector: list[str], where: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["find", "--nearest-below", "0.5", "--sector", *sector, FILE, "--json"]) in (0, 1)
+    assert json.loads(capsys.readouterr().out)["condition"].endswith(where)
+
+
+def test_a_sector_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["find", FILE, "--nearest-below", "0.5", "--sector", "frnt", "30deg"]) == 2
+    assert "find: --sector: expected radians, or degrees as in \"20deg\", got 'frnt'" in capsys.readouterr().err
 
 
 def test_all_sensors_that_are_named_must_be_touched(capsys: pytest.CaptureFixture[str]) -> None:

@@ -76,7 +76,7 @@ class TestSettings:
             ("pinned", -1, "'pinned' trait of a LaserWidget instance should not be less than 0"),
             ("pinned", 10**30, "'pinned' trait of a LaserWidget instance should not be greater than 1000000"),
             ("pinned", "3", "expected an int, not the str '3'."),
-            ("angle_offset", "1", "expected a float, not the str '1'."),
+            ("angle_offset", "1", "expected radians, or degrees as in \"20deg\", got '1'"),
         ],
     )
     def test_a_bad_value_is_named_with_what_was_expected(
@@ -450,6 +450,12 @@ class TestAngleOffset:
         laser.update(MESSAGE)
         setters[0].join()
         assert laser.scan.angle_min == pytest.approx(1.5)
+
+    def test_may_be_given_in_degrees(self, laser: LaserWidget) -> None:
+        laser.angle_offset = "90deg"
+        assert laser.angle_offset == pi / 2
+        laser.update(**{**MESSAGE, "angle_min": "-20deg"})
+        assert laser.scan.angle_min == pytest.approx(radians(70))
 
     def test_leaves_what_is_frozen(self, laser: LaserWidget) -> None:
         laser.update(MESSAGE)

@@ -126,8 +126,8 @@ class TestScan:
             ({"ranges": 3.0}, r"^ranges: expected an array of numbers, got a float: '3.0'"),
             ({"ranges": ["1", "2"]}, r"^ranges: expected a one-dimensional array of numbers, got \['1', '2'\]"),
             ({"range_min": None}, r"^range_min: expected a number, got None$"),
-            ({"angle_min": "left"}, r"^angle_min: expected a number, got 'left'$"),
-            ({"angle_max": "right"}, r"^angle_max: expected a number, got 'right'$"),
+            ({"angle_min": "left"}, r"^angle_min: expected radians, or degrees as in .20deg., got 'left'$"),
+            ({"angle_max": "right"}, r"^angle_max: expected radians, or degrees as in .20deg., got 'right'$"),
             ({"time_increment": []}, r"^time_increment: expected a number, got \[\]$"),
         ],
     )

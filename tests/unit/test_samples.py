@@ -306,7 +306,7 @@ class TestScanErrors:
             ({"ranges": [1j]}, r"^ranges: expected a one-dimensional array of numbers, got \[1j\]$"),
             ({"ranges": [[1.0, 2.0], [1.0]]}, r"^ranges: expected a one-dimensional array of numbers, got "),
             ({"ranges": [object()] * 40}, r"^ranges: expected .* of numbers, got \[<object object at .{,50}…$"),
-            ({"angle_min": "0"}, r"^angle_min: expected a number, got '0'$"),
+            ({"angle_min": "0"}, r"^angle_min: expected radians, or degrees as in .20deg., got '0'$"),
             ({"angle_increment": None}, r"^angle_increment: expected a number, got None$"),
             ({"range_max": True}, r"^range_max: expected a number, got True$"),
         ],

@@ -290,7 +290,7 @@ class TestErrors:
                 {"angles": {"left": 0.9, "back": 180}},
                 r"^angles\['back'\]: expected radians within ±2 pi, got 180.0; math.radians\(\) makes them of degrees$",
             ),
-            ({"angles": {"left": "front"}}, r"'angles'.*TouchWidget.*float.*'front'"),
+            ({"angles": {"left": "front"}}, r"^angles\['left'\]: expected radians, or degrees as in .*, got 'front'$"),
             ({"sensors": ["left", "right", "left"]}, r"^sensors: expected each name once, got 'left' more than once$"),
             ({"labels": {"left": 5}}, r"'labels'.*unicode string.*5"),
             ({"hold": "long"}, r"'hold'.*float.*'long'"),

@@ -14,7 +14,7 @@ from ...messages.channel import Channel
 from ...repair import RecordingError
 from ...samples import Scan
 from ...samples.scan import distances, ray_distances
-from ...samples.sector import Sector
+from ...samples.sector import Asked
 from ._decoders import ScanDecoder
 from .chunks import ScanChunk
 from .series import Series
@@ -78,8 +78,8 @@ class Scans(Series[Scan]):
         """
         return self._of_rays("ranges", self.ray_count, lambda chunk: chunk.ranges)
 
-    def distances(self, sector: Sector | str | None = None, *, percentile: float | None = None) -> NDArray[np.float32]:
-        """`Scan.distance` of each scan in metres, shape (N,); inf: nothing in range, 0: too close, NaN: unknown.
+    def distances(self, sector: Asked | None = None, *, percentile: float | None = None) -> NDArray[np.float32]:
+        """`Scan.distance` of each, shape (N,): metres, inf where nothing is met, 0 too close, NaN unknown.
 
         Args:
             sector: as in `Scan.distance`.
