@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import columns, feeds, measure, memory, player, recordings, stopping, table
+from . import columns, feeds, leaks, measure, memory, player, recordings, stopping, table
 from .rivals import NAMES
 from .stage import Stage, open_stage, versions
 
@@ -58,6 +58,8 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   less the mean time from `update` to paint of the widget alone, with the interval that holds it with 95 % (bootstrap of
   blocks of 20 scans). A recording and the simulator have no other process: their scans are published when they are due.
   CPU is that of the kernel's whole process, with four widgets on the feed.
+- A cell that makes a widget and shows it runs again and again, and the kernel keeps every widget. Nodes, listeners and
+  heap are those of the page after garbage collection, less those before, per run: JupyterLab's own are among them.
 - Every library starts in a fresh kernel and page, {repeats} times, in turn. Figures are medians of these.
 
 {versions}
@@ -71,6 +73,7 @@ def main() -> None:
     parser.add_argument("--stopping", action="store_true", help="how soon a robot stops only; writes nothing")
     parser.add_argument("--recordings", action="store_true", help="recordings only; writes nothing")
     parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
+    parser.add_argument("--leaks", action="store_true", help="what views leave in the page only; writes nothing")
     parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="libraries; writes nothing")
     options = parser.parse_args()
     repeats, seconds, long = (1, 1.0, 6.0) if options.quick else (3, 3.0, 60.0)
@@ -87,6 +90,10 @@ def main() -> None:
     if options.player:
         with open_stage() as stage:
             print("\n".join(player_parts(stage, repeats, seconds, quick=options.quick)))
+        return
+    if options.leaks:
+        with open_stage() as stage:
+            print("\n".join(leak_parts(stage, quick=options.quick)))
         return
     names = {name: measure.facts(name)["NAME"] for name in options.only}
 
@@ -113,6 +120,7 @@ def main() -> None:
             parts += [f"\nIts newest scan was shown late by {late:.0f} ms."]
             parts += feed_parts(stage, 2 * seconds, repeats, long)
             parts += player_parts(stage, repeats, seconds, quick=options.quick)
+            parts += leak_parts(stage, quick=options.quick)
             parts += stopping_parts(2 if options.quick else stopping.TIMES)
         about = {"Chromium": stage.chromium, "Python": platform.python_version(), **versions()}
     if OURS in names:
@@ -185,6 +193,16 @@ def player_parts(stage: Stage, repeats: int, seconds: float, *, quick: bool) -> 
         table.waits(found.waits),
         "\n## The player at 10 times speed\n",
         table.plays(found.plays),
+    ]
+
+
+def leak_parts(stage: Stage, *, quick: bool) -> list[str]:
+    """What is said of what views leave in the page."""
+    print("leaks", flush=True)
+    runs = 20 if quick else 200
+    return [
+        f"\n## A cell that ran {runs} times, in the page\n",
+        table.leaks(leaks.compare(stage, runs)),
     ]
 
 

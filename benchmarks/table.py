@@ -9,6 +9,7 @@ from statistics import median
 from .columns import Decoding, Whole
 from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
+from .leaks import LIMIT, NAMES, Leak
 from .measure import Endurance, Four
 from .player import FRAMED, ROUND_TRIP, Playing, Waiting
 from .recordings import Reading
@@ -177,6 +178,22 @@ def readings(files: Mapping[str, Reading]) -> str:
         opened = [say(r.open_ours), say(r.open_theirs), f"{r.open_ours / r.open_theirs:.2f}"]
         body.append([name, *opened, say(r.rate_ours), say(r.rate_theirs), f"{r.rate_theirs / r.rate_ours:.2f}"])
     return markdown(head, body)
+
+
+def leaks(found: Mapping[str, Leak]) -> str:
+    """What each run of a cell adds to the page, one line per widget."""
+    limit = found[LIMIT].kilobytes
+    body = [
+        [
+            NAMES[name],
+            *(say(figure) for figure in (leak.nodes, leak.listeners, leak.kilobytes)),
+            times(leak.kilobytes / limit),
+            say(leak.closed_kilobytes),
+        ]
+        for name, leak in found.items()
+    ]
+    heads = ["nodes", "listeners", "heap, kB", "of the bare canvas's", "heap once all are closed, kB"]
+    return markdown(["each run of a cell adds", *heads], body)
 
 
 def markdown(head: Sequence[str], body: Iterable[Sequence[str]]) -> str:
