@@ -7,8 +7,11 @@ const NAMES = ["ink", "muted", "line", "area", "reading", "pointer", "touch", "m
 export type Theme = Record<(typeof NAMES)[number] | "background" | "font", string> & { dark: boolean };
 
 const prefersDark = () => matchMedia("(prefers-color-scheme: dark)");
+const forcesColors = () => matchMedia("(forced-colors: active)");
 
 function isDark(): boolean {
+  // The system's colours hold whatever the host's theme, and this query tells how dark they are.
+  if (forcesColors().matches) return prefersDark().matches;
   const { body, documentElement: root } = document;
   const jupyter = body.dataset.jpThemeLight;
   if (jupyter) return jupyter === "false";
@@ -22,6 +25,7 @@ export function applyTheme(element: HTMLElement): Theme {
   element.dataset.rwTheme = isDark() ? "dark" : "light";
   const style = getComputedStyle(element);
   const read = NAMES.map((name) => [name, style.getPropertyValue(`--rw-${name}`).trim()]);
+  if (forcesColors().matches) for (const pair of read) pair[1] = toHex(element, pair[1] ?? "");
   return {
     ...(Object.fromEntries(read) as Record<(typeof NAMES)[number], string>),
     background: style.backgroundColor,
@@ -30,7 +34,21 @@ export function applyTheme(element: HTMLElement): Theme {
   };
 }
 
-/** Calls back when the host switches between light and dark. */
+/** A colour of the system, which canvases do not know by its name, as "#rrggbb"; what is no colour stays as it is. */
+function toHex(element: HTMLElement, color: string): string {
+  if (!CSS.supports("color", color)) return color;
+  const probe = document.createElement("span");
+  probe.style.color = color;
+  element.append(probe);
+  const parts = getComputedStyle(probe).color.match(/[\d.]+/g) ?? [];
+  probe.remove();
+  return `#${parts
+    .slice(0, 3)
+    .map((part) => Number(part).toString(16).padStart(2, "0"))
+    .join("")}`;
+}
+
+/** Calls back when the host switches between light and dark, or the system forces colours. */
 export function watchTheme(callback: () => void, signal: AbortSignal): void {
   const observer = new MutationObserver(callback);
   const attributes = ["data-jp-theme-light", "data-jp-theme-name", "data-vscode-theme-kind", "theme", "class"];
@@ -38,5 +56,5 @@ export function watchTheme(callback: () => void, signal: AbortSignal): void {
     observer.observe(element, { attributes: true, attributeFilter: attributes });
   }
   onAbort(signal, () => observer.disconnect());
-  on(prefersDark(), "change", callback, signal);
+  for (const query of [prefersDark(), forcesColors()]) on(query, "change", callback, signal);
 }
