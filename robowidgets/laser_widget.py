@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import traitlets
 
-from ._core.named_widget import bundle, nearest_name
+from ._core.named_widget import bundle, nearest_name, refuse_unnamed
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Angle, Flag
 from .messages import ScanReader
@@ -23,6 +23,7 @@ _FIELDS = (
     "ranges", "angle_min", "angle_max", "angle_increment", "range_min", "range_max", "intensities", "header",
     "time_increment", "scan_time",
 )  # fmt: skip
+_BY_NAME = "update(ranges=..., angle_min=..., angle_increment=..., range_min=..., range_max=...)"
 _KNOWN = frozenset(_FIELDS)
 _MARKS = tuple(kind.name.lower() for kind in Validity if kind is not Validity.READING)
 
@@ -101,6 +102,13 @@ class LaserWidget(RobotWidget[Scan]):
     """
 
     _esm, _css = bundle("laser_widget")
+    _meant: ClassVar = {
+        "arcs": "arc_count",
+        "rays": "ray_count",
+        "freeze": "paused",
+        "frozen": "paused",
+        "offset": "angle_offset",
+    }
     wide = True
     frame_traits = ("angle_offset",)
 
@@ -132,13 +140,14 @@ class LaserWidget(RobotWidget[Scan]):
         self._offset = 0.0
         super().__init__(**kwargs)
 
-    def update(self, message: Any = None, **fields: Any) -> None:
+    def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a scan in the next animation frame.
 
         It only stores, and may be called from any thread at any rate; the newest wins.
 
         Args:
             message: a sensor_msgs/LaserScan of rclpy, rospy or rosbags, a rosbridge dictionary, or a `Scan`.
+            *unnamed: refused, with the call that takes numbers by name.
             **fields: instead of a message, its fields: ranges (R metres), angle_min and angle_increment (radians),
                 range_min and range_max (metres), and if there are any intensities (R).
 
@@ -147,6 +156,7 @@ class LaserWidget(RobotWidget[Scan]):
                 (another thread; a task, timer or button of a notebook) nothing is raised; widget and log say it.
         """
         try:
+            refuse_unnamed("update", unnamed, _BY_NAME)
             given = _of_fields(message, fields)
             # Most are like the one before, and then nothing else is to be looked at.
             scan = self._read.next(given)
@@ -242,7 +252,7 @@ def _refuse_array(message: Any) -> None:
     if is_array and not hasattr(message, "ranges"):
         raise TypeError(
             f"update() got a {type(message).__name__} without the scanner's geometry; plain numbers go by name: "
-            "update(ranges=..., angle_min=..., angle_increment=..., range_min=..., range_max=...)"
+            f"{_BY_NAME}"
         )
 
 

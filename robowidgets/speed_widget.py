@@ -5,12 +5,13 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass, replace
 from math import isnan, nan
-from typing import Any
+from numbers import Real
+from typing import Any, ClassVar
 
 import traitlets
 
 from ._core.limits import AxisLimits, Limits, Pair, is_past
-from ._core.named_widget import bundle
+from ._core.named_widget import bundle, refuse_unnamed
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Flag
 from .messages import to_speed
@@ -98,6 +99,10 @@ class SpeedWidget(RobotWidget[Reading]):
     """
 
     _esm, _css = bundle("speed_widget")
+    _meant: ClassVar = {
+        "max_speed": "linear_limits", "max_linear": "linear_limits", "max_angular": "angular_limits",
+        "freeze": "paused", "frozen": "paused", "peaks": "hold_peaks",
+    }  # fmt: skip
 
     command_title = traitlets.Unicode(help="Where commands come from, for the header. Plain text.").tag(sync=True)
     linear_limits = Limits((-1.0, 1.0), "m/s", help="(min, max) of the linear speeds, m/s, or None.").tag(sync=True)
@@ -119,7 +124,7 @@ class SpeedWidget(RobotWidget[Reading]):
         self._errors: dict[str, str] = {}
         super().__init__(**kwargs)
 
-    def update(self, message: Any = None, **fields: Any) -> None:
+    def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a measured speed in the next animation frame.
 
         It only stores, and may be called from any thread at any rate; the newest wins, but none is missed by the peaks.
@@ -127,6 +132,7 @@ class SpeedWidget(RobotWidget[Reading]):
         Args:
             message: a geometry_msgs/Twist, TwistStamped, TwistWithCovariance(Stamped) or nav_msgs/Odometry of rclpy,
                 rospy or rosbags, a rosbridge dictionary, or a `Speed`.
+            *unnamed: refused, with the call that takes numbers by name.
             **fields: instead of a message, linear (x, y, z in m/s) and angular (x, y, z in rad/s); what is left out has
                 no value.
 
@@ -134,11 +140,11 @@ class SpeedWidget(RobotWidget[Reading]):
             TypeError: no such message, or an unknown field. ValueError: not three numbers. In a callback (another
                 thread; a task, timer or button of a notebook) nothing is raised; widget and log say it.
         """
-        self._take("update", message, fields)
+        self._take("update", message, unnamed, fields)
 
-    def command(self, message: Any = None, **fields: Any) -> None:
+    def command(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a commanded speed, as a tick on each measured bar. Arguments and errors are those of `update`."""
-        self._take("command", message, fields)
+        self._take("command", message, unnamed, fields)
 
     def reset_peaks(self) -> None:
         """Let the peaks start anew, from the speed measured last."""
@@ -181,8 +187,10 @@ class SpeedWidget(RobotWidget[Reading]):
         pair: Pair | None = self.limits.get(axis, group)
         return pair
 
-    def _take(self, method: str, message: Any, fields: dict[str, Any]) -> None:
+    def _take(self, method: str, message: Any, unnamed: tuple[Any, ...], fields: dict[str, Any]) -> None:
         try:
+            if unnamed or isinstance(message, Real):
+                refuse_unnamed(method, (message, *unnamed), f"{method}(linear=(0.2, 0, 0), angular=(0, 0, 0.5))")
             speed = to_speed(_of_fields(method, message, fields))
         except (TypeError, ValueError) as error:
             if method == "command" and "command()" not in str(error):

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar
 
+import numpy as np
 import traitlets
 
-from ._core.named_widget import bundle
+from ._core.named_widget import bundle, refuse_unnamed
 from ._core.pacer import pacer
 from ._core.robot_widget import FRAME_HEADER, LONGEST_SILENCE, RobotWidget
 from .messages import to_touch
@@ -54,6 +55,7 @@ class TouchWidget(RobotWidget[Touch]):
     """
 
     _esm, _css = bundle("touch_widget")
+    _meant: ClassVar = {"freeze": "paused", "frozen": "paused"}
 
     sensors = traitlets.List(traitlets.Unicode(), help="Names of the sensors to show, from left to right.").tag(
         sync=True
@@ -79,7 +81,7 @@ class TouchWidget(RobotWidget[Touch]):
         super()._make_locks()
         self._tracking = threading.Lock()
 
-    def update(self, message: Any = None, **touched: bool | None) -> None:
+    def update(self, message: Any = None, *unnamed: Any, **touched: bool | int | None) -> None:
         """Take in what a message says, and show it in the next animation frame.
 
         It only stores, and may be called from any thread at any rate.
@@ -87,20 +89,22 @@ class TouchWidget(RobotWidget[Touch]):
         Args:
             message: a message of rclpy, rospy or rosbags in a dialect of `robowidgets.messages.dialects`, a rosbridge
                 dictionary, a mapping of sensor names to True, False or None, or a `Touch`.
-            **touched: instead of a message, sensor names with True, False or None.
+            *unnamed: refused, with the call that takes numbers by name.
+            **touched: instead of a message, sensor names with True, False, 1, 0 or None.
 
         Raises:
             TypeError: no such message. ValueError: a number in it has no meaning. In a callback (another thread; a
                 task, timer or button of a notebook) nothing is raised; widget and log say it.
         """
         try:
+            refuse_unnamed("update", unnamed, "update(left=True, right=False)")
             if message is None and not touched:
                 raise TypeError("update() needs a message, or sensors by name, like update(left=True, right=False)")
             if message is not None and touched:
                 raise TypeError(
                     f"update() takes a message or sensors, not both; got a message and {', '.join(touched)}"
                 )
-            touch = to_touch(touched or message, own=tuple(self.sensors))
+            touch = to_touch(_with_flags(touched) or message, own=tuple(self.sensors))
         except (TypeError, ValueError) as error:
             self._refuse(error)
             return
@@ -230,3 +234,13 @@ def pack_states(tracker: TouchTracker, now_ns: int) -> bytes:
 
 def _age(sensor: TouchSensor, now_ns: int) -> float | None:
     return None if sensor.since_ns is None else max(0, now_ns - sensor.since_ns) / 1e9
+
+
+def _with_flags(touched: Mapping[str, Any]) -> dict[str, Any]:
+    """Sensors by name, with 1 and 0 as True and False."""
+    return {name: bool(state) if _is_bit(state) else state for name, state in touched.items()}
+
+
+def _is_bit(state: Any) -> bool:
+    """Whether this is a whole number, of Python or NumPy, that is 1 or 0."""
+    return isinstance(state, (int, np.integer)) and state in (0, 1)

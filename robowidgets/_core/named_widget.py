@@ -5,9 +5,10 @@ from __future__ import annotations
 import difflib
 import logging
 import os
-from collections.abc import Iterable
+import reprlib
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import anywidget
 import traitlets
@@ -58,6 +59,8 @@ class NamedWidget(anywidget.AnyWidget):
 
     _keywords: tuple[str, ...] = ()
     """Keywords that are not traits."""
+    _meant: ClassVar[Mapping[str, str]] = {}
+    """What people call a keyword, or another thing of a widget, and its name."""
     _closed = False
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
@@ -72,7 +75,7 @@ class NamedWidget(anywidget.AnyWidget):
         settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
         for name in kwargs:
             if name not in settable:
-                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable))
+                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, self._meant))
         super().__init__(**kwargs)
 
     def add_traits(self, **traits: Any) -> None:
@@ -92,7 +95,7 @@ class NamedWidget(anywidget.AnyWidget):
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):
             settable = [n for n in self.trait_names() if self._is_ours(n)]
-            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable))
+            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable, self._meant))
         super().__setattr__(name, value)
 
     def close(self) -> None:
@@ -121,6 +124,14 @@ class NamedWidget(anywidget.AnyWidget):
         self._error_log(f"{type(self).__name__} {self.title}: {text}", text)
 
 
+def refuse_unnamed(method: str, unnamed: Sequence[Any], call: str) -> None:
+    """TypeError for arguments without a name, if there are any, with the call that takes them by name."""
+    if unnamed:
+        raise TypeError(
+            f"{method}() takes one message, or numbers by name: {call}; got {', '.join(map(reprlib.repr, unnamed))}"
+        )
+
+
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """The most similar known name: one that starts with it, else one spelt alike; None when there is none."""
     names = list(known)
@@ -128,7 +139,7 @@ def nearest_name(name: str, known: Iterable[str]) -> str | None:
     return next(iter(difflib.get_close_matches(name, longer or names, n=1)), None)
 
 
-def _unknown(of: str, what: str, name: str, known: list[str]) -> str:
-    near = nearest_name(name, known)
+def _unknown(of: str, what: str, name: str, known: list[str], meant: Mapping[str, str]) -> str:
+    near = meant.get(name) or nearest_name(name, known)
     hint = f"; did you mean {near!r}?" if near else "."
     return f"{of} has no {what} {name!r}{hint} It takes: {', '.join(sorted(known))}"

@@ -192,9 +192,20 @@ class TestSettings:
         ):
             laser.arcs_count = 3
         with pytest.raises(
-            TypeError, match=r"^LaserWidget\(\) has no keyword 'rays'\. It takes: angle_offset, arc_count, "
+            TypeError, match=r"^LaserWidget\(\) has no keyword 'radius'\. It takes: angle_offset, arc_count, "
         ):
-            LaserWidget(rays=3)
+            LaserWidget(radius=3)
+
+    @pytest.mark.parametrize(("word", "meant"), [("arcs", "arc_count"), ("rays", "ray_count"), ("freeze", "paused")])
+    def test_what_people_call_a_setting_leads_to_its_name(self, word: str, meant: str) -> None:
+        with pytest.raises(TypeError, match=rf"^LaserWidget\(\) has no keyword '{word}'; did you mean '{meant}'\?"):
+            LaserWidget(**{word: 3})
+
+    def test_several_arguments_are_refused_with_the_call_that_works(self, laser: LaserWidget) -> None:
+        with pytest.raises(
+            TypeError, match=r"^update\(\) takes one message, or numbers by name: update\(ranges=\.\.\., "
+        ):
+            laser.update([1.0, 2.0], -0.5, 0.5)
 
     def test_the_scan_on_show_is_not_set(self, laser: LaserWidget) -> None:
         with pytest.raises(AttributeError):

@@ -339,3 +339,17 @@ class TestErrors:
             SpeedWidget(limit=1)
         with pytest.raises(AttributeError, match="SpeedWidget has no trait 'planer'; did you mean 'planar'"):
             SpeedWidget().planer = True
+
+
+@pytest.mark.parametrize("numbers", [(1.0, 0.5), (1.0,), ((1, 0, 0), (0, 0, 0.5))])
+@pytest.mark.parametrize("method", ["update", "command"])
+def test_numbers_without_names_are_refused_with_the_call_that_works(method: str, numbers: tuple[Any, ...]) -> None:
+    words = rf"^{method}\(\) takes one message, or numbers by name: {method}\(linear=\(0.2, 0, 0\), angular="
+    with pytest.raises(TypeError, match=words):
+        getattr(SpeedWidget(), method)(*numbers)
+
+
+@pytest.mark.parametrize(("word", "meant"), [("max_speed", "linear_limits"), ("freeze", "paused")])
+def test_what_people_call_a_setting_leads_to_its_name(word: str, meant: str) -> None:
+    with pytest.raises(TypeError, match=rf"^SpeedWidget\(\) has no keyword '{word}'; did you mean '{meant}'\?"):
+        SpeedWidget(**{word: 1})

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from math import inf, nan
 from queue import Queue
 
+import numpy as np
 import pytest
 from comm.base_comm import BaseComm
 from traitlets import TraitError
@@ -253,6 +254,15 @@ class TestErrors:
         assert touch.states == {"left": TOUCHED}
         assert touch.get_state()["_about"]["error"].startswith(text[1:8].replace("\\", ""))
 
+    def test_one_and_zero_are_states_by_name(self, touch: TouchWidget) -> None:
+        touch.update(left=1, right=np.int64(0), center=np.True_)
+        assert touch.states == {"left": TouchState.TOUCHED, "right": TouchState.FREE, "center": TouchState.TOUCHED}
+
+    def test_several_arguments_are_refused_with_the_call_that_works(self, touch: TouchWidget) -> None:
+        words = r"^update\(\) takes one message, or numbers by name: update\(left=True, right=False\); got False$"
+        with pytest.raises(TypeError, match=words):
+            touch.update(True, False)
+
     def test_a_message_and_sensors_are_too_much(self, touch: TouchWidget) -> None:
         with pytest.raises(
             TypeError, match=r"^update\(\) takes a message or sensors, not both; got a message and left$"
@@ -262,8 +272,10 @@ class TestErrors:
     def test_a_state_that_is_none_is_refused_by_name(self, touch: TouchWidget) -> None:
         with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 'yes'$"):
             touch.update(left="yes")
-        with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 1; "):
-            touch.update(left=1)
+        with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 2; "):
+            touch.update(left=2)
+        with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 1.0; "):
+            touch.update(left=1.0)
 
     def test_go_away_with_the_next_good_message(self, touch: TouchWidget) -> None:
         with pytest.raises(ValueError, match="got 9"):
