@@ -37,6 +37,26 @@ MADE_BY_TESTS = {"tests/screenshots/", "tests/screenshots/failed/"}
 every_file = pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 
 
+# A cell of a notebook shows its last expression, and what it displays.
+_SHOWS = re.compile(r"Widget\(|\.show\(|\.scanogram\(|wander\(")
+_CELLS = """
+from IPython.core.interactiveshell import InteractiveShell
+from IPython.utils.capture import capture_output
+from ipywidgets import Widget
+
+shell = InteractiveShell.instance()
+
+def run(source, where, shows):
+    with capture_output(stdout=False, stderr=False) as shown:
+        cell = shell.run_cell(source)
+    if not cell.success:
+        raise SystemExit(f"{where}: {cell.error_before_exec or cell.error_in_exec!r}")
+    displayed = any("application/vnd.jupyter.widget-view+json" in output.data for output in shown.outputs)
+    if shows and not (displayed or isinstance(cell.result, Widget)):
+        raise SystemExit(f"{where}: the cell makes a widget and shows none")
+"""
+
+
 class Block(NamedTuple):
     """A fenced block: its language, its text and the line on which the text begins, from 1."""
 
@@ -78,10 +98,10 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(file: Path, tmp_path: Path
         pytest.skip(f"{file.name} has no Python in it")
     if file.name == "rerun.md":
         pytest.importorskip("rerun_notebook", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")
-    run = ["names = {'__name__': '__main__'}"]
+    run = [_CELLS]
     for block in parts:
-        source = "\n" * (block.line - 1) + block.text
-        run.append(f"exec(compile({source!r}, {str(file)!r}, 'exec'), names)")
+        shows = bool(_SHOWS.search(block.text))
+        run.append(f"run({block.text!r}, {f'{file}:{block.line}'!r}, {shows})")
     script = tmp_path / "page.py"
     script.write_text("\n".join(run), encoding="utf-8")
     ended = subprocess.run(
