@@ -216,7 +216,7 @@ def test_a_planar_robot_shows_three_axes_and_tells_of_the_others(plain_page: Cal
     card = nb.widget(0)
     nb.python("speed.update(linear=(0.5, 0, 1.5), angular=(0, 0, 0.1))")
     expect(card.locator("[data-axis]")).to_have_count(6)
-    card.get_by_role("button", name="Show linear x, linear y and angular z only").click()
+    card.get_by_role("button", name="Planar: show linear x, linear y and angular z only").click()
     expect(card.locator("[data-axis]")).to_have_count(3)
     for name in ("linear.x", "linear.y", "angular.z"):
         expect(axis(card, name)).to_be_visible()
@@ -381,5 +381,5 @@ def test_a_second_view_a_reload_and_an_exported_page_show_the_last_speed(
     page = static_page(file)
     expect(page.locator("[data-axis='5'] .rw-value")).to_have_text("−1.50")
     expect(page.locator("[data-axis]")).to_have_count(3)
-    page.get_by_role("button", name=re.compile("Show linear x")).click()
+    page.get_by_role("button", name=re.compile("show linear x")).click()
     expect(page.locator("[data-axis]")).to_have_count(6)

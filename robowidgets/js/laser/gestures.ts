@@ -6,7 +6,7 @@ import type { Point } from "./projection.ts";
 export interface Gestures {
   onHover(point: Point | null): void;
   onPick(point: Point): void;
-  /** Walks to another ray: "next", "previous", "first", "last" or "none". */
+  /** Walks to another ray: "next", "previous", "forth", "back" (both far), "first", "last", "nearest" or "none". */
   onWalk(to: string): void;
   onZoom(direction: -1 | 1): void;
   /** Whether it can zoom further; if not, the wheel scrolls the page. */
@@ -18,6 +18,9 @@ const WALK: Record<string, string> = {
   ArrowUp: "next",
   ArrowLeft: "previous",
   ArrowDown: "previous",
+  PageUp: "forth",
+  PageDown: "back",
+  m: "nearest",
   Home: "first",
   End: "last",
   Escape: "none",

@@ -21,7 +21,8 @@ export class Legend {
       item.title = kind === READING ? explained : `${explained}. Click: marks on or off`;
       const count = make("b", "");
       item.hidden = kind !== READING;
-      item.append(make("span", "rw-symbol", symbol), count, make("span", "", word));
+      // The space is for screen readers; the page shows none there.
+      item.append(make("span", "rw-symbol", symbol), count, " ", make("span", "", word));
       if (item instanceof HTMLButtonElement) {
         item.type = "button";
         on(item, "click", () => toggleMark(model, name), signal);

@@ -124,6 +124,11 @@ export function describeRay(scan: Scan, index: number, reach = 1): RayWords {
   };
 }
 
+/** The words of a pop-up in the order in which they are heard. */
+export function toSentence({ expression, distance, angle, side, details }: RayWords): string[] {
+  return [expression, distance, angle ?? "", side ?? "", details.replaceAll(/\s*\n\s*/g, ", ").replaceAll("  ", ", ")];
+}
+
 /** The side of the robot on which an angle lies. */
 export function sideOf(angle: number): string {
   const turned = Math.atan2(Math.sin(angle), Math.cos(angle));

@@ -14,11 +14,14 @@ import { placePopup } from "./popup_place.ts";
 import type { Box, Point } from "./projection.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
-import { describeRay, whyEmpty } from "./text.ts";
+import { describeRay, toSentence, whyEmpty } from "./text.ts";
 import type { LaserTraits } from "./traits.ts";
 import { stepRange } from "./zoom.ts";
 
 const TRAITS = [...SETTINGS, "marks", "color_by_intensity", "hovered", "pinned"] as const;
+
+/** Rays that the keys for a page walk. */
+const FAR = 10;
 
 /** One view of a laser widget: it wires the card, the scene, the legend, the pop-ups and the gestures together. */
 export class LaserView {
@@ -44,6 +47,8 @@ export class LaserView {
     this.#tell = throttle(tell, READING_MS, signal);
     this.#card = new SampleCard(element, "laser", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
+    // Screen readers leave the arrow keys to it.
+    picture.role = "application";
     this.#scene = new Scene(model, picture);
     this.#legend = new Legend(footer, model, signal);
     this.#pinned = new Popup(picture);
@@ -88,11 +93,20 @@ export class LaserView {
     const next = {
       next: from === null ? middle : from + 1,
       previous: from === null ? middle : from - 1,
+      forth: from === null ? middle : from + FAR,
+      back: from === null ? middle : from - FAR,
       first: 0,
       last,
+      nearest: scan.nearest,
     };
     const index = next[to as keyof typeof next] ?? -1;
-    this.#setIndex("pinned", to === "none" ? -1 : Math.min(last, Math.max(0, index)));
+    if (to === "nearest" && index < 0) {
+      this.#card.say(["no reading"]);
+      return;
+    }
+    const walked = to === "none" ? -1 : Math.min(last, Math.max(0, index));
+    this.#setIndex("pinned", walked);
+    this.#card.say(walked < 0 ? [] : toSentence(describeRay(scan, walked)));
   }
 
   onZoom(direction: -1 | 1): void {

@@ -36,7 +36,7 @@ export class Bar {
     this.#slider.value = String(index);
     setText(this.#time, age ? `\u2212${age}` : isEarlier ? "earlier" : "newest");
     setText(this.#word, age && " from newest");
-    const words = age ? `${age} before the newest` : this.#time.textContent;
+    const words = age ? `${age.replace(/s$/, "seconds")} before the newest` : this.#time.textContent;
     this.#slider.ariaValueText = `${words}, ${index + 1} of ${count}`;
   }
 }

@@ -14,6 +14,8 @@ export class Card {
   readonly #title = make("span", "rw-title");
   readonly #facts = make("span", "rw-facts");
   readonly #notice = make("div", "rw-notice");
+  readonly #live = make("div", "rw-live");
+  readonly #kind: string;
   readonly #model: Model<CardTraits>;
   #theme: Theme | null = null;
 
@@ -23,14 +25,17 @@ export class Card {
    */
   constructor(element: HTMLElement, kind: string, model: Model<CardTraits>, redraw: () => void, signal: AbortSignal) {
     this.#model = model;
+    this.#kind = kind;
     this.root = make("div", `rw-card rw-${kind}`);
+    this.root.role = "group";
     this.picture.tabIndex = 0;
     this.picture.role = "group";
-    this.picture.ariaLabel = `${kind} widget`;
+    this.picture.ariaLabel = "picture";
     this.#notice.role = "status";
+    this.#live.ariaLive = "polite";
     this.header.append(this.#title, this.#facts, this.controls);
     this.picture.append(this.#notice);
-    this.root.append(this.header, this.picture, this.footer);
+    this.root.append(this.header, this.picture, this.footer, this.#live);
     mount(element, this.root, signal);
     const onTheme = () => {
       this.#theme = null;
@@ -60,11 +65,18 @@ export class Card {
     this.#theme ??= applyTheme(this.root);
     this.header.hidden = !this.#model.get("header");
     this.footer.hidden = !this.#model.get("footer");
-    setText(this.#title, this.#model.get("title"));
+    const title = this.#model.get("title");
+    setText(this.#title, title);
+    this.root.ariaLabel = `${this.#kind} ${title}`.trim();
     this.#notice.classList.toggle("rw-error", kind === "error");
     this.#notice.classList.toggle("rw-status", kind === "status");
     setText(this.#notice, lines.join(" · "));
     this.#notice.title = lines.join("\n");
+  }
+
+  /** Has a screen reader say words about what keys have moved to. */
+  say(words: string[]): void {
+    setText(this.#live, words.filter(Boolean).join(", "));
   }
 
   /** Shows facts after the title; all of them in one line. */

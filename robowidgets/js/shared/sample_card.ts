@@ -1,6 +1,6 @@
 import { Bar } from "./bar.ts";
 import { Card } from "./card.ts";
-import { make, makeButton, makeIcon, setLabel, setText } from "./dom.ts";
+import { make, makeButton, makeIcon, setText } from "./dom.ts";
 import { isPlain, on } from "./events.ts";
 import { toAge, toCount, toFixed } from "./format.ts";
 import { type Model, onChange } from "./model.ts";
@@ -39,6 +39,7 @@ export class SampleCard extends Card {
     this.#model = model;
     this.#stream = stream;
     this.#freeze = makeButton("rw-freeze", "", () => stream.toggle(), signal);
+    this.#freeze.ariaLabel = null;
     this.#freezeText.append(...this.#freezeWords);
     this.controls.append(this.#freeze);
     this.picture.append(this.#silence);
@@ -86,7 +87,8 @@ export class SampleCard extends Card {
     if (this.#paused !== paused) {
       this.#paused = paused;
       this.#freeze.ariaPressed = String(paused);
-      setLabel(this.#freeze, paused ? "Show the newest again (space)" : "Freeze the picture (space)");
+      // The name is the text, which a screen reader reads together with this.
+      this.#freeze.title = paused ? "Show the newest again (space)" : "Freeze the picture (space)";
       this.#freeze.replaceChildren(makeIcon(paused ? PLAY : PAUSE), this.#freezeText);
     }
     const state = paused ? ["Frozen · ", toCount(since), " since"] : ["Freeze", "", ""];

@@ -25,7 +25,7 @@ export class Column {
     this.axis = axis;
     this.root.dataset.axis = String(axis.index);
     const name = make("div", "rw-axis-name", axis.letter);
-    if (axis.word) name.append(make("span", "rw-axis-word", axis.word));
+    if (axis.word) name.append(" ", make("span", "rw-axis-word", axis.word));
     this.track.append(this.#bar, ...this.#peaks, ...this.#limits);
     const lane = make("div", "rw-lane");
     lane.append(this.track, make("div", "rw-zero"), this.#tick, ...this.#labels);
@@ -105,7 +105,7 @@ export class Column {
     this.#state.dataset.said = state;
     const [sign, word, more] = stateWords(state);
     this.#state.replaceChildren(
-      ...(sign ? [make("span", "rw-mark", sign)] : []),
+      ...(sign ? [make("span", "rw-mark", sign), " "] : []),
       word,
       ...(more ? [make("span", "rw-word", ` ${more}`)] : []),
     );

@@ -16,7 +16,7 @@ export class GroupView {
     this.columns = group.axes.filter((axis) => isShown(axis, planar)).map((axis) => new Column(axis));
     this.root.style.setProperty("--rw-columns", String(this.columns.length));
     const heading = make("div", "rw-heading", group.name);
-    heading.append(make("span", "rw-unit", group.unit));
+    heading.append(" ", make("span", "rw-unit", group.unit));
     const axes = make("div", "rw-axes");
     axes.append(this.#scale, ...this.columns.map(({ root }) => root));
     this.root.append(heading, axes);

@@ -75,6 +75,11 @@ export function describeAxis(facts: AxisFacts): AxisWords {
   };
 }
 
+/** The words of a pop-up in the order in which they are heard. */
+export function toSentence({ expression, value, direction, alarm, details }: AxisWords): string[] {
+  return [expression, value, direction, alarm, ...details.map((pair) => pair.join(" "))];
+}
+
 /** One line on all axes for the footer, hidden ones that move included; nothing before the first speed. */
 export function summarize(shown: AxisFacts[], hidden: AxisFacts[]): string {
   const past = [...shown, ...hidden].flatMap(({ axis, measured, limits }) => {

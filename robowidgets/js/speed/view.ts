@@ -14,7 +14,7 @@ import { GroupView } from "./group.ts";
 import { Legend } from "./legend.ts";
 import { Popup } from "./popup.ts";
 import { toClearance } from "./scale.ts";
-import { describeAxis, summarize } from "./text.ts";
+import { describeAxis, summarize, toSentence } from "./text.ts";
 import type { SpeedTraits } from "./traits.ts";
 
 const SETTINGS = [
@@ -48,6 +48,8 @@ export class SpeedView {
   /** Kept, so that the scale of axes without limits grows and never jumps back; a reset of the peaks starts anew. */
   #fastest: Fastest = { linear: 0, angular: 0 };
   #resets: number | null = null;
+  /** Whether keys have moved to an axis, of which a screen reader has not heard. */
+  #walked = false;
 
   constructor(model: Model<SpeedTraits>, element: HTMLElement, stream: Stream<Speeds>, signal: AbortSignal) {
     this.#model = model;
@@ -55,12 +57,14 @@ export class SpeedView {
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#card = new SampleCard(element, "speed", model, stream, this.#redraw, signal);
     const { picture, footer } = this.#card;
+    // Screen readers leave the arrow keys to it.
+    picture.role = "application";
     picture.append(this.#board, this.#empty);
     this.#popup = new Popup(picture);
     this.#legend = new Legend(footer);
     this.#planar = makeButton(
       "",
-      "Show linear x, linear y and angular z only",
+      "Planar: show linear x, linear y and angular z only",
       () => this.#onPlanar(),
       signal,
       "Planar",
@@ -101,6 +105,7 @@ export class SpeedView {
       previous: Math.max(0, at - 1),
     };
     this.#picked = axes[places[to] ?? -1] ?? null;
+    this.#walked = true;
     this.#redraw();
   }
 
@@ -177,6 +182,9 @@ export class SpeedView {
     const index = this.#hovered ?? this.#picked;
     const facts = shown.find(({ axis }) => axis.index === index);
     const column = this.#columns.find(({ axis }) => axis.index === index);
+    const picked = shown.find(({ axis }) => axis.index === this.#picked);
+    if (this.#walked) this.#card.say(picked ? toSentence(describeAxis(picked)) : []);
+    this.#walked = false;
     for (const { root, axis } of this.#columns) root.classList.toggle("rw-pointed", axis.index === index);
     if (facts && column) this.#popup.show(describeAxis(facts), column.track, this.#card.picture);
     else this.#popup.hide();
