@@ -39,7 +39,7 @@ class Kind:
         make_reader: makes a `read` that remembers what stays the same from message to message of one topic.
         columns: the series class of `Recording.series`.
         frames: what the player of a recording shows of a topic at each time, a `robowidgets.player._frames.Track`.
-        rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.log.TopicLog`; empty: Rerun leaves them out.
+        rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; empty: Rerun leaves them out.
         commands: whether a topic may hold what was asked for, not measured; it goes with a measured topic: the widget
             has ``command(sample)`` too, and takes ``command_title`` and ``bars``.
         options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
@@ -109,7 +109,7 @@ LASER = Kind(
     has_shape=_is_scan,
     make_reader=ScanReader,
     columns="robowidgets.recordings.columns.scans:Scans",
-    rerun="robowidgets.in_rerun.log:ScanLog",
+    rerun="robowidgets.in_rerun.rerun_log:ScanLog",
 )
 SPEED = Kind(
     name="speed",
@@ -129,7 +129,7 @@ SPEED = Kind(
     has_shape=_has_twist,
     columns="robowidgets.recordings.columns.speeds:Speeds",
     frames="robowidgets.player._frames:SpeedFrames",
-    rerun="robowidgets.in_rerun.log:SpeedLog",
+    rerun="robowidgets.in_rerun.rerun_log:SpeedLog",
     commands=True,
     # No topic says how fast its robot may be.
     options={"linear_limits": None, "angular_limits": None},
@@ -147,7 +147,7 @@ TOUCH = Kind(
     nothing=Touch({}),
     columns="robowidgets.recordings.columns.touches:Touches",
     frames="robowidgets.player._frames:TouchFrames",
-    rerun="robowidgets.in_rerun.log:TouchLog",
+    rerun="robowidgets.in_rerun.rerun_log:TouchLog",
     goes_stale=False,
     every_message=True,
 )

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from ._core.named_widget import bundle, nearest_name, refuse_unnamed
+from ._core.base_widget import bundle, nearest_name, refuse_unnamed
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Angle, Flag
 from .messages import ScanReader

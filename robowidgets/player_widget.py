@@ -8,8 +8,8 @@ from typing import Any
 import anywidget
 import traitlets
 
-from ._core.named_widget import bundle
-from ._core.time_spans import Marks, Seconds, TimeSpan
+from ._core.base_widget import bundle
+from ._core.time_traits import Marks, Seconds, TimeSpan
 from ._core.traits import Flag
 
 Span = tuple[float, float]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from .recordings.data import RecordingData
 
 if TYPE_CHECKING:
-    from .find._function import Instant
+    from .find._predicate import Instant
     from .find.conditions import Condition
     from .in_rerun.widget import RerunWidget
     from .player.player import Player

@@ -11,15 +11,15 @@ import numpy as np
 import traitlets
 from numpy.typing import ArrayLike, NDArray
 
-from ._core.limits import Pair
-from ._core.named_widget import NamedWidget, bundle
+from ._core.base_widget import NamedWidget, bundle
+from ._core.limit_traits import Pair
 from ._core.png import SavesPng
-from ._core.time_spans import Marks, TimeSpan
+from ._core.time_traits import Marks, TimeSpan
 from ._core.traits import Flag, bytes_trait
 from .samples import AXES, Scan
 from .scanogram.clock import Clock
 from .scanogram.levels import BUDGET, Levels
-from .scanogram.parts import detail, overview
+from .scanogram.page_parts import detail, overview
 from .scanogram.scans import Scans, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 

@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 
 import traitlets
 
-from ._core.limits import AxisLimits, Limits, Pair, is_past
-from ._core.named_widget import bundle, refuse_unnamed
+from ._core.base_widget import bundle, refuse_unnamed
+from ._core.limit_traits import AxisLimits, Limits, Pair, is_past
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Flag
 from .messages import to_speed

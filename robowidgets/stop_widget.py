@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from ._core.base_widget import bundle
 from ._core.command_watchdog import CommandWatchdog
 from ._core.driving_widget import DrivingWidget
-from ._core.named_widget import bundle
 
 
 class StopWidget(DrivingWidget):

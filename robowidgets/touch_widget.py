@@ -11,12 +11,12 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from ._core.named_widget import bundle, refuse_unnamed
+from ._core.base_widget import bundle, refuse_unnamed
 from ._core.pacer import pacer
 from ._core.robot_widget import FRAME_HEADER, LONGEST_SILENCE, RobotWidget
 from .messages import to_touch
 from .samples import Touch, TouchMode, TouchState
-from .samples.numbers import in_radians
+from .samples.checks import in_radians
 from .samples.touch_tracker import TouchSensor, TouchTracker
 
 

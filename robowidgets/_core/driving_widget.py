@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 import traitlets
 
+from .base_widget import NamedWidget
 from .command_watchdog import HOLD, ZERO, CommandWatchdog
-from .named_widget import NamedWidget
 from .pacer import pacer
 from .platform_fixes import route_by_message
 from .press import PadMessage, Tokens, to_pad_message

@@ -16,7 +16,7 @@ from typing import Any
 import anywidget
 from comm import DummyComm
 
-from .caller import cell_is_running
+from .error_routing import cell_is_running
 
 log = logging.getLogger("robowidgets")
 

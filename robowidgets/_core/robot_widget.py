@@ -13,9 +13,9 @@ from typing import Any, Generic, TypeVar
 
 import traitlets
 
-from ..samples.numbers import finite
-from .caller import called_from_cell
-from .named_widget import NamedWidget
+from ..samples.checks import finite
+from .base_widget import NamedWidget
+from .error_routing import called_from_cell
 from .pacer import pacer
 from .platform_fixes import message_padding
 from .png import SavesPng

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from ..samples.numbers import in_radians
+from ..samples.checks import in_radians
 
 
 class Flag(traitlets.Bool[Any, Any]):

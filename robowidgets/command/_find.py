@@ -17,7 +17,7 @@ from ..kinds import LASER, SPEED, TOUCH
 from ..recording import Recording
 from ..recordings.spans import Spans
 from ..recordings.topics import UnnamedTopicError
-from ..samples.numbers import DEGREES, OF_DEGREES
+from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import SECTORS, Asked, to_sector
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130

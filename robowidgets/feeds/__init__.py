@@ -10,7 +10,7 @@ from .dds import dds
 from .feed import Feed
 from .foxglove import foxglove
 from .middleware import Advert, FeedError, Listener, Middleware
-from .recording import recording
+from .replay import recording
 from .ros1 import ros1
 from .ros2 import ros2
 from .rosbridge import rosbridge

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 from .._core.command_watchdog import HOLD
-from .._core.limits import is_past
+from .._core.limit_traits import is_past
 from .._core.log_once import LogOnce
 from ..kinds import SPEED, is_command
-from ..samples.numbers import OF_DEGREES, finite, is_angle
+from ..samples.checks import OF_DEGREES, finite, is_angle
 from .middleware import Advert
 
 log = logging.getLogger("robowidgets")

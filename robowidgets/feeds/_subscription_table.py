@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from .._core.robot_widget import RobotWidget
-from ._functions import FunctionCaller
+from ._callbacks import FunctionCaller
 from ._subscription import Subscription, Target
 from ._topics import Topic
 

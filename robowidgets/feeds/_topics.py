@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from .._core.text import many
+from .._core.tables import many
 from ..kinds import is_undecided, kind_of_type
 from .middleware import Advert
 

@@ -10,14 +10,14 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from .._core.cells import running_cell, take_the_place
-from .._core.text import as_html, as_text
+from .._core.tables import as_html, as_text
 from ..samples import Scan, Speed
-from ..samples.numbers import finite
+from ..samples.checks import finite
+from ._callbacks import Function, FunctionCaller
 from ._driver import Driver
 from ._driving import Driving
-from ._functions import Function, FunctionCaller
 from ._open_feeds import close_first, open_feeds
-from ._scans import scans_of
+from ._scan_iterator import scans_of
 from ._subscriber import Subscriber
 from ._subscription import Target, target_of
 from ._subscription_table import SubscriptionTable
@@ -26,7 +26,7 @@ from ._twist import TWIST
 from .middleware import Advert, FeedError, Middleware
 
 if TYPE_CHECKING:
-    from ._view import FeedView
+    from ._feed_view import FeedView
 
 log = logging.getLogger("robowidgets")
 
@@ -207,7 +207,7 @@ class Feed:
         Example:
             >>> feed.show("/scan", "/odom")  # doctest: +SKIP
         """
-        from ._view import FeedView
+        from ._feed_view import FeedView
 
         for topic in topics:
             check_name(topic)

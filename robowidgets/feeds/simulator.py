@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..messages import to_speed
-from ..samples.numbers import finite
+from ..samples.checks import finite
 from ..simulator import Robot, World
 from ..simulator import wander as wander_about
 from ._twist import TWIST

@@ -23,10 +23,10 @@ from ..kinds import KINDS
 from ..recordings.columns.chunks import ScanChunk, SpeedChunk
 from ..recordings.topics import UnknownTopicError, UnnamedTopicError
 from ..samples import AXES, TouchState
-from ..samples.numbers import number
+from ..samples.checks import number
 from ..samples.scan import distances
 from ..samples.sector import Asked, to_sector
-from ._function import Function
+from ._predicate import Function
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from .._core.progress import Progress, without_bars
 from ..recordings.spans import Span, Spans
 from ._steps import NO, Steps, spans, steps
 from .conditions import condition
-from .stale import mark_stale
+from .silence import mark_stale
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .._core.cells import take_the_place
 from ..recordings import RecordingData
-from .log import Log
+from .rerun_log import Log
 from .widget import RerunWidget
 
 _TOGETHER = 8

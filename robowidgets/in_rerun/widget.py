@@ -16,11 +16,11 @@ import ipywidgets
 
 from .._core.pacer import pacer
 from .._core.progress import without_bars
-from .._core.time_spans import Seconds
+from .._core.time_traits import Seconds
 from ..recordings import RecordingData
 from ._sdk import library
 from ._server import kept_here, read, server
-from .log import CLOCK, SECONDS, Log
+from .rerun_log import CLOCK, SECONDS, Log
 
 HEIGHT = 720
 """Height of the viewer in pixels."""

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ..samples import TouchMode
-from ..samples.numbers import number
+from ..samples.checks import number
 from ._codes import bits, code, flag, integer, is_flag
 from .fields import MISSING, describe, get, has
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..samples import Scan
-from ..samples.numbers import OF_DEGREES, is_angle, number, to_radians
+from ..samples.checks import OF_DEGREES, is_angle, number, to_radians
 from .fields import MISSING, describe, frame_id, has, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")

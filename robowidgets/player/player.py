@@ -15,11 +15,11 @@ import numpy as np
 import traitlets
 
 from .._core.cells import close_all, take_the_place
-from .._core.time_spans import Marks, Seconds, TimeSpan
+from .._core.time_traits import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, columns
 from .._widget_choice import WidgetChoice, choose_widgets
-from ..find.stale import longest_pause, usual_step
+from ..find.silence import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
 from ..player_widget import PlayerWidget
@@ -27,8 +27,8 @@ from ..recordings import RecordingData
 from ..recordings.times import has_date
 from ..scanogram_widget import ScanogramWidget
 from ._frames import Track
+from ._overview import whole_drive
 from ._prefetcher import SEGMENT, Prefetcher, segment
-from ._whole_drive import whole_drive
 
 _EARLY = 0.1
 _TINY = 1e-7

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from .._core import text as _table
-from .._core.text import many
+from .._core import tables as _table
+from .._core.tables import many
 from .times import as_date, has_date
 from .topics import Topic
 

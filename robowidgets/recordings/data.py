@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..repair import RecordingError
 from ._info import as_html, as_text, heading
-from ._messages import Messages
-from .columns._clock_notes import Clock, about_clocks, clock_of
+from ._sample_reader import Messages
+from .columns._clock_problems import Clock, about_clocks, clock_of
 from .columns._memory import Memory
 from .columns.scans import Scans
 from .columns.series import Series

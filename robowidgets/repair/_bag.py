@@ -9,9 +9,9 @@ from pathlib import Path
 from ..messages.channel import Channel
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
 from ._byte_range import ByteRange, FileRange, MemoryRange, find
+from ._found_messages import FoundMessages, Walk
 from ._records import MAX_TEXT, Damage, Layout, Record, find_records, with_bar
 from ._report import foreign
-from ._walk import FoundMessages, Walk
 from .source import RecordingError
 
 MAGIC = b"#ROSBAG V2.0\n"

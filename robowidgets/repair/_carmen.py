@@ -25,9 +25,9 @@ from ._carmen_lines import (
     time_ns_of,
 )
 from ._clock import repaired_log
+from ._found_messages import Walk
 from ._records import Damage
 from ._report import format_of
-from ._walk import Walk
 from .source import RecordingError
 
 _EXPECTED = "a ROS bag (.bag), a rosbag2 folder, a .db3, an .mcap or a CARMEN log (.log, .clf, gzipped or not)"

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from ..messages.channel import Channel
 from ..messages.compression import plain
 from ._clock import Arrivals, repaired
+from ._found_messages import Walk
 from ._report import damage_lines, nothing_readable
-from ._walk import Walk
 from .source import Message
 
 

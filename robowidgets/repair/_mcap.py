@@ -11,9 +11,9 @@ from typing import NamedTuple
 from ..messages.channel import Channel, definition_text
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
 from ._byte_range import ByteRange, FileRange, MemoryRange, find
+from ._found_messages import FoundMessages, Walk
 from ._records import MAX_TEXT, Damage, Layout, Record, find_records, with_bar
 from ._report import foreign
-from ._walk import FoundMessages, Walk
 
 MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(2, 7)

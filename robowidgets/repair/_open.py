@@ -10,9 +10,9 @@ from tempfile import TemporaryDirectory
 from ..messages.compression import ZSTD_MAGIC, inflate_to
 from . import _bag, _mcap, _sqlite
 from ._carmen import walk_carmen
+from ._found_messages import Walk
 from ._indexed import IndexedSource
 from ._report import damage_lines, foreign
-from ._walk import Walk
 from .source import RecordingError
 
 _WALKS: dict[str, Callable[[Path], Walk]] = {

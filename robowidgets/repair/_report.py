@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from .._core.text import many
+from .._core.tables import many
+from ._found_messages import Walk
 from ._records import Damage
-from ._walk import Walk
 from .source import RecordingError
 
 _FORMATS = {

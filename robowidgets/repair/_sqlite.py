@@ -15,9 +15,9 @@ from typing import NamedTuple
 from .._core.progress import Progress
 from ..messages.channel import Channel, definition_text
 from ._byte_range import FileRange
+from ._found_messages import Walk
 from ._records import MAX_PLACES, Damage
 from ._report import foreign
-from ._walk import Walk
 from .source import RecordingError
 
 MAGIC = b"SQLite format 3\0"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._age import HasAge
-from .numbers import (
+from .checks import (
     ANGLE_ROUNDING,
     OF_DEGREES,
     finite,

@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from .numbers import ANGLE_ROUNDING, in_radians
+from .checks import ANGLE_ROUNDING, in_radians
 
 Sector = tuple[float, float]
 """Two angles in radians: from the first counter-clockwise to the second."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ._age import HasAge
-from .numbers import number
+from .checks import number
 
 AXES = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
 

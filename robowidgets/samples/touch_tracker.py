@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from . import Touch, TouchMode, TouchState
-from .numbers import number
+from .checks import number
 
 _STATES = {True: TouchState.TOUCHED, False: TouchState.FREE, None: TouchState.UNKNOWN}
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.limits import is_past
+from .._core.limit_traits import is_past
 from ..samples import AXES
 from .clock import Clock
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-from ..samples.numbers import finite
+from ..samples.checks import finite
 
 
 @dataclass(frozen=True)

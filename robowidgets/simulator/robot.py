@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..samples import Scan, Speed, Touch, TouchMode
-from ..samples.numbers import finite, in_radians
+from ..samples.checks import finite, in_radians
 from ._contact import BUMPERS, contact_angles, pressed, push_out
 from .motors import Motors
 from .scanner import Scanner

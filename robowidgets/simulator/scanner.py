@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Scan
-from ..samples.numbers import finite
+from ..samples.checks import finite
 from ..samples.scan import MAX_RAYS
 from ._raycast import cast_rays
 from .world import World

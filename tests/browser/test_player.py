@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, expect
 
-from robowidgets.player import _whole_drive
+from robowidgets.player import _overview as _whole_drive
 
 from ..unit.recordings import robot, sweeps
 from ..unit.waiting import wait_for

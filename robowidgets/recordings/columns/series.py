@@ -16,7 +16,7 @@ from ...repair import RecordingError
 from ..times import to_ns
 from ..topics import Moment
 from . import _tables
-from ._clock_notes import about_clock
+from ._clock_problems import about_clock
 from ._decoders import Decoder, SampleDecoder
 from ._store import Store
 

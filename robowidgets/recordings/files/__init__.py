@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path, PurePath
 
-from ..._core.text import listed, many
+from ..._core.tables import listed, many
 from ...repair import RecordingError, Source, find_files, has_clock_step, open_repaired
 from . import _rosbags
 from ._chain import Chain

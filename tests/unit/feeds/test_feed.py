@@ -551,7 +551,7 @@ def test_feeds_are_reached_from_the_package_without_being_imported_by_it() -> No
         "import sys, robowidgets\n"
         "assert 'robowidgets.feeds' not in sys.modules\n"
         "assert callable(robowidgets.feeds.simulator) and callable(robowidgets.feeds.recording)\n"
-        "import robowidgets.feeds.simulator, robowidgets.feeds.recording\n"
+        "import robowidgets.feeds.simulator, robowidgets.feeds.replay\n"
         "assert callable(robowidgets.feeds.simulator) and callable(robowidgets.feeds.recording)\n"
         "print([name for name in ('tornado', 'cyclonedds', 'rclpy', 'rospy') if name in sys.modules])\n"
     )

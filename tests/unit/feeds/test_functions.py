@@ -203,7 +203,7 @@ def test_a_cell_that_is_run_again_replaces_all_that_it_connected(
 ) -> None:
     feed, script = opened(SCAN, ODOM)
     cell = ["cell", "run 1"]
-    monkeypatch.setattr("robowidgets.feeds._functions.running_cell", lambda: tuple(cell))
+    monkeypatch.setattr("robowidgets.feeds._callbacks.running_cell", lambda: tuple(cell))
     got: list[str] = []
     feed.connect("/scan", lambda _: got.append("one"), lambda _: got.append("two"))
     feed.connect("/odom", lambda _: got.append("odom"))
@@ -247,7 +247,7 @@ def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_drop
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     cell = ["feed", "run 1"]
-    for module in ("_core.cells", "feeds._functions", "feeds.feed"):
+    for module in ("_core.cells", "feeds._callbacks", "feeds.feed"):
         monkeypatch.setattr(f"robowidgets.{module}.running_cell", lambda: tuple(cell))
     monkeypatch.setattr("robowidgets._core.cells._made", {})
     first = Feed(Scripted(SCAN))
@@ -278,7 +278,7 @@ class TestScans:
         assert script.asked == [("subscribe", "/scan"), ("unsubscribe", "/scan")]
 
     def test_where_none_ever_came_it_says_why(self, opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("robowidgets.feeds._scans.FIRST_TIMEOUT", 0.1)
+        monkeypatch.setattr("robowidgets.feeds._scan_iterator.FIRST_TIMEOUT", 0.1)
         feed, _ = opened(SCAN)
         with pytest.raises(TimeoutError, match=r"no scan of /scna for 0.1 s: no such topic /scna; there are /scan"):
             next(feed.scans("/scna", timeout=0.1))

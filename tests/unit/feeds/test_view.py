@@ -10,7 +10,7 @@ import pytest
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.feeds import Advert, Feed, FeedError
-from robowidgets.feeds._view import FeedView
+from robowidgets.feeds._feed_view import FeedView
 
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 
@@ -169,7 +169,7 @@ def test_a_feed_that_is_closed_while_its_topics_come_puts_up_nothing(
     feed, script = opened()
     view = feed.show()
     monkeypatch.setattr(
-        "robowidgets.feeds._view.choose_widgets", lambda topics: (feed.close(), choose_widgets(topics))[1]
+        "robowidgets.feeds._feed_view.choose_widgets", lambda topics: (feed.close(), choose_widgets(topics))[1]
     )
     script.listener.on_topics([SCAN])
     assert script.asked == []

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import robowidgets
-from robowidgets.recordings._messages import truncation_note
+from robowidgets.recordings._sample_reader import truncation_note
 from robowidgets.recordings.files._index import _INDEX_HEAD
 from robowidgets.recordings.files._rosbags import open_mcap
 

@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import robowidgets
 from robowidgets import RecordingError, conditions
-from robowidgets.find._function import Function
+from robowidgets.find._predicate import Function
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
 from robowidgets.messages.definitions import definitions
 from robowidgets.recordings import UnknownTopicError

@@ -11,7 +11,7 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets.find._function import _together
+from robowidgets.find._predicate import _together
 from robowidgets.find._steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
 
 from . import sweeps

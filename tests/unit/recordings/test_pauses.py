@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, steps
-from robowidgets.find.stale import longest_pause, mark_stale, usual_step
+from robowidgets.find.silence import longest_pause, mark_stale, usual_step
 
 S = 1_000_000_000
 

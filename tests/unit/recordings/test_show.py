@@ -360,7 +360,7 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
     assert has_one()
     assert not has_one(scanogram=False)
     assert not has_one("/odom")
-    monkeypatch.setattr("robowidgets.player._whole_drive.MOST_READINGS", 99)
+    monkeypatch.setattr("robowidgets.player._overview.MOST_READINGS", 99)
     assert not has_one()
     assert has_one(scanogram=True)
 
@@ -370,12 +370,12 @@ def test_a_scanogram_that_takes_long_is_left_out_by_its_readings_and_a_line_says
 ) -> None:
     empty = [(0.0, sweeps.scan(sweeps.START_NS, []))]
     path = sweeps.write(tmp_path / "long", empty + sweeps.numbered(1200, rays=40)[1:])
-    monkeypatch.setattr("robowidgets.player._whole_drive.MOST_READINGS", 47_999)
+    monkeypatch.setattr("robowidgets.player._overview.MOST_READINGS", 47_999)
     words = "no scanogram: 1,200 scans of 40 rays take a while; recording.show(scanogram=True) has it made"
     for wanted, there, told in ((None, False, words), (False, False, ""), (True, True, "")):
         with shown(path, scanogram=wanted) as player:
             assert (player.scanogram is not None, player.bar._note) == (there, told)
-    monkeypatch.setattr("robowidgets.player._whole_drive.MOST_READINGS", 48_000)
+    monkeypatch.setattr("robowidgets.player._overview.MOST_READINGS", 48_000)
     with shown(path) as player:
         assert (player.scanogram is not None, player.bar._note) == (True, "")
 

@@ -8,7 +8,7 @@ import pytest
 from robowidgets.samples import Scan
 from robowidgets.scanogram.clock import Clock
 from robowidgets.scanogram.levels import Levels
-from robowidgets.scanogram.parts import DETAIL_BYTES, OVERVIEW_BYTES, detail, overview, pack
+from robowidgets.scanogram.page_parts import DETAIL_BYTES, OVERVIEW_BYTES, detail, overview, pack
 from robowidgets.scanogram.scans import ScansInMemory, Sweep
 
 

@@ -18,10 +18,10 @@ from IPython.core.formatters import DisplayFormatter
 from ipywidgets.embed import dependency_state
 
 from robowidgets import LaserWidget
-from robowidgets._core import named_widget as _named_widget
+from robowidgets._core import base_widget as _named_widget
 from robowidgets._core import robot_widget as _widget
+from robowidgets._core.base_widget import bundle
 from robowidgets._core.log_once import MOST_LOGGED
-from robowidgets._core.named_widget import bundle
 from robowidgets._core.pacer import pacer
 from robowidgets._core.robot_widget import RESYNC_S, RESYNC_TRAITS
 

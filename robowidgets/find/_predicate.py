@@ -14,7 +14,7 @@ from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, onl
 from ..repair import RecordingError
 from ..samples import Scan, Speed, Touch
 from ._steps import NO, UNKNOWN, YES, Steps, steps
-from .stale import mark_stale
+from .silence import mark_stale
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData

@@ -7,7 +7,7 @@ from itertools import islice
 
 import ipywidgets
 
-from .._core.text import many
+from .._core.tables import many
 from ..recordings import RecordingData
 from ..repair import RecordingError
 from ..samples import Scan

@@ -13,9 +13,9 @@ from .._core.coalesced_call import CoalescedCall
 from .._layout import WIDE, columns
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..stop_widget import StopWidget
-from ._probe import decided, is_open
 from ._subscription import Target
 from ._topics import Topic
+from ._undecided_kind import decided, is_open
 from .middleware import FeedError
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..recordings import RecordingData
-from ..samples.numbers import finite
+from ..samples.checks import finite
 from .feed import Feed
 from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 

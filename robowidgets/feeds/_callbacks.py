@@ -16,10 +16,10 @@ from weakref import WeakSet
 from .._core.cells import running_cell
 from .._core.log_once import LogOnce
 from .._core.pacer import pacer
-from .._core.text import many
+from .._core.tables import many
 from ..kinds import KINDS, counts_every_message
-from ._probe import decided, is_open
 from ._topics import Table, Topic
+from ._undecided_kind import decided, is_open
 from .middleware import EVENTS
 
 log = logging.getLogger("robowidgets")
