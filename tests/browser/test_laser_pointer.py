@@ -162,6 +162,7 @@ def test_the_notebook_keeps_still_while_keys_walk(notebook: Callable[..., Notebo
             button.focus()
         for key in ("d", "d", "x", "a", "b", "m", "y", "c", "v", "z", "Shift+m", "0", "0", "j", "k", "Shift+k"):
             keys.press(key)
+    keys.press("Home")
     keys.press("ArrowRight")
     says(popup, *of(1))
     picture.focus()

@@ -69,3 +69,17 @@ def test_a_laser_keeps_its_height_while_counts_change(plain_page: Callable[..., 
     nb.python("laser.update(**scan(nothing=9))")
     expect(card.locator(".rw-steps")).to_be_visible()
     assert card.evaluate("(card) => card.offsetHeight") == height, "freezing moves nothing below"
+
+
+def test_three_bumpers_stand_side_by_side_in_260_pixels(plain_page: Callable[..., PlainPage]) -> None:
+    source = "from robowidgets import TouchWidget\ntouch = TouchWidget(title='/bumper')\n"
+    nb = plain_page([f"{source}touch.update(left=True, center=None, right=False)\ntouch"])
+    nb.resize(260)
+    card = nb.widget(0).locator(".rw-card")
+    tiles = card.locator(".rw-tile")
+    expect(tiles.locator(".rw-tile-label")).to_have_text(["left", "center", "right"])
+    boxes = [tile.bounding_box() for tile in tiles.all()]
+    assert len({box["y"] for box in boxes if box}) == 1
+    assert sorted(box["x"] for box in boxes if box) == [box["x"] for box in boxes if box]
+    assert tiles.evaluate_all("(tiles) => tiles.filter((tile) => tile.scrollWidth > tile.clientWidth).length") == 0
+    shoot(card, "touch-three-260")

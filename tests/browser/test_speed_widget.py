@@ -172,15 +172,15 @@ def test_a_bar_past_its_limit_turns_red_with_a_mark_and_words(plain_page: Callab
     nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(1.1, -1.1, 0.9), angular=(0, 0, 0))")
-    expect(axis(card, "linear.x").locator(".rw-axis-state")).to_have_text("▲over max")
-    expect(axis(card, "linear.y").locator(".rw-axis-state")).to_have_text("▼under min")
+    expect(axis(card, "linear.x").locator(".rw-axis-state")).to_have_text("▲ over max")
+    expect(axis(card, "linear.y").locator(".rw-axis-state")).to_have_text("▼ under min")
     expect(axis(card, "linear.z").locator(".rw-axis-state")).to_have_text("")
     red = colour(axis(card, "linear.x").locator(".rw-bar"))
     assert red == colour(axis(card, "linear.y").locator(".rw-bar"))
     assert red != colour(axis(card, "linear.z").locator(".rw-bar"))
     expect(card.locator(".rw-summary")).to_have_text("linear.x over max, linear.y under min")
     nb.python("speed.linear_limits = 2; speed.limits = {'linear.z': (-1, 0.5)}")
-    expect(axis(card, "linear.z").locator(".rw-axis-state")).to_have_text("▲over max")
+    expect(axis(card, "linear.z").locator(".rw-axis-state")).to_have_text("▲ over max")
     expect(axis(card, "linear.x").locator(".rw-axis-state")).to_have_text("")
     assert axis(card, "linear.z").locator(".rw-limit-label:visible").all_inner_texts() == ["−1", "0.5"]
 

@@ -9,6 +9,9 @@ export interface Box {
 export const GAP = 8;
 const KINDS = /^(cliff|wheel|light|button|proximity|stall) /;
 const NARROWEST = 92;
+/** Of three or fewer, such as the bumpers of a robot, which stay side by side in a card of 260 pixels. */
+const NARROWEST_OF_FEW = 72;
+const FEW = 3;
 /** Height of a rectangle that is one of many. */
 const LOW = 58;
 const HIGH = 92;
@@ -40,7 +43,8 @@ export function toRows(names: string[], columns: number): string[][] {
 
 /** A rectangle for each name, in rows that fill a width, from y downwards; and where they end. A single row is high. */
 export function layRows(names: string[], width: number, y: number): { boxes: Map<string, Box>; bottom: number } {
-  const rows = toRows(names, Math.max(1, Math.floor((width + GAP) / (NARROWEST + GAP))));
+  const narrowest = names.length > FEW ? NARROWEST : NARROWEST_OF_FEW;
+  const rows = toRows(names, Math.max(1, Math.floor((width + GAP) / (narrowest + GAP))));
   const longest = Math.max(...rows.map((row) => row.length));
   const height = rows.length > 1 || y > 0 ? heightOf((width + GAP) / longest - GAP) : HIGH;
   const boxes = new Map<string, Box>();
