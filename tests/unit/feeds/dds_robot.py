@@ -8,7 +8,7 @@ import struct
 import sys
 import threading
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsSubscription
@@ -179,7 +179,8 @@ def tell(what: Any) -> None:
 
 def hear(reader: Any) -> None:
     for message in reader.take_iter(timeout=duration(seconds=60)):
-        tell(asdict(message))
+        if is_dataclass(message):  # else a sample without data: the writer is gone
+            tell(asdict(message))
 
 
 class Robot:
