@@ -8,10 +8,11 @@ import struct
 import sys
 import threading
 import time
-from dataclasses import asdict, dataclass, is_dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsSubscription
+from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import IdlStruct, types
 from cyclonedds.pub import DataWriter
@@ -178,8 +179,10 @@ def tell(what: Any) -> None:
 
 
 def hear(reader: Any) -> None:
-    for message in reader.take_iter(timeout=duration(seconds=60)):
-        if is_dataclass(message):  # else a sample without data: the writer is gone
+    # Whatever became of the writer, as the middleware of ROS does: by default samples of one that is gone are left.
+    condition = ReadCondition(reader, ViewState.Any | SampleState.NotRead | InstanceState.Any)
+    for message in reader.take_iter(condition=condition, timeout=duration(seconds=60)):
+        if isinstance(message, IdlStruct):  # else a sample without data
             tell(asdict(message))
 
 
