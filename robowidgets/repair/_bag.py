@@ -7,10 +7,10 @@ import struct
 from pathlib import Path
 
 from ..messages.channel import Channel
-from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
-from ._byte_range import ByteRange, FileRange, MemoryRange, find
-from ._found_messages import FoundMessages, Walk
-from ._records import MAX_TEXT, Damage, Layout, Record, find_records, with_bar
+from ._byte_range import ByteRange, FileRange, find
+from ._found_messages import Walk
+from ._record_reader import RecordReader
+from ._records import MAX_TEXT, Damage, Layout, Record
 from ._report import foreign
 from .source import RecordingError
 
@@ -55,37 +55,29 @@ def walk_bag(path: Path) -> Walk:
         raise
 
 
-class _Reader:
+class _Reader(RecordReader):
     """One walk through a bag."""
 
     def __init__(self, file: FileRange) -> None:
-        self.file = file
-        self.damage = Damage(unfinished=True)
-        self.found = FoundMessages(file)
-        self.channels: dict[int, Channel] = {}
+        super().__init__(file, _LAYOUT, start=len(MAGIC))
+        self.by_id: dict[int, Channel] = {}
 
-    def walk(self) -> Walk:
-        """Read the whole file."""
-        try:
-            self.records(self.file, -1, self.damage, start=len(MAGIC))
-        except OSError as error:
-            self.damage.disk = error.strerror or str(error)
-        return self.found.as_walk(list(self.channels.values()), self.damage)
+    def channels(self) -> list[Channel]:
+        """The connections."""
+        return list(self.by_id.values())
 
-    def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
-        """Index the records of the file (chunk -1) or of a chunk."""
-        records = find_records(data, _LAYOUT, damage, start)
-        for record in with_bar(records, self.file) if chunk < 0 else records:
-            if record.op == _MESSAGE and record.whole:
-                seconds, nanoseconds = struct.unpack("<II", record.fields["time"])
-                time_ns = seconds * 10**9 + nanoseconds
-                self.found.add(_uint(record.fields["conn"]), time_ns, record.body, record.end - record.body, chunk)
-            elif record.op == _CONNECTION:
-                self.connection(data, record, damage)
-            elif record.op == _CHUNK and record.fields["compression"] != _PLAIN and chunk < 0:
-                self.chunk(record)
-            elif record.op == _FILE and chunk < 0:
-                self.header(record)
+    def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
+        """Index a record of the file (chunk -1) or of a chunk."""
+        if record.op == _MESSAGE and record.whole:
+            seconds, nanoseconds = struct.unpack("<II", record.fields["time"])
+            time_ns = seconds * 10**9 + nanoseconds
+            self.found.add(_uint(record.fields["conn"]), time_ns, record.body, record.end - record.body, chunk)
+        elif record.op == _CONNECTION:
+            self.connection(data, record, damage)
+        elif record.op == _CHUNK and record.fields["compression"] != _PLAIN and chunk < 0:
+            self.inflated(record, _text(record.fields["compression"]))
+        elif record.op == _FILE and chunk < 0:
+            self.header(record)
 
     def header(self, record: Record) -> None:
         """Read from the bag header whether the file was finished, and whether its end is missing."""
@@ -113,19 +105,7 @@ class _Reader:
             definition=_text(fields.get("message_definition", b"")),
             count=0,
         )
-        self.channels.setdefault(channel.id, channel)
-
-    def chunk(self, record: Record) -> None:
-        """Index the records of a compressed chunk, as far as it decompresses."""
-        compression = _text(record.fields["compression"])
-        if compression not in COMPRESSIONS:
-            self.damage.compressions.add(compression)
-            return
-        size = min(record.end - record.body, MAX_CHUNK)
-        raw, whole = inflate(compression, self.file.read(record.body, size))
-        inside = Damage()
-        self.records(MemoryRange(raw), self.found.add_chunk(record.body, size, compression), inside)
-        self.damage.places += inside.places + (record.whole and (inside.cut or not whole))
+        self.by_id.setdefault(channel.id, channel)
 
 
 def _check_format(file: FileRange) -> None:

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..messages.channel import Channel, definition_text
-from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
-from ._byte_range import ByteRange, FileRange, MemoryRange, find
-from ._found_messages import FoundMessages, Walk
-from ._records import MAX_TEXT, Damage, Layout, Record, find_records, with_bar
+from ._byte_range import ByteRange, FileRange, find
+from ._found_messages import Walk
+from ._record_reader import RecordReader
+from ._records import MAX_TEXT, Damage, Layout, Record
 from ._report import foreign
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -66,23 +66,13 @@ class _NamedChannel(NamedTuple):
     encoding: str
 
 
-class _Reader:
+class _Reader(RecordReader):
     """One walk through an MCAP file."""
 
     def __init__(self, file: FileRange) -> None:
-        self.file = file
-        self.damage = Damage(unfinished=True)
-        self.found = FoundMessages(file)
+        super().__init__(file, _LAYOUT, start=len(MAGIC))
         self.schemas: dict[int, _Schema] = {}
         self.named: dict[int, _NamedChannel] = {}
-
-    def walk(self) -> Walk:
-        """Read the whole file."""
-        try:
-            self.records(self.file, -1, self.damage, start=len(MAGIC))
-        except OSError as error:
-            self.damage.disk = error.strerror or str(error)
-        return self.found.as_walk(self.channels(), self.damage)
 
     def channels(self) -> list[Channel]:
         """The channels with their schemas. A schema may lie anywhere in the file, even after its channel."""
@@ -93,18 +83,16 @@ class _Reader:
             channels.append(Channel(number, topic, name, encoding, schema.text, 0))
         return channels
 
-    def records(self, data: ByteRange, chunk: int, damage: Damage, start: int = 0) -> None:
-        """Index the records of the file (chunk -1) or of a chunk."""
-        records = find_records(data, _LAYOUT, damage, start)
-        for record in with_bar(records, self.file) if chunk < 0 else records:
-            if record.op == _MESSAGE and record.whole:
-                self.message(data, record, chunk, damage)
-            elif record.op in (_SCHEMA, _CHANNEL):
-                self.name(data, record, damage)
-            elif record.op == _CHUNK and chunk < 0:
-                self.chunk(record)
-            elif record.op == _FOOTER:
-                damage.unfinished = False
+    def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
+        """Index a record of the file (chunk -1) or of a chunk."""
+        if record.op == _MESSAGE and record.whole:
+            self.message(data, record, chunk, damage)
+        elif record.op in (_SCHEMA, _CHANNEL):
+            self.name(data, record, damage)
+        elif record.op == _CHUNK and chunk < 0:
+            self.chunk(record)
+        elif record.op == _FOOTER:
+            damage.unfinished = False
 
     def message(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
         """Index a message."""
@@ -140,15 +128,9 @@ class _Reader:
             size = int.from_bytes(record.fields["size"], "little")
             self.damage.checksums += bool(checksum) and self.checksum(record.body, size) not in (checksum, None)
             return
-        if compression not in COMPRESSIONS:
-            self.damage.compressions.add(compression)
-            return
-        size = min(record.end - record.body, MAX_CHUNK)
-        raw, whole = inflate(compression, self.file.read(record.body, size))
-        inside = Damage()
-        self.records(MemoryRange(raw), self.found.add_chunk(record.body, size, compression), inside)
-        self.damage.places += inside.places + (record.whole and (inside.cut or not whole))
-        self.damage.checksums += bool(whole and checksum) and checksum != crc32(raw)
+        raw = self.inflated(record, compression)
+        if raw is not None and checksum:
+            self.damage.checksums += checksum != crc32(raw)
 
     def checksum(self, offset: int, size: int) -> int | None:
         """CRC-32 of bytes in the file; None if some are missing."""
