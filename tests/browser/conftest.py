@@ -106,9 +106,25 @@ def pages(request: pytest.FixtureRequest) -> Iterator[list[tuple[Page, Console]]
 
 
 @pytest.fixture
+def new_page(
+    contexts: Callable[[int, bool], BrowserContext], pages: list[tuple[Page, Console]]
+) -> Callable[[int, int, int, bool], tuple[Page, Console]]:
+    """A function that opens an empty page of a scale, a width and a height, with touch or without."""
+
+    def open_page(scale: int, width: int, height: int, touch: bool) -> tuple[Page, Console]:
+        page = contexts(scale, touch).new_page()
+        console = Console(page)
+        pages.append((page, console))
+        page.set_viewport_size({"width": width, "height": height})
+        return page, console
+
+    return open_page
+
+
+@pytest.fixture
 def notebook(
     lab: LabServer,
-    contexts: Callable[[int, bool], BrowserContext],
+    new_page: Callable[[int, int, int, bool], tuple[Page, Console]],
     pages: list[tuple[Page, Console]],
     request: pytest.FixtureRequest,
 ) -> Iterator[Callable[..., Notebook]]:
@@ -131,10 +147,7 @@ def notebook(
             ),
             lab.files / path,
         )
-        page = contexts(scale, touch).new_page()
-        console = Console(page)
-        pages.append((page, console))
-        page.set_viewport_size({"width": width, "height": height})
+        page, console = new_page(scale, width, height, touch)
         opened = Notebook(page, lab, path, console)
         opened.open()
         opened.theme(theme)
@@ -156,8 +169,7 @@ def page_server() -> Iterator[PageServer]:
 @pytest.fixture
 def plain_page(
     page_server: PageServer,
-    contexts: Callable[[int, bool], BrowserContext],
-    pages: list[tuple[Page, Console]],
+    new_page: Callable[[int, int, int, bool], tuple[Page, Console]],
 ) -> Iterator[Callable[..., PlainPage]]:
     opened: list[PlainPage] = []
 
@@ -171,10 +183,7 @@ def plain_page(
         theme: Literal["light", "dark"] = "light",
         touch: bool = False,
     ) -> PlainPage:
-        page = contexts(scale, touch).new_page()
-        console = Console(page)
-        pages.append((page, console))
-        page.set_viewport_size({"width": width, "height": height})
+        page, console = new_page(scale, width, height, touch)
         opened.append(PlainPage(page, console, page_server, cells))
         opened[-1].open()
         opened[-1].theme(theme)
