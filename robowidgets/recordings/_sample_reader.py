@@ -132,8 +132,10 @@ class Messages:
         if not kinds and is_standard(channel.type):
             return None, ""
         try:
-            shape = shape_of(channel)
-            kind = self._decided(channel) if is_undecided(channel.type) else next(iter(kinds), kind_of_shape(shape))
+            if is_undecided(channel.type):
+                kind = self._decided(channel)
+            else:
+                kind = kinds[0] if kinds else kind_of_shape(shape_of(channel))
             if kind is None:
                 return None, ""
             self._decoders[channel.id] = load(kind.columns).decoder(channel, kind)
