@@ -9,9 +9,12 @@ from pathlib import Path
 
 from playwright.sync_api import Locator, Page, expect
 
+import robowidgets
+
 from .laser import FAN, SETUP, locate
 from .notebook import Notebook
 
+SAMPLE = Path(robowidgets.__file__).with_name("data") / "sample.mcap"
 WIDGETS = f"""{SETUP}
 from robowidgets import SpeedWidget, TouchWidget
 from ipywidgets.embed import embed_minimal_html
@@ -31,11 +34,18 @@ frozen.pinned = 4
 frozen.update(**fan({9: 0.9}))
 display(laser, frozen, speed, touch)
 """
+# A whole recording, of which a page has one second, and widgets that wait for what cannot come any more.
+ALONE = f"""
+import robowidgets
+player = robowidgets.open({str(SAMPLE)!r}).show()
+empty, unscanned = LaserWidget(), robowidgets.ScanogramWidget()
+display(player, empty, unscanned)
+"""
 
 
 def shows(page: Page) -> None:
     """Check all that a person sees and does on the exported widgets."""
-    laser, frozen = page.locator(".rw-laser").first, page.locator(".rw-laser").last
+    laser, frozen = page.locator(".rw-laser").first, page.locator(".rw-laser").nth(1)
     expect(laser.locator(".rw-nearest")).to_have_text("nearest 1.52 m at −80.0° [1]")
     place, popup = locate(laser), laser.locator(".rw-popup:visible")
     expect(popup).to_have_count(0)
@@ -53,9 +63,22 @@ def shows(page: Page) -> None:
     frozen.locator(".rw-freeze").click()
     expect(frozen.locator(".rw-nearest")).to_have_text("nearest 0.90 m at 0.0° [9]")
 
-    speed, touch = page.locator(".rw-speed"), page.locator(".rw-touch")
+    speed, touch = page.locator(".rw-speed").first, page.locator(".rw-touch").first
     expect(speed.locator(".rw-value")).to_contain_text(["0.62", "0.00", "−1.24"])
     expect(touch.locator(".rw-tile")).to_contain_text(["free", "touched", "unknown"])
+
+
+def lacks_a_kernel(page: Page) -> None:
+    """Check that what cannot come any more is not waited for."""
+    for empty in page.locator(".rw-empty:visible").all():
+        expect(empty).to_have_text("no kernel in this page")
+    player, chip = page.locator(".rw-player"), page.locator(".rw-scanogram-chip:visible")
+    player.locator("input").press("End")
+    expect(player.locator(".rw-play-words")).to_have_text("no kernel in this page")
+    for _ in range(9):
+        page.locator(".rw-scanogram").first.get_by_role("button", name="Zoom in (+)").click()
+    expect(chip).to_have_text("no finer detail: no kernel in this page")
+    assert "waiting" not in page.locator("body").inner_text()
 
 
 def hover(card: Locator, x: float, y: float) -> None:
@@ -65,10 +88,15 @@ def hover(card: Locator, x: float, y: float) -> None:
 def test_exported_pages_show_the_last_state_without_a_kernel(
     notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
 ) -> None:
-    nb = notebook([WIDGETS, FROZEN])
+    nb = notebook([WIDGETS, FROZEN, ALONE])
     nb.widget(1).locator(".rw-picture").hover()
-    nb.python("embed_minimal_html('embedded.html', views=[laser, frozen, speed, touch], drop_defaults=False)")
+    nb.python(
+        "embed_minimal_html('embedded.html', views=[laser, frozen, speed, touch, player, empty, "
+        "unscanned], drop_defaults=False)"
+    )
     saved = nb.save()
     subprocess.run([sys.executable, "-m", "nbconvert", "--to", "html", saved], check=True)
-    shows(static_page(nb.lab.files / "embedded.html"))
-    shows(static_page(saved.with_suffix(".html")))
+    for file in (nb.lab.files / "embedded.html", saved.with_suffix(".html")):
+        page = static_page(file)
+        shows(page)
+        lacks_a_kernel(page)

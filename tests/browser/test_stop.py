@@ -301,7 +301,7 @@ def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
     nb = notebook([FEED])
     says(nb, PROGRAM)
     nb.python("threading.Timer(0.2, lambda: __import__('os').kill(__import__('os').getpid(), 9)).start()")
-    says(nb, "no news from the kernel", "what the robot does is not known")
+    says(nb, "no kernel in this page", "Stop reaches nothing; what the robot does is not known")
     expect(stop_of(nb)).to_have_text("Stop")
 
 

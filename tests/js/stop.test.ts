@@ -180,6 +180,11 @@ test("the bar tells who drives and how fast", () => {
   assert.equal(say({ ready: false, cause: "the feed is closed" }).text, "the feed is closed");
   assert.equal(say({ status: "nobody listens to /cmd_vel" }).hint, "nobody listens to /cmd_vel");
   assert.equal(say({ driver: "program" }, { isNews: false }).text, "no news from the kernel");
+  assert.deepEqual(say({ driver: "program" }, { hasKernel: false }), {
+    text: "no kernel in this page",
+    hint: "Stop reaches nothing; what the robot does is not known",
+    kind: "warn",
+  });
 });
 
 test("the bar tells before Stop is pressed what it can do", () => {

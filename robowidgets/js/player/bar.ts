@@ -2,7 +2,7 @@ import { make, makeButton, makeIcon, mount, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toClock, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
-import { type Model, setTraits } from "../shared/model.ts";
+import { lacksKernel, type Model, NO_KERNEL, setTraits } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
@@ -133,7 +133,8 @@ export class PlayerBar {
       this.#play.ariaLabel = this.#play.title;
     }
     this.#loop.ariaPressed = String(this.#model.get("loop"));
-    setText(this.#words, this.#model.get("_status") || (waits ? "waiting for the kernel" : ""));
+    const waiting = lacksKernel(this.#model) ? NO_KERNEL : "waiting for the kernel";
+    setText(this.#words, this.#model.get("_status") || (waits ? waiting : ""));
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(duration);

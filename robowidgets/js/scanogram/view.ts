@@ -2,8 +2,8 @@ import { Popup } from "../laser/popup.ts";
 import type { Point } from "../laser/projection.ts";
 import { type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton } from "../shared/dom.ts";
-import { type Model, onChange } from "../shared/model.ts";
+import { make, makeButton, setText } from "../shared/dom.ts";
+import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { moved, toSeconds, toTime, toX, zoomed } from "./axis.ts";
@@ -18,6 +18,7 @@ import { describeSelection, toFacts } from "./text.ts";
 import type { ScanogramTraits, Span } from "./traits.ts";
 
 const LATE = "finer detail when the kernel is free";
+const NEVER = `no finer detail: ${NO_KERNEL}`;
 
 /** One view of a scanogram: it wires the card, the scene, the legend, the pop-up and the gestures together. */
 export class ScanogramView {
@@ -27,8 +28,8 @@ export class ScanogramView {
   readonly #scene: Scene;
   readonly #legend: Legend;
   readonly #popup: Popup;
-  readonly #empty = make("div", "rw-empty", "waiting for scans");
-  readonly #chip = make("div", "rw-scanogram-chip", LATE);
+  readonly #empty = make("div", "rw-empty");
+  readonly #chip = make("div", "rw-scanogram-chip");
   readonly #all: HTMLButtonElement;
   readonly #redraw: () => void;
   readonly #redrawTop: () => void;
@@ -156,6 +157,9 @@ export class ScanogramView {
     this.#card.updateFrame(error ? [error, ...notes] : notes, error ? "error" : "note");
     this.#card.updateFacts(whole ? toFacts(whole) : []);
     this.#empty.hidden = whole !== null;
+    const isAlone = lacksKernel(this.#model);
+    setText(this.#empty, isAlone ? NO_KERNEL : "waiting for scans");
+    setText(this.#chip, isAlone ? NEVER : LATE);
     this.#chip.hidden = !this.#state.waits;
     this.#all.disabled = view[1] - view[0] >= (whole?.duration ?? 0);
     const { theme } = this.#card;

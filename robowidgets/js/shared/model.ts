@@ -8,6 +8,8 @@ import { onAbort } from "./events.ts";
  */
 export interface Model<T> {
   get<K extends keyof T>(name: K): T[K];
+  /** The layout of ipywidgets: a model of the host's own, or what another host has in its place. */
+  get(name: "layout"): { comm_live?: boolean } | null | undefined;
   set<K extends keyof T>(name: K, value: T[K]): void;
   save_changes(): void;
   send(content: unknown): void;
@@ -31,6 +33,17 @@ export interface Initialized<T> {
 /** What a widget's script gets once per view. */
 export interface Rendered<T> extends Initialized<T> {
   el: HTMLElement;
+}
+
+/** What a picture says where no kernel will ever answer. */
+export const NO_KERNEL = "no kernel in this page";
+
+/**
+ * Whether nothing here reaches Python: the page was exported, or its kernel has ended. Hosts hand out a model without
+ * its comm, but with its layout, a model of the host's own with the same kernel; a host without either has a kernel.
+ */
+export function lacksKernel<T>(model: Pick<Model<T>, "get">): boolean {
+  return model.get("layout")?.comm_live === false;
 }
 
 /** Sets traits in the page at once and sends them to Python, which may be busy. */

@@ -3,7 +3,7 @@ import { Card } from "./card.ts";
 import { make, makeButton, makeIcon, setText } from "./dom.ts";
 import { isPlain, on } from "./events.ts";
 import { toAge, toCount, toFixed } from "./format.ts";
-import { type Model, onChange } from "./model.ts";
+import { lacksKernel, type Model, NO_KERNEL, onChange } from "./model.ts";
 import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
 import type { SampleTraits } from "./traits.ts";
@@ -59,6 +59,7 @@ export class SampleCard extends Card {
   /** The text of a picture before the first sample. */
   waiting(noun: string): string {
     if (this.#stream.since) return `frozen before the first ${noun}`;
+    if (lacksKernel(this.#model)) return NO_KERNEL;
     return this.#model.get("_source").status || `waiting for a ${noun}`;
   }
 

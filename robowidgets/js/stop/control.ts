@@ -1,5 +1,5 @@
 import { onAbort } from "../shared/events.ts";
-import { type Model, onChange, onMessage } from "../shared/model.ts";
+import { lacksKernel, type Model, onChange, onMessage } from "../shared/model.ts";
 import type { StopTraits, Told } from "./traits.ts";
 
 /** Milliseconds between two heartbeats. */
@@ -76,6 +76,11 @@ export class StopControl {
 
   get told(): Told {
     return this.#model.get("_state");
+  }
+
+  /** Whether anything here can reach Python. */
+  get hasKernel(): boolean {
+    return !lacksKernel(this.#model);
   }
 
   /** Whether the kernel answers this page. A busy kernel may not. */

@@ -1,4 +1,5 @@
 import { toFixed } from "../shared/format.ts";
+import { NO_KERNEL } from "../shared/model.ts";
 import type { Note, StopControl } from "./control.ts";
 import type { Told } from "./traits.ts";
 
@@ -11,7 +12,7 @@ export interface Text {
 }
 
 /** What the status depends on. */
-export type Situation = Pick<StopControl, "told" | "note" | "hears" | "isNews" | "canInterrupt">;
+export type Situation = Pick<StopControl, "told" | "note" | "hasKernel" | "hears" | "isNews" | "canInterrupt">;
 
 export const rest = (text: string, hint = ""): Text => ({ text, hint, kind: "rest" });
 export const warn = (text: string, hint = ""): Text => ({ text, hint, kind: "warn" });
@@ -26,7 +27,8 @@ const NOTES: Partial<Record<Note, Text>> = {
 };
 
 /** The status of Stop, which comes before any other; null when there is none. */
-export function toStopText({ told, note, hears, isNews }: Situation): Text | null {
+export function toStopText({ told, note, hasKernel, hears, isNews }: Situation): Text | null {
+  if (!hasKernel) return warn(NO_KERNEL, "Stop reaches nothing; what the robot does is not known");
   if (!told.stopped && note === "asking") return rest("stopping");
   if (!told.stopped && note === "interrupted") return rest("stopping", "the kernel was interrupted");
   const failed = told.stopped ? undefined : NOTES[note];
