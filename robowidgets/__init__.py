@@ -59,6 +59,8 @@ def __getattr__(name: str) -> Any:
         return import_module(".find.conditions", __name__)
     if name in _LATER:
         return getattr(import_module(_LATER[name], __name__), name)
-    near = get_close_matches(name, __all__, n=1) or [known for known in __all__ if name and known.startswith(name)]
+    lower = {known.lower(): known for known in __all__}
+    alike = get_close_matches(name.lower(), lower, n=1) or [known for known in lower if known.startswith(name.lower())]
+    near = [lower[known] for known in alike]
     hint = f"; did you mean {near[0]!r}?" if near and not name.startswith("_") else ""
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}{hint}")

@@ -185,6 +185,9 @@ class LaserWidget(RobotWidget[Scan]):
         """See `RobotWidget`."""
         return about_scan(sample), self._pack(sample.turned(self.angle_offset))
 
+    def _describe(self) -> str:
+        return repr(self.scan).strip("<>") if self.scan else ""
+
     def _pack(self, sample: Scan) -> bytes:
         ranges, intensities = sample.ranges, sample.intensities
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, ranges.size)

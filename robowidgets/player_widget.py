@@ -63,3 +63,6 @@ class PlayerWidget(anywidget.AnyWidget):
         """The span that is played, (start, end) in seconds."""
         start, end = self.selection if self.loop and self.selection else (0.0, self.duration)
         return min(start, self.duration), min(end, self.duration)
+
+    def _summary(self) -> str:
+        return f"{'playing' if self.playing else 'stopped'} at {self.time:.2f} s of {self.duration:.1f} s"

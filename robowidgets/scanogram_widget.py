@@ -143,8 +143,8 @@ class ScanogramWidget(SavesPng, NamedWidget):
         Args:
             times_ns: times of N scans in nanoseconds, in the order of arrival.
             ranges: metres, shape (N, R), kept as float32; NaN and infinities as in REP-117.
-            angle_min: radians, of ray 0.
-            angle_increment: radians from one ray to the next.
+            angle_min: angle of ray 0, radians or text like "-135deg".
+            angle_increment: from one ray to the next, alike.
             range_min: metres; a range from there to range_max, both included, is a reading.
             range_max: metres.
             start_ns: what counts as 0 s; None: the time of the first scan.
@@ -162,6 +162,10 @@ class ScanogramWidget(SavesPng, NamedWidget):
         scan = Scan(distances[0], angle_min, angle_increment, range_min, range_max)
         start = int(times[0]) if start_ns is None else start_ns
         self._put(ScansInMemory(times, [distances]), Sweep.of(scan), start, notes=scan.notes)
+
+    def _summary(self) -> str:
+        picture = self._picture
+        return f"{len(picture.levels.scans.times_ns):,} scans, {picture.duration:.1f} s" if picture else "nothing yet"
 
     def set_speeds(
         self,

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import traitlets
 
 from ._core.base_widget import bundle, refuse_unnamed
-from ._core.limit_traits import AxisLimits, Limits, Pair, is_past
+from ._core.limit_traits import AxisLimits, Limits, Pair, is_past, unit_of
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Flag
 from .messages import to_speed
@@ -187,6 +187,11 @@ class SpeedWidget(RobotWidget[Reading]):
         pair: Pair | None = self.limits.get(axis, group)
         return pair
 
+    def _describe(self) -> str:
+        shown = self._on_show()
+        both = {"measured": shown.measured, "commanded": shown.commanded}
+        return "; ".join(f"{name} {_in_words(speed)}" for name, speed in both.items() if speed)
+
     def _take(self, method: str, message: Any, unnamed: tuple[Any, ...], fields: dict[str, Any]) -> None:
         try:
             if unnamed or isinstance(message, Real):
@@ -269,3 +274,10 @@ def _of_fields(method: str, message: Any, fields: dict[str, Any]) -> Any:
     if message is not None and fields:
         raise TypeError(f"{method}() takes a message or fields, not both; got a message and {', '.join(fields)}")
     return message if message is not None else Speed(**{"linear": _NO_VALUES[:3], "angular": _NO_VALUES[:3], **fields})
+
+
+def _in_words(speed: Speed) -> str:
+    """The axes that move, with their values, such as "linear.x 0.50 m/s"."""
+    known = {axis: value for axis, value in zip(AXES, speed.values, strict=True) if not isnan(value)}
+    moving = [f"{axis} {value:.2f} {unit_of(axis)}" for axis, value in known.items() if value]
+    return ", ".join(moving) or ("at rest" if known else "unknown")

@@ -77,6 +77,9 @@ class TouchWidget(RobotWidget[Touch]):
         self._still_ns: int | None = None
         super().__init__(**kwargs)
 
+    def _describe(self) -> str:
+        return ", ".join(f"{name} {state.name.lower()}" for name, state in self.states.items())
+
     def _make_locks(self) -> None:
         super()._make_locks()
         self._tracking = threading.Lock()

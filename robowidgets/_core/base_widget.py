@@ -14,6 +14,7 @@ import anywidget
 import traitlets
 
 from .log_once import LogOnce
+from .short_traceback import shortened
 from .traits import Flag
 
 log = logging.getLogger("robowidgets")
@@ -66,7 +67,8 @@ class NamedWidget(anywidget.AnyWidget):
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
         """Refuse positional arguments before anything is created."""
         if unnamed:
-            raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
+            error = TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
+            raise shortened(error)
         return super().__new__(cls, **kwargs)
 
     def __init__(self, **kwargs: Any) -> None:
@@ -75,7 +77,7 @@ class NamedWidget(anywidget.AnyWidget):
         settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
         for name in kwargs:
             if name not in settable:
-                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, self._meant))
+                raise shortened(TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, self._meant)))
         super().__init__(**kwargs)
 
     def add_traits(self, **traits: Any) -> None:
@@ -95,8 +97,11 @@ class NamedWidget(anywidget.AnyWidget):
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):
             settable = [n for n in self.trait_names() if self._is_ours(n)]
-            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable, self._meant))
-        super().__setattr__(name, value)
+            raise shortened(AttributeError(_unknown(type(self).__name__, "trait", name, settable, self._meant)))
+        try:
+            super().__setattr__(name, value)
+        except traitlets.TraitError as error:
+            raise shortened(error)  # noqa: B904  the same error
 
     def close(self) -> None:
         """Remove the widget from the page."""
@@ -104,8 +109,14 @@ class NamedWidget(anywidget.AnyWidget):
         self._closed = True
 
     def __repr__(self) -> str:
-        text: str = super().__repr__()
-        return "this widget is closed: make a new one" if self._closed else text
+        if self._closed:
+            return "this widget is closed: make a new one"
+        name, shown = f"{type(self).__name__} {self.title}".rstrip(), self._summary()
+        return f"<{name}: {shown}>" if shown else f"<{name}>"
+
+    def _summary(self) -> str:
+        """What the widget shows, in one line for its repr."""
+        return ""
 
     @classmethod
     def _is_ours(cls, name: str) -> bool:

@@ -20,6 +20,7 @@ from .pacer import pacer
 from .platform_fixes import message_padding
 from .png import SavesPng
 from .rate import RateMeter
+from .short_traceback import shortened
 from .traits import Flag, bytes_trait
 
 FRAME_HEADER = struct.Struct("<ddqd")
@@ -153,7 +154,16 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             self._given.sequence = self._sequence
             return self._newest_sample()
 
+    def _summary(self) -> str:
+        shown = self._describe() or "nothing yet"
+        return f"frozen, {shown}" if self.paused else shown
+
     # -- for subclasses ------------------------------------------------------------------------------------------------
+
+    def _describe(self) -> str:
+        """The sample on show in one line; empty before the first."""
+        sample = self._newest_sample()
+        return "" if sample is None else repr(sample).strip("<>")
 
     def _pack(self, sample: S) -> bytes:
         """The bytes of a frame after its header."""
@@ -192,7 +202,7 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             self._changed = True
         pacer.mark(self)
         if called_from_cell():
-            raise error from None
+            raise shortened(error) from None
         self._log_once(f"a message could not be shown: {text}")
 
     def _why_none(self, seconds: float) -> str:

@@ -333,11 +333,19 @@ class Scan(HasAge):
             return None
         return self[int(off.argmin())]
 
-    def turned(self, angle: float) -> Scan:
-        """The same scan, of the same age, with every ray turned by an angle in radians, counter-clockwise."""
-        if not angle:
+    def turned(self, angle: float | str) -> Scan:
+        """The same scan, of the same age, with every ray turned by an angle, counter-clockwise.
+
+        Args:
+            angle: radians, or degrees as text (``"20deg"``).
+
+        Raises:
+            TypeError: the angle is neither. ValueError: it is not finite.
+        """
+        by = finite("angle", to_radians("angle", angle), "radians")
+        if not by:
             return self
-        turned = replace(self, angle_min=self.angle_min + angle)
+        turned = replace(self, angle_min=self.angle_min + by)
         turned._arrive(self._arrived)
         return turned
 

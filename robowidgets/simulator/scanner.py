@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Scan
-from ..samples.checks import finite
+from ..samples.checks import finite, to_radians
 from ..samples.scan import MAX_RAYS
 from ._raycast import cast_rays
 from .world import World
@@ -29,8 +29,8 @@ class Scanner:
 
     Args:
         ray_count: rays in a scan.
-        field_of_view: radians from the first ray to the last, half on each side of forward. At 2 pi the last ray stops
-            one step before the first one.
+        field_of_view: radians from the first ray to the last, or degrees as text (``"270deg"``), half on each side of
+            forward. At 2 pi the last ray stops one step before the first one.
         range_min: least distance that is measured, metres.
         range_max: greatest distance that is measured, metres.
         noise: standard deviation of a reading, metres.
@@ -45,7 +45,7 @@ class Scanner:
         ValueError: a value is out of range.
 
     Example:
-        >>> pr2 = Scanner(ray_count=1040, field_of_view=radians(259.75), range_max=30.0)
+        >>> pr2 = Scanner(ray_count=1040, field_of_view="259.75deg", range_max=30.0)
     """
 
     ray_count: int = 541
@@ -69,8 +69,10 @@ class Scanner:
                 raise ValueError(f"{name}: expected {unit}, 0 or more, got {getattr(self, name)!r}")
         if finite("range_max", self.range_max, "metres") <= self.range_min:
             raise ValueError(f"range_max: expected metres above range_min ({self.range_min:g}), got {self.range_max!r}")
-        if not 0 <= finite("field_of_view", self.field_of_view, "radians") <= 2 * pi:
-            raise ValueError(f"field_of_view: expected 0 to 2 pi radians, got {self.field_of_view!r}")
+        field_of_view = finite("field_of_view", to_radians("field_of_view", self.field_of_view), "radians")
+        object.__setattr__(self, "field_of_view", field_of_view)
+        if not 0 <= field_of_view <= 2 * pi:
+            raise ValueError(f"field_of_view: expected 0 to 2 pi radians, got {field_of_view!r}")
         if self.ray_count > 1 and self.field_of_view == 0:
             raise ValueError(f"field_of_view: expected radians above 0 for {self.ray_count} rays, got 0")
         if not 0 <= finite("dropout", self.dropout, "rays in all") <= 1:

@@ -212,6 +212,17 @@ class TestSettings:
             laser.scan = Scan(**MESSAGE)
 
 
+def test_a_widget_prints_the_scan_on_show(laser: LaserWidget) -> None:
+    laser.title = "/scan"
+    laser.update(MESSAGE)
+    shown = repr(laser)
+    assert shown == f"<LaserWidget /scan: {repr(laser.scan)[1:-1]}>"
+    assert shown.startswith("<LaserWidget /scan: Scan of ")
+    laser.paused = True
+    laser.update({**MESSAGE, "ranges": []})
+    assert repr(laser) == shown.replace(": ", ": frozen, ", 1)
+
+
 class TestUpdate:
     def test_a_message_a_dictionary_and_fields_are_one(self, laser: LaserWidget) -> None:
         scan = Scan(**MESSAGE)

@@ -315,6 +315,7 @@ class TestOddScan:
     def test_a_header_lie_of_an_rplidar_is_turned_right(self) -> None:
         scan = to_scan(laser(np.ones(4), angle_min=-pi, angle_max=pi / 2, angle_increment=pi / 2)).turned(pi)
         assert np.allclose(scan.angles, [0, pi / 2, pi, 3 * pi / 2])
+        assert scan.turned("-180deg").angle_min == -pi
 
     def test_intensities_of_another_length_are_noted_and_not_used(self) -> None:
         scan = to_scan(laser(intensities=[1.0, 2.0]))

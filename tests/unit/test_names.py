@@ -14,7 +14,10 @@ def test_a_star_import_leaves_the_names_of_python_alone() -> None:
     assert all(hasattr(robowidgets, name) for name in [*robowidgets.__all__, "open"])
 
 
-@pytest.mark.parametrize(("word", "meant"), [("Laser", "LaserWidget"), ("Touc", "Touch"), ("simulater", "simulator")])
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [("Laser", "LaserWidget"), ("Touc", "Touch"), ("simulater", "simulator"), ("laserwidget", "LaserWidget")],
+)
 def test_a_name_that_is_not_there_leads_to_one_that_is(word: str, meant: str) -> None:
     with pytest.raises(AttributeError, match=rf"has no attribute '{word}'; did you mean '{meant}'\?$"):
         getattr(robowidgets, word)

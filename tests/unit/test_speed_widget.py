@@ -353,3 +353,12 @@ def test_numbers_without_names_are_refused_with_the_call_that_works(method: str,
 def test_what_people_call_a_setting_leads_to_its_name(word: str, meant: str) -> None:
     with pytest.raises(TypeError, match=rf"^SpeedWidget\(\) has no keyword '{word}'; did you mean '{meant}'\?"):
         SpeedWidget(**{word: 1})
+
+
+def test_a_widget_prints_the_speeds_on_show() -> None:
+    speed = SpeedWidget(title="/odom")
+    assert repr(speed) == "<SpeedWidget /odom: nothing yet>"
+    speed.update(linear=(0.5, 0, 0), angular=(0, 0, -0.25))
+    speed.command(linear=(0, 0, 0))
+    assert repr(speed) == "<SpeedWidget /odom: measured linear.x 0.50 m/s, angular.z -0.25 rad/s; commanded at rest>"
+    speed.close()

@@ -335,3 +335,9 @@ def test_updates_from_many_threads_all_count(touch: TouchWidget) -> None:
     for thread in threads:
         thread.join()
     assert touch.touches == {"a": 50, "b": 50, "c": 50, "d": 50}
+
+
+def test_a_widget_prints_the_states_on_show(touch: TouchWidget) -> None:
+    assert repr(touch) == "<TouchWidget /bumper: nothing yet>"
+    touch.update(left=True, center=False, right=None)
+    assert repr(touch) == "<TouchWidget /bumper: left touched, center free, right unknown>"

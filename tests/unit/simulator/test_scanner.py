@@ -105,3 +105,7 @@ def test_the_same_generator_gives_the_same_scan_and_another_one_another():
 def test_a_scanner_that_cannot_be_is_refused(settings, error, text):
     with pytest.raises(error, match=text):
         Scanner(**settings)
+
+
+def test_a_field_of_view_may_be_in_degrees():
+    assert Scanner(field_of_view="180deg") == Scanner(field_of_view=pi)

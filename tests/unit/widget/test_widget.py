@@ -74,6 +74,15 @@ class TestNames:
         assert made.layout.width == "200px"
         made.close()
 
+    def test_a_widget_prints_what_it_shows(self) -> None:
+        made = NumberWidget(title="/count")
+        assert repr(made) == "<NumberWidget /count: nothing yet>"
+        made.update(7)
+        assert repr(made) == "<NumberWidget /count: Number(value=7, stamp_ns=None)>"
+        made.paused = True
+        assert repr(made) == "<NumberWidget /count: frozen, Number(value=7, stamp_ns=None)>"
+        made.close()
+
     def test_one_that_is_closed_prints_as_a_sentence_that_says_so(self) -> None:
         made = NumberWidget()
         assert repr(made).startswith("<")
