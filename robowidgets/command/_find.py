@@ -6,6 +6,7 @@ import argparse
 import json
 from collections.abc import Callable, Iterable
 from functools import reduce
+from math import degrees
 from operator import and_, or_
 from typing import Any
 
@@ -170,7 +171,7 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
     code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED
     if arguments.json:
         return _spans_as_json(spans), code
-    return _spans_as_text(spans, tells_silent=arguments.gap is not None), code
+    return _spans_as_text(spans, _heads(arguments)), code
 
 
 def _in_options(error: str) -> str:
@@ -186,13 +187,33 @@ def info(arguments: argparse.Namespace) -> str:
         return _info_as_json(recording) if arguments.json else recording.info()
 
 
-def _spans_as_text(spans: Spans, tells_silent: bool) -> str:
-    width = 4 if tells_silent else 3
-    head = "\t".join(("# start", "end", "seconds", "silent")[:width])
-    rows = ((*(f"{time:.3f}" for time in span[:3]), ", ".join(span.silent)) for span in spans)
-    lines = ["\t".join(row[:width]) for row in rows]
+_COLUMNS: dict[str, Callable[[Any], str]] = {
+    "start": "{:.3f}".format,
+    "end": "{:.3f}".format,
+    "seconds": "{:.3f}".format,
+    "nearest": "{:g}".format,
+    "index": "{}".format,
+    "angle": lambda angle: f"{degrees(angle):.2f}",
+    "silent": ", ".join,
+}
+"""What is printed of a span, by its attribute; angles in degrees."""
+
+
+def _heads(arguments: argparse.Namespace) -> list[str]:
+    """The columns that the conditions have something to say in."""
+    left_out = set()
+    if arguments.nearest_below is None:
+        left_out |= {"nearest", "index", "angle"}
+    if arguments.gap is None:
+        left_out.add("silent")
+    return [head for head in _COLUMNS if head not in left_out]
+
+
+def _spans_as_text(spans: Spans, heads: list[str]) -> str:
+    rows = ([(head, getattr(span, head)) for head in heads] for span in spans)
+    lines = ["\t".join("" if value is None else _COLUMNS[head](value) for head, value in row) for row in rows]
     stopped = [] if spans.is_complete else [f"# stopped at {spans.until:.3f}: nothing after that was looked at"]
-    return "\n".join([head, *lines, *stopped])
+    return "\n".join(["# " + "\t".join(heads), *lines, *stopped])
 
 
 def _spans_as_json(spans: Spans) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import inspect
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,8 @@ from ..kinds import KINDS, Kind
 from ..messages.decoding import one_line
 from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, only, shown
 from ..repair import RecordingError
-from ..samples import Scan, Speed, Touch
+from ..samples import HasAge, Scan, Speed, Touch
+from ..samples.verdict import Trace, Verdict
 from ._steps import NO, UNKNOWN, YES, Steps, steps
 from .silence import mark_stale
 
@@ -109,15 +111,104 @@ class Instant:
             raise AttributeError(f"{error} among those that are looked at") from None
 
 
+class OneSample:
+    """A moment at which there is one sample, of a widget that shows no other.
+
+    Args:
+        sample: a `Scan`, `Speed`, `Touch`, or a sample of another kind.
+    """
+
+    def __init__(self, sample: Any) -> None:
+        self._sample = sample
+
+    def __getattr__(self, name: str) -> Any:
+        there = next(kind.sample_name for kind in KINDS.values() if isinstance(self._sample, kind.sample))
+        if name != there:
+            raise AttributeError(f"no {name!r} here: this is one {there}")
+        return self._sample
+
+    def __getitem__(self, topic: str) -> Any:
+        return self._sample
+
+
+class _TracedMoment:
+    """A moment whose scans note what is read in them."""
+
+    def __init__(self, moment: Any, trace: Trace) -> None:
+        self._moment, self._trace = moment, trace
+
+    def __getattr__(self, name: str) -> Any:
+        return self._trace.of(getattr(self._moment, name))
+
+    def __getitem__(self, topic: str) -> Any:
+        return self._trace.of(self._moment[topic])
+
+    def __dir__(self) -> list[str]:
+        return dir(self._moment)
+
+
+def sample_names(function: Callable[..., Any]) -> tuple[str, ...]:
+    """The samples that a function takes, by the names of its parameters: ``lambda scan, speed: ...``.
+
+    None where it takes a moment: where its one parameter has another name, or it tells of no parameters.
+
+    Raises:
+        TypeError: it takes several things, and not all of them are samples.
+    """
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return ()
+    given = [
+        p.name for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
+    ]
+    known = [kind.sample_name for kind in KINDS.values()]
+    if given and set(given) <= set(known):
+        return tuple(given)
+    if len(given) > 1:
+        raise TypeError(
+            f"condition: expected a function of one moment, or of samples by name ({', '.join(known)}); "
+            f"it takes {', '.join(given)}"
+        )
+    return ()
+
+
 class Function:
     """A condition that is true while a function returns a true value, until a sample that it read is stale.
 
     Args:
-        function: takes an `Instant`. It is called again only after a change of a value that it read last time.
+        function: takes an `Instant`, or the samples that its parameters name. It is called again only after a change of
+            a value that it read last time.
+        names: the names of the samples that it takes, where its parameters have other names.
     """
 
-    def __init__(self, function: Callable[[Instant], Any]) -> None:
+    def __init__(self, function: Callable[..., Any], names: Sequence[str] | None = None) -> None:
         self._function = function
+        self._names = sample_names(function) if names is None else tuple(names)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        return frozenset(self._names)
+
+    def judge(self, moment: Any) -> Verdict:
+        """See `Condition`."""
+        trace = Trace()
+        try:
+            result = self._result(OneSample(moment) if isinstance(moment, HasAge) else moment, trace)
+        except NotYetError:
+            return Verdict(None)
+        return trace.verdict(result)
+
+    def _result(self, moment: Any, trace: Trace) -> Any:
+        """What the function returns; NotYetError where a sample is not there yet."""
+        if not self._names:
+            return self._function(_TracedMoment(moment, trace))
+        samples = [getattr(moment, name) for name in self._names]
+        for name, sample in zip(self._names, samples, strict=True):
+            if sample is None:
+                raise NotYetError(name)
+        return self._function(*map(trace.of, samples))
 
     def steps(self, search: Search) -> Steps:
         """See `Condition`."""
@@ -139,7 +230,7 @@ class Function:
                 instant._now = time_ns
                 instant._samples.update(samples)
                 if not times or _TIME in instant._used or not instant._used.isdisjoint(samples):
-                    value = self._call(instant)
+                    value = self._call(instant, search)
                     used = frozenset(instant._used)
                 for topic in going_stale.keys() & samples:
                     going_stale[topic].append(time_ns)
@@ -160,10 +251,16 @@ class Function:
         )
         return mark_stale(steps(times, values[: len(times)]), rests_on, search.end_ns)
 
-    def _call(self, instant: Instant) -> int:
+    def _call(self, instant: Instant, search: Search) -> int:
         instant._used.clear()
+        trace = Trace()
         try:
-            return YES if self._function(instant) else NO
+            value = trace.value(self._result(instant, trace))
+            if value and (ray := trace.nearest()):
+                search.met(
+                    np.array([instant._now]), np.array([ray.range]), np.array([ray.index]), np.array([ray.angle])
+                )
+            return UNKNOWN if value is None else YES if value else NO
         except NotYetError:
             return UNKNOWN
         except UnnamedTopicError:

@@ -1,8 +1,9 @@
-"""Ready-made conditions for `Recording.find`, joined by ``&``, ``|`` and ``~``.
+"""Ready-made conditions for `Recording.find` and for `watch` of a widget, joined by ``&``, ``|`` and ``~``.
 
-Each condition is computed for whole columns, while another thread reads and decompresses the next part of the file. The
-last scan or speed before a silence is stale one usual step after its time; a silence is a pause of more than 2 s and
-more than two usual steps. The state of a touch sensor lasts until its next message.
+`Recording.find` computes a condition for whole columns, while another thread reads and decompresses the next part of
+the file. `Condition.judge` applies the same test to one sample. The last scan or speed before a silence is stale one
+usual step after its time; a silence is a pause of more than 2 s and more than two usual steps. The state of a touch
+sensor lasts until its next message.
 
 Example:
     >>> from robowidgets import conditions
@@ -19,14 +20,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import KINDS
-from ..recordings.columns.chunks import ScanChunk, SpeedChunk
+from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
+from ..recordings.columns.chunks import ScanChunk, SpeedChunk, single_scan, single_speed
 from ..recordings.topics import UnknownTopicError, UnnamedTopicError
-from ..samples import AXES, TouchState
+from ..samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ..samples.checks import number
-from ..samples.scan import distances
+from ..samples.scan import distances, inside, ray_distances
 from ..samples.sector import Asked, to_sector
-from ._predicate import Function
+from ..samples.verdict import Verdict, fact
+from ._predicate import Function, NotYetError
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
 if TYPE_CHECKING:
@@ -41,6 +43,28 @@ class Condition(ABC):
     @abstractmethod
     def steps(self, search: Search) -> Steps:
         """The steps of the condition, up to the end of the search."""
+
+    @abstractmethod
+    def judge(self, moment: Any) -> Verdict:
+        """What the condition says of one moment.
+
+        Args:
+            moment: a `Scan`, `Speed` or `Touch`, or an object that has the last samples as attributes ``scan``,
+                ``speed`` and ``touch``, and by topic as ``moment[topic]``. A sample that is None, or whose reading
+                raises `NotYetError`, is not there yet: the condition is unknown.
+
+        Raises:
+            TypeError: the sample is of another kind, or the condition needs more than one moment.
+        """
+
+    @property
+    @abstractmethod
+    def reads(self) -> frozenset[str]:
+        """What `judge` reads of a moment, such as ``{"scan"}``; empty for a function of a moment.
+
+        Raises:
+            TypeError: the condition needs more than one moment.
+        """
 
     def __and__(self, other: Any) -> Condition:
         return _Joined(" & ", np.min, self, other)
@@ -135,6 +159,33 @@ def condition(given: Any) -> Condition:
     raise TypeError(f"condition: expected a function of one moment, or one of robowidgets.conditions, got {given!r}")
 
 
+def last(moment: Any, kind: Kind, topic: str | None) -> Any:
+    """The last sample of a kind, or of a topic, at a moment; None before the first. See `Condition.judge`."""
+    if isinstance(moment, HasAge):
+        if not isinstance(moment, kind.sample):
+            raise TypeError(f"expected a {kind.sample_name}, got a {type(moment).__name__.lower()}")
+        return moment
+    try:
+        return moment[topic] if topic is not None else getattr(moment, kind.sample_name)
+    except NotYetError:
+        return None
+
+
+_VALUES = {NO: False, UNKNOWN: None, YES: True}
+
+
+def _code(value: bool | None) -> int:
+    return UNKNOWN if value is None else YES if value else NO
+
+
+def _state(touch: Touch, name: str) -> TouchState:
+    """The state of a sensor by one message."""
+    if touch.mode is TouchMode.PRESENCE:
+        return TouchState.TOUCHED if touch.touched.get(name) else TouchState.FREE
+    touched = touch.touched.get(name)
+    return TouchState.UNKNOWN if touched is None else TouchState(int(touched))
+
+
 class _When(Function, Condition):
     """A function of one moment as a condition."""
 
@@ -148,6 +199,20 @@ class _Joined(Condition):
     def steps(self, search: Search) -> Steps:
         return combined([part.steps(search) for part in self._parts], self._how)
 
+    def judge(self, moment: Any) -> Verdict:
+        """See `Condition`."""
+        verdicts = [part.judge(moment) for part in self._parts]
+        value = _VALUES[int(self._how([_code(verdict.value) for verdict in verdicts]))]
+        text = " · ".join(dict.fromkeys(verdict.text for verdict in verdicts if verdict.text))
+        rays = np.unique(np.concatenate([verdict.rays for verdict in verdicts]))
+        nearest = min((v.nearest for v in verdicts if v.nearest), key=lambda ray: ray.range, default=None)
+        return Verdict(value, text, rays, nearest) if value else Verdict(value, text)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        return frozenset().union(*(part.reads for part in self._parts))
+
     def __str__(self) -> str:
         return f"({self._word.join(map(str, self._parts))})"
 
@@ -158,6 +223,16 @@ class _Not(Condition):
 
     def steps(self, search: Search) -> Steps:
         return inverted(self._part.steps(search))
+
+    def judge(self, moment: Any) -> Verdict:
+        """See `Condition`."""
+        verdict = self._part.judge(moment)
+        return Verdict(None if verdict.value is None else not verdict.value, verdict.text)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        return self._part.reads
 
     def __str__(self) -> str:
         return f"~{self._part}"
@@ -177,9 +252,33 @@ class _Touched(Condition):
             there = ", ".join(labels) or "none"
             raise ValueError(f"label: {touches.topic} has no sensor {self._label!r}; it has {there}")
         states = touches.states if self._label is None else touches.states[:, [labels.index(self._label)]]
+        return steps(touches.times_ns, self._test(states, touches.lists_touches))
+
+    def judge(self, moment: Any) -> Verdict:
+        """See `Condition`."""
+        touch: Touch | None = last(moment, TOUCH, self._topic)
+        if touch is None:
+            return Verdict(None)
+        lists_touches = touch.mode is TouchMode.PRESENCE
+        if self._label is not None and self._label not in touch.sensors and not lists_touches:
+            # As long as a sensor that speaks by events alone is silent, nothing is known of it.
+            return Verdict(None, f"nothing of {self._label!r} yet")
+        names = touch.sensors if self._label is None else (self._label,)
+        states = np.array([[_state(touch, name) for name in names]], np.uint8)
+        touched = [name for name, state in zip(names, states[0], strict=True) if state == TouchState.TOUCHED]
+        return Verdict(_VALUES[int(self._test(states, lists_touches)[0])], ", ".join(touched))
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        return frozenset({TOUCH.sample_name})
+
+    @staticmethod
+    def _test(states: NDArray[np.uint8], lists_touches: bool) -> NDArray[np.int8]:
+        """The values for the states of some sensors, shape (N, L)."""
         is_touched = (states == TouchState.TOUCHED).any(axis=1)
-        is_known = touches.lists_touches | (states != TouchState.UNKNOWN).any(axis=1)
-        return steps(touches.times_ns, np.where(is_touched, YES, np.where(is_known, NO, UNKNOWN)))
+        is_known = lists_touches | (states != TouchState.UNKNOWN).any(axis=1)
+        return np.where(is_touched, YES, np.where(is_known, NO, UNKNOWN)).astype(np.int8)
 
     def __str__(self) -> str:
         return f"{self._label or 'anything'} touched"
@@ -198,7 +297,39 @@ class _NearestBelow(Condition):
         self._topic = topic
 
     def steps(self, search: Search) -> Steps:
-        return search.over(search.recording.scans(self._topic), self._test)
+        def test(chunk: ScanChunk) -> NDArray[np.int8]:
+            values = self._test(chunk)
+            self._note_nearest(search, chunk, np.flatnonzero(values == YES))
+            return values
+
+        return search.over(search.recording.scans(self._topic), test)
+
+    def _note_nearest(self, search: Search, chunk: ScanChunk, rows: NDArray[np.intp]) -> None:
+        """Note the nearest things in those scans for which the condition is true."""
+        if not rows.size:
+            return
+        away = ray_distances(chunk.ranges[rows], chunk.like)
+        away[:, ~inside(chunk.like, self._sector)] = np.inf
+        away[np.isnan(away)] = np.inf
+        indices = away.argmin(axis=1)
+        search.met(chunk.times_ns[rows], away.min(axis=1), indices, chunk.like.angles[indices])
+
+    def judge(self, moment: Any) -> Verdict:
+        """See `Condition`."""
+        scan: Scan | None = last(moment, LASER, self._topic)
+        if scan is None:
+            return Verdict(None)
+        value = _VALUES[int(self._test(single_scan(scan, 0))[0])]
+        text = "" if value is None else fact(scan.distance(self._sector), "<", self._distance)
+        if not value:
+            return Verdict(value, text)
+        is_near = ray_distances(scan.ranges, scan) < np.float32(self._distance)
+        return Verdict(value, text, np.flatnonzero(is_near & inside(scan, self._sector)), scan.nearest(self._sector))
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        return frozenset({LASER.sample_name})
 
     def _test(self, chunk: ScanChunk) -> NDArray[np.int8]:
         away = distances(chunk.ranges, chunk.like, self._sector)
@@ -221,12 +352,30 @@ class _SpeedAbove(Condition):
     def steps(self, search: Search) -> Steps:
         return search.over(search.recording.speeds(self._topic), self._test)
 
+    def judge(self, moment: Any) -> Verdict:
+        """See `Condition`."""
+        speed: Speed | None = last(moment, SPEED, self._topic)
+        if speed is None:
+            return Verdict(None)
+        value = _VALUES[int(self._test(single_speed(speed, 0))[0])]
+        size = abs(speed.values[AXES.index(self._axis)])
+        return Verdict(value, "" if value is None else fact(size, ">", self._limit, self._unit))
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        return frozenset({SPEED.sample_name})
+
+    @property
+    def _unit(self) -> str:
+        return f"{'m' if self._axis.startswith('linear') else 'rad'}/s"
+
     def _test(self, chunk: SpeedChunk) -> NDArray[np.int8]:
         values = chunk.values[:, AXES.index(self._axis)]
         return np.where(np.isnan(values), UNKNOWN, np.where(np.abs(values) > self._limit, YES, NO)).astype(np.int8)
 
     def __str__(self) -> str:
-        return f"{self._axis} above {self._limit:g} {'m' if self._axis.startswith('linear') else 'rad'}/s"
+        return f"{self._axis} above {self._limit:g} {self._unit}"
 
 
 class _Gap(Condition):
@@ -240,6 +389,15 @@ class _Gap(Condition):
         silences = [(name, self._of(search, name)) for name in self._topics(search)]
         search.silences += silences
         return combined([when for _, when in silences], np.max)
+
+    def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
+        """See `Condition`."""
+        raise TypeError(f"{self}: a gap lies between samples, so only Recording.find finds it")
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        raise TypeError(f"{self}: a gap lies between samples, so only Recording.find finds it")
 
     def _topics(self, search: Search) -> Sequence[str]:
         if self._topic is not None:

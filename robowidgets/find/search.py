@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .._core.progress import Progress, without_bars
 from ..recordings.spans import Span, Spans
+from ..samples.checks import shortest
 from ._steps import NO, Steps, spans, steps
 from .conditions import condition
 from .silence import mark_stale
@@ -43,6 +44,8 @@ class Search:
         self.is_cut = False
         self.silences: list[tuple[str, Steps]] = []
         """Topics, and steps that are YES while the topic is silent for too long."""
+        self._met: list[tuple[NDArray[Any], ...]] = []
+        """Times, distances, indices and angles of the nearest things where a condition was true."""
         self._bar = bar
 
     def over(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
@@ -70,6 +73,16 @@ class Search:
             self.cut(int(times[-1][-1]) if len(times) > 1 else self.recording.start_ns or 0)
         return steps(np.concatenate(times), np.concatenate(values))
 
+    def met(
+        self,
+        times: NDArray[np.int64],
+        distances: NDArray[np.floating[Any]],
+        indices: NDArray[np.integer[Any]],
+        angles: NDArray[np.floating[Any]],
+    ) -> None:
+        """Note the nearest things in some scans, each array of shape (N,): nanoseconds, metres, indices, radians."""
+        self._met.append((times, distances, indices, angles))
+
     def looked_at(self, count: int) -> None:
         """Advance the progress bar."""
         self._bar.update(count)
@@ -80,17 +93,52 @@ class Search:
         self.is_cut = True
 
     def found(self, result: Steps) -> list[Span]:
-        """The spans in which a condition is true, with the topics that were silent in each."""
+        """The spans in which a condition is true, with what was met, and the topics that were silent, in each."""
         inside = result.times <= self.end_ns
         found = spans(Steps(result.times[inside], result.values[inside]), self.end_ns)
         silences = [
             (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
         ]
         start_ns = self.recording.start_ns or 0
+        nearest = _Nearest(self._met)
         return [
-            Span((a - start_ns) / 1e9, (b - start_ns) / 1e9, (b - a) / 1e9, a, b, tuple(_silent(silences, a, b)))
+            Span(
+                (a - start_ns) / 1e9,
+                (b - start_ns) / 1e9,
+                (b - a) / 1e9,
+                a,
+                b,
+                tuple(_silent(silences, a, b)),
+                *nearest.between(a, b),
+            )
             for a, b in found
         ]
+
+
+class _Nearest:
+    """The nearest things in the scans for which a condition was true.
+
+    Args:
+        parts: arrays of times, distances, indices and angles; see `Search.met`.
+    """
+
+    def __init__(self, parts: list[tuple[NDArray[Any], ...]]) -> None:
+        self._columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+        if self._columns:
+            order = np.argsort(self._columns[0], kind="stable")
+            self._columns = [column[order] for column in self._columns]
+
+    def between(self, start_ns: int, end_ns: int) -> tuple[float | None, int | None, float | None]:
+        """Distance, index and angle of the nearest thing in a span; three times None where no ray met anything."""
+        if not self._columns:
+            return None, None, None
+        times, distances, indices, angles = self._columns
+        first = np.searchsorted(times, start_ns)
+        last = np.searchsorted(times, max(end_ns, start_ns + 1))
+        if first == last:
+            return None, None, None
+        at = first + int(distances[first:last].argmin())
+        return shortest(distances[at]), int(indices[at]), float(angles[at])
 
 
 def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | None) -> Spans:

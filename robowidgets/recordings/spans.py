@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from html import escape
+from math import degrees
 from typing import Any, NamedTuple, overload
 
 from .columns._tables import library
@@ -18,6 +19,10 @@ class Span(NamedTuple):
     sample is stale, or the end of the recording. It equals ``start`` if the condition is true for one of several
     samples of one time and not for the last of them. ``silent`` names the topics with a gap in the span, if the
     condition contains a gap.
+
+    ``nearest`` is the distance in metres, as in `Scan.distance`, of the nearest thing that was met in the span,
+    ``index`` that of its ray, and ``angle`` that of the ray in radians; all three are None for conditions that look at
+    no distance.
     """
 
     start: float
@@ -26,6 +31,9 @@ class Span(NamedTuple):
     start_ns: int
     end_ns: int
     silent: tuple[str, ...] = ()
+    nearest: float | None = None
+    index: int | None = None  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
+    angle: float | None = None
 
 
 class Spans(Sequence[Span]):
@@ -50,6 +58,13 @@ class Spans(Sequence[Span]):
     def is_complete(self) -> bool:
         """Whether all readable parts of the recording were searched; `problems` names the other parts."""
         return self.until is None
+
+    @property
+    def heads(self) -> tuple[str, ...]:
+        """The columns that say something: start, end and seconds, what was met, and silent topics."""
+        met = any(span.nearest is not None for span in self)
+        silent = any(span.silent for span in self)
+        return ("start", "end", "seconds", *("nearest", "index", "angle") * met, *("silent",) * silent)
 
     @property
     def seconds(self) -> float:
@@ -92,9 +107,9 @@ class Spans(Sequence[Span]):
         return f"<div><div>{escape(self._heading())}</div>{table}{notes}</div>"
 
     def _table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-        """Heads and rows; with a column of silent topics if there are any."""
-        width = 4 if any(span.silent for span in self) else 3
-        return ("start", "end", "seconds", "silent")[:width], [_cells(span)[:width] for span in self._spans[:_SHOWN]]
+        """Heads and rows; with columns of what was met and of silent topics if there are any."""
+        shown = self._spans[:_SHOWN]
+        return self.heads, [_cells(span, self.heads) for span in shown]
 
     def _heading(self) -> str:
         if not self._spans:
@@ -108,8 +123,19 @@ class Spans(Sequence[Span]):
         return [*more, *stopped, *(f"! {line}" for line in self.problems)]
 
 
-def _cells(span: Span) -> tuple[str, ...]:
-    return f"{span.start:.2f}", f"{span.end:.2f}", f"{span.seconds:.2f}", ", ".join(span.silent)
+def _cells(span: Span, heads: Sequence[str]) -> tuple[str, ...]:
+    return tuple(_cell(getattr(span, head), head) for head in heads)
+
+
+def _cell(value: Any, head: str) -> str:
+    """A value of a span as a person reads it: seconds, metres, an index, degrees, or names of topics."""
+    if head == "silent":
+        return ", ".join(value)
+    if value is None:
+        return ""
+    if head == "angle":
+        return f"{degrees(value):.1f}°"
+    return f"[{value}]" if head == "index" else f"{value:.2f}" + " m" * (head == "nearest")
 
 
 def _row(tag: str, cells: Sequence[str]) -> str:

@@ -1,5 +1,6 @@
 import ast
 import json
+import math
 import os
 import subprocess
 import sys
@@ -275,12 +276,13 @@ def test_find_prints_spans_and_0(capsys):
     assert main(["find", str(robowidgets.SAMPLE), "--touched", "left", "--nearest-below", "0.3"]) == 0
     said = capsys.readouterr()
     head, *rows = said.out.splitlines()
-    assert head == "# start\tend\tseconds"
+    assert head == "# start\tend\tseconds\tnearest\tindex\tangle"
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         asked = robowidgets.conditions.touched("left") & robowidgets.conditions.nearest_below(0.3)
         spans = recording.find(asked)
     assert len(rows) > 1
-    assert [tuple(map(float, row.split("\t"))) for row in rows] == [pytest.approx(span[:3], abs=1e-3) for span in spans]
+    shown = [(*span[:3], span.nearest, span.index, math.degrees(span.angle)) for span in spans]
+    assert [tuple(map(float, row.split("\t"))) for row in rows] == [pytest.approx(row, abs=5e-3) for row in shown]
     assert said.err == ""
 
 
@@ -293,12 +295,14 @@ def test_find_prints_json(capsys, monkeypatch):
     told = json.loads(said.out)
     assert told["condition"] == "(linear.x above 0.1 m/s | gap longer than 1 s)"
     assert told["complete"] is True
-    assert {"start", "end", "seconds", "start_ns", "end_ns", "silent"} == set(told["spans"][0])
+    assert {"start", "end", "seconds", "start_ns", "end_ns", "silent", "nearest", "index", "angle"} == set(
+        told["spans"][0]
+    )
 
 
 def test_find_of_nothing_is_1(capsys):
     assert main(["find", str(robowidgets.SAMPLE), "--nearest-below", "0.3", "--sector", "3.1", "3.11"]) == 1
-    assert capsys.readouterr().out == "# start\tend\tseconds\n"
+    assert capsys.readouterr().out == "# start\tend\tseconds\tnearest\tindex\tangle\n"
 
 
 @pytest.mark.parametrize(

@@ -349,7 +349,17 @@ class TestSpans:
     def test_go_to_pandas(self, monkeypatch: pytest.MonkeyPatch) -> None:
         frame = self.FEW.to_pandas()
         assert frame["end"].tolist() == [3, 5.5]
-        assert list(frame.columns) == ["start", "end", "seconds", "start_ns", "end_ns", "silent"]
+        assert list(frame.columns) == [
+            "start",
+            "end",
+            "seconds",
+            "start_ns",
+            "end_ns",
+            "silent",
+            "nearest",
+            "index",
+            "angle",
+        ]
         monkeypatch.setitem(sys.modules, "pandas", None)
         with pytest.raises(ImportError, match="pip install pandas"):
             self.FEW.to_pandas()

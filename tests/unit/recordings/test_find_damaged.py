@@ -46,7 +46,7 @@ def test_the_shell_tells_it_beside_what_was_found(
     told = capsys.readouterr().out.splitlines()[-1]
     assert main(["find", str(damaged), "--nearest-below", asked]) == code
     said = capsys.readouterr()
-    assert said.out.startswith("# start\tend\tseconds\n")
+    assert said.out.startswith("# start\tend\tseconds\tnearest\tindex\tangle\n")
     assert said.err == f"{told}\n"
     assert main(["find", str(damaged), "--nearest-below", asked, "--json"]) == code
     said = capsys.readouterr()

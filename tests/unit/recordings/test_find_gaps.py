@@ -30,7 +30,7 @@ class TestSilent:
 
     def test_names_the_topics_that_fell_silent(self, recording: robowidgets.Recording) -> None:
         spans = recording.find(conditions.gap(3))
-        assert [span[:2] + span[5:] for span in spans] == [
+        assert [(*span[:2], span.silent) for span in spans] == [
             (9.5, 25, ("/odom", "/scan")),
             (29.5, 36, ("/scan",)),
         ]

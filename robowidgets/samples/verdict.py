@@ -1,0 +1,203 @@
+"""What a condition says of one sample, and the rays that made it say so."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from math import isnan
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .checks import frozen
+from .scan import Ray, Scan, inside, ray_distances
+from .sector import Asked
+
+NO_RAYS: NDArray[np.intp] = frozen(np.empty(0, np.intp))
+
+_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
+    "<": operator.lt, "≤": operator.le, ">": operator.gt, "≥": operator.ge,
+}  # fmt: skip
+_OPPOSITE = {"<": "≥", "≤": ">", ">": "≤", "≥": "<"}
+_MOST_TEXTS = 3
+
+
+class Verdict(NamedTuple):
+    """What a condition says of one sample.
+
+    ``value`` is True, False, or None where it is unknown. ``text`` says what was compared, as a fact, such as
+    ``"1.24 < 1.50 m"``. ``rays`` are the indices of the rays that made it true, shape (M,), ascending; none where it is
+    not true, or where no ray did. ``nearest`` is the ray that met the nearest thing where the condition is true; None
+    where it looked at no distance.
+    """
+
+    value: bool | None
+    text: str = ""
+    rays: NDArray[np.intp] = NO_RAYS
+    nearest: Ray | None = None
+
+
+UNKNOWN = Verdict(None)
+
+
+def fact(value: float, relation: str, limit: float, unit: str = "m") -> str:
+    """A comparison as it came out: ``"1.24 < 1.50 m"``; the opposite relation where it did not hold."""
+    shown = relation if _OPERATORS[relation](value, limit) else _OPPOSITE[relation]
+    decimals = next((n for n in range(2, 6) if f"{value:.{n}f}" != f"{limit:.{n}f}"), 2)
+    return f"{value:.{decimals}f} {shown} {limit:.{decimals}f} {unit}".replace("-", "\N{MINUS SIGN}")
+
+
+class _Comparison(NamedTuple):
+    """A distance of a scan that was compared to a limit."""
+
+    scan: Scan
+    sector: Asked | None
+    distance: float
+    relation: str
+    limit: float
+    holds: bool
+
+    def rays(self) -> NDArray[np.bool_]:
+        """Whether the comparison came out the same for each ray of the sector, shape (R,)."""
+        away = ray_distances(self.scan.ranges, self.scan)
+        alike = _OPERATORS[self.relation](away, self.limit) == self.holds
+        result: NDArray[np.bool_] = alike & ~np.isnan(away) & inside(self.scan, self.sector)
+        return result
+
+
+class _Distance(float):
+    """A distance that notes what it is compared to."""
+
+    _note: Callable[[str, float], bool]
+
+    def __lt__(self, other: Any) -> bool:
+        return self._note("<", other)
+
+    def __le__(self, other: Any) -> bool:
+        return self._note("≤", other)
+
+    def __gt__(self, other: Any) -> bool:
+        return self._note(">", other)
+
+    def __ge__(self, other: Any) -> bool:
+        return self._note("≥", other)
+
+
+class _TracedScan(Scan):
+    """A scan that notes which distances a function reads, and to what it compares them."""
+
+    _trace: Trace
+
+    def distance(self, sector: Asked | None = None, *, percentile: float | None = None) -> float:
+        """See `Scan`."""
+        return self._trace.read(self, sector, super().distance(sector, percentile=percentile))
+
+    def nearest(self, sector: Asked | None = None) -> Ray | None:
+        """See `Scan`."""
+        return self._trace.saw(super().nearest(sector))
+
+    def at(self, angle: float | str) -> Ray | None:
+        """See `Scan`."""
+        return self._trace.saw(super().at(angle))
+
+
+class Trace:
+    """What a function of samples reads while it is called once.
+
+    Example:
+        >>> trace = Trace()
+        >>> scan = Scan([1.0, 0.4], angle_min=0.0, angle_increment=0.1, range_min=0.1, range_max=4.0)
+        >>> trace.verdict(trace.of(scan).distance() < 0.5).rays.tolist()
+        [1]
+    """
+
+    def __init__(self) -> None:
+        self._comparisons: list[_Comparison] = []
+        self._rays: list[Ray] = []
+        self._sectors: list[tuple[Scan, Asked | None]] = []
+
+    def of(self, sample: Any) -> Any:
+        """A scan that notes what is read in it; another sample as it is."""
+        if not isinstance(sample, Scan):
+            return sample
+        traced = object.__new__(_TracedScan)
+        traced.__dict__.update(sample.__dict__, _trace=self)
+        return traced
+
+    def read(self, scan: Scan, sector: Asked | None, distance: float) -> float:
+        """Note that the distance in a sector was read."""
+        self._sectors.append((scan, sector))
+        noted = _Distance(distance)
+
+        def compare(relation: str, limit: Any) -> bool:
+            outcome = _OPERATORS[relation](distance, limit)
+            if isinstance(outcome, (bool, np.bool_)):
+                self._comparisons.append(_Comparison(scan, sector, distance, relation, float(limit), bool(outcome)))
+            result: bool = outcome
+            return result
+
+        noted._note = compare
+        return noted
+
+    def saw(self, ray: Ray | None) -> Ray | None:
+        """Note that a ray was read."""
+        if ray:
+            self._rays.append(ray)
+        return ray
+
+    def value(self, result: Any) -> bool | None:
+        """What the function says by its result.
+
+        None stands for unknown. So does a result that rests on distances of which none is known: a comparison with NaN
+        is False, and neither it nor its opposite is meant.
+        """
+        compared = self._comparisons
+        if result is None or (compared and all(isnan(comparison.distance) for comparison in compared)):
+            return None
+        return bool(np.any(result)) if _is_mask(result) else bool(result)
+
+    def nearest(self) -> Ray | None:
+        """The ray that met the nearest thing among what was read."""
+        found = list(self._rays)
+        for scan, sector in [(c.scan, c.sector) for c in self._decisive] or self._sectors:
+            if ray := Scan.nearest(scan, sector):
+                found.append(ray)
+        return min(found, key=lambda ray: ray.range, default=None)
+
+    def verdict(self, result: Any) -> Verdict:
+        """The verdict of a function that returned a result."""
+        value = self.value(result)
+        texts = [fact(c.distance, c.relation, c.limit) for c in self._decisive if not isnan(c.distance)]
+        text = " · ".join([*dict.fromkeys(texts)][:_MOST_TEXTS])
+        return Verdict(value, text, self._marked(result), self.nearest()) if value else Verdict(value, text)
+
+    @property
+    def _decisive(self) -> list[_Comparison]:
+        """The comparisons that held; all of them where none did, as in ``not distance > limit``."""
+        return [comparison for comparison in self._comparisons if comparison.holds] or self._comparisons
+
+    def _marked(self, result: Any) -> NDArray[np.intp]:
+        if _is_mask(result):
+            return np.flatnonzero(result)
+        if isinstance(result, Ray):
+            return np.array([result.index], np.intp)
+        if self._comparisons:
+            return np.flatnonzero(np.logical_or.reduce([comparison.rays() for comparison in self._decisive]))
+        nearest = [Scan.nearest(scan, sector) for scan, sector in self._sectors]
+        return np.unique(np.array([ray.index for ray in (*self._rays, *nearest) if ray], np.intp))
+
+
+def _is_mask(result: Any) -> bool:
+    """Whether a function returned True or False for each ray."""
+    return isinstance(result, np.ndarray) and result.dtype == bool and result.ndim == 1
+
+
+def judged(function: Callable[..., Any], *samples: Any) -> Verdict:
+    """The verdict of a function of some samples.
+
+    The function may return True or False, None for unknown, a `Ray`, or True or False for each ray, shape (R,), which
+    is true where any ray is. What it raises passes through.
+    """
+    trace = Trace()
+    return trace.verdict(function(*map(trace.of, samples)))

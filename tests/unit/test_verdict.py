@@ -1,0 +1,191 @@
+"""What a condition says of one sample."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets import Scan, Speed, Touch, TouchMode, conditions
+from robowidgets.find._predicate import NotYetError
+from robowidgets.kinds import KINDS
+from robowidgets.samples.verdict import Verdict, fact, judged
+
+NAN, INF = float("nan"), float("inf")
+
+
+def scan(*ranges: float) -> Scan:
+    """Rays from -0.4 to the left, 0.2 rad apart, limits 0.1 to 4 m."""
+    return Scan(np.array(ranges), angle_min=-0.4, angle_increment=0.2, range_min=0.1, range_max=4.0)
+
+
+SEEN = scan(0.3, 1.0, 0.4, 0.45, INF)
+
+
+class TestFunction:
+    def test_marks_all_rays_that_the_comparison_holds_for(self) -> None:
+        verdict = judged(lambda scan: scan.distance(("-15deg", "15deg")) < 0.5, SEEN)
+        assert verdict.value is True
+        assert verdict.rays.tolist() == [2, 3]
+        assert verdict.text == "0.40 < 0.50 m"
+        assert verdict.nearest == SEEN[2]
+
+    def test_says_what_was_compared_as_a_fact_when_it_is_false(self) -> None:
+        verdict = judged(lambda scan: scan.distance() < 0.25, SEEN)
+        assert verdict == Verdict(False, "0.30 ≥ 0.25 m", verdict.rays)
+        assert not verdict.rays.size
+
+    def test_of_several_comparisons_those_that_held_are_marked(self) -> None:
+        near, far = (-0.4, -0.4), (0.2, 0.4)
+        assert judged(lambda s: s.distance(near) < 0.1 or s.distance(far) < 0.5, SEEN).rays.tolist() == [3]
+        assert judged(lambda s: not s.distance(near) > 0.5, SEEN).rays.tolist() == [0]
+        assert judged(lambda s: s.distance(near) < 0.5 and s.distance(far) > 0.4, SEEN).rays.tolist() == [0, 3, 4]
+
+    @pytest.mark.parametrize(
+        ("function", "rays"),
+        [
+            (lambda s: s.ranges < 0.42, [0, 2]),
+            (lambda s: s.nearest("front"), [0]),
+            (lambda s: s.at(0.0).range < 0.5, [2]),
+            (lambda s: s.ranges[2:4].min() < 0.5, []),
+        ],
+    )
+    def test_may_return_a_mask_or_a_ray_and_read_plain_arrays(self, function: Any, rays: list[int]) -> None:
+        verdict = judged(function, SEEN)
+        assert verdict.value is True
+        assert verdict.rays.tolist() == rays
+
+    def test_is_unknown_where_it_compares_no_known_distance_or_returns_none(self) -> None:
+        dark = scan(NAN, NAN, NAN)
+        assert judged(lambda s: s.distance() < 0.5, dark).value is None
+        assert judged(lambda s: not s.distance() > 0.5, dark).value is None
+        assert judged(lambda touch: touch.touched.get("left"), Touch({"left": None})).value is None
+        assert judged(lambda s: s.distance("back") < 0.5 or s.distance("front") < 0.5, SEEN).value is True
+
+    def test_is_given_a_scan_like_any_other(self) -> None:
+        seen: list[Scan] = []
+        judged(lambda s: seen.append(s) or s.distance() + 1 == 1.3, SEEN)
+        assert isinstance(seen[0], Scan)
+        assert seen[0].ranges is SEEN.ranges
+        assert repr(seen[0]) == repr(SEEN)
+        assert seen[0].turned(0.1).angle_min == pytest.approx(-0.3)
+
+    def test_raises_what_the_function_raises(self) -> None:
+        with pytest.raises(ZeroDivisionError):
+            judged(lambda _: 1 / 0, SEEN)
+
+
+def test_a_fact_has_enough_decimals_to_be_one() -> None:
+    assert fact(1.24, "<", 1.5) == "1.24 < 1.50 m"
+    assert fact(1.4996, "<", 1.5) == "1.4996 < 1.5000 m"
+    assert fact(0.31, ">", 0.3, "m/s") == "0.31 > 0.30 m/s"
+    assert fact(INF, "<", 0.5) == "inf ≥ 0.50 m"
+
+
+class TestReadyMade:
+    @pytest.mark.parametrize(
+        ("ranges", "value", "rays"),
+        [((0.3, 1, 0.4), True, [0, 2]), ((1, 1, INF), False, []), ((NAN, NAN), None, []), ((-INF, 3), True, [0])],
+    )
+    def test_nearest_below_marks_rays(self, ranges: tuple[float, ...], value: bool | None, rays: list[int]) -> None:
+        verdict = conditions.nearest_below(0.5).judge(scan(*ranges))
+        assert (verdict.value, verdict.rays.tolist()) == (value, rays)
+
+    def test_nearest_below_says_what_is_nearest_in_its_sector(self) -> None:
+        verdict = conditions.nearest_below(0.5, ("-3deg", "30deg")).judge(SEEN)
+        assert (verdict.text, verdict.nearest) == ("0.40 < 0.50 m", SEEN[2])
+
+    def test_speed_above(self) -> None:
+        turning = conditions.speed_above(0.3, "angular.z")
+        assert turning.judge(Speed(angular=(0, 0, -0.5))) == Verdict(True, "0.50 > 0.30 rad/s")
+        assert turning.judge(Speed(angular=(0, 0, 0.1))) == Verdict(False, "0.10 ≤ 0.30 rad/s")
+        assert turning.judge(Speed(angular=(0, 0, NAN))).value is None
+
+    def test_touched(self) -> None:
+        touch = Touch({"left": False, "right": True, "nose": None})
+        assert conditions.touched().judge(touch) == Verdict(True, "right")
+        assert conditions.touched("left").judge(touch).value is False
+        assert conditions.touched("nose").judge(touch).value is None
+        assert conditions.touched("tail").judge(touch) == Verdict(None, "nothing of 'tail' yet")
+        listed = Touch({}, mode=TouchMode.PRESENCE)
+        assert conditions.touched("left").judge(listed).value is False
+
+    def test_joined(self) -> None:
+        left, low = conditions.nearest_below(0.5, (-0.4, -0.4)), conditions.nearest_below(0.5, (0.2, 0.2))
+        assert (left & low).judge(SEEN).rays.tolist() == [0, 3]
+        assert (left | ~low).judge(SEEN).value is True
+        assert (~left).judge(SEEN) == Verdict(False, "0.30 < 0.50 m")
+        assert (left & conditions.nearest_below(0.5, "back")).judge(SEEN).value is None
+
+    def test_a_gap_lies_between_samples(self) -> None:
+        with pytest.raises(TypeError, match=r"gap longer than 2 s: a gap lies between samples, so only Recording.find"):
+            conditions.gap(2).judge(SEEN)
+        with pytest.raises(TypeError, match="a gap lies between samples"):
+            assert (~conditions.gap(2) & conditions.touched()).reads
+
+
+class TestMoment:
+    BUMP = Touch({"left": True})
+
+    def test_several_samples_at_once(self) -> None:
+        both = conditions.touched("left") & conditions.nearest_below(0.35)
+        assert both.judge(SimpleNamespace(scan=SEEN, touch=self.BUMP)).value is True
+        assert both.judge(SimpleNamespace(scan=None, touch=self.BUMP)).value is None
+        assert both.reads == {"scan", "touch"}
+        named = conditions.condition(lambda scan, touch: touch.touched["left"] and scan.distance() < 0.35)
+        assert named.judge(SimpleNamespace(scan=SEEN, touch=self.BUMP)).rays.tolist() == [0]
+        assert named.judge(SimpleNamespace(scan=SEEN, touch=None)).value is None
+        assert named.reads == {"scan", "touch"}
+
+    def test_a_sample_that_is_not_there_yet_is_unknown(self) -> None:
+        class Early:
+            @property
+            def scan(self) -> Scan:
+                raise NotYetError("scan")
+
+        assert conditions.nearest_below(1).judge(Early()).value is None
+        assert conditions.when(lambda moment: moment.scan.distance() < 1).judge(Early()).value is None
+
+    def test_by_topic(self) -> None:
+        assert conditions.nearest_below(0.35, topic="/back").judge({"/back": SEEN}).value is True
+
+    def test_a_function_of_a_moment_judges_one_sample_too(self) -> None:
+        assert conditions.when(lambda moment: moment.scan.distance() < 0.35).judge(SEEN).rays.tolist() == [0]
+        with pytest.raises(AttributeError, match="no 'touch' here: this is one scan"):
+            conditions.when(lambda moment: moment.touch).judge(SEEN)
+
+    def test_a_sample_of_another_kind_is_refused(self) -> None:
+        with pytest.raises(TypeError, match="expected a touch, got a scan"):
+            conditions.touched().judge(SEEN)
+
+    def test_a_function_of_something_else_is_refused(self) -> None:
+        names = ", ".join(kind.sample_name for kind in KINDS.values())
+        with pytest.raises(TypeError, match=rf"samples by name \({names}\); it takes scan, limit"):
+            conditions.when(lambda scan, limit: scan.distance() < limit)
+        assert conditions.when(lambda scan, limit=1: scan.distance() < limit).reads == {"scan"}  # type: ignore[misc]
+
+
+class TestFound:
+    def test_the_same_function_is_found_in_a_recording_with_what_was_met(self) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording:
+            function = recording.find(lambda scan: scan.distance("front") < 0.2)
+            ready_made = recording.find(conditions.nearest_below(0.2, "front"))
+            assert list(function) == list(ready_made)
+            assert len(ready_made) > 1
+            for span in ready_made:
+                scans = recording.scans().between(span.start, span.end)
+                assert span.nearest == pytest.approx(scans.distances("front").min())
+                near = [moment.sample.nearest("front") for moment in scans]
+                assert (span.index, span.angle) in [(ray.index, pytest.approx(ray.angle)) for ray in near if ray]
+
+    def test_only_conditions_on_distances_met_anything(self) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording:
+            assert {(span.nearest, span.index, span.angle) for span in recording.find(conditions.touched())} == {
+                (None, None, None)
+            }
+            bumps = recording.find(conditions.touched() & conditions.nearest_below(0.3))
+            assert "nearest       index       angle" in repr(bumps)
+            assert f'<td style="text-align:right">[{bumps[0].index}]</td>' in bumps._repr_html_()
