@@ -15,7 +15,12 @@ function written(labelBoxes: (typeof BOX)[]): { x: number; y: number } | undefin
     },
   };
   const any = new Proxy(context, { get: (own, name) => Reflect.get(own, name) ?? (() => {}) });
-  drawBeyond(any as unknown as CanvasRenderingContext2D, "134 beyond 1.5 m", { box: BOX, labelBoxes }, {} as Theme);
+  drawBeyond(
+    any as unknown as CanvasRenderingContext2D,
+    "134 beyond 1.5 m",
+    { box: BOX, labels: labelBoxes },
+    {} as Theme,
+  );
   return at;
 }
 

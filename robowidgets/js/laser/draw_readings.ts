@@ -130,7 +130,7 @@ function drawMark(
 export function drawBeyond(
   context: CanvasRenderingContext2D,
   words: string,
-  { box, labelBoxes }: { box: Box; labelBoxes: Box[] },
+  { box, labels }: { box: Box; labels: Box[] },
   theme: Theme,
 ): void {
   context.font = arcFont(theme);
@@ -138,7 +138,7 @@ export function drawBeyond(
   const [left, right] = [box.x + 10, box.x + box.width - 10 - width];
   const [top, bottom] = [box.y + 8, box.y + box.height - 8 - height];
   const corners = [left, right].flatMap((x) => [bottom, top].map((y) => ({ x, y, width, height })));
-  const free = corners.find((corner) => !labelBoxes.some((label) => overlaps(corner, label)));
+  const free = corners.find((corner) => !labels.some((label) => overlaps(corner, label)));
   if (!free) return;
   const { x, y } = free;
   drawMark(context, BEYOND, x + 3, y + height / 2, 0, -1, theme);

@@ -1,51 +1,51 @@
 import { isPlain, on } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
+import type { Drag, Layer } from "./layer.ts";
 import type { Point } from "./projection.ts";
 
-/** What a person can do to the picture. */
-export interface Gestures {
-  onHover(point: Point | null): void;
-  onPick(point: Point): void;
-  /** Walks to another ray: "next", "previous", "forth", "back" (both far), "first", "last", "nearest" or "none". */
-  onWalk(to: string): void;
+/** What the wheel and the keys + and - do, if no layer takes the key. */
+export interface Zoom {
   onZoom(direction: -1 | 1): void;
   /** Whether it can zoom further; if not, the wheel scrolls the page. */
   canZoom(direction: -1 | 1): boolean;
 }
 
-const WALK: Record<string, string> = {
-  ArrowRight: "next",
-  ArrowUp: "next",
-  ArrowLeft: "previous",
-  ArrowDown: "previous",
-  PageUp: "forth",
-  PageDown: "back",
-  m: "nearest",
-  Home: "first",
-  End: "last",
-  Escape: "none",
-};
 const ZOOM: Record<string, -1 | 1> = { "+": -1, "=": -1, "-": 1, _: 1 };
 const WHEEL_STEP = 40;
+/** Pixels; a press that moves less is a click. */
+const CLICK_SLOP = 4;
 
-export function watchGestures(element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
+/** Offers what a person does to the picture to the layers, from the last of the list, until one takes it. */
+export function watchGestures(element: HTMLElement, layers: Layer[], zoom: Zoom, signal: AbortSignal): void {
+  const fromTop = [...layers].reverse();
   const toPoint = (event: MouseEvent): Point => {
     const { left, top } = element.getBoundingClientRect();
     return { x: event.clientX - left, y: event.clientY - top };
   };
+  const hover = (point: Point | null) => {
+    let left = point;
+    for (const layer of fromTop) if (layer.onHover?.(left)) left = null;
+  };
+  const click = (point: Point) => fromTop.some((layer) => layer.onClick?.(point));
+  const presses = watchPresses(element, fromTop, toPoint, click, signal);
   const onMove = (event: PointerEvent) => {
-    if (event.pointerType !== "touch") gestures.onHover(toPoint(event));
+    if (event.pointerType !== "touch" && !presses.moved) hover(isOver(event) ? null : toPoint(event));
   };
   on(element, "pointermove", onMove, signal);
-  on(element, "pointerleave", () => gestures.onHover(null), signal);
-  on(element, "click", (event) => gestures.onPick(toPoint(event)), signal);
+  on(element, "pointerleave", () => hover(null), signal);
+  const onClick = (event: MouseEvent) => {
+    if (!presses.takeClick() && !isOver(event)) click(toPoint(event));
+  };
+  on(element, "click", onClick, signal);
   const onKey = (event: KeyboardEvent) => {
-    if (!isPlain(event)) return;
-    const [walk, zoom] = [WALK[event.key], ZOOM[event.key]];
-    if (walk) gestures.onWalk(walk);
-    else if (zoom) gestures.onZoom(zoom);
-    else return;
-    event.preventDefault();
+    if (!isPlain(event) || event.target instanceof HTMLInputElement) return;
+    const direction = ZOOM[event.key];
+    if (event.key === "Escape" && presses.cancel()) event.preventDefault();
+    else if (fromTop.some((layer) => layer.onKey?.(event))) event.preventDefault();
+    else if (direction) {
+      zoom.onZoom(direction);
+      event.preventDefault();
+    }
   };
   // On the card: after a click on the freeze button, arrow keys work without a click into the picture.
   on(element.parentElement ?? element, "keydown", onKey, signal);
@@ -54,10 +54,95 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
     const direction = event.deltaY < 0 ? -1 : 1;
     turned += event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 20 : 1);
     if (Math.abs(turned) >= WHEEL_STEP) {
-      gestures.onZoom(direction);
+      zoom.onZoom(direction);
       turned = 0;
     }
-    return gestures.canZoom(direction);
+    return zoom.canZoom(direction);
   };
   watchWheel(element, onWheel, signal);
+}
+
+/** A press that a layer has taken. */
+interface Press {
+  id: number;
+  drag: Drag;
+  start: Point;
+  moved: boolean;
+}
+
+/** Presses of the main button or of one finger that a layer has taken. */
+function watchPresses(
+  element: HTMLElement,
+  fromTop: Layer[],
+  toPoint: (event: MouseEvent) => Point,
+  click: (point: Point) => void,
+  signal: AbortSignal,
+) {
+  let press: Press | null = null;
+  let swallows = false;
+  const finish = (end: "end" | "cancel"): boolean => {
+    const ended = press;
+    press = null;
+    ended?.drag[end]();
+    return ended !== null;
+  };
+  const onDown = (event: PointerEvent) => {
+    swallows = false;
+    if (press || event.button || !event.isPrimary || isOver(event)) return;
+    const start = toPoint(event);
+    for (const layer of fromTop) {
+      const drag = layer.onPress?.(start, event.pointerType === "touch");
+      if (!drag) continue;
+      press = { id: event.pointerId, drag, start, moved: false };
+      element.setPointerCapture(event.pointerId);
+      return;
+    }
+  };
+  const onMove = (event: PointerEvent) => {
+    if (press?.id !== event.pointerId) return;
+    const point = toPoint(event);
+    press.moved ||= Math.hypot(point.x - press.start.x, point.y - press.start.y) >= CLICK_SLOP;
+    if (press.moved) press.drag.move(point);
+  };
+  const onUp = (event: PointerEvent) => {
+    if (press?.id !== event.pointerId) return;
+    const { moved, start } = press;
+    swallows = moved;
+    finish(moved ? "end" : "cancel");
+    // A touch that a layer has taken makes no click.
+    if (!moved && event.pointerType === "touch") click(start);
+  };
+  const onCancel = (event: PointerEvent) => {
+    if (press?.id === event.pointerId) finish("cancel");
+  };
+  // Else the browser would scroll the page instead.
+  const onTouch = (event: TouchEvent) => {
+    if (press && event.cancelable) event.preventDefault();
+  };
+  on(element, "pointerdown", onDown, signal);
+  on(element, "pointermove", onMove, signal);
+  on(element, "pointerup", onUp, signal);
+  on(element, "pointercancel", onCancel, signal);
+  on(element, "touchstart", onTouch, signal, { passive: false });
+  return {
+    get moved() {
+      return press?.moved ?? false;
+    },
+    /** Puts back what is being dragged; returns whether something was. */
+    cancel: () => {
+      swallows ||= press?.moved ?? false;
+      return finish("cancel");
+    },
+    /** Whether the click that follows now ends a drag. */
+    takeClick: () => {
+      const taken = swallows;
+      swallows = false;
+      return taken;
+    },
+  };
+}
+
+/** Whether an event belongs to an element of a layer that stands over the picture, of the class `rw-over`. */
+function isOver({ target }: Event): boolean {
+  return target instanceof Element && target.closest(".rw-over") !== null;
 }

@@ -1,0 +1,74 @@
+import { toShortMetres } from "../shared/format.ts";
+import type { Model } from "../shared/model.ts";
+import type { Theme } from "../shared/theme.ts";
+import { angleFont, arcFont, drawArea, drawGuides, drawRayLabels, drawRobot, indexFont } from "./draw_area.ts";
+import { drawArcLabels } from "./draw_readings.ts";
+import { type ArcLabel, arcDistances, arcLabels, type RayLabel, rayIndices, rayLabels, thinLabels } from "./guides.ts";
+import type { Depth, Layer, Painter, Stage } from "./layer.ts";
+import { type Box, rimBox } from "./projection.ts";
+import { angleOf, type Sweep } from "./scan.ts";
+import type { LaserTraits } from "./traits.ts";
+
+/** The detection area, range arcs, radial lines with their labels, and the robot. */
+export class GuideLayer implements Layer {
+  readonly traits = ["arc_count", "ray_count", "arc_distances"] as const;
+  readonly #model: Model<LaserTraits>;
+  readonly #measure: CanvasRenderingContext2D;
+  readonly #painters: Partial<Record<Depth, Painter>> = {
+    area: (context, { projection, sweep }, theme) => drawArea(context, projection, sweep, theme),
+    guides: (context, stage, theme) => this.#drawGuides(context, stage, theme),
+    words: (context, stage, theme) => this.#drawArcLabels(context, stage, theme),
+  };
+  #arcs: { distance: number; width: number }[] = [];
+  #rays: number[] = [];
+  #rayLabels: RayLabel[] = [];
+  #labelBoxes: Box[] = [];
+  #arcLabels: ArcLabel[] = [];
+
+  /** @param measure a context whose font may be set at any time */
+  constructor(model: Model<LaserTraits>, measure: CanvasRenderingContext2D) {
+    this.#model = model;
+    this.#measure = measure;
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    return this.#painters;
+  }
+
+  lowerKey(): unknown {
+    return this.traits.map((name) => this.#model.get(name));
+  }
+
+  rim(sweep: Sweep, forward: number, theme: Theme): RayLabel[] {
+    this.#rays = rayIndices(sweep, this.#model.get("ray_count"));
+    this.#rayLabels = rayLabels(sweep, this.#rays, forward, ([angle, index]) =>
+      Math.max(this.#widthOf(angle, angleFont(theme)), this.#widthOf(index, indexFont(theme))),
+    );
+    return this.#rayLabels;
+  }
+
+  #drawGuides(context: CanvasRenderingContext2D, { projection, sweep }: Stage, theme: Theme): void {
+    const { count, minRange, maxRange } = sweep;
+    this.#arcs = arcDistances(this.#model.get("arc_distances"), this.#model.get("arc_count"), projection.viewRange)
+      .filter((distance) => count && distance > minRange && distance <= maxRange * (1 + 1e-6))
+      .map((distance) => ({ distance, width: this.#widthOf(toShortMetres(distance), arcFont(theme)) + 6 }));
+    const kept = thinLabels(projection, this.#rayLabels);
+    this.#labelBoxes = kept.map((label) => rimBox(projection, label));
+    drawGuides(context, projection, sweep, this.#arcs, this.#rays, theme);
+    drawRayLabels(context, projection, kept, theme);
+    drawRobot(context, projection, theme);
+  }
+
+  #drawArcLabels(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
+    const { projection, sweep, occupied, labels, covered } = stage;
+    labels.push(...this.#labelBoxes);
+    const lines = this.#rays.map((index) => angleOf(sweep, index));
+    this.#arcLabels = arcLabels(projection, sweep, this.#arcs, lines, occupied, covered, this.#arcLabels);
+    drawArcLabels(context, this.#arcLabels, theme);
+  }
+
+  #widthOf(text: string, font: string): number {
+    this.#measure.font = font;
+    return this.#measure.measureText(text).width;
+  }
+}

@@ -1,0 +1,96 @@
+import type { Surface } from "../shared/canvas.ts";
+import type { Model } from "../shared/model.ts";
+import type { SampleCard } from "../shared/sample_card.ts";
+import type { Stream } from "../shared/stream.ts";
+import type { Theme } from "../shared/theme.ts";
+import type { Occupancy } from "./guides.ts";
+import type { Box, Point, Projection, Rim } from "./projection.ts";
+import type { Limits, Scan, Sweep } from "./scan.ts";
+import type { LaserTraits } from "./traits.ts";
+
+/** Depths of the lower canvas, from the ground up. It is painted anew only when something in it changes. */
+export const LOWER = ["area", "free", "fills", "guides"] as const;
+
+/** Depths of the upper canvas, above those of the lower one. It is painted with each scan. */
+export const UPPER = [
+  "ghost",
+  "edges",
+  "conditions",
+  "readings",
+  "shapes",
+  "rings",
+  "robot",
+  "words",
+  "pointer",
+  "handles",
+] as const;
+
+export type Depth = (typeof LOWER)[number] | (typeof UPPER)[number];
+
+/** What all layers share: where things are in the picture, and what is taken already. */
+export interface Stage {
+  /** The scan to draw; null before the first. */
+  scan: Scan | null;
+  /** Of the scan, or of a common scanner before the first. */
+  sweep: Sweep & Limits;
+  projection: Projection;
+  size: Surface;
+  /** The part of the picture that is free for drawing. */
+  box: Box;
+  /** Parts of the picture that readings cover. A layer adds to it what labels must not cover. */
+  occupied: Occupancy;
+  /** Boxes of labels. A layer adds those of its own. */
+  labels: Box[];
+  /** Boxes of elements that stand over the picture. A layer adds those of its own. */
+  covered: Box[];
+}
+
+export type Painter = (context: CanvasRenderingContext2D, stage: Stage, theme: Theme) => void;
+
+/** What a view offers to its layers. */
+export interface Host {
+  readonly model: Model<LaserTraits>;
+  readonly stream: Stream<Scan>;
+  readonly card: SampleCard;
+  readonly signal: AbortSignal;
+  /** As it was drawn last. */
+  readonly stage: Stage;
+  /** Draws the picture anew in the next animation frame. */
+  redraw(): void;
+}
+
+/** A pressed pointer that is moved. One of `end` and `cancel` is called last. */
+export interface Drag {
+  move(point: Point): void;
+  end(): void;
+  /** Puts back what was. */
+  cancel(): void;
+}
+
+/**
+ * A part of the picture with what belongs to it: drawing, elements, gestures. No layer knows another.
+ *
+ * An unused layer has no painters, no elements, and takes no gestures.
+ */
+export interface Layer {
+  /** The traits that it shows: a change redraws the picture. */
+  readonly traits: readonly (keyof LaserTraits & string)[];
+  /** What it paints now, by depth. Layers of the same depth paint in the order of the list. */
+  painters(): Partial<Record<Depth, Painter>>;
+  /** That on which its painters of the lower canvas depend, apart from the stage's geometry; a value for JSON. */
+  lowerKey?(): unknown;
+  /** Pixels that it needs below the picture. */
+  roomBelow?(scan: Scan | null): number;
+  /** What it places round the rim: the picture leaves room for it. */
+  rim?(sweep: Sweep, forward: number, theme: Theme): Rim[];
+  /** Brings its elements up to date after the drawing. Layers at the end of the list come first. */
+  place?(stage: Stage): void;
+
+  // Gestures are offered to layers from the end of the list, until one takes them.
+  /** A pointer is pressed. A layer that takes the drag gets no click when the pointer has moved. */
+  onPress?(point: Point, isTouch: boolean): Drag | null;
+  /** The pointer of a mouse or pen moves, or leaves (null). It leaves all layers below the one that takes it. */
+  onHover?(point: Point | null): boolean;
+  onClick?(point: Point): boolean;
+  onKey?(event: KeyboardEvent): boolean;
+}

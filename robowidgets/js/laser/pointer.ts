@@ -1,0 +1,157 @@
+import { setTraits } from "../shared/model.ts";
+import type { Theme } from "../shared/theme.ts";
+import { drawLine, drawRobot } from "./draw_area.ts";
+import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
+import { pick } from "./pick.ts";
+import { Popup } from "./popup.ts";
+import { placePopup } from "./popup_place.ts";
+import { type Box, type Point, toPixel } from "./projection.ts";
+import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "./scan.ts";
+import { describeRay, toSentence } from "./text.ts";
+
+/** Rays that the keys for a page walk. */
+const FAR = 10;
+
+const WALK: Record<string, string> = {
+  ArrowRight: "next",
+  ArrowUp: "next",
+  ArrowLeft: "previous",
+  ArrowDown: "previous",
+  PageUp: "forth",
+  PageDown: "back",
+  m: "nearest",
+  Home: "first",
+  End: "last",
+  Escape: "none",
+};
+
+/** The ray under the pointer and the pinned one: their lines, rings and pop-ups. */
+export class PointerLayer implements Layer {
+  readonly traits = ["hovered", "pinned"] as const;
+  readonly #host: Host;
+  readonly #pinned: Popup;
+  readonly #hovered: Popup;
+
+  constructor(host: Host) {
+    this.#host = host;
+    this.#pinned = new Popup(host.card.picture);
+    this.#hovered = new Popup(host.card.picture);
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    return {
+      pointer: (context, stage, theme) => {
+        const { scan } = stage;
+        if (!scan) return;
+        for (const index of this.#indices) {
+          if (index !== null && index < scan.count) drawPointer(context, stage, scan, index, theme);
+        }
+      },
+    };
+  }
+
+  place(stage: Stage): void {
+    const { scan, projection, box, occupied, labels, covered } = stage;
+    const others: Box[] = [...covered];
+    const center = { x: projection.centerX, y: projection.centerY };
+    const show = (popup: Popup, index: number | null) => {
+      if (!scan || index === null) return popup.hide();
+      const end = index < scan.count ? endOf(stage, scan, index) : center;
+      others.push(
+        popup.show(describeRay(scan, index, projection.viewRange), (size) =>
+          placePopup(size, box, center, end, occupied, others, labels),
+        ),
+      );
+    };
+    const [pinned, hovered] = this.#indices;
+    show(this.#pinned, pinned);
+    show(this.#hovered, hovered);
+  }
+
+  onHover(point: Point | null): boolean {
+    this.#setIndex("hovered", point ? this.#indexAt(point) : -1);
+    return true;
+  }
+
+  onClick(point: Point): boolean {
+    const index = this.#indexAt(point);
+    this.#setIndex("pinned", index === this.#host.model.get("pinned") ? -1 : index);
+    return true;
+  }
+
+  onKey({ key }: KeyboardEvent): boolean {
+    const to = WALK[key];
+    if (!to) return false;
+    this.#walk(to);
+    return true;
+  }
+
+  #walk(to: string): void {
+    const { model, stream, card } = this.#host;
+    const scan = stream.shown;
+    if (!scan?.count) return;
+    const last = scan.count - 1;
+    const from = model.get("pinned") ?? model.get("hovered");
+    const middle = Math.floor(last / 2);
+    const next = {
+      next: from === null ? middle : from + 1,
+      previous: from === null ? middle : from - 1,
+      forth: from === null ? middle : from + FAR,
+      back: from === null ? middle : from - FAR,
+      first: 0,
+      last,
+      nearest: scan.nearest,
+    };
+    const index = next[to as keyof typeof next] ?? -1;
+    if (to === "nearest" && index < 0) {
+      card.say(["no reading"]);
+      return;
+    }
+    const walked = to === "none" ? -1 : Math.min(last, Math.max(0, index));
+    this.#setIndex("pinned", walked);
+    card.say(walked < 0 ? [] : toSentence(describeRay(scan, walked)));
+  }
+
+  /** The pinned ray and the one under the pointer, where that is another. */
+  get #indices(): [number | null, number | null] {
+    const [pinned, hovered] = [this.#host.model.get("pinned"), this.#host.model.get("hovered")];
+    return [pinned, hovered === pinned ? null : hovered];
+  }
+
+  #indexAt(point: Point): number {
+    const scan = this.#host.stream.shown;
+    return scan ? pick(this.#host.stage.projection, scan, point) : -1;
+  }
+
+  #setIndex(name: "hovered" | "pinned", index: number): void {
+    const { model } = this.#host;
+    const value = index < 0 ? null : index;
+    if (model.get(name) !== value) setTraits(model, { [name]: value });
+  }
+}
+
+/** Metres of a ray up to its reading or the edge of the view. */
+function lengthOf({ projection }: Stage, scan: Scan, index: number): number {
+  const kind = scan.kinds[index];
+  const isMeasured = kind === READING || kind === OUTSIDE_LIMITS;
+  return Math.min(isMeasured ? Math.max(0, scan.ranges[index] as number) : scan.maxRange, projection.viewRange);
+}
+
+/** Where a ray ends in the picture: at its reading, or at the edge of the view. */
+function endOf(stage: Stage, scan: Scan, index: number): Point {
+  return toPixel(stage.projection, lengthOf(stage, scan, index), angleOf(scan, index));
+}
+
+/** Draws the ray that a pop-up names. */
+function drawPointer(context: CanvasRenderingContext2D, stage: Stage, scan: Scan, index: number, theme: Theme): void {
+  const { projection } = stage;
+  context.setLineDash(scan.kinds[index] === READING ? [] : [4, 4]);
+  drawLine(context, projection, angleOf(scan, index), 0, lengthOf(stage, scan, index), theme.pointer, 1.5);
+  context.setLineDash([]);
+  const end = endOf(stage, scan, index);
+  context.beginPath();
+  context.arc(end.x, end.y, 6, 0, 2 * Math.PI);
+  context.lineWidth = 2;
+  context.stroke();
+  drawRobot(context, projection, theme);
+}
