@@ -110,6 +110,7 @@ class LaserWidget(RobotWidget[Scan]):
         "offset": "angle_offset",
     }
     wide = True
+    sample_name = "scan"
     frame_traits = ("angle_offset",)
 
     arc_count = traitlets.Int(4, min=0, max=50, help="Range arcs that divide the view in equal parts.").tag(sync=True)

@@ -104,6 +104,8 @@ class SpeedWidget(RobotWidget[Reading]):
         "freeze": "paused", "frozen": "paused", "peaks": "hold_peaks",
     }  # fmt: skip
 
+    sample_name = "speed"
+
     command_title = traitlets.Unicode(help="Where commands come from, for the header. Plain text.").tag(sync=True)
     linear_limits = Limits((-1.0, 1.0), "m/s", help="(min, max) of the linear speeds, m/s, or None.").tag(sync=True)
     angular_limits = Limits((-1.0, 1.0), "rad/s", help="(min, max) of the angular speeds, rad/s, or None.").tag(
@@ -225,6 +227,9 @@ class SpeedWidget(RobotWidget[Reading]):
             self._reading = self._reading.reset(self._resets)
             if self._reading.measured or self._reading.commanded:
                 self._put_up(counts=False)
+
+    def _to_judge(self, shown: Reading | None) -> Speed | None:
+        return shown.measured if shown else None
 
     def _newest_sample(self) -> Speed | None:
         return self._reading.measured

@@ -57,6 +57,10 @@ class TouchWidget(RobotWidget[Touch]):
     _esm, _css = bundle("touch_widget")
     _meant: ClassVar = {"freeze": "paused", "frozen": "paused"}
 
+    sample_name = "touch"
+    goes_stale = False
+    _packs_now = True
+
     sensors = traitlets.List(traitlets.Unicode(), help="Names of the sensors to show, from left to right.").tag(
         sync=True
     )
@@ -75,6 +79,10 @@ class TouchWidget(RobotWidget[Touch]):
     def __init__(self, **kwargs: Any) -> None:
         self._tracker = TouchTracker()
         self._still_ns: int | None = None
+        self._packed_ns: int | None = None
+        """The time whose states are being packed."""
+        self._judged: dict[str, TouchState] = {}
+        """The states that conditions were judged on last."""
         super().__init__(**kwargs)
 
     def _describe(self) -> str:
@@ -167,6 +175,29 @@ class TouchWidget(RobotWidget[Touch]):
             self._changed = True
         return super().get_state(key, drop_defaults)
 
+    def _to_judge(self, shown: Touch | None) -> Touch | None:
+        """The states of all sensors as they are now, whatever the mode of the source."""
+        self._judged = self._states_at(self._now_ns())
+        if shown is None:
+            return None
+        touched = {name: _AS_BOOL[state] for name, state in self._judged.items()}
+        return Touch(touched, stamp_ns=shown.stamp_ns, dialect=shown.dialect)
+
+    def _bring_up_to_date(self) -> None:
+        """Have states judged again that have changed without a message: a touch that was held is released."""
+        with self._send_lock:
+            self._packed_ns = self._now_ns()
+            if self._judge and self._states_at(self._packed_ns) != self._judged:
+                with self._sample_arrived:
+                    self._version += 1
+                    self._sample_arrived.notify_all()
+            super()._bring_up_to_date()
+            self._packed_ns = None
+
+    def _states_at(self, now_ns: int) -> dict[str, TouchState]:
+        with self._tracking:
+            return {name: sensor.state for name, sensor in self._tracker.states(now_ns).items()}
+
     def _longest_silence(self) -> float:
         """Events come when something happens, not at a rate."""
         is_events = self._newest is not None and self._newest.mode is TouchMode.EVENT
@@ -174,7 +205,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     def _pack(self, sample: Touch) -> bytes:  # noqa: ARG002  # the tracker contains its states
         with self._tracking:
-            return pack_states(self._tracker, self._now_ns())
+            return pack_states(self._tracker, self._packed_ns or self._now_ns())
 
     def _now_ns(self) -> int:
         return time.monotonic_ns() if self._still_ns is None else self._still_ns
@@ -220,6 +251,9 @@ class TouchWidget(RobotWidget[Touch]):
         if twice is not None:
             raise traitlets.TraitError(f"sensors: expected each name once, got {twice!r} more than once")
         return names
+
+
+_AS_BOOL = {TouchState.TOUCHED: True, TouchState.FREE: False, TouchState.UNKNOWN: None}
 
 
 def about_touch(touch: Touch) -> dict[str, Any]:

@@ -53,7 +53,7 @@ def _laser() -> tuple[bytes, dict[str, Any]]:
     frame = laser.get_state()["_frame"]
     laser.close()
     geometry = {"angleMin": 0.5, "angleIncrement": -0.25, "minRange": 0.125, "maxRange": 30.0, "count": 5}
-    head = {"sequence": 1, "rate": 30.0}
+    head = {"sequence": 1, "rate": 30.0, "arrived": 12.5}
     return frame, head | geometry | {"ranges": ranges, "kinds": [0, 2, 1, 3, 4], "intensities": intensities}
 
 
@@ -68,7 +68,7 @@ def _speed() -> tuple[bytes, dict[str, Any]]:
     peaks = [list(speed.peaks[axis]) for axis in robowidgets.samples.AXES]
     speed.close()
     least, greatest = ([float(peak[i]) for peak in peaks] for i in (0, 1))
-    head = {"sequence": 2, "rate": 30.0, "resets": 1}
+    head = {"sequence": 2, "rate": 30.0, "arrived": 12.5, "resets": 1}
     return frame, head | {"measured": measured, "commanded": commanded, "least": least, "greatest": greatest}
 
 
@@ -82,7 +82,7 @@ def _touch() -> tuple[bytes, dict[str, Any]]:
         {"name": "right", "state": "unknown", "touches": 0, "seconds": None},
         {"name": "left", "state": "free", "touches": 0, "seconds": 0},
     ]
-    return frame, {"sequence": 1, "rate": 30.0, "sensors": sensors}
+    return frame, {"sequence": 1, "rate": 30.0, "arrived": 12.5, "sensors": sensors}
 
 
 def _scanogram() -> dict[str, tuple[bytes, dict[str, Any]]]:

@@ -16,12 +16,14 @@ import traitlets
 from ..samples.checks import finite
 from .base_widget import NamedWidget
 from .error_routing import called_from_cell
+from .judge import Shot
 from .pacer import pacer
 from .platform_fixes import message_padding
 from .png import SavesPng
 from .rate import RateMeter
 from .short_traceback import shortened
 from .traits import Flag, bytes_trait
+from .watching import JudgesConditions
 
 FRAME_HEADER = struct.Struct("<ddqd")
 """Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and its
@@ -47,7 +49,7 @@ RESYNC_S = 5.0
 S = TypeVar("S")
 
 
-class RobotWidget(SavesPng, NamedWidget, Generic[S]):
+class RobotWidget(SavesPng, JudgesConditions, NamedWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
     Subclasses pack samples to bytes and back, and pass new ones to `_show`. The calling thread only stores a sample,
@@ -68,6 +70,12 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     driven_by_player = False
     """True while a player in the page feeds this widget; Python then sends no frames."""
+
+    goes_stale = True
+    """Whether a sample says nothing any more once the source is silent."""
+
+    _packs_now = False
+    """Whether a frame tells what is known when it is packed, not a sample."""
 
     wide = False
     """Whether it stands in the wide column of a view with several widgets."""
@@ -91,6 +99,9 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
         self._newest_about: dict[str, Any] = {}
         self._png_error = ""
         self._sequence = 0
+        self._version = 1
+        """Of what there is to show; each sample, and each text on it, has a higher one."""
+        self._sent_version = 0
         self._arrived = 0.0
         self._meter = RateMeter()
         self._changed = False
@@ -187,12 +198,16 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             # Bypasses __setattr__, which would take longer than everything else here.
             mine = self.__dict__
             mine["_newest"], mine["_newest_about"], mine["_changed"] = sample, about, True
+            mine["_version"] += 1
             if counts:
                 mine["_sequence"] += 1
                 mine["_arrived"] = time.monotonic()
             if mine["_waiting"]:
                 mine["_sample_arrived"].notify_all()
-        pacer.mark(self)
+            judge = mine.get("_judge")
+        # The thread that judges it marks it, too: the picture waits for its verdicts.
+        if judge is None or not judge.watches or judge.is_late:
+            pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
         """Show why a message could not be shown; then raise the error in a cell, and log it in a callback."""
@@ -272,9 +287,10 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
                 keys = [*dict.fromkeys((*keys, *RESYNC_TRAITS))]
                 self._resync_at = time.monotonic() + RESYNC_S
             try:
-                if keys == ["_frame"]:
+                if keys in (["_frame"], ["_frame", "_about"]):
                     # The message that ipywidgets would build, without its cost.
-                    update = {"method": "update", "state": {}, "buffer_paths": [["_frame"]], **message_padding()}
+                    state = {"_about": about} if "_about" in keys else {}
+                    update = {"method": "update", "state": state, "buffer_paths": [["_frame"]], **message_padding()}
                     comm.send(data=update, buffers=[frame])
                 elif keys:
                     super().send_state(keys)
@@ -315,6 +331,8 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
 
     def close(self) -> None:
         """Remove the widget from the page."""
+        if self._judge:
+            self._judge.close()
         with self._send_lock:
             super().close()
             pacer.forget(self)
@@ -325,17 +343,39 @@ class RobotWidget(SavesPng, NamedWidget, Generic[S]):
             with self._sample_lock:
                 if not self._changed:
                     return
-                self._changed = False
-                sample, about, sequence, rate = self._newest, self._newest_about, self._sequence, self.rate
-                arrived = self._arrived
+                shot: Shot | None = self._newest_shot()
+                lamps: list[dict[str, Any]] = []
+                if self._judge and shot:
+                    shot, lamps = self._judge.choose(shot, self._sent_version)
+                if shot is None:
+                    return
+                self._changed, self._sent_version = shot.version != self._version, shot.version
+                _, sequence, arrived, sample, about = shot
+                rate = self.rate
                 if self._png_error:
                     about = {**about, "notes": [*about.get("notes", ()), self._png_error]}
-            self._trait_values["_about"] = about
+            shown = {**about, "lamps": lamps, "judged": sequence} if lamps else about
+            self._trait_values["_about"] = shown
             if about != self._abouts[-1][1]:
                 self._abouts.append((sequence, about))
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0
                 self._trait_values["_frame"] = FRAME_HEADER.pack(sequence, rate, stamp, arrived) + self._pack(sample)
+
+    def _newest_shot(self) -> Shot:
+        return Shot(self._version, self._sequence, self._arrived, self._newest, self._newest_about)
+
+    def _to_judge(self, shown: Any) -> Any:
+        """What conditions are judged on, of a sample as it is shown; None before the first."""
+        return shown
+
+    def _why_unknown(self) -> str:
+        if self._newest_sample() is None:
+            return f"no {self.sample_name} came"
+        age = time.monotonic() - self._arrived
+        if self.goes_stale and self.has_rate and age > self._longest_silence():
+            return self._source.get("status", "") or f"no new {self.sample_name} for {age:.1f} s"
+        return ""
 
     @traitlets.validate("history")
     def _kept(self, proposal: Any) -> float:

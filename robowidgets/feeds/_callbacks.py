@@ -17,6 +17,7 @@ from .._core.cells import running_cell
 from .._core.log_once import LogOnce
 from .._core.pacer import pacer
 from .._core.tables import many
+from .._core.user_function import line_of, name_of
 from ..kinds import KINDS, counts_every_message
 from ._topics import Table, Topic
 from ._undecided_kind import decided, is_open
@@ -50,7 +51,7 @@ class Function:
     @property
     def name(self) -> str:
         """Its name, for a person."""
-        return str(getattr(self.call, "__qualname__", "") or getattr(self.call, "__name__", "") or repr(self.call)[:60])
+        return name_of(self.call)
 
     def replaces(self, other: Function) -> bool:
         """Whether it replaces another: one from an earlier run of its cell, or one of its name in the notebook."""
@@ -60,10 +61,7 @@ class Function:
 
     def line_of(self, frames: Iterable[tuple[FrameType, int]]) -> str:
         """The line of its own file in these frames, outermost first, as ``, line 12``; empty when there is none."""
-        call = getattr(self.call, "func", self.call)  # a functools.partial has the function in `func`
-        code = getattr(call, "__code__", None) or getattr(type(call).__call__, "__code__", None)
-        lines = [line for frame, line in frames if code is not None and frame.f_code.co_filename == code.co_filename]
-        return f", line {lines[-1]}" if lines else ""
+        return line_of(self.call, frames)
 
 
 class FunctionCaller:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._core.watch import Watch
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..recordings.columns.chunks import ScanChunk, SpeedChunk, single_scan, single_speed
 from ..recordings.topics import UnknownTopicError, UnnamedTopicError
@@ -151,9 +152,11 @@ def when(function: Callable[[Any], Any]) -> Condition:
 
 
 def condition(given: Any) -> Condition:
-    """A condition, or the function of one moment as a condition; TypeError for anything else."""
+    """A condition, that of a `Watch`, or the function of one moment as a condition; TypeError for anything else."""
     if isinstance(given, Condition):
         return given
+    if isinstance(given, Watch):
+        return given.condition if isinstance(given.condition, Condition) else _WhenSample(given)
     if callable(given):
         return when(given)
     raise TypeError(f"condition: expected a function of one moment, or one of robowidgets.conditions, got {given!r}")
@@ -188,6 +191,17 @@ def _state(touch: Touch, name: str) -> TouchState:
 
 class _When(Function, Condition):
     """A function of one moment as a condition."""
+
+
+class _WhenSample(_When):
+    """The function of a watch, which takes a sample of its widget, as a condition."""
+
+    def __init__(self, watch: Watch) -> None:
+        super().__init__(watch.condition, [watch.sample_name])
+        self._name = watch.name
+
+    def __str__(self) -> str:
+        return self._name
 
 
 class _Joined(Condition):

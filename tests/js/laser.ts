@@ -52,6 +52,7 @@ export function scanOf(values: number[], more: Partial<Scan> = {}): Scan {
   return {
     sequence: 1,
     rate: Number.NaN,
+    arrived: 0,
     angleMin: -0.5,
     angleIncrement: 0.5,
     count: ranges.length,

@@ -24,7 +24,8 @@ const SETTINGS = {
 const NO_LIMITS = { ...SETTINGS, limits: { linear: null, angular: null, axes: {} } };
 
 function speeds(more: Partial<Speeds>): Speeds {
-  return { sequence: 1, rate: NaN, measured: null, commanded: null, least: NONE, greatest: NONE, resets: 0, ...more };
+  const none = { measured: null, commanded: null, least: NONE, greatest: NONE, resets: 0 };
+  return { sequence: 1, rate: NaN, arrived: 0, ...none, ...more };
 }
 
 function axisFacts(index: number, more: Partial<Speeds>, settings = {}): AxisFacts {

@@ -43,7 +43,7 @@ test("nothing is shown before the first frame", () => {
 
 test("a new view shows what its model holds", () => {
   const { stream, end } = open({ _frame: frame(7) });
-  assert.deepEqual(stream.shown, { sequence: 7, rate: 40 });
+  assert.deepEqual(stream.shown, { sequence: 7, rate: 40, arrived: 0 });
   end();
 });
 

@@ -6,6 +6,7 @@ import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
+import { ConditionLayer } from "./condition_layer.ts";
 import { watchGestures } from "./gestures.ts";
 import { GuideLayer } from "./guide_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
@@ -48,7 +49,12 @@ export class LaserView implements Host {
     picture.role = "application";
     this.#scene = new Scene(model, picture);
     this.#legend = new Legend(footer, model, signal);
-    this.#layers = [new GuideLayer(model, this.#scene.measure), new ReadingLayer(model), new PointerLayer(this)];
+    this.#layers = [
+      new GuideLayer(model, this.#scene.measure),
+      new ConditionLayer(stream),
+      new ReadingLayer(model),
+      new PointerLayer(this),
+    ];
     picture.append(this.#empty);
 
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal, "+");

@@ -3,6 +3,7 @@ import { Card } from "./card.ts";
 import { make, makeButton, makeIcon, setText } from "./dom.ts";
 import { isPlain, on } from "./events.ts";
 import { toAge, toCount, toFixed } from "./format.ts";
+import { Lamps } from "./lamps.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "./model.ts";
 import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
@@ -22,6 +23,7 @@ export class SampleCard extends Card {
   /** The words around the number are hidden in a narrow card. */
   readonly #freezeWords = ["rw-word", "rw-number", "rw-word"].map((name) => make("span", name));
   readonly #bar: Bar;
+  readonly #lamps: Lamps;
   readonly #tellFacts: () => void;
   #known: string[] = [];
   #paced = true;
@@ -44,7 +46,8 @@ export class SampleCard extends Card {
     this.controls.append(this.#freeze);
     this.picture.append(this.#silence);
     this.#bar = new Bar(stream, signal);
-    this.picture.after(this.#bar.root);
+    this.#lamps = new Lamps(stream, (words) => this.say(words), signal);
+    this.picture.after(this.#lamps.root, this.#bar.root);
     onChange(model, ["_source"], redraw, signal);
     this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
     on(this.header, "pointerenter", () => this.#tellAll(), signal);
@@ -82,6 +85,7 @@ export class SampleCard extends Card {
     // An empty picture shows the status of the source itself.
     const lines = [source.error ?? "", (shown && source.status) || "", ...said].filter(Boolean);
     this.updateFrame(lines, isError ? "error" : said.length ? "note" : "status");
+    this.#lamps.update(this.#isSilent);
     this.#bar.update(this.footer.hidden ? null : place);
 
     this.root.classList.toggle("rw-frozen", paused);
@@ -96,14 +100,24 @@ export class SampleCard extends Card {
     for (const [i, element] of this.#freezeWords.entries()) setText(element, state[i] ?? "");
   }
 
+  /** Milliseconds for which nothing came; 0 while all is well. */
+  get #silenceMs(): number {
+    return this.#paced ? this.#stream.silence : 0;
+  }
+
+  /** Whether the newest sample says nothing of the present. */
+  get #isSilent(): boolean {
+    return this.#silenceMs > 0 || this.#model.get("_source").lost === true;
+  }
+
   /** Shows facts, rate and silence of the source; calls itself again while the source is silent. */
   #drawFacts(): void {
     const { live, rate } = this.#stream;
-    const silence = this.#paced ? this.#stream.silence : 0;
+    const silence = this.#silenceMs;
     const pace = live && this.#paced && rate ? [`${toFixed(rate, 1)} Hz`] : [];
     this.updateFacts([...this.#known, ...pace]);
     setText(this.#silence, silence ? `no data for ${toAge(silence)}` : "");
-    this.root.classList.toggle("rw-silent", silence > 0 || this.#model.get("_source").lost === true);
+    this.root.classList.toggle("rw-silent", this.#isSilent);
     if (silence) this.#tellFacts();
   }
 

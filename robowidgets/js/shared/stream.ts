@@ -11,12 +11,14 @@ export interface Frame {
   sequence: number;
   /** Samples per second that reach Python; NaN when unknown. */
   rate: number;
+  /** Seconds of Python's monotonic clock. */
+  arrived: number;
 }
 
-/** Reads the header of a frame; the page does not use the stamp and the time of arrival in it. */
+/** Reads the header of a frame; the page does not use the stamp in it. */
 export function readHead(reader: Reader): Frame {
-  const [sequence = 0, rate = NaN] = reader.float64s(4);
-  return { sequence, rate };
+  const [sequence = 0, rate = NaN, , arrived = 0] = reader.float64s(4);
+  return { sequence, rate, arrived };
 }
 
 function sequenceOf(bytes: DataView | null): number {
@@ -129,6 +131,11 @@ export class Stream<F extends Frame> {
     // A frame frozen by Python, or found at page load, is not one of the history's own objects: compare sequences.
     const index = own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
     return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
+  }
+
+  /** What is said of the samples of the history, oldest first, each with its sequence number. */
+  get moments(): { about: About; sequence: number }[] {
+    return this.#history.moments.map(({ about, bytes }) => ({ about, sequence: sequenceOf(bytes) }));
   }
 
   toggle(): void {

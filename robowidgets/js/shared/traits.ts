@@ -32,6 +32,24 @@ export interface About {
   error?: string;
   /** Milliseconds for which a recording has nothing newer; missing unless that is long. */
   age?: number;
+  lamps?: Lamp[];
+  /** Sequence number of the sample that the lamps tell of. */
+  judged?: number;
+}
+
+/** A condition that Python judged on a sample. */
+export interface Lamp {
+  name: string;
+  /** "off": it raised, and is judged no more. */
+  state: "true" | "false" | "unknown" | "off";
+  /** What was compared, or why it is off. Plain text. */
+  text: string;
+  /** Time of its last change, in seconds of Python's monotonic clock, as `arrived` of a frame; null: never judged. */
+  since: number | null;
+  /** How often it changed. */
+  changes: number;
+  /** First and stop of each run of rays that made it true, one after the other. */
+  rays: number[];
 }
 
 /** What a feed says about its topic, in plain text. Any field may be missing. */

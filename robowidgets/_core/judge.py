@@ -1,0 +1,198 @@
+"""The thread in which a widget's conditions are judged."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import threading
+import time
+import traceback
+from typing import Any, NamedTuple, Protocol
+
+from .log_once import LogOnce
+from .pacer import Sender, pacer
+from .user_function import line_of
+from .watch import Watch
+
+log = logging.getLogger("robowidgets")
+
+PATIENCE = 0.1
+"""Seconds for which a picture waits for the verdicts on its sample. After that it is shown without them."""
+
+SLOW = 1.0
+"""Seconds after which a function that has not returned is named on its lamp."""
+
+
+class Shot(NamedTuple):
+    """What a widget has to show at one time: its sample with the texts on it. Each has a higher version."""
+
+    version: int
+    sequence: int
+    arrived: float
+    sample: Any
+    about: dict[str, Any]
+
+
+class Judged(Sender, Protocol):
+    """A widget whose samples are judged."""
+
+    title: str
+    _sample_arrived: threading.Condition
+    _waiting: int
+    _version: int
+    _changed: bool
+    _packs_now: bool
+
+    def _newest_shot(self) -> Shot: ...
+
+    def _to_judge(self, shown: Any) -> Any: ...
+
+
+class Judge:
+    """Judges the newest sample of a widget by all of its watches, in a thread of its own.
+
+    The picture of a sample is sent once its verdicts are there, so that a lamp never tells of another sample than the
+    one on show. A function that takes longer than `PATIENCE` does not hold the picture back: its lamp is unknown then.
+    A function that does not return is abandoned when its watch is removed or replaced.
+
+    Args:
+        widget: the widget.
+    """
+
+    def __init__(self, widget: Judged) -> None:
+        self._widget = widget
+        self.watches: dict[str, Watch] = {}
+        self._thread: threading.Thread | None = None
+        self._seen = self._done = 0
+        """The versions that were last taken, and judged."""
+        self._shot: Shot | None = None
+        self._lamps: list[dict[str, Any]] = []
+        self._current: Watch | None = None
+        self._entered: float | None = None
+        self._checked = 0.0
+        self._log = LogOnce(log.error)
+
+    def put(self, watch: Watch) -> None:
+        """Add a watch; it replaces the one of its name."""
+        with self._widget._sample_arrived:
+            before = self.watches.get(watch.name)
+            self.watches[watch.name] = watch
+            self._restart(before)
+        if before:
+            before.end("another condition has its name now")
+
+    def remove(self, name: str) -> None:
+        """Remove a watch."""
+        with self._widget._sample_arrived:
+            gone = self.watches.pop(name)
+            self._restart(gone)
+            if not self.watches:
+                self._thread = None
+        pacer.mark(self._widget)
+        gone.end("it is watched no more")
+
+    def close(self) -> None:
+        """End the thread, and whatever waits for a watch."""
+        with self._widget._sample_arrived:
+            self._thread = None
+            self._widget._sample_arrived.notify_all()
+        for watch in self.watches.values():
+            watch.end("its widget is closed")
+
+    def choose(self, newest: Shot, sent: int) -> tuple[Shot | None, list[dict[str, Any]]]:
+        """What to send to the page, with its lamps; None while the verdicts are due in a moment.
+
+        Called with the lock of the samples. At the end of a cell, in the main thread, it waits for that moment, so that
+        a notebook is saved with the last sample.
+
+        Args:
+            newest: the newest there is.
+            sent: the version that was sent last.
+        """
+        if not self.watches:
+            return newest, []
+        if self._done != newest.version and threading.current_thread() is threading.main_thread():
+            self._widget._sample_arrived.wait_for(lambda: self._done == newest.version, PATIENCE)
+        if self._done == newest.version:
+            return newest, self._lamps
+        if self._shot is not None and self._shot.version > sent and not self._widget._packs_now:
+            return self._shot, self._lamps
+        entered, now = self._entered, time.monotonic()
+        if entered is None or now - entered <= PATIENCE:
+            pacer.mark_at(self._widget, now + PATIENCE)
+            return None, []
+        pacer.mark_at(self._widget, now + SLOW)
+        return newest, [self._unknown(watch) for watch in self.watches.values()]
+
+    @property
+    def is_late(self) -> bool:
+        """Whether the judgement of one sample takes longer than a picture waits for it."""
+        return self._entered is not None and time.monotonic() - self._entered > PATIENCE
+
+    def _restart(self, gone: Watch | None) -> None:
+        """Judge the newest sample again, in another thread if this one is in a function that is not wanted any more."""
+        self._seen = self._done = 0
+        self._shot = None
+        self._widget._changed = True
+        if self._thread is None or (gone is not None and self._current is gone):
+            self._current = self._entered = None
+            self._thread = threading.Thread(target=self._run, name="robowidgets-judge", daemon=True)
+            self._thread.start()
+        self._widget._sample_arrived.notify_all()
+
+    def _run(self) -> None:
+        me = threading.current_thread()
+        while (shot := self._next(me)) is not None:
+            sample = self._widget._to_judge(shot.sample)
+            watches = list(self.watches.values())
+            for watch in watches:
+                self._current = watch
+                watch.judge(sample)
+                if self._thread is not me:
+                    return
+                if watch.error:
+                    self._log(f"{self._widget.title} {watch.name}: {watch.error}".strip(), watch.error)
+            with self._widget._sample_arrived:
+                if self._thread is not me:
+                    return
+                self._current = self._entered = None
+                if self._seen == shot.version:  # else another watch was added meanwhile
+                    self._done, self._shot = shot.version, shot
+                    self._lamps = [watch.lamp() for watch in watches]
+                self._widget._sample_arrived.notify_all()
+            pacer.mark(self._widget)
+
+    def _next(self, me: threading.Thread) -> Shot | None:
+        """The newest version that was not judged yet, as soon as there is one; None when the thread is to end."""
+        widget = self._widget
+        with widget._sample_arrived:
+            widget._waiting += 1
+            try:
+                while self._thread is me and self._seen == widget._version:
+                    widget._sample_arrived.wait()
+            finally:
+                widget._waiting -= 1
+            if self._thread is not me:
+                return None
+            self._seen = widget._version
+            now = self._entered = time.monotonic()
+            if now - self._checked > SLOW:
+                # Should a function not return, with no sample after this one, the picture is still to be shown.
+                self._checked = now
+                pacer.mark_at(widget, now + SLOW)
+            return widget._newest_shot()
+
+    def _unknown(self, watch: Watch) -> dict[str, Any]:
+        """The lamp of a watch whose verdict is not there yet."""
+        lamp = watch.lamp()
+        if lamp["state"] == "off":
+            return lamp
+        text = ""
+        if watch is self._current and self._entered is not None:
+            text = f"takes {time.monotonic() - self._entered:.1f} s{self._line(watch)}"
+        return {**lamp, "state": "unknown", "text": text, "rays": []}
+
+    def _line(self, watch: Watch) -> str:
+        """The line that a function is at."""
+        frame = sys._current_frames().get(self._thread.ident or 0) if self._thread is not None else None
+        return line_of(watch.condition, [*traceback.walk_stack(frame)][::-1]) if frame is not None else ""

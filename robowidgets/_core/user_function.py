@@ -1,0 +1,32 @@
+"""Telling a user which of their functions, and which line of it, an error or a delay comes from."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+_PACKAGE = str(Path(__file__).parents[1])
+
+
+def name_of(call: Callable[..., Any]) -> str:
+    """The name of a function, for a person."""
+    return str(getattr(call, "__qualname__", "") or getattr(call, "__name__", "") or repr(call)[:60])
+
+
+def line_of(call: Callable[..., Any], frames: Iterable[tuple[FrameType, int]]) -> str:
+    """The line of the function's own file in these frames, outermost first, as ``, line 12``; empty without one."""
+    call = getattr(call, "func", call)  # a functools.partial has the function in `func`
+    code = getattr(call, "__code__", None) or getattr(type(call).__call__, "__code__", None)
+    lines = [line for frame, line in frames if code is not None and frame.f_code.co_filename == code.co_filename]
+    return f", line {lines[-1]}" if lines else ""
+
+
+def error_in(error: BaseException) -> str:
+    """An error that a function of the user raised, with its line: ``line 12: ZeroDivisionError: division by zero``."""
+    frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
+    own = next((file for file, _ in frames if not file.startswith(_PACKAGE)), None)
+    line = next((f"line {line}: " for file, line in reversed(frames) if file == own), "")
+    return f"{line}{type(error).__name__}: {error}"

@@ -1,0 +1,248 @@
+"""A condition that is judged on each sample of a widget."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from ..samples.checks import finite
+from ..samples.verdict import UNKNOWN, Verdict, judged
+from .user_function import error_in
+
+MOST_CHANGES = 1000
+"""Changes that a watch keeps."""
+
+MOST_RUNS = 500
+"""Runs of neighbouring rays that are marked on a picture; shorter gaps between them are closed when there are more."""
+
+
+class Change(NamedTuple):
+    """A change of a condition.
+
+    ``value`` is what it became: True, False, or None for unknown. ``text`` is what was compared. ``time`` is in seconds
+    since the epoch, by this computer's clock, and ``stamp_ns`` the stamp of the sample in nanoseconds, or None.
+    """
+
+    value: bool | None
+    text: str
+    time: float
+    stamp_ns: int | None
+
+
+class Watch:
+    """A condition that a widget judges on each sample, in a thread of its own; `RobotWidget.watch` returns it.
+
+    Only the newest sample is judged, so a slow function misses some. What raises is switched off: `error` says why, and
+    a new `watch` of the name starts it again. As a truth value it is `value`, where unknown is not true.
+
+    Args:
+        name: of the lamp.
+        condition: one of `robowidgets.conditions`, or a function of one sample.
+        sample_name: of the samples of its widget: ``"scan"``.
+        why_none: says what is wrong when no sample comes; empty when all is well.
+    """
+
+    def __init__(self, name: str, condition: Any, sample_name: str, why_none: Callable[[], str]) -> None:
+        self.name = name
+        self.sample_name = sample_name
+        self.condition = condition
+        self._why_none = why_none
+        self._changed = threading.Condition()
+        self._wakers: list[Callable[[], None]] = []
+        self._verdict = UNKNOWN
+        self._sample: Any = None
+        self._since: float | None = None
+        self._changes: deque[Change] = deque(maxlen=MOST_CHANGES)
+        self._count = 0
+        self._error = ""
+        self._ended = ""
+
+    # -- what a person uses --------------------------------------------------------------------------------------------
+
+    @property
+    def value(self) -> bool | None:
+        """True or False by the newest judged sample; None while it is unknown, switched off, or the sample is stale."""
+        return None if self._why_off or self._why_none() else self._verdict.value
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict on the newest judged sample, however old: what was compared, and the rays that made it true."""
+        return self._verdict
+
+    @property
+    def sample(self) -> Any:
+        """The newest judged sample; None before the first."""
+        return self._sample
+
+    @property
+    def error(self) -> str:
+        """Why it was switched off, with the line of the function; empty while it is on."""
+        return self._error
+
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """The last 1000 changes, oldest first. The first verdict is no change."""
+        with self._changed:
+            return tuple(self._changes)
+
+    def wait(self, timeout: float = 10.0, value: bool = True) -> Any:
+        """The sample for which it is true, at once if that is the newest one and not stale, else as soon as one comes.
+
+        Any thread may wait, except the one that updates the widget. An interrupt ends it.
+
+        Args:
+            timeout: seconds to wait, 0 or more.
+            value: False: wait until it is false.
+
+        Raises:
+            TimeoutError: it did not become true; the text says what it was, or why nothing came.
+            RuntimeError: it raised and was switched off, or is watched no more.
+            TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
+        """
+        seconds = self._seconds(timeout)
+        deadline = time.monotonic() + seconds
+        with self._changed:
+            while not self._is(value):
+                left = deadline - time.monotonic()
+                if left <= 0:
+                    raise self._too_late(seconds, value)
+                self._changed.wait(min(left, threading.TIMEOUT_MAX))
+            return self._sample
+
+    async def wait_async(self, timeout: float = 10.0, value: bool = True) -> Any:
+        """As `wait`, for ``await``: other tasks run meanwhile."""
+        seconds = self._seconds(timeout)
+        deadline = time.monotonic() + seconds
+        loop, woken = asyncio.get_running_loop(), asyncio.Event()
+
+        def wake() -> None:
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(woken.set)
+
+        with self._changed:
+            self._wakers.append(wake)
+        try:
+            while True:
+                woken.clear()
+                with self._changed:
+                    if self._is(value):
+                        return self._sample
+                left = deadline - time.monotonic()
+                if left <= 0:
+                    raise self._too_late(seconds, value)
+                try:
+                    await asyncio.wait_for(woken.wait(), left)
+                except asyncio.TimeoutError:
+                    continue
+        finally:
+            with self._changed:
+                self._wakers.remove(wake)
+
+    def __bool__(self) -> bool:
+        return self.value is True
+
+    def __repr__(self) -> str:
+        count = f"{self._count} change{'' if self._count == 1 else 's'}"
+        return f"<{self.name}: {', '.join(filter(None, (self._words(), self._verdict.text, count)))}>"
+
+    # -- for the thread that judges ------------------------------------------------------------------------------------
+
+    def judge(self, sample: Any) -> None:
+        """Judge a sample; None before the first of a widget."""
+        if self._error:
+            return
+        try:
+            verdict = UNKNOWN if sample is None else self._judge(sample)
+        except BaseException as error:  # not even a SystemExit may end the thread that judges
+            with self._changed:
+                self._error, self._verdict = error_in(error), UNKNOWN
+                self._tell()
+            return
+        with self._changed:
+            if self._sample is not None and verdict.value != self._verdict.value:
+                stamp_ns = getattr(sample, "stamp_ns", None)
+                self._changes.append(Change(verdict.value, verdict.text, time.time(), stamp_ns))
+                self._count += 1
+            if self._since is None or verdict.value != self._verdict.value:
+                self._since = time.monotonic()
+            self._verdict, self._sample = verdict, sample
+            self._tell()
+
+    def end(self, reason: str) -> None:
+        """Judge no more; whoever waits is told the reason."""
+        with self._changed:
+            self._ended = reason
+            self._tell()
+
+    def lamp(self) -> dict[str, Any]:
+        """What the page shows of it, all plain values: see `Lamp` in js/shared/lamps.ts."""
+        value, text = self._verdict.value, self._verdict.text
+        state = "off" if self._error else {True: "true", False: "false", None: "unknown"}[value]
+        return {
+            "name": self.name,
+            "state": state,
+            "text": self._error or text,
+            "since": self._since,
+            "changes": self._count,
+            "rays": _runs(self._verdict.rays.tolist()) if value else [],
+        }
+
+    def _judge(self, sample: Any) -> Verdict:
+        if hasattr(self.condition, "judge"):
+            verdict: Verdict = self.condition.judge(sample)
+            return verdict
+        return judged(self.condition, sample)
+
+    def _is(self, value: bool) -> bool:
+        if self._why_off:
+            raise RuntimeError(f"{self.name}: {self._why_off}")
+        return self.value is value
+
+    @property
+    def _why_off(self) -> str:
+        return f"switched off, {self._error}" if self._error else self._ended
+
+    def _tell(self) -> None:
+        self._changed.notify_all()
+        for wake in self._wakers:
+            wake()
+
+    def _words(self) -> str:
+        if self._why_off:
+            return self._why_off
+        if self.value is None:
+            return ": ".join(filter(None, ("unknown", self._why_none())))
+        return f"{'true' if self.value else 'false'} for {time.monotonic() - (self._since or 0):.1f} s"
+
+    def _too_late(self, seconds: float, value: bool) -> TimeoutError:
+        said = f" ({self._verdict.text})" if self._verdict.text and self.value is not None else ""
+        return TimeoutError(
+            f"{self.name} was not {'true' if value else 'false'} within {seconds:g} s: it is {self._words()}{said}"
+        )
+
+    @staticmethod
+    def _seconds(timeout: float) -> float:
+        seconds = finite("timeout", timeout, "seconds")
+        if seconds < 0:
+            raise ValueError(f"timeout: expected seconds, 0 or more, got {timeout!r}")
+        return seconds
+
+
+def _runs(indices: list[int]) -> list[int]:
+    """First and stop of each run of neighbouring indices, one after the other: [3, 4, 9] gives [3, 5, 9, 10]."""
+    runs: list[int] = []
+    reach = 1
+    while True:
+        runs.clear()
+        for index in indices:
+            if runs and index - runs[-1] < reach:
+                runs[-1] = index + 1
+            else:
+                runs += [index, index + 1]
+        if len(runs) <= 2 * MOST_RUNS:
+            return runs
+        reach *= 2

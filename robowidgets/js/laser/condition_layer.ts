@@ -1,0 +1,97 @@
+import { lampsOf } from "../shared/lamps.ts";
+import type { Stream } from "../shared/stream.ts";
+import type { Theme } from "../shared/theme.ts";
+import type { Depth, Layer, Painter, Stage } from "./layer.ts";
+import { type Point, toDirection } from "./projection.ts";
+import { angleOf, type Scan, TOO_CLOSE } from "./scan.ts";
+
+/** Pixels from a reading to the line behind it. */
+const BEHIND = 5;
+const WIDTH = 2.25;
+/** Half the length of the line behind a single ray, in pixels. */
+const HALF = 3;
+/** Neighbours farther apart, in pixels, are not of one thing. */
+const APART = 14;
+/** Pixels from the scanner at which what is too close is marked. */
+const INNER = 17;
+
+/** Runs of rays, each [first, stop), that made a lit condition true. */
+export function litRuns(stream: Pick<Stream<Scan>, "about" | "shown">): [number, number][] {
+  const lit = lampsOf(stream.about, stream.shown?.sequence).filter(({ state }) => state === "true");
+  return lit.flatMap(({ rays }) => {
+    return Array.from({ length: rays.length / 2 }, (_, i) => [rays[2 * i], rays[2 * i + 1]] as [number, number]);
+  });
+}
+
+/** Lines just behind the readings of some runs of rays, in pixels; a single point has a short one of its own. */
+export function linesBehind({ scan, projection }: Pick<Stage, "scan" | "projection">, runs: [number, number][]) {
+  const lines: Point[][] = [];
+  if (!scan) return lines;
+  const scale = projection.radius / projection.viewRange;
+  const isShown = (i: number) => {
+    return scan.kinds[i] === TOO_CLOSE || (scan.ranges[i] as number) <= projection.viewRange;
+  };
+  for (const [first, stop] of runs) {
+    let line: (Point & { direction: Point })[] = [];
+    const end = () => {
+      const [only] = line;
+      if (line.length === 1 && only) {
+        const { x, y } = only.direction;
+        const [a, b] = [-HALF, HALF].map((along) => ({ x: only.x - y * along, y: only.y + x * along }));
+        lines.push([a as Point, b as Point]);
+      } else if (line.length) lines.push(line);
+      line = [];
+    };
+    for (let i = Math.max(0, first); i < Math.min(stop, scan.count); i++) {
+      if (!isShown(i)) {
+        end();
+        continue;
+      }
+      const direction = toDirection(angleOf(scan, i), projection.forward);
+      const distance = (scan.kinds[i] === TOO_CLOSE ? INNER : (scan.ranges[i] as number) * scale) + BEHIND;
+      const point = {
+        x: projection.centerX + direction.x * distance,
+        y: projection.centerY + direction.y * distance,
+        direction,
+      };
+      const before = line.at(-1);
+      if (before && Math.hypot(point.x - before.x, point.y - before.y) > APART) end();
+      line.push(point);
+    }
+    end();
+  }
+  return lines;
+}
+
+/** Underlines the rays that made a condition true. */
+export class ConditionLayer implements Layer {
+  readonly traits = [] as const;
+  readonly #stream: Stream<Scan>;
+  readonly #painters: Partial<Record<Depth, Painter>> = {
+    conditions: (context, stage, theme) => this.#draw(context, stage, theme),
+  };
+
+  constructor(stream: Stream<Scan>) {
+    this.#stream = stream;
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    return this.#stream.about.lamps?.length ? this.#painters : {};
+  }
+
+  #draw(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
+    context.beginPath();
+    for (const line of linesBehind(stage, litRuns(this.#stream))) {
+      for (const [i, { x, y }] of line.entries()) {
+        if (i) context.lineTo(x, y);
+        else context.moveTo(x, y);
+        stage.occupied.mark(x, y);
+      }
+    }
+    context.lineWidth = WIDTH;
+    context.lineCap = context.lineJoin = "round";
+    context.strokeStyle = theme.ink;
+    context.stroke();
+    context.lineCap = "butt";
+  }
+}

@@ -1,0 +1,175 @@
+import { make, makeButton, setText } from "./dom.ts";
+import { on } from "./events.ts";
+import { toAge } from "./format.ts";
+import { READING_MS } from "./schedule.ts";
+import type { Frame, Stream } from "./stream.ts";
+import type { About, Lamp } from "./traits.ts";
+
+/** Lamps that are unfolded at once; the others are names. */
+const MOST_OPEN = 3;
+
+/** What is known of a sample: without verdicts on this very sample, every lamp is unknown. */
+export function lampsOf(about: About, sequence: number | undefined, isStale = false): Lamp[] {
+  const lamps = about.lamps ?? [];
+  if (about.judged === sequence && !isStale) return lamps;
+  return lamps.map((lamp) => (lamp.state === "off" ? lamp : { ...lamp, state: "unknown", text: "", rays: [] }));
+}
+
+/**
+ * Where a state changed, before (-1) or after (1) a place in a list of states; -1 where it did not. What is unknown is
+ * passed over.
+ */
+export function changeFrom(states: string[], place: number, direction: -1 | 1): number {
+  const known = states.flatMap((state, i) => (state === "true" || state === "false" ? [i] : []));
+  const changes = known.filter((index, i) => i > 0 && states[index] !== states[known[i - 1] as number]);
+  const found = direction < 0 ? changes.filter((i) => i < place).at(-1) : changes.find((i) => i > place);
+  return found ?? -1;
+}
+
+/** The state of a lamp in words, with the seconds since it has that. */
+export function stateWords({ state, since }: Lamp, arrived: number): [word: string, time: string] {
+  if (state === "off") return ["off", ""];
+  if (state === "unknown" || since === null) return [state, ""];
+  return [state, ` for ${toAge(1000 * Math.max(0, arrived - since))}`];
+}
+
+/** The elements of one lamp. */
+class Row {
+  readonly name: HTMLButtonElement;
+  readonly elements: HTMLElement[];
+  readonly #state = make("b", "");
+  readonly #time = make("span", "");
+  readonly #words = make("span", "rw-lamp-words");
+  readonly #text = make("span", "rw-lamp-text");
+  readonly #count = make("span", "rw-lamp-count");
+  readonly #changes = make("span", "rw-lamp-changes");
+  #drawn = { state: "", at: -Infinity };
+
+  constructor(name: string, onName: () => void, onStep: (direction: -1 | 1) => void, signal: AbortSignal) {
+    this.name = makeButton("rw-lamp", "", onName, signal, name);
+    this.#words.append(this.#state, this.#time);
+    const back = makeButton("rw-step", `${name}: the change before`, () => onStep(-1), signal, "\u2039");
+    const next = makeButton("rw-step", `${name}: the next change`, () => onStep(1), signal, "\u203a");
+    this.#changes.append(back, this.#count, next);
+    this.elements = [this.name, this.#words, this.#text, this.#changes];
+  }
+
+  draw(lamp: Lamp, arrived: number, isOpen: boolean): void {
+    const isNew = this.#drawn.state !== lamp.state;
+    this.name.dataset.rwState = lamp.state;
+    for (const element of this.elements.slice(1)) element.hidden = !isOpen;
+    this.#changes.style.visibility = lamp.changes ? "" : "hidden";
+    const now = performance.now();
+    // The words of a lit lamp never lag behind it; numbers that only flicker wait.
+    if (!isNew && now - this.#drawn.at < READING_MS) return;
+    this.#drawn = { state: lamp.state, at: now };
+    const [word, time] = stateWords(lamp, arrived);
+    setText(this.#state, word);
+    setText(this.#time, time);
+    setText(this.#text, lamp.text);
+    setText(this.#count, `${lamp.changes} change${lamp.changes === 1 ? "" : "s"}`);
+    this.name.title = [`${lamp.name} is ${word}${time}`, lamp.text].filter(Boolean).join("\n");
+    this.name.ariaLabel = `${lamp.name}: ${word}`;
+    this.name.ariaExpanded = String(isOpen);
+  }
+}
+
+/** The conditions that Python judges on each sample: a lamp for each, below the picture. */
+export class Lamps {
+  readonly root = make("div", "rw-lamps");
+  readonly #stream: Stream<Frame>;
+  readonly #say: (words: string[]) => void;
+  readonly #signal: AbortSignal;
+  #rows = new Map<string, Row>();
+  #states = new Map<string, string>();
+  /** Names of the lamps that are unfolded, the last chosen first; a person may have folded others. */
+  #open: string[] = [];
+
+  /** @param say has a screen reader say words */
+  constructor(stream: Stream<Frame>, say: (words: string[]) => void, signal: AbortSignal) {
+    this.#stream = stream;
+    this.#say = say;
+    this.#signal = signal;
+    this.root.role = "group";
+    this.root.ariaLabel = "conditions";
+    this.root.hidden = true;
+    // Keys that a button uses itself must not move through the picture.
+    on(this.root, "keydown", (event) => /^(Enter| )$/.test(event.key) && event.stopPropagation(), signal);
+  }
+
+  /** @param isStale whether the source is silent, so that nothing is known of the present */
+  update(isStale: boolean): void {
+    const { shown, about, paused } = this.#stream;
+    const lamps = lampsOf(about, shown?.sequence, isStale && !paused);
+    this.root.hidden = !lamps.length;
+    if (!lamps.length && !this.#rows.size) return;
+    if (lamps.map(({ name }) => name).join("\n") !== [...this.#rows.keys()].join("\n")) this.#arrange(lamps);
+    for (const lamp of lamps) {
+      this.#rows.get(lamp.name)?.draw(lamp, shown?.arrived ?? 0, this.#open.includes(lamp.name));
+      this.#tell(lamp);
+    }
+  }
+
+  /** Has a screen reader say what changed while it was watched. */
+  #tell({ name, state }: Lamp): void {
+    const before = this.#states.get(name);
+    this.#states.set(name, state);
+    if (before && before !== state && state !== "unknown" && !this.#stream.paused) this.#say([`${name} ${state}`]);
+  }
+
+  #arrange(lamps: Lamp[]): void {
+    const before = this.#rows;
+    const names = lamps.map(({ name }) => name);
+    this.#rows = new Map(names.map((name) => [name, before.get(name) ?? this.#makeRow(name)]));
+    const added = names.filter((name) => !before.has(name));
+    this.#open = [...this.#open.filter((name) => names.includes(name)), ...added].slice(0, MOST_OPEN);
+    this.#place();
+  }
+
+  #makeRow(name: string): Row {
+    return new Row(
+      name,
+      () => this.#toggle(name),
+      (direction) => this.#step(name, direction),
+      this.#signal,
+    );
+  }
+
+  /** Unfolded lamps have a line each; the names of the others share one. */
+  #place(): void {
+    const rest = make("div", "rw-lamps-rest");
+    this.root.replaceChildren();
+    for (const [name, row] of this.#rows) {
+      row.name.classList.toggle("rw-lamp-chosen", this.#open[0] === name);
+      if (this.#open.includes(name)) this.root.append(...row.elements);
+      else rest.append(...row.elements);
+    }
+    if (rest.childElementCount) this.root.append(rest);
+  }
+
+  #toggle(name: string): void {
+    const others = this.#open.filter((other) => other !== name);
+    // In a narrow card only the chosen one is unfolded: a click on another one chooses it.
+    const isFolded = !this.#open.includes(name) || this.#open[0] !== name;
+    this.#open = isFolded ? [name, ...others].slice(0, MOST_OPEN) : others;
+    this.#place();
+    this.update(false);
+    this.#rows.get(name)?.name.focus({ preventScroll: true });
+  }
+
+  /** Freezes the picture at the change of a lamp before or after the sample on show. */
+  #step(name: string, direction: -1 | 1): void {
+    const moments = this.#stream.moments;
+    const states = moments.map(({ about, sequence }) => {
+      return lampsOf(about, sequence).find((lamp) => lamp.name === name)?.state ?? "unknown";
+    });
+    const place = this.#stream.paused ? (this.#stream.place?.index ?? 0) : states.length;
+    const found = changeFrom(states, place, direction);
+    if (found < 0) {
+      this.#say([`no ${direction < 0 ? "earlier" : "later"} change of ${name} is kept here`]);
+      return;
+    }
+    if (!this.#stream.paused) this.#stream.toggle();
+    this.#stream.seek(found);
+  }
+}

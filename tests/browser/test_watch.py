@@ -1,0 +1,110 @@
+"""Conditions on the picture: lamps, marked rays, and steps through their changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import expect
+
+from .chromium import shoot
+from .laser import LIGHT, SETUP, Picture, locate
+from .plain_page import PlainPage
+
+DRIVE = """
+import time
+import robowidgets
+from robowidgets import LaserWidget, conditions
+from robowidgets.simulator import Robot, World, wander
+robot = Robot(World.rooms(), seed=1)
+laser = LaserWidget(title="/scan")
+def drive(seconds):
+    end = robot.time + seconds
+    for _ in wander(robot):
+        robot.step(0.1)
+        laser.update(robot.scan())
+        time.sleep(0.03)
+        if robot.time > end:
+            break
+laser
+"""
+WATCH = """
+wall = laser.watch(lambda scan: scan.distance("front") < 0.9, name="wall")
+laser.watch(conditions.nearest_below(0.35, ("50deg", "130deg")), name="left side")
+drive({seconds})
+"""
+
+
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
+def test_look(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
+    nb = plain_page([DRIVE, WATCH.format(seconds=9)], scale=scale, theme=theme)
+    nb.python("""
+laser.watch(lambda scan: 1 / 0, name="broken")
+laser.watch(lambda scan: None, name="never known")
+laser.watch(conditions.nearest_below(3), name="anything")
+laser.watch(conditions.nearest_below(0.2), name="bump")
+laser.update(robot.scan())
+laser.watched["bump"].wait(5, value=False)
+""")
+    card = nb.widget(0).locator(".rw-card")
+    for width in (320, 400, 700):
+        nb.resize(width)
+        shoot(card, f"watch-{theme}-{width}")
+
+
+NEAR = """
+from robowidgets._core.pacer import pacer
+def show(nearest):
+    laser.update(**fan({9: nearest}))
+    wall.wait(5, value=nearest < 1)
+    pacer.flush()
+wall = laser.watch(lambda scan: scan.distance(("-5deg", "5deg")) < 1, name="wall")
+laser
+"""
+
+
+def test_lit_marked_frozen_and_stepped_through(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP + NEAR, "show(1.68)", "show(0.9)"], run=False)
+    nb.run(0)
+    nb.resize(700)
+    card = nb.widget(0).locator(".rw-card")
+    name, said = card.locator(".rw-lamp"), card.locator(".rw-lamps")
+    expect(name).to_have_attribute("data-rw-state", "unknown")
+    nb.run(1)
+    expect(name).to_have_attribute("data-rw-state", "false")
+    place = locate(card)
+    behind = place.at(0.9 + 5 / place.scale, 0)
+    assert LIGHT["ink"] not in Picture(card).around(*behind)
+
+    nb.run(2)
+    expect(name).to_have_attribute("data-rw-state", "true")
+    expect(said).to_contain_text("0.90 < 1.00 m")
+    expect(said).to_contain_text("1 change")
+    assert LIGHT["ink"] in Picture(card).around(*behind), "the ray that made it true is underlined"
+    assert Picture(card).colour(*place.at(0.9, 0)) == LIGHT["reading"], "and no reading changes its colour"
+
+    card.locator(".rw-freeze").click()
+    nb.python("show(1.68); show(0.8); show(1.68)")
+    expect(name).to_have_attribute("data-rw-state", "true")
+    expect(said).to_contain_text("0.90 < 1.00 m")
+    card.locator(".rw-freeze").click()
+    expect(name).to_have_attribute("data-rw-state", "false")
+
+    # Each step leads to the scan of a change, and freezes there.
+    back, forth = (card.get_by_role("button", name=f"wall: the {which}") for which in ("change before", "next change"))
+    for state, text in (("false", "1.68 ≥ 1.00 m"), ("true", "0.80 < 1.00 m"), ("false", "1.68 ≥ 1.00 m")):
+        back.click()
+        expect(name).to_have_attribute("data-rw-state", state)
+        expect(said).to_contain_text(text)
+    assert nb.python("print(laser.paused, laser.frozen.nearest().range)").startswith("True")
+    forth.click()
+    expect(said).to_contain_text("0.80 < 1.00 m")
+    card.locator(".rw-picture").press("Space")
+
+    # What raises is off, with its line; a name is removed with its lamp.
+    nb.python("def broken(scan):\n    return 1 / 0\nlaser.watch(broken)\nlaser.unwatch('wall')\nlaser.update(**fan())")
+    expect(card.locator(".rw-lamp")).to_have_count(1)
+    expect(card.locator(".rw-lamp")).to_have_attribute("data-rw-state", "off")
+    expect(said).to_contain_text("line 2: ZeroDivisionError: division by zero")
+    nb.python("laser.unwatch('broken')")
+    expect(said).to_be_hidden()
