@@ -11,7 +11,7 @@ import traitlets
 
 from ._core.base_widget import bundle, nearest_name, refuse_unnamed
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
-from ._core.traits import Angle, Flag
+from ._core.traits import Angle, Angles, Flag
 from .messages import ScanReader
 from .messages.fields import unwrap
 from .samples import Scan, Validity
@@ -74,9 +74,11 @@ class LaserWidget(RobotWidget[Scan]):
 
     Args:
         title: what is shown, for the header; usually the topic.
-        arc_count: range arcs that divide the view in equal parts, 0 to 50.
+        arc_count: range arcs that divide the view in equal parts, 0 to 50; None: at steps of 1, 2 or 5.
         arc_distances: distances of the arcs in metres, instead.
-        ray_count: radial lines that divide the swept angle in equal parts, 0 to 360; each says angle and index.
+        ray_count: radial lines that divide the swept angle in equal parts, 0 to 360; None: at round angles from
+            forward, and at both ends. Each says angle and index of a ray.
+        ray_angles: angles of the lines, radians or text like "20deg", instead; each stands at the closest ray.
         view_range: "sensor", "data" or metres. The view writes it too, when a person zooms.
         forward: where the robot's forward is in the picture: "up", "left", "down" or "right".
         angle_offset: radians, or text like "20deg", added to every angle, within ±2 pi, for a scanner whose header lies
@@ -95,7 +97,7 @@ class LaserWidget(RobotWidget[Scan]):
     Source: sensor_msgs/LaserScan; Campusano and Fabry, "From Robots to Humans: Visualizations for Robot Sensor Data".
 
     Example:
-        >>> laser = LaserWidget(title="/scan", ray_count=5)
+        >>> laser = LaserWidget(title="/scan", ray_angles=["-20deg", 0, "20deg"])
         >>> laser.update(ranges=[1.0, 1.5, 2.0], angle_min=-0.5, angle_increment=0.5, range_min=0.1, range_max=4.0)
         >>> laser.scan.distance()
         1.0
@@ -113,9 +115,18 @@ class LaserWidget(RobotWidget[Scan]):
     sample_name = "scan"
     frame_traits = ("angle_offset",)
 
-    arc_count = traitlets.Int(4, min=0, max=50, help="Range arcs that divide the view in equal parts.").tag(sync=True)
+    arc_count = traitlets.Int(
+        None, allow_none=True, min=0, max=50, help="Range arcs that divide the view in equal parts; None: at 1, 2 or 5."
+    ).tag(sync=True)
     arc_distances = Distances((), help="Distances of the range arcs in metres, instead of arc_count.").tag(sync=True)
-    ray_count = traitlets.Int(9, min=0, max=360, help="Radial lines that divide the swept angle.").tag(sync=True)
+    ray_count = traitlets.Int(
+        None,
+        allow_none=True,
+        min=0,
+        max=360,
+        help="Radial lines that divide the swept angle in equal parts; None: at round angles.",
+    ).tag(sync=True)
+    ray_angles = Angles((), help="Angles of the radial lines in radians, instead of ray_count.").tag(sync=True)
     view_range = ViewRange("sensor", help="How far the picture reaches. Python and the view write it.").tag(sync=True)
     forward = traitlets.Enum(("up", "left", "down", "right"), "up", help="Where forward is.").tag(sync=True)
     angle_offset = Angle(0.0, help="Radians added to every angle, within ±2 pi.")

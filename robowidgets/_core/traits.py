@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import traitlets
 
 from ..samples.checks import in_radians
+
+_MOST_ANGLES = 360
 
 
 class Flag(traitlets.Bool[Any, Any]):
@@ -26,6 +29,23 @@ class Angle(traitlets.TraitType[Any, Any]):
         """The radians; TraitError says what is wrong with them."""
         try:
             return in_radians(str(self.name), value)
+        except (TypeError, ValueError) as error:
+            raise traitlets.TraitError(str(error)) from None
+
+
+class Angles(traitlets.TraitType[Any, Any]):
+    """Up to 360 angles in radians within ±2 pi, each also given as text like "20deg"."""
+
+    def validate(self, _obj: Any, value: Any) -> tuple[float, ...]:
+        """The radians; TraitError says what is wrong with them."""
+        expected = f'{self.name}: expected up to {_MOST_ANGLES} angles, in radians or as text like "20deg"'
+        if isinstance(value, str) or not isinstance(value, Iterable):
+            raise traitlets.TraitError(f"{expected}; got {value!r}")
+        given = list(value)
+        if len(given) > _MOST_ANGLES:
+            raise traitlets.TraitError(f"{expected}; got {len(given):,}")
+        try:
+            return tuple(in_radians(f"{self.name}[{i}]", angle) for i, angle in enumerate(given))
         except (TypeError, ValueError) as error:
             raise traitlets.TraitError(str(error)) from None
 

@@ -180,7 +180,8 @@ async function view(model, ended) {
   const kind = model.get("_model_name");
   if (kind === "HTMLModel") element.innerHTML = model.get("value");
   if (kind.endsWith("BoxModel")) {
-    element.classList.add("box", kind);
+    // As ipywidgets names them.
+    element.classList.add("box", kind, ...(kind === "HBoxModel" ? ["widget-hbox"] : []));
     for (const child of model.get("children")) element.append(await view(modelOf(child), ended));
   }
   if (!model.get("_esm")) return element;

@@ -13,7 +13,10 @@ import { type Projection, rimBox, toPixel } from "../../robowidgets/js/laser/pro
 import { angleOf, indexAt, type Sweep } from "../../robowidgets/js/laser/scan.ts";
 import { BOXES, circle, DEGREE, layOut, near, randoms, SWEEPS, sweepOf } from "./laser.ts";
 
-test("arcs divide the view in equal parts, the last at its edge", () => {
+/** A scanner of a robot, whose last ray is one step short of the same angle as its first. */
+const PR2 = { angleMin: -130 * DEGREE, angleIncrement: DEGREE / 4, count: 1040 };
+
+test("so many arcs as are asked for divide the view in equal parts, the last at its edge", () => {
   assert.deepEqual(arcDistances([], 4, 10), [2.5, 5, 7.5, 10]);
   assert.deepEqual(arcDistances([], 1, 5.6), [5.6]);
   assert.deepEqual(arcDistances([], 0, 10), []);
@@ -28,49 +31,104 @@ test("arcs asked for stand where they were asked for, as far as the view reaches
   assert.deepEqual(asked, [3, 1, 2], "the trait itself is left alone");
 });
 
-test("lines divide the swept angle in equal parts, ends included", () => {
-  assert.deepEqual(rayIndices(sweepOf(180, 181), 5), [0, 45, 90, 135, 180]);
-  assert.deepEqual(rayIndices(sweepOf(270, 1081), 2), [0, 1080]);
-  assert.deepEqual(rayIndices(sweepOf(260, 1040), 9), [0, 130, 260, 390, 520, 649, 779, 909, 1039]);
+test("without a count, two to six arcs stand at steps of 1, 2 or 5", () => {
+  assert.deepEqual(arcDistances([], null, 10), [2, 4, 6, 8, 10]);
+  assert.deepEqual(arcDistances([], null, 5.6), [1, 2, 3, 4, 5]);
+  assert.deepEqual(arcDistances([], null, 3.5), [1, 2, 3]);
+  assert.deepEqual(arcDistances([], null, 1), [0.2, 0.4, 0.6, 0.8, 1]);
+  assert.deepEqual(arcDistances([], null, 0.003), [0.0005, 0.001, 0.0015, 0.002, 0.0025, 0.003]);
+  assert.deepEqual(arcDistances([], null, 80), [20, 40, 60, 80]);
+  for (let range = 0.05; range < 100_000; range *= 1.03) {
+    const arcs = arcDistances([], null, range);
+    assert.ok(arcs.length >= 2 && arcs.length <= 6, `${range}`);
+    assert.match(String(Number((arcs[0] as number).toExponential(0))), /^[0.]*[125]0*$/);
+  }
+});
+
+/** The angles of radial lines in degrees. */
+const degreesOf = (sweep: Sweep, indices: number[]) =>
+  indices.map((index) => Math.round((angleOf(sweep, index) / DEGREE) * 10) / 10);
+
+const linesOf = (sweep: Sweep) => degreesOf(sweep, rayIndices(sweep, [], null));
+
+test("without a count, lines stand at round angles from forward and at both ends", () => {
+  assert.deepEqual(linesOf(sweepOf(180, 181)), [-90, -60, -30, 0, 30, 60, 90]);
+  assert.deepEqual(linesOf(sweepOf(270, 1081)), [-135, -90, -45, 0, 45, 90, 135]);
+  assert.deepEqual(linesOf(sweepOf(240, 961)), [-120, -90, -60, -30, 0, 30, 60, 90, 120]);
+  assert.deepEqual(linesOf(PR2), [-130, -120, -90, -60, -30, 0, 30, 60, 90, 120, 129.8]);
+  assert.deepEqual(linesOf(circle()), [-180, -135, -90, -45, 0, 45, 90, 135]);
+  assert.deepEqual(linesOf(circle(360, 0)), [0, 45, 90, 135, 180, 225, 270, 315]);
+  assert.deepEqual(
+    linesOf({ angleMin: -45 * DEGREE, angleIncrement: DEGREE / 2, count: 541 }),
+    [-45, 0, 45, 90, 135, 180, 225],
+  );
+  assert.deepEqual(linesOf(sweepOf(60, 61, 60)), [60, 70, 80, 90, 100, 110, 120], "forward is not swept");
+});
+
+test("of few rays, lines still stand at equal angles", () => {
+  assert.deepEqual(linesOf(sweepOf(180, 19)), [-90, -60, -30, 0, 30, 60, 90]);
+  assert.deepEqual(linesOf(sweepOf(120, 7)), [-60, -40, -20, 0, 20, 40, 60]);
+  assert.deepEqual(linesOf(circle(16, 0)), [0, 45, 90, 135, 180, 225, 270, 315]);
+  assert.deepEqual(linesOf(circle(20, 0)), [0, 36, 72, 108, 144, 180, 216, 252, 288, 324]);
+  assert.deepEqual(rayIndices(sweepOf(60, 5), [], null), [0, 1, 2, 3, 4]);
+});
+
+test("wherever forward is swept, a line stands ahead", () => {
+  const sweeps = Object.entries({ ...SWEEPS, PR2, "an uneven one": sweepOf(200, 401, -61) });
+  for (const [name, sweep] of sweeps) {
+    const ahead = indexAt(sweep, 0);
+    for (const count of [null, 1]) {
+      assert.ok(ahead < 0 || rayIndices(sweep, [], count).includes(ahead), `${name}, ${count}`);
+    }
+  }
+});
+
+test("so many lines as are asked for divide the swept angle in equal parts, ends included", () => {
+  assert.deepEqual(rayIndices(sweepOf(180, 181), [], 5), [0, 45, 90, 135, 180]);
+  assert.deepEqual(rayIndices(sweepOf(180, 181), [], 4), [0, 60, 120, 180]);
+  assert.deepEqual(rayIndices(sweepOf(270, 1081), [], 2), [0, 1080]);
+  assert.deepEqual(degreesOf(PR2, rayIndices(PR2, [], 9)), [-130, -97.5, -65, -32.5, 0, 32.5, 65, 97.5, 129.8]);
 });
 
 test("on a full circle the ends meet, so that one line stands for both", () => {
   for (const sweep of [circle(), circle(360, 0), SWEEPS["360 degrees clockwise"] as Sweep]) {
-    const sorted = (count: number) => rayIndices(sweep, count).sort((a, b) => a - b);
-    assert.deepEqual(sorted(4), [0, 90, 180, 270]);
-    assert.deepEqual(sorted(8), [0, 45, 90, 135, 180, 225, 270, 315]);
+    assert.deepEqual(rayIndices(sweep, [], 4), [0, 90, 180, 270]);
+    assert.deepEqual(rayIndices(sweep, [], 8), [0, 45, 90, 135, 180, 225, 270, 315]);
   }
 });
 
 test("on a full circle a line stands ahead, wherever the scanner starts", () => {
   for (const first of [-180, -90, 0, 90]) {
     for (const count of [4, 9]) {
-      const sweep = circle(360, first);
-      const angles = rayIndices(sweep, count).map((index) => Math.round(angleOf(sweep, index) / DEGREE));
-      assert.equal((angles[0] as number) % 360 || 0, 0, `${count} lines from ${first} degrees`);
-      assert.equal(new Set(angles).size, count);
+      const indices = rayIndices(circle(360, first), [], count);
+      assert.ok(indices.includes(indexAt(circle(360, first), 0)), `${count} lines from ${first} degrees`);
+      assert.equal(indices.length, count);
     }
   }
 });
 
 test("a repeated end ray leaves the parts of a circle equal", () => {
-  assert.deepEqual(rayIndices(sweepOf(360, 361), 4), [180, 270, 0, 90]);
-  assert.deepEqual(
-    rayIndices(sweepOf(360, 361), 360).sort((a, b) => a - b),
-    Array.from({ length: 360 }, (_, i) => i),
-  );
+  assert.deepEqual(rayIndices(sweepOf(360, 361), [], 4), [0, 90, 180, 270]);
+  assert.equal(rayIndices(sweepOf(360, 361), [], 360).length, 360);
 });
 
-test("one line stands in the middle, none where none is asked for or there is no ray", () => {
-  assert.deepEqual(rayIndices(sweepOf(180, 181), 1), [90]);
-  assert.deepEqual(rayIndices(sweepOf(180, 181), 0), []);
-  assert.deepEqual(rayIndices({ angleMin: 0, angleIncrement: 0.1, count: 0 }, 9), []);
+test("no line stands where none is asked for or there is no ray", () => {
+  assert.deepEqual(rayIndices(sweepOf(180, 181), [], 1), [90]);
+  assert.deepEqual(rayIndices(sweepOf(60, 61, 60), [], 1), [30], "forward is not swept");
+  assert.deepEqual(rayIndices(sweepOf(180, 181), [], 0), []);
+  assert.deepEqual(rayIndices({ angleMin: 0, angleIncrement: 0.1, count: 0 }, [], null), []);
 });
 
 test("more lines than rays is each ray once", () => {
-  assert.deepEqual(rayIndices(sweepOf(60, 5), 360), [0, 1, 2, 3, 4]);
-  assert.deepEqual(rayIndices(circle(4), 360), [2, 3, 0, 1]);
-  assert.deepEqual(rayIndices(sweepOf(0, 1), 9), [0]);
+  assert.deepEqual(rayIndices(sweepOf(60, 5), [], 360), [0, 1, 2, 3, 4]);
+  assert.deepEqual(rayIndices(circle(4), [], 360), [0, 1, 2, 3]);
+  assert.deepEqual(rayIndices(sweepOf(0, 1), [], 9), [0]);
+});
+
+test("angles that are asked for have lines at the closest rays, where there are any", () => {
+  const asked = [30.4, -30, 0, 120, 0.2].map((degrees) => degrees * DEGREE);
+  assert.deepEqual(linesOf({ ...sweepOf(180, 181) }).length, 7);
+  assert.deepEqual(degreesOf(sweepOf(180, 181), rayIndices(sweepOf(180, 181), asked, 9)), [-30, 0, 30]);
 });
 
 test("a line's label says angle over index", () => {
@@ -87,20 +145,45 @@ test("a line's label says angle over index", () => {
   );
 });
 
-test("labels are thinned until none overlaps, and the first stays", () => {
-  for (const sweep of Object.values(SWEEPS)) {
+test("labels are thinned until none overlaps; forward and both ends stay", () => {
+  for (const [name, sweep] of Object.entries({ ...SWEEPS, PR2 })) {
     for (const box of BOXES) {
-      for (const rayCount of [1, 2, 9, 24, 90, 360]) {
+      for (const rayCount of [null, 1, 2, 5, 9, 24, 25, 90, 360]) {
         const { projection, labels } = layOut(sweep, box, 10, "up", rayCount);
         const kept = thinLabels(projection, labels);
-        assert.equal(kept[0], labels[0]);
         const boxes = kept.map((label) => rimBox(projection, label));
         for (const [i, one] of boxes.entries()) {
-          for (const other of boxes.slice(i + 1)) assert.ok(!overlaps(one, other));
+          for (const other of boxes.slice(i + 1)) assert.ok(!overlaps(one, other), `${name}, ${rayCount}`);
         }
+        const indices = kept.map(({ index }) => index);
+        const ahead = indexAt(sweep, 0);
+        const isLine = labels.some(({ index }) => index === ahead);
+        assert.ok(!isLine || indices.includes(ahead), `${name}, ${rayCount}: forward`);
+        const spread = Math.abs(sweep.angleIncrement) * (sweep.count - 1);
+        const ends = spread > 10 * DEGREE && spread < 320 * DEGREE && rayCount !== 1 ? [0, sweep.count - 1] : [];
+        assert.ok(
+          ends.every((end) => indices.includes(end)),
+          `${name}, ${rayCount}: ends`,
+        );
       }
     }
   }
+});
+
+test("a label that is too close to an end's gives way alone", () => {
+  const { projection, labels } = layOut(PR2, BOXES[0], 10, "up", null);
+  const kept = thinLabels(projection, labels).map(({ lines }) => lines[0]);
+  assert.deepEqual(kept, [
+    "\u2212130.0°",
+    "\u221290.0°",
+    "\u221260.0°",
+    "\u221230.0°",
+    "0.0°",
+    "30.0°",
+    "60.0°",
+    "90.0°",
+    "129.8°",
+  ]);
 });
 
 test("labels that do not overlap all stay", () => {
@@ -148,7 +231,7 @@ interface Picture {
 
 function picture(sweep: Sweep, box = BOXES[2] as (typeof BOXES)[number]): Picture {
   const { projection } = layOut(sweep, box);
-  const lines = rayIndices(sweep, 9).map((index) => angleOf(sweep, index));
+  const lines = rayIndices(sweep, [], 9).map((index) => angleOf(sweep, index));
   return {
     sweep,
     projection,

@@ -75,10 +75,10 @@ export function layOut(
   box = BOXES[0] as (typeof BOXES)[number],
   viewRange = 10,
   forward = "up",
-  rayCount = 9,
+  rayCount: number | null = 9,
 ): { projection: Projection; labels: RayLabel[] } {
   const turn = FORWARD[forward] as number;
-  const labels = rayLabels(sweep, rayIndices(sweep, rayCount), turn, measure);
+  const labels = rayLabels(sweep, rayIndices(sweep, [], rayCount), turn, measure);
   return { projection: { ...fit([...sweepRim(sweep, turn), ...labels], box), viewRange, forward: turn }, labels };
 }
 

@@ -40,16 +40,16 @@ test("a reading is told with distance, angle, x and y", () => {
     expression: "ranges[0]",
     distance: "2.00 m",
     angle: "30.0°",
-    details: "x 1.73  y 1.00",
+    details: "x\u00A01.73  y\u00A01.00",
     side: "left",
   });
-  assert.equal(describeRay(scanOf([2], { angleMin: -90 * DEGREE }), 0).details, `x 0.00  y ${MINUS}2.00`);
+  assert.equal(describeRay(scanOf([2], { angleMin: -90 * DEGREE }), 0).details, `x\u00A00.00  y\u00A0${MINUS}2.00`);
 });
 
 test("a reading in a picture of millimetres has their decimals", () => {
   const near = { ...scanOf([0.003], { angleMin: 0 }), minRange: 0, kinds: [0] };
   const { distance, details } = describeRay(near as never, 0, 0.004);
-  assert.deepEqual([distance, details], ["0.0030 m", "x 0.0030  y 0.0000"]);
+  assert.deepEqual([distance, details], ["0.0030 m", "x\u00A00.0030  y\u00A00.0000"]);
 });
 
 test("a ray without a reading is told with what its value means", () => {

@@ -24,6 +24,21 @@ test("a selection keeps its own order, and what nobody spoke of is unknown", () 
   assert.deepEqual(select([LEFT, CENTER], []), [LEFT, CENTER]);
 });
 
+test("sensors that differ in their side stand from left to right, in whatever order they came", () => {
+  const order = (...names: string[]) =>
+    select(
+      names.map((name) => ({ ...LEFT, name })),
+      [],
+    ).map(({ name }) => name);
+  assert.deepEqual(order("right", "left"), ["left", "right"]);
+  assert.deepEqual(order("center", "right", "left"), ["left", "center", "right"]);
+  assert.deepEqual(order("Right", "Centre", "Left"), ["Left", "Centre", "Right"]);
+  const cliffs = ["cliff left", "bump", "right", "cliff right", "left", "button 0"];
+  assert.deepEqual(order(...cliffs), ["cliff left", "bump", "left", "cliff right", "right", "button 0"]);
+  const create = ["bump_left", "bump_front_left", "bump_front_center", "bump_front_right", "bump_right"];
+  assert.deepEqual(order(...create), create);
+});
+
 test("a touched sensor that is not on show is told", () => {
   assert.equal(tellBeside([LEFT, CENTER, RIGHT], [LEFT]), "also touched: center");
   assert.equal(tellBeside([LEFT, CENTER, RIGHT], [CENTER]), "");

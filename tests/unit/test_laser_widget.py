@@ -63,7 +63,10 @@ class TestSettings:
             ("arc_count", 10**400, "should not be greater than 50"),
             ("arc_count", 2.5, "The 'arc_count' trait of a LaserWidget instance expected an int, not the float 2.5."),
             ("arc_count", "4", "expected an int, not the str '4'."),
-            ("arc_count", None, "expected an int, not the NoneType None."),
+            ("ray_angles", "20deg", 'ray_angles: expected up to 360 angles, in radians or as text like "20deg"; got'),
+            ("ray_angles", [0.1] * 361, "; got 361"),
+            ("ray_angles", [0, 20], "ray_angles[1]: expected radians within ±2 pi, got 20.0; math.radians"),
+            ("ray_angles", [nan], "ray_angles[0]: expected a finite number of radians, got nan"),
             ("ray_count", -1, "'ray_count' trait of a LaserWidget instance should not be less than 0"),
             ("ray_count", 361, "'ray_count' trait of a LaserWidget instance should not be greater than 360"),
             ("ray_count", nan, "expected an int, not the float nan."),
@@ -158,6 +161,11 @@ class TestSettings:
         laser.arc_distances = value
         pacer.flush()
         assert laser.arc_distances == tuple(page.state["arc_distances"]) == expected
+
+    def test_angles_of_rays_may_be_in_degrees(self, laser: LaserWidget, page: Page) -> None:
+        laser.ray_angles = ("-90deg", 0, np.float32(0.5))
+        pacer.flush()
+        assert laser.ray_angles == tuple(page.state["ray_angles"]) == (-np.pi / 2, 0.0, 0.5)
 
     def test_marks_are_those_of_the_classes_without_a_reading(self, laser: LaserWidget) -> None:
         assert laser.marks == ["too_close", "nothing_in_range", "no_measurement", "outside_limits"]

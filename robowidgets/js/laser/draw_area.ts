@@ -27,8 +27,8 @@ export function drawArea(
   sweep: Sweep & Limits,
   theme: Theme,
 ): void {
-  const { minRange, maxRange } = sweep;
-  const far = Math.min(maxRange, projection.viewRange);
+  const { minRange } = sweep;
+  const far = farthest(projection, sweep);
   if (sweep.count === 0 || minRange >= far) return;
   if (sweep.count === 1) {
     drawLine(context, projection, angleOf(sweep, 0), minRange, far, theme.line, 3);
@@ -50,7 +50,10 @@ export function drawArea(
   context.stroke();
 }
 
-/** The range arcs and the radial lines. */
+/** Pixels of the tick at the rim where a radial line has a number. */
+const TICK = 9;
+
+/** The range arcs, and fainter the radial lines. */
 export function drawGuides(
   context: CanvasRenderingContext2D,
   projection: Projection,
@@ -59,15 +62,20 @@ export function drawGuides(
   rays: number[],
   theme: Theme,
 ): void {
-  context.strokeStyle = theme.line;
-  context.lineWidth = 1;
+  const far = farthest(projection, sweep);
+  for (const index of rays) drawLine(context, projection, angleOf(sweep, index), sweep.minRange, far, theme.line, 1);
+  context.strokeStyle = theme.guide;
+  context.lineWidth = 0.9;
   for (const { distance } of arcs) {
     context.beginPath();
     traceArc(context, projection, sweep, distance);
     context.stroke();
   }
-  const far = Math.min(sweep.maxRange, projection.viewRange);
-  for (const index of rays) drawLine(context, projection, angleOf(sweep, index), sweep.minRange, far, theme.line, 1);
+}
+
+/** Metres to the rim of the area in the picture. */
+function farthest({ viewRange }: Projection, { maxRange }: Limits): number {
+  return Math.min(maxRange, viewRange);
 }
 
 export function drawLine(
@@ -88,14 +96,18 @@ export function drawLine(
   context.stroke();
 }
 
-/** The angle over the index, at the outer end of each radial line. */
+/** The angle over the index, at the outer end of each radial line, and a tick there. */
 export function drawRayLabels(
   context: CanvasRenderingContext2D,
   projection: Projection,
+  sweep: Limits,
   labels: RayLabel[],
   theme: Theme,
 ): void {
+  const far = farthest(projection, sweep);
+  const inside = Math.max(0, far - (TICK / projection.radius) * projection.viewRange);
   for (const label of labels) {
+    drawLine(context, projection, label.angle, inside, far, theme.muted, 1);
     const box = rimBox(projection, label);
     const x = box.x + label.halfWidth;
     write(context, label.lines[0], x, box.y + 8, theme.ink, angleFont(theme), "center");

@@ -15,10 +15,13 @@ import {
   type Validity,
 } from "./scan.ts";
 
-const DOT = 3;
-/** At most this many rays get large dots: a single reading is hard to see. */
-const FEW = 16;
-const LARGE_DOT = 6;
+/** Pixels of a dot by the number of rays: a few small ones would be hard to find. */
+const DOTS = [
+  [16, 6],
+  [60, 5],
+  [180, 4],
+  [Infinity, 3],
+] as const;
 const LANE = 5;
 const INNER_LANE = 17;
 const MARK_SPACING = 7;
@@ -47,7 +50,7 @@ export function drawReadings(
 ): number {
   const scale = projection.radius / projection.viewRange;
   const rim = Math.min(scan.maxRange, projection.viewRange) * scale;
-  const dot = scan.count > FEW ? DOT : LARGE_DOT;
+  const dot = dotSize(scan.count, scan.counts[READING], Math.abs(scan.angleIncrement) * projection.radius);
   const last: ({ x: number; y: number } | undefined)[] = [];
   let beyond = 0;
   let color = theme.reading;
@@ -81,6 +84,18 @@ export function drawReadings(
     context.fillStyle = color;
   }
   return beyond;
+}
+
+/**
+ * Pixels of a dot: by the rays, whose number does not change; by the readings where there are very few.
+ *
+ * @param spacing pixels from one ray to the next at the rim: dots must not run together
+ */
+export function dotSize(rays: number, readings: number, spacing: number): number {
+  const [[few, largest], , , [, smallest]] = DOTS;
+  if (readings <= few && rays > few) return largest;
+  const wanted = DOTS.find(([most]) => rays <= most)?.[1] as number;
+  return Math.max(smallest, Math.min(wanted, Math.floor(spacing / 4)));
 }
 
 /** Distance in pixels from the scanner to the mark of a ray that has no reading in view. */

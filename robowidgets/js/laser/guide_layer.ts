@@ -11,7 +11,7 @@ import type { LaserTraits } from "./traits.ts";
 
 /** The detection area, range arcs, radial lines with their labels, and the robot. */
 export class GuideLayer implements Layer {
-  readonly traits = ["arc_count", "ray_count", "arc_distances"] as const;
+  readonly traits = ["arc_count", "arc_distances", "ray_count", "ray_angles"] as const;
   readonly #model: Model<LaserTraits>;
   readonly #measure: CanvasRenderingContext2D;
   readonly #painters: Partial<Record<Depth, Painter>> = {
@@ -40,27 +40,29 @@ export class GuideLayer implements Layer {
   }
 
   rim(sweep: Sweep, forward: number, theme: Theme): RayLabel[] {
-    this.#rays = rayIndices(sweep, this.#model.get("ray_count"));
+    this.#rays = rayIndices(sweep, this.#model.get("ray_angles"), this.#model.get("ray_count"));
     this.#rayLabels = rayLabels(sweep, this.#rays, forward, ([angle, index]) =>
       Math.max(this.#widthOf(angle, angleFont(theme)), this.#widthOf(index, indexFont(theme))),
     );
     return this.#rayLabels;
   }
 
-  #drawGuides(context: CanvasRenderingContext2D, { projection, sweep }: Stage, theme: Theme): void {
+  #drawGuides(context: CanvasRenderingContext2D, { scan, projection, sweep }: Stage, theme: Theme): void {
     const { count, minRange, maxRange } = sweep;
     this.#arcs = arcDistances(this.#model.get("arc_distances"), this.#model.get("arc_count"), projection.viewRange)
       .filter((distance) => count && distance > minRange && distance <= maxRange * (1 + 1e-6))
       .map((distance) => ({ distance, width: this.#widthOf(toShortMetres(distance), arcFont(theme)) + 6 }));
-    const kept = thinLabels(projection, this.#rayLabels);
+    // Before the first scan nobody knows what there is to number.
+    const kept = scan ? thinLabels(projection, this.#rayLabels) : [];
     this.#labelBoxes = kept.map((label) => rimBox(projection, label));
-    drawGuides(context, projection, sweep, this.#arcs, this.#rays, theme);
-    drawRayLabels(context, projection, kept, theme);
+    drawGuides(context, projection, sweep, this.#arcs, scan ? this.#rays : [], theme);
+    drawRayLabels(context, projection, sweep, kept, theme);
     drawRobot(context, projection, theme);
   }
 
   #drawArcLabels(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
-    const { projection, sweep, occupied, labels, covered } = stage;
+    const { scan, projection, sweep, occupied, labels, covered } = stage;
+    if (!scan) return;
     labels.push(...this.#labelBoxes);
     const lines = this.#rays.map((index) => angleOf(sweep, index));
     this.#arcLabels = arcLabels(projection, sweep, this.#arcs, lines, occupied, covered, this.#arcLabels);

@@ -2,39 +2,115 @@ import { toDegrees } from "../shared/format.ts";
 import { type Box, type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
 import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "./scan.ts";
 
-/** Distances of the range arcs in metres: the given ones, or `count` that divide the view in equal parts. */
-export function arcDistances(asked: number[], count: number, viewRange: number): number[] {
+/**
+ * Distances of the range arcs in metres: the given ones; or `count` that divide the view in equal parts; or, without a
+ * count, two to six at steps of 1, 2 or 5.
+ */
+export function arcDistances(asked: number[], count: number | null, viewRange: number): number[] {
   const arcs = asked.length ? [...asked].sort((a, b) => a - b) : divide(count, viewRange);
   return arcs.filter((distance) => distance <= viewRange * (1 + 1e-9));
 }
 
-function divide(count: number, whole: number): number[] {
-  return Array.from({ length: count }, (_, i) => (whole * (i + 1)) / count);
+const MOST_ARCS = 6;
+
+function divide(count: number | null, whole: number): number[] {
+  if (count !== null) return Array.from({ length: count }, (_, i) => (whole * (i + 1)) / count);
+  const power = Math.floor(Math.log10(whole / MOST_ARCS));
+  const steps = [1, 2, 5, 10].map((digit) => Number(`${digit}e${power}`));
+  const step = steps.find((one) => one * MOST_ARCS >= whole * (1 - 1e-9)) ?? whole;
+  // Digits and a power, as a person writes them: 3 times 0.1 is not 0.3.
+  return Array.from({ length: Math.floor(whole / step + 1e-9) }, (_, i) => Number(((i + 1) * step).toPrecision(12)));
+}
+
+/** How many radial lines there may be where nobody says how many. */
+const [FEWEST_LINES, MOST_LINES] = [6, 12];
+const ROUND_STEPS = [45, 30, 20, 15, 10, 5, 2, 1, 0.5, 0.2, 0.1].map((degrees) => (degrees * Math.PI) / 180);
+
+/**
+ * Indices of the rays at which radial lines stand, in the order of the rays.
+ *
+ * @param angles radians; each line stands at the closest ray, and where none is close there is no line
+ * @param count instead of angles: so many lines divide the swept angle in equal parts, ends included, a full circle
+ *   from forward. Without a count they stand at equal angles from forward, a round number of degrees apart where rays
+ *   are dense enough, and at both ends.
+ */
+export function rayIndices(sweep: Sweep, angles: number[], count: number | null): number[] {
+  if (sweep.count === 0) return [];
+  let indices: number[];
+  if (angles.length) indices = angles.map((angle) => indexAt(sweep, angle));
+  else if (count === null) indices = linesFromForward(sweep);
+  else indices = equalParts(sweep, count);
+  return [...new Set(indices)].filter((index) => index >= 0).sort((a, b) => a - b);
+}
+
+function equalParts(sweep: Sweep, count: number): number[] {
+  const forward = indexAt(sweep, 0);
+  if (count === 1) return [forward < 0 ? Math.floor((sweep.count - 1) / 2) : forward];
+  const isCircle = isFullCircle(sweep);
+  const whole = isCircle ? raysOfTurn(sweep) : sweep.count;
+  const step = isCircle ? whole / count : (whole - 1) / (count - 1);
+  // A line that is about ahead stands exactly ahead, and the others keep their distances.
+  const first = isCircle ? forward : forward - Math.round(forward / step) * step;
+  const shift = isCircle || (forward >= 0 && Math.abs(first) <= Math.max(0.5, step / 20)) ? first : 0;
+  const last = sweep.count - 1;
+  return Array.from({ length: count }, (_, i) => {
+    if (isCircle) return Math.min(last, Math.round((shift + i * step) % whole));
+    return i === 0 ? 0 : i === count - 1 ? last : Math.round(shift + i * step);
+  });
+}
+
+function linesFromForward(sweep: Sweep): number[] {
+  const last = sweep.count - 1;
+  const first = Math.max(0, indexAt(sweep, 0));
+  if (isFullCircle(sweep)) {
+    const turn = raysOfTurn(sweep);
+    const step = stepOf(sweep, [turn]);
+    const lines = Array.from({ length: Math.round(turn / step) }, (_, i) => Math.round((first + i * step) % turn));
+    return lines.map((index) => Math.min(last, index));
+  }
+  const step = stepOf(sweep, [first, last - first]);
+  const lines = Array.from({ length: 2 * MOST_LINES + 1 }, (_, i) => Math.round(first + (i - MOST_LINES) * step));
+  return [0, ...lines.filter((index) => index > 0 && index < last), last];
 }
 
 /**
- * Indices of the rays at which radial lines stand: `count` of them, which divide the swept angle in equal parts, as
- * near as there is a ray. The first and the last ray are among them; on a full circle, where they meet, forward is.
+ * Rays from one line to the next: a round number of degrees, if possible one at which a line meets the ends as well.
+ *
+ * @param sides rays from forward to each end, or of a full turn
  */
-export function rayIndices(sweep: Sweep, count: number): number[] {
-  if (sweep.count === 0 || count === 0) return [];
-  if (count === 1) return [Math.floor((sweep.count - 1) / 2)];
-  const isCircle = isFullCircle(sweep);
-  const whole = isCircle ? (2 * Math.PI) / Math.abs(sweep.angleIncrement) : sweep.count;
-  const first = isCircle ? indexAt(sweep, 0) : 0;
-  const step = isCircle ? whole / count : (whole - 1) / (count - 1);
-  const indices = Array.from({ length: count }, (_, i) => Math.round((first + i * step) % whole));
-  return [...new Set(indices.map((index) => Math.min(sweep.count - 1, index)))];
+function stepOf({ angleIncrement }: Sweep, sides: number[]): number {
+  const whole = sides.reduce((sum, side) => sum + side, 0);
+  const meetsEnds = (step: number) => sides.every((side) => Math.abs(side - Math.round(side / step) * step) <= 1);
+  const round = ROUND_STEPS.map((angle) => angle / Math.abs(angleIncrement)).filter(
+    (step) => whole / step > FEWEST_LINES - 0.5 && whole / step < MOST_LINES && isOnRays(step),
+  );
+  const fits = (step: number) => Math.abs(whole / step - (FEWEST_LINES + MOST_LINES) / 2);
+  if (round.length) return round.find(meetsEnds) ?? (round.sort((a, b) => fits(a) - fits(b))[0] as number);
+  const least = Math.max(1, Math.ceil(whole / MOST_LINES));
+  const inRays = Array.from({ length: Math.max(1, Math.floor(whole / 4) - least + 1) }, (_, i) => least + i);
+  return inRays.find((step) => sides.every((side) => side % step === 0)) ?? least;
+}
+
+/** Whether lines that so many rays lie between stand at equal angles, although each stands at a ray. */
+function isOnRays(rays: number): boolean {
+  return rays >= 8 || Math.abs(rays - Math.round(rays)) < 0.02;
+}
+
+/** Rays in a full turn. */
+function raysOfTurn({ angleIncrement }: Sweep): number {
+  return (2 * Math.PI) / Math.abs(angleIncrement);
 }
 
 export interface RayLabel extends Rim {
   index: number;
   angle: number;
+  /** Whether it stands ahead or at an end of the sweep: such a label is kept where room is short. */
+  isFixed: boolean;
   /** Angle over index, as a program writes it. */
   lines: [string, string];
 }
 
-const LABEL_GAP = 4;
+const LABEL_GAP = 1;
 
 /** Labels of the radial lines, outside the area. `measure` gives the width of the two lines in pixels. */
 export function rayLabels(
@@ -43,6 +119,8 @@ export function rayLabels(
   forward: number,
   measure: (lines: [string, string]) => number,
 ): RayLabel[] {
+  const ends = isFullCircle(sweep) ? [] : [0, sweep.count - 1];
+  const fixed = [indexAt(sweep, 0), ...ends];
   return indices.map((index) => {
     const angle = angleOf(sweep, index);
     const lines: [string, string] = [toDegrees(angle), `[${index}]`];
@@ -50,7 +128,7 @@ export function rayLabels(
     const halfWidth = measure(lines) / 2;
     const halfHeight = 15;
     const gap = RIM_MARKS + LABEL_GAP + Math.abs(direction.x) * halfWidth + Math.abs(direction.y) * halfHeight;
-    return { index, angle, lines, direction, gap, halfWidth, halfHeight };
+    return { index, angle, isFixed: fixed.includes(index), lines, direction, gap, halfWidth, halfHeight };
   });
 }
 
@@ -63,18 +141,31 @@ export function overlaps(a: Box, b: Box, margin = 0): boolean {
   );
 }
 
-/** Drops every second label until none overlaps another; of a circle that is nearly closed first the last. */
+/**
+ * Drops labels until none overlaps another: first those that are on forward's or an end's, then every second one,
+ * counted from forward, or every third, and so on.
+ */
 export function thinLabels(projection: Projection, labels: RayLabel[]): RayLabel[] {
-  const clash = (some: RayLabel[]) => {
-    const boxes = some.map((label) => rimBox(projection, label));
-    return boxes.some((box, i) => boxes.slice(i + 1).some((other) => overlaps(box, other, 2)));
-  };
-  let kept = labels;
-  while (clash(kept)) {
-    const open = kept.slice(0, -1);
-    kept = clash(open) ? kept.filter((_, i) => i % 2 === 0) : open;
+  const boxes = new Map(labels.map((label) => [label, rimBox(projection, label)]));
+  const clash = (a: RayLabel, b: RayLabel) => overlaps(boxes.get(a) as Box, boxes.get(b) as Box, 2);
+  const turned = (label: RayLabel) => Math.abs(Math.sin(label.angle / 2));
+  const fixed: RayLabel[] = [];
+  for (const label of labels.filter(({ isFixed }) => isFixed).sort((a, b) => turned(a) - turned(b))) {
+    if (!fixed.some((other) => clash(label, other))) fixed.push(label);
   }
-  return kept;
+  const ahead = labels.indexOf(fixed[0] ?? (labels[0] as RayLabel));
+  for (let step = 1; step <= labels.length; step++) {
+    const others = labels.filter(
+      (label, i) => !label.isFixed && (i - ahead) % step === 0 && !fixed.some((other) => clash(label, other)),
+    );
+    // Round a full circle, the last may be too close to the first.
+    const isOpen = labels[0]?.isFixed || labels.at(-1)?.isFixed;
+    for (const kept of isOpen ? [others] : [others, others.slice(0, -1)]) {
+      const isClear = kept.every((label, i) => !kept.slice(i + 1).some((other) => clash(label, other)));
+      if (isClear) return labels.filter((label) => fixed.includes(label) || kept.includes(label));
+    }
+  }
+  return fixed;
 }
 
 const CELL = 6;

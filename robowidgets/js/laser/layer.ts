@@ -81,7 +81,7 @@ export interface Layer {
   lowerKey?(): unknown;
   /** Pixels that it needs below the picture. */
   roomBelow?(scan: Scan | null): number;
-  /** What it places round the rim: the picture leaves room for it. */
+  /** What it places round the rim of a scan: the picture leaves room for it. */
   rim?(sweep: Sweep, forward: number, theme: Theme): Rim[];
   /** Brings its elements up to date after the drawing. Layers at the end of the list come first. */
   place?(stage: Stage): void;

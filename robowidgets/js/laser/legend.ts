@@ -20,7 +20,7 @@ export class Legend {
       const item = make(kind === READING ? "span" : "button", `rw-class rw-class-${name}`);
       item.title = kind === READING ? explained : `${explained}. Click: marks on or off`;
       const count = make("b", "");
-      item.hidden = kind !== READING;
+      item.hidden = true;
       // The space is for screen readers; the page shows none there.
       item.append(make("span", "rw-symbol", symbol), count, " ", make("span", "", word));
       if (item instanceof HTMLButtonElement) {
@@ -38,7 +38,8 @@ export class Legend {
     for (const { name, item, count, kind } of this.#items) {
       const rays = scan?.counts[kind] ?? 0;
       setText(count, toCount(rays));
-      if (rays) item.hidden = false;
+      // A scan without a reading has none, and before the first scan nobody knows.
+      if (rays || (scan && kind === READING)) item.hidden = false;
       keepWidth(count);
       if (kind !== READING) item.ariaPressed = String(shown.includes(name));
     }

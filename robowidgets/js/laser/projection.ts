@@ -73,9 +73,9 @@ export function sweepRim(sweep: Sweep, forward: number): Rim[] {
 }
 
 /** Room for the marks beyond the rim, in pixels. */
-export const RIM_MARKS = 8;
+export const RIM_MARKS = 7.5;
 const ROBOT = 16;
-const MARGIN = 6;
+const MARGIN = 3;
 
 /** The box of something at the rim. */
 export function rimBox({ centerX, centerY, radius }: Center, { direction, gap, halfWidth, halfHeight }: Rim): Box {

@@ -66,11 +66,12 @@ export class Scene {
     const forward = FORWARD[this.#model.get("forward")] ?? 0;
 
     const keys = layers.map((layer) => layer.lowerKey?.());
-    const key = JSON.stringify([sweep, viewRange, forward, box, size, theme, keys]);
+    const key = JSON.stringify([Boolean(scan), sweep, viewRange, forward, box, size, theme, keys]);
     const isSame = key === this.#lowerKey;
     let { projection } = this.stage;
     if (!isSame) {
-      const rim = [...sweepRim(sweep, forward), ...layers.flatMap((one) => one.rim?.(sweep, forward, theme) ?? [])];
+      const labels = scan ? layers.flatMap((one) => one.rim?.(sweep, forward, theme) ?? []) : [];
+      const rim = [...sweepRim(sweep, forward), ...labels];
       projection = { ...fit(rim, box), viewRange, forward };
       this.#lowerKey = key;
     }

@@ -108,7 +108,8 @@ export function describeRay(scan: Scan, index: number, reach = 1): RayWords {
   const isReading = parts[0] === "";
   if (isReading) {
     const [x, y] = [Math.cos(angle), Math.sin(angle)].map((part) => toFixed(range * part, decimalsFor(reach)));
-    parts[0] = `x ${x}  y ${y}`;
+    // Each number stays with its letter where the pop-up is narrow.
+    parts[0] = `x\u00A0${x}  y\u00A0${y}`;
   }
   if (intensity !== undefined) parts.push(`intensity ${toFixed(intensity, Number.isInteger(intensity) ? 0 : 2)}`);
   return {

@@ -5,10 +5,14 @@ export type ViewRange = "sensor" | "data" | number;
 
 export interface LaserTraits extends SampleTraits {
   view_range: ViewRange;
-  arc_count: number;
+  /** Null: at round distances. */
+  arc_count: number | null;
   /** Metres. */
   arc_distances: number[];
-  ray_count: number;
+  /** Null: at round angles. */
+  ray_count: number | null;
+  /** Radians. */
+  ray_angles: number[];
   forward: "up" | "left" | "down" | "right";
   /** Classes whose rays are marked. */
   marks: string[];

@@ -116,7 +116,7 @@ export class LaserView implements Host {
     const covered = this.#empty.hidden ? [] : [boxWithin(this.card.picture, this.#empty)];
     this.#scene.draw(this.#layers, scan, this.#size, this.card.noticeHeight, covered, this.card.theme);
     this.#tell();
-    setText(this.#range, toShortMetres(this.#viewRange));
+    setText(this.#range, scan ? toShortMetres(this.#viewRange) : "");
     this.#fit.ariaPressed = String(this.model.get("view_range") === "data");
     for (const layer of [...this.#layers].reverse()) layer.place?.(this.stage);
   }

@@ -1,0 +1,104 @@
+"""Widgets in narrow columns and side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+from playwright.sync_api import Locator, expect
+
+from .chromium import shoot
+from .laser import LIGHT, Picture, eventually, listen, words
+from .plain_page import PlainPage
+
+SCANS = """
+import numpy as np
+from ipywidgets import HBox
+from robowidgets import LaserWidget, SpeedWidget, TouchWidget
+
+def sweep(degrees, rays):
+    laser = LaserWidget(title="/scan")
+    ranges = 3 + 0.4 * np.sin(np.linspace(0, 20, rays))
+    step = np.radians(degrees / (rays if degrees == 360 else rays - 1))
+    laser.update(ranges=ranges, angle_min=-np.radians(degrees / 2), angle_increment=step, range_min=0.1, range_max=4.0)
+    return laser
+"""
+OVERLAP = """(popup) => {
+    const box = (name) => popup.querySelector(name).getBoundingClientRect();
+    const names = [".rw-popup-expression", ".rw-popup-side", ".rw-popup-distance", ".rw-popup-angle"];
+    const boxes = names.map(box);
+    const outer = popup.getBoundingClientRect();
+    const cut = boxes.filter(({ left, right, top, bottom }) =>
+        left < outer.left || right > outer.right || top < outer.top || bottom > outer.bottom);
+    return cut.length || boxes.some((a, i) => boxes.slice(i + 1).some((b) =>
+        a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom));
+}"""
+"""Whether words of a pop-up lie on one another, or outside of it."""
+
+
+def width_of_area(card: Locator) -> float:
+    """CSS pixels from the leftmost to the rightmost pixel of the area."""
+    picture = Picture(card)
+    columns = np.nonzero((picture._seen == LIGHT["area"]).all(axis=-1).any(axis=0))[0]
+    return float(np.ptp(columns) + 1) / picture.ratio if columns.size else 0.0
+
+
+def test_the_area_fills_a_narrow_card(plain_page: Callable[..., PlainPage]) -> None:
+    cells = ["sweep(180, 181)", "sweep(270, 1081)", "sweep(360, 360)", "sweep(240, 682)"]
+    nb = plain_page([SCANS, *cells])
+    nb.resize(270)
+    for index, cell in enumerate(cells, 1):
+        card = nb.widget(index).locator(".rw-card")
+        eventually(lambda card=card: width_of_area(card) >= 0.6 * 270, True)
+        shoot(card, f"narrow-{cell[6:9]}")
+
+
+def test_a_pop_up_is_never_over_itself(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SCANS, "laser = sweep(270, 1081)\nlaser.pinned = 1000\nlaser"])
+    card = nb.widget(1).locator(".rw-card")
+    for width in (226, 260, 280, 320, 400, 700):
+        nb.resize(width)
+        expect(card.locator(".rw-popup:visible .rw-popup-side")).to_have_text("left")
+        assert not card.locator(".rw-popup:visible").evaluate(OVERLAP), width
+        if width == 226:
+            shoot(card, "narrow-popup")
+
+
+def test_before_the_first_scan_there_are_no_numbers(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SCANS + "laser = LaserWidget()\nlaser"], run=False)
+    listen(nb.page)
+    nb.run_all()
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-empty")).to_have_text("waiting for a scan")
+    eventually(lambda: Picture(card).count(LIGHT["area"]) > 10_000, True)
+    assert words(card) == set()
+    assert not any(letter.isdigit() for letter in card.inner_text())
+    nb.python("laser.update(ranges=[1.0] * 91, angle_min=-0.8, angle_increment=0.0178, range_min=0.1, range_max=4.0)")
+    eventually(lambda: {"0.1°", "2 m"} <= words(card), True)
+
+
+def test_cards_side_by_side_have_room_between_them(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SCANS, "HBox([sweep(270, 541), SpeedWidget(), TouchWidget()])"])
+    nb.resize(1220)
+    boxes = [card.bounding_box() for card in nb.output(1).locator(".rw-card").all()]
+    edges = [(box["x"], box["x"] + box["width"]) for box in boxes if box]
+    assert len(edges) == 3
+    for (_, right), (left, _) in pairwise(edges):
+        assert 4 <= left - right <= 12
+    shoot(nb.output(1), "side-by-side")
+
+
+def test_the_footer_of_a_laser_ends_where_it_should(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SCANS, "sweep(270, 541)"])
+    nb.resize(700)
+    footer = nb.widget(1).locator(".rw-footer")
+    expect(footer.locator(".rw-nearest")).to_contain_text("nearest")
+    blank = footer.evaluate(
+        """(footer) => {
+            const range = document.createRange();
+            range.selectNodeContents(footer.querySelector(".rw-nearest"));
+            return footer.getBoundingClientRect().right - range.getBoundingClientRect().right;
+        }"""
+    )
+    assert blank <= 14
