@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { Occupancy, overlaps, thinLabels } from "../../robowidgets/js/laser/guides.ts";
 import { crosses, placePopup } from "../../robowidgets/js/laser/popup_place.ts";
 import { type Box, type Point, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
-import { angleOf } from "../../robowidgets/js/laser/scan.ts";
+import { angleOf, type Sweep } from "../../robowidgets/js/laser/scan.ts";
 import { BOXES, layOut, randoms, SWEEPS } from "./laser.ts";
 
 /** From a short reading to the longest words, as a browser measures them: the style sheet allows less than half. */
@@ -77,6 +77,27 @@ test("it keeps off another pop-up, labels and readings where it can", () => {
   for (let x = taken.x; x < taken.x + size.width; x += 6) dots.mark(x, taken.y + 30);
   const fourth = placePopup(size, box, from, to, dots, [], []);
   assert.equal(dots.count({ ...fourth, ...size }), 0);
+});
+
+test("it stands off the data wherever the picture has room for it", () => {
+  const [box, size] = [BOXES[2] as Box, { width: 160, height: 74 }];
+  const sweep = SWEEPS["270 degrees"] as Sweep;
+  const { projection, labels } = layOut(sweep, box);
+  const labelBoxes = thinLabels(projection, labels).map((label) => rimBox(projection, label));
+  const center = { x: projection.centerX, y: projection.centerY };
+  // A room: walls around, and clutter in the right half.
+  const random = randoms(3);
+  const ends = Array.from({ length: sweep.count }, (_, i) =>
+    toPixel(projection, i < 500 ? 4 + 4 * random() : 8, angleOf(sweep, i)),
+  );
+  const dots = new Occupancy(box.width, box.height);
+  for (const { x, y } of ends) dots.mark(x, y);
+  for (let i = 0; i < sweep.count; i += 20) {
+    const place = placePopup(size, box, center, ends[i] as Point, dots, [], labelBoxes);
+    // Of 324 cells, one may be touched at the edge.
+    assert.ok(dots.count({ ...place, ...size }) <= 1, `ray ${i}`);
+    assert.ok(!labelBoxes.some((label) => overlaps({ ...place, ...size }, label)), `ray ${i}: over a label`);
+  }
 });
 
 test("a line crosses a box when it touches it anywhere, and not when it ends before", () => {

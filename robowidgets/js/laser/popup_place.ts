@@ -31,7 +31,7 @@ export function placePopup(
       (crossed ? 1e6 : 0) +
       1e4 * others.filter((other) => overlaps(place, other, 4)).length +
       100 * labels.filter((label) => overlaps(place, label)).length +
-      12 * occupied.count(place) +
+      60 * occupied.count(place) +
       away
     );
   };
@@ -40,12 +40,13 @@ export function placePopup(
   return places[costs.indexOf(Math.min(...costs))] ?? to;
 }
 
-/** Where a side of the pop-up may begin: before, over and behind a point, and at both ends of the box. */
+/** Where a side of the pop-up may begin: before, over and behind a point, and evenly from one end of the box to the other. */
 function steps(at: number, size: number, start: number, length: number): number[] {
-  const last = Math.max(start + MARGIN, start + length - size - MARGIN);
-  return [-99, -1.6, -1, -0.5, 0, 0.6, 99].map((part) =>
-    Math.min(last, Math.max(start + MARGIN, at + part * size + GAP * Math.sign(part + 0.5))),
-  );
+  const first = start + MARGIN;
+  const last = Math.max(first, start + length - size - MARGIN);
+  const near = [-1.6, -1, -0.5, 0, 0.6].map((part) => at + part * size + GAP * Math.sign(part + 0.5));
+  const even = [0, 1, 2, 3, 4, 5, 6, 7, 8].map((part) => first + (part / 8) * (last - first));
+  return [...near.map((step) => Math.min(last, Math.max(first, step))), ...even];
 }
 
 /** Whether a line from a to b touches a box. */
