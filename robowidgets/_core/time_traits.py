@@ -56,7 +56,7 @@ class Marks(traitlets.TraitType[Any, Any]):
     def validate(self, _obj: Any, value: Any) -> tuple[tuple[float, float, str], ...]:
         """The marks in the order of time; TraitError names the one that is wrong."""
         condition = getattr(value, "condition", None)
-        marks = value if condition is None else [(span.start, span.end, condition) for span in value]
+        marks = value if condition is None else [(s.start, s.end, _label(condition, s.met)) for s in value]
         return tuple(sorted(self._mark(mark) for mark in marks))
 
     def _mark(self, mark: Any) -> tuple[float, float, str]:
@@ -68,3 +68,7 @@ class Marks(traitlets.TraitType[Any, Any]):
         if not 0 <= seconds[0] <= seconds[1] < inf:
             raise traitlets.TraitError(f"{self.name}: expected (start, end, text), seconds in order; got {mark!r}")
         return *seconds, str(text)
+
+
+def _label(condition: str, met: str) -> str:
+    return f"{condition}: {met}" if met else condition

@@ -35,6 +35,13 @@ class Span(NamedTuple):
     index: int | None = None  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
     angle: float | None = None
 
+    @property
+    def met(self) -> str:
+        """What was met, for a person: ``"0.15 m at [173], -31.2°"``; empty for conditions that look at no distance."""
+        if self.nearest is None or self.angle is None:
+            return ""
+        return f"{self.nearest:.2f} m at [{self.index}], {_degrees(self.angle)}"
+
 
 class Spans(Sequence[Span]):
     """A table of spans; printed, it shows the first of them.
@@ -134,9 +141,13 @@ def _cell(value: Any, head: str) -> str:
     if value is None:
         return ""
     if head == "angle":
-        return f"{degrees(value):.1f}°"
+        return _degrees(value)
     return f"[{value}]" if head == "index" else f"{value:.2f}" + " m" * (head == "nearest")
 
 
 def _row(tag: str, cells: Sequence[str]) -> str:
     return "<tr>" + "".join(f'<{tag} style="text-align:right">{escape(cell)}</{tag}>' for cell in cells) + "</tr>"
+
+
+def _degrees(angle: float) -> str:
+    return f"{degrees(angle):.1f}°".replace("-", "\N{MINUS SIGN}")

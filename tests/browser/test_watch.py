@@ -108,3 +108,32 @@ def test_lit_marked_frozen_and_stepped_through(plain_page: Callable[..., PlainPa
     expect(said).to_contain_text("line 2: ZeroDivisionError: division by zero")
     nb.python("laser.unwatch('broken')")
     expect(said).to_be_hidden()
+
+
+FOUND = """
+import robowidgets
+from robowidgets import conditions
+recording = robowidgets.open(robowidgets.SAMPLE)
+player = recording.show("/scan", scanogram=False)
+player.marks = recording.find(conditions.nearest_below(0.25, "front"))
+player
+"""
+
+
+def test_what_was_found_stands_in_rows_that_lead_there(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FOUND], scale=2)
+    card = nb.output(0).locator(".rw-player")
+    rows = card.locator(".rw-play-row")
+    expect(rows.first).to_be_hidden()
+    card.locator("summary").press("Space")
+    assert nb.python("print(player.playing)").strip() == "False", "the key opens the list, and plays nothing"
+    spans = nb.python(
+        "print(*(f'{s.start:.2f} {s.index}' for s in recording.find(conditions.nearest_below(0.25, 'front'))))"
+    )
+    starts, indices = spans.split()[::2], spans.split()[1::2]
+    expect(rows).to_have_count(len(starts))
+    rows.nth(2).click()
+    expect(card.locator(".rw-play-now")).to_have_text(starts[2])
+    expect(rows.nth(2)).to_have_attribute("aria-current", "true")
+    expect(rows.nth(2)).to_contain_text(f"[{indices[2]}]")
+    shoot(nb.output(0), "found-rows")

@@ -6,6 +6,7 @@ import { lacksKernel, type Model, NO_KERNEL, setTraits } from "../shared/model.t
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
+import { MarkList } from "./mark_list.ts";
 import type { Playback } from "./playback.ts";
 import type { PlayerTraits } from "./traits.ts";
 
@@ -35,6 +36,7 @@ export class PlayerBar {
   readonly #speed = make("select", "rw-button rw-play-speed");
   readonly #words = make("span", "rw-play-words");
   readonly #note = make("div", "rw-play-note");
+  readonly #list: MarkList;
   #drawn: unknown[] = [];
   #icon = "";
 
@@ -57,6 +59,8 @@ export class PlayerBar {
     const track = make("div", "rw-play-line");
     track.append(this.#marks, this.#slider);
     this.#root.append(back, this.#play, forth, this.#moment, track, this.#words, this.#speed, this.#loop, this.#note);
+    this.#list = new MarkList((time) => playback.seek(time), signal);
+    this.#root.append(this.#list.root);
     this.#root.tabIndex = -1;
     on(this.#root, "keydown", (event) => this.#onKey(event), signal);
     // On the document: the bar may be created before it is inserted next to the widgets that it moves.
@@ -138,6 +142,7 @@ export class PlayerBar {
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(duration);
+    this.#list.update(this.#model.get("marks"), time);
   }
 
   #drawClock(time: number): void {

@@ -180,7 +180,7 @@ def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: 
 def test_what_was_found_is_marked(player: Player) -> None:
     found = player.recording.find(lambda moment: moment.scan is not None and moment.scan.nearest().range > 1.8)
     player.marks = found
-    assert player.marks == ((pytest.approx(8.1), 10.0, found.condition),)
+    assert player.marks == ((pytest.approx(8.1), 10.0, f"{found.condition}: {found[0].met}"),)
     assert player.scanogram is not None
     assert player.scanogram.marks == player.bar.marks == player.marks
     player.scanogram.marks = [(1, 2, "seen")]
