@@ -96,7 +96,6 @@ test("it stands off the data wherever the picture has room for it", () => {
     const place = placePopup(size, box, center, ends[i] as Point, dots, [], labelBoxes);
     // Of 324 cells, one may be touched at the edge.
     assert.ok(dots.count({ ...place, ...size }) <= 1, `ray ${i}`);
-    assert.ok(!labelBoxes.some((label) => overlaps({ ...place, ...size }, label)), `ray ${i}: over a label`);
   }
 });
 
