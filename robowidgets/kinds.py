@@ -18,7 +18,7 @@ import numpy as np
 from .messages import ScanReader, to_scan, to_speed, to_touch
 from .messages.fields import Shape, unwrap
 from .messages.touch import TOUCH_TYPES
-from .samples import Scan, Speed, Touch
+from .samples import Problem, Scan, Speed, Touch
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,14 @@ LASER = Kind(
     read=to_scan,
     types=frozenset({"sensor_msgs/msg/LaserScan"}),
     widget="robowidgets.laser_widget:LaserWidget",
-    nothing=Scan(np.empty(0, np.float32), 0.0, 0.0, 0.0, 10.0, notes=("no scan up to this time of the recording",)),
+    nothing=Scan(
+        np.empty(0, np.float32),
+        0.0,
+        0.0,
+        0.0,
+        10.0,
+        header_problems=(Problem("no scan up to this time of the recording", ""),),
+    ),
     has_shape=_is_scan,
     make_reader=ScanReader,
     columns="robowidgets.recordings.columns.scans:Scans",

@@ -14,7 +14,7 @@ from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Angle, Angles, Flag
 from .messages import ScanReader
 from .messages.fields import unwrap
-from .samples import Scan, Validity
+from .samples import Problem, Scan, Validity
 from .samples.scan import MAX_RAYS
 
 _GEOMETRY = struct.Struct("<5d")
@@ -179,7 +179,7 @@ class LaserWidget(RobotWidget[Scan]):
             self._refuse(error)
         else:
             with self._sample_lock:
-                self._show(scan.turned(self._offset) if self._offset else scan, about_scan(scan))
+                self._show(scan.turned(self._offset) if self._offset else scan)
 
     @property
     def scan(self) -> Scan | None:
@@ -200,6 +200,17 @@ class LaserWidget(RobotWidget[Scan]):
     def _describe(self) -> str:
         return repr(self.scan).strip("<>") if self.scan else ""
 
+    def _about_sample(self, sample: Scan) -> dict[str, Any]:
+        about = about_scan(sample)
+        usual = self._meter.usual if self._meter.has_sagged else 0.0
+        if usual:
+            sagged = (
+                f"scans come at less than half of their usual {usual:.2g} Hz",
+                "is the network slow, or the robot's computer busy?",
+            )
+            about["problems"] = (*about.get("problems", ()), sagged)
+        return about
+
     def _pack(self, sample: Scan) -> bytes:
         ranges, intensities = sample.ranges, sample.intensities
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, ranges.size)
@@ -210,6 +221,8 @@ class LaserWidget(RobotWidget[Scan]):
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, FRAME_HEADER.size)
         values = np.frombuffer(frame, _FLOAT, offset=FRAME_HEADER.size + _GEOMETRY.size)
+        texts = self._frozen_meta
+        known = (*([texts["empty"]] if "empty" in texts else []), *texts.get("problems", ()))
         scan = Scan(
             ranges=values[: int(count)],
             angle_min=angle_min,
@@ -218,7 +231,8 @@ class LaserWidget(RobotWidget[Scan]):
             range_max=range_max,
             intensities=values[int(count) :],
             stamp_ns=stamp_ns or None,
-            frame_id=self._frozen_meta.get("frame_id", ""),
+            frame_id=texts.get("frame_id", ""),
+            header_problems=tuple(Problem(*problem) for problem in known),
         )
         scan._arrive(arrived)
         return scan
@@ -233,8 +247,15 @@ class LaserWidget(RobotWidget[Scan]):
 
 
 def about_scan(scan: Scan) -> dict[str, Any]:
-    """The texts on a scan."""
-    return {"frame_id": scan.frame_id, "notes": list(scan.notes)}
+    """The texts on a scan: its frame, and its problems, if there are any, as pairs of words and remedy.
+
+    The problem of a scan without a reading is apart: it stands in the picture, where the readings would be.
+    """
+    about: dict[str, Any] = {"frame_id": scan.frame_id}
+    odd = scan.problems()
+    if odd and not scan.valid.any():
+        about["empty"], *odd = odd  # type: ignore[assignment]
+    return {**about, "problems": odd} if odd else about
 
 
 def _metres(value: Any) -> float | None:

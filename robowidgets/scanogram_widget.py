@@ -17,6 +17,7 @@ from ._core.png import SavesPng
 from ._core.time_traits import Marks, TimeSpan
 from ._core.traits import Flag, bytes_trait
 from .samples import AXES, Scan
+from .samples.scan_problems import of_ranges
 from .scanogram.clock import Clock
 from .scanogram.levels import BUDGET, Levels
 from .scanogram.page_parts import detail, overview
@@ -161,7 +162,8 @@ class ScanogramWidget(SavesPng, NamedWidget):
             raise ValueError(f"ranges: expected at least one scan of one ray, got shape {distances.shape}")
         scan = Scan(distances[0], angle_min, angle_increment, range_min, range_max)
         start = int(times[0]) if start_ns is None else start_ns
-        self._put(ScansInMemory(times, [distances]), Sweep.of(scan), start, notes=scan.notes)
+        odd = (*scan.header_problems, *of_ranges(distances.ravel(), scan.range_min, scan.range_max))
+        self._put(ScansInMemory(times, [distances]), Sweep.of(scan), start, notes=list(map(str, odd)))
 
     def _summary(self) -> str:
         picture = self._picture

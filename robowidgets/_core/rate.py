@@ -14,11 +14,18 @@ SHORTEST = 0.25
 """Seconds of arrivals that a rate needs at least: a loop over a recording has no rate."""
 
 
+USUAL_S, LEAST_S, SAG_S = 60, 10, 3
+"""Seconds: over which the usual rate is found, for at least how many, and for how many a rate has sagged."""
+
+
 class RateMeter:
     """Measures the rate of a counter over the last seconds. Times are of one monotonic clock."""
 
     def __init__(self) -> None:
         self._marks: deque[tuple[float, int]] = deque()
+        self._rates: deque[float] = deque(maxlen=USUAL_S)
+        """The rate in each of the last seconds in which something arrived."""
+        self._noted = float("-inf")
 
     def rate(self, count: int, last: float) -> float:
         """Arrivals per second, up to the last one; NaN while it is unknown.
@@ -38,4 +45,19 @@ class RateMeter:
                 self._marks.popleft()
         first, before = self._marks[0]
         passed = last - first
-        return (count - before) / passed if passed >= SHORTEST else float("nan")
+        rate = (count - before) / passed if passed >= SHORTEST else float("nan")
+        if passed >= SHORTEST and last - self._noted >= 1:
+            self._noted = last
+            self._rates.append(rate)
+        return rate
+
+    @property
+    def usual(self) -> float:
+        """The rate that three quarters of the last minute stayed below; NaN before there are ten seconds of it."""
+        rates = sorted(self._rates)
+        return rates[3 * len(rates) // 4] if len(rates) >= LEAST_S else float("nan")
+
+    @property
+    def has_sagged(self) -> bool:
+        """Whether the rate has been below half of the usual one for three seconds."""
+        return bool(self._rates) and 2 * max(list(self._rates)[-SAG_S:]) < self.usual

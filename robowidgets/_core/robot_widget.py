@@ -46,6 +46,9 @@ silently drops messages, and a page may overwrite new traits with an older state
 RESYNC_S = 5.0
 """Seconds between two such frames."""
 
+NO_TEXTS: dict[str, Any] = {}
+"""No texts on a sample; never changed."""
+
 S = TypeVar("S")
 
 
@@ -189,8 +192,12 @@ class RobotWidget(SavesPng, JudgesConditions, NamedWidget, Generic[S]):
         rate = self.rate
         return min(max(SHORTEST_SILENCE, 3 / rate), LONGEST_SILENCE) if rate > 0 else LONGEST_SILENCE
 
-    def _show(self, sample: S, about: dict[str, Any], *, counts: bool = True) -> None:
-        """Store the newest sample, with the texts on it, for the page to show.
+    def _about_sample(self, sample: S) -> dict[str, Any]:  # noqa: ARG002
+        """Texts on a sample that take time to find; asked for when it is sent, not for each that arrives."""
+        return {}
+
+    def _show(self, sample: S, about: dict[str, Any] = NO_TEXTS, *, counts: bool = True) -> None:
+        """Store the newest sample, with the texts on it that its caller knows, for the page to show.
 
         With ``counts=False`` it is an improved version of the previous sample, not a new one.
         """
@@ -352,6 +359,8 @@ class RobotWidget(SavesPng, JudgesConditions, NamedWidget, Generic[S]):
                 self._changed, self._sent_version = shot.version != self._version, shot.version
                 _, sequence, arrived, sample, about = shot
                 rate = self.rate
+                if sample is not None:
+                    about = {**self._about_sample(sample), **about}
                 if self._png_error:
                     about = {**about, "notes": [*about.get("notes", ()), self._png_error]}
             shown = {**about, "lamps": lamps, "judged": sequence} if lamps else about

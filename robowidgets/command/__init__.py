@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import tempfile
@@ -20,7 +21,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Returns:
         0 when it is done; 1 when it could not be done, 2 for ``repair``, after one line on stderr that says why.
-        ``find`` is as grep: 1 when nothing was found, 2 when it could not look. Arguments that make no sense exit
+        ``find`` is as grep: 1 when nothing was found, 2 when it could not look. ``doctor`` is as diff: 1 when it found
+        problems, 2 when it could not look. Arguments that make no sense exit
         with 2.
     """
     arguments = _parser().parse_args(_questions.readable(sys.argv[1:] if argv is None else argv))
@@ -59,6 +61,13 @@ def _find(arguments: argparse.Namespace) -> int:
     text, code = _questions.find(arguments, _warn)
     _say(text)
     return code
+
+
+def _doctor(arguments: argparse.Namespace) -> int:
+    with robowidgets.open(arguments.file) as recording:
+        report = recording.doctor()
+    _say(json.dumps(report.to_dict(), indent=2) if arguments.json else str(report))
+    return 1 if report.problems else 0
 
 
 def _write_repaired(arguments: argparse.Namespace) -> None:
@@ -121,6 +130,16 @@ def _parser() -> argparse.ArgumentParser:
     find.add_argument("file", type=Path, metavar="FILE", help=of_file)
     _questions.add_find(find)
     find.set_defaults(do=_find, failed=2)
+
+    doctor = commands.add_parser(
+        "doctor",
+        help="print what is wrong with a recording, and what to do about it",
+        description="Check the scans of a recording (rays, angles, limits, frames), its rates, and its topics.",
+        epilog="Exits with 0 when all is well, 1 when there are problems, 2 when it could not look.",
+    )
+    doctor.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    doctor.add_argument("--json", action="store_true", help="print it as JSON")
+    doctor.set_defaults(do=_doctor, failed=2)
 
     mend = commands.add_parser(
         "repair",

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..samples import Scan
+from ..samples import Problem, Scan
 from ..samples.checks import OF_DEGREES, is_angle, number, to_radians
-from .fields import MISSING, describe, frame_id, has, reader, stamp_ns, unwrap
+from .fields import MISSING, describe, frame_id, get, has, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 _SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
@@ -67,10 +67,11 @@ def to_scan(message: Any) -> Scan:
         intensities=np.empty(0, np.float32) if intensities is None else intensities,
         stamp_ns=stamp_ns(message),
         frame_id=frame_id(message),
-        notes=(
+        header_problems=(
             *_about_angles(read("angle_max", None), _count(ranges), angle_min, increment),
             *_about_unit(angle_min),
             *_about_times(read),
+            *_about_frame(message),
         ),
     )
 
@@ -113,13 +114,15 @@ class _Known:
         self._values_of = values_of(*there, "ranges")
         self._settings: list[Any] = [*self._values_of(message)][:-1]
         self._kinds = list(map(type, self._settings))
+        intensities = read("intensities", None)
+        self._uses_intensities = intensities is None or len(intensities) == scan.intensities.size
         self._has_more = not keyed or not self._fields <= {*there, "ranges"}
 
     @property
     def is_usual(self) -> bool:
-        """Whether the next may be like it: what had to be said of one, or was missing, is looked for in the next."""
+        """Whether the next may be like it: what is missing in one, or not used, is looked for in the next."""
         comparable = _COMPARED.issuperset(self._kinds) and None not in self._settings[: len(_NEEDED) - 1]
-        return comparable and not self._scan.notes
+        return comparable and self._uses_intensities
 
     def next(self, message: Any) -> Scan | None:
         """The scan in a message that differs in values and stamp alone; None for any other message."""
@@ -161,16 +164,16 @@ def _count(ranges: Any) -> int:
     return len(ranges)
 
 
-def _about_unit(angle_min: Any) -> tuple[str, ...]:
+def _about_unit(angle_min: Any) -> tuple[Problem, ...]:
     """What is said of an angle that no scanner starts at in radians."""
     first = to_radians("angle_min", angle_min)
     if not isfinite(first) or is_angle(first):
         return ()
-    return (f"angle_min is {first:g} rad: is it in degrees? {OF_DEGREES}",)
+    return (Problem(f"angle_min is {first:g} rad", f"is it in degrees? {OF_DEGREES}"),)
 
 
-def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> tuple[str, ...]:
-    """A note on an angle_max that contradicts the number of ranges."""
+def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> tuple[Problem, ...]:
+    """The problem of an angle_max that contradicts the number of ranges."""
     if stated is None or count < 2:
         return ()
     first, step = to_radians("angle_min", angle_min), to_radians("angle_increment", increment)
@@ -182,25 +185,44 @@ def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> tu
     if abs(off) < 0.5:
         return ()
     if abs(off - 1) < 0.1:
-        return ("angle_max is one step too far: angles are counted from angle_min",)
+        return (
+            Problem(
+                f"angle_max is one step too far for {count} rays",
+                "angles are counted from angle_min; programs should do so too",
+            ),
+        )
     if implied < 0 and abs(implied + 2 * pi / abs(step) - count) < 1.5:
         return ()
     if implied < 0:
-        return (f"angle_max ({degrees(last):.1f}°) lies against angle_increment: angles are counted from angle_min",)
+        return (
+            Problem(
+                f"angle_max ({degrees(last):.1f}°) lies against angle_increment",
+                "angles are counted from angle_min; if left and right are swapped, the driver has a wrong sign",
+            ),
+        )
     return (
-        f"{count} rays, but the header implies {round(implied)} "
-        f"(angle_max {degrees(last):.1f}°): angles are counted from angle_min",
+        Problem(
+            f"{count} rays, but the header implies {round(implied)} (angle_max {degrees(last):.1f}°)",
+            "angles are counted from angle_min; check a known corner, and angle_increment in the driver",
+        ),
     )
 
 
-def _about_times(read: Callable[[str, Any], Any]) -> tuple[str, ...]:
+def _about_times(read: Callable[[str, Any], Any]) -> tuple[Problem, ...]:
     """Times that no scanner can have; they are not used."""
-    notes = []
+    odd = []
     for name in ("time_increment", "scan_time"):
         value = read(name, 0.0)
         if value is None:
             continue
         seconds = number(name, value)
         if not isfinite(seconds) or not 0 <= seconds <= LONGEST_SCAN:
-            notes.append(f"{name} is {seconds:g} s: not used")
-    return tuple(notes)
+            odd.append(Problem(f"{name} is {seconds:g} s: not used", "the driver should send seconds, 0 if unknown"))
+    return tuple(odd)
+
+
+def _about_frame(message: Any) -> tuple[Problem, ...]:
+    """A header without the name of a coordinate frame. Numbers without a header need none."""
+    if get(message, "header.frame_id", None) != "":
+        return ()
+    return (Problem("frame_id is empty", "set it in the driver, or tf cannot tell where the scanner is"),)

@@ -153,7 +153,7 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
         mapper.sweep._replace(by_angle=by_angle),
         recording.start_ns or 0,
         duration=recording.duration,
-        notes=[*_about(likes, mapper, by_angle), *first.notes],
+        notes=[*_about(likes, mapper, by_angle), *map(str, first.header_problems)],
         budget=min(BUDGET, recording.memory // 4),
     )
     if not widget.title:

@@ -13,6 +13,7 @@ from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
 from ..poses.transforms import ODOMETRY, TRANSFORMS, Transform, transforms_of
 from ..repair import Message, RecordingError, Source
+from ..samples import Problem
 from .columns._decoders import Decoder
 from .columns._memory import Memory
 from .columns._store import Store
@@ -28,6 +29,10 @@ _LEAST_FOR_END = 20
 """Least messages of a topic for a usual step: with fewer, a long pause means little."""
 _LONG_END = 5.0
 _END_STEPS = 10
+
+_REPAIR = "robowidgets repair writes all that can be read to a file that every tool reads"
+_ENDED = "did its node, its sensor or the network stop?"
+_LEFT_OUT = "see what publishes them"
 
 
 class Messages:
@@ -53,14 +58,21 @@ class Messages:
         self._early_ends = self._about_ends()
 
     @property
-    def problems(self) -> tuple[str, ...]:
-        """The parts that could not be read so far, one line each, for a person."""
+    def problems(self) -> tuple[Problem, ...]:
+        """The parts that could not be read so far, each with its remedy."""
         alike: defaultdict[str, list[str]] = defaultdict(list)
         for topic in self.topics:
             if topic.problem and topic.count:
                 alike[topic.problem].append(topic.name)
         unread = [f"{listed(names)}: {problem}" for problem, names in alike.items()]
-        return (*self._source.problems, *unread, *self._early_ends, *self._stopped, *self._left_out.values())
+        found = (
+            (self._source.problems, _REPAIR),
+            (unread, ""),
+            (self._early_ends, _ENDED),
+            (self._stopped, _REPAIR),
+            (self._left_out.values(), _LEFT_OUT),
+        )
+        return tuple(Problem(line, remedy) for lines, remedy in found for line in lines)
 
     def moments(self, topics: Collection[str], start_ns: int | None, stop_ns: int | None) -> Iterator[Moment]:
         """The samples of these topics from ``start_ns`` up to, not including, ``stop_ns``; None means no limit."""

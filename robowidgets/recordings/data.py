@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..repair import RecordingError
+from ..samples import Problem
+from ._doctor import Report, examine
 from ._info import as_html, as_text, heading
 from ._sample_reader import Messages
 from .columns._clock_problems import Clock, about_clocks, clock_of
@@ -28,6 +30,10 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from ..poses.transforms import Transform
+
+_NOTHING = "record again; did any node publish, in the same ROS domain?"
+_NO_WIDGET = "record laser scans, odometry, speeds or bumpers too"
+_CLOCKS = "set the clock before recording starts, and not during a drive"
 
 AnySeries = TypeVar("AnySeries", Scans, Speeds, Touches)
 
@@ -85,11 +91,7 @@ class RecordingData:
 
         Problems of the clock of a topic are found when its `scans` or measured `speeds` are read.
         """
-        if self.start_ns is None:
-            return (*self._messages.problems, "there is no message in it: nothing was recorded")
-        if not self._by_name():
-            return (*self._messages.problems, "none of its topics has a widget that shows it")
-        return (*self._messages.problems, *about_clocks(self._note_clocks()))
+        return tuple(problem.what for problem in self._with_remedies())
 
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
@@ -219,6 +221,25 @@ class RecordingData:
         """The table of the topics, as text."""
         return as_text(self._heading(), self.topics, self.problems)
 
+    def doctor(self) -> Report:
+        """A check-up: what the topics hold (rays, angles, limits, frames, rate, jitter, lost scans), and the problems.
+
+        It reads all scans and speeds, and finds what `Scan.problems` finds in any of them, rates that fall, pauses,
+        stamps by another clock, and topics of which nothing came. Each problem names a remedy.
+
+        Raises:
+            RecordingError: the recording is closed.
+
+        Example:
+            >>> import robowidgets
+            >>> robowidgets.open(robowidgets.SAMPLE).doctor().problems
+            ()
+        """
+        series = {name: self.series(name) for name in self._by_name()}
+        for one in series.values():
+            len(one)  # Reads it, which finds the problems of its clock and of its messages.
+        return examine(self._heading(), self.topics, series, self._with_remedies())
+
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
         self._closed = True
@@ -258,6 +279,14 @@ class RecordingData:
             TypeError: the name is no text.
         """
         check(name, self.topics, self.path.name)
+
+    def _with_remedies(self) -> tuple[Problem, ...]:
+        found = self._messages.problems
+        if self.start_ns is None:
+            return (*found, Problem("there is no message in it: nothing was recorded", _NOTHING))
+        if not self._by_name():
+            return (*found, Problem("none of its topics has a widget that shows it", _NO_WIDGET))
+        return (*found, *(Problem(line, _CLOCKS) for line in about_clocks(self._note_clocks())))
 
     def _check_open(self) -> None:
         if self._closed:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
-from enum import IntEnum
 from functools import cached_property
 from math import atan2, cos, degrees, isfinite, pi, sin
 from operator import index as as_index
@@ -14,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import scan_problems
 from ._age import HasAge
 from .checks import (
     ANGLE_ROUNDING,
-    OF_DEGREES,
     finite,
     floats,
     frozen,
@@ -28,31 +27,12 @@ from .checks import (
     shortest,
     to_radians,
 )
+from .problem import Problem
 from .sector import Asked, in_sector, to_sector
+from .validity import CODES_END, Validity
 
 MAX_RAYS = 1_000_000
 _FARTHEST = float(np.finfo(np.float32).max)
-
-_MOST_TURNS = 3
-
-CODES_END = 0.0195
-"""Metres: a range below it, and below range_min, is a code of the scanner's, not a distance.
-
-LDS-01, Neato and YDLIDAR send 0.0, Hokuyo 0.001 to 0.019. Half a millimetre less than 0.02, which rounds to float32.
-"""
-
-MILLIMETRES = 25
-"""Times range_max that lies beyond what drivers send for rays that saw nothing."""
-
-
-class Validity(IntEnum):
-    """The class of a range (REP-117). The five are kept apart everywhere: in pictures, pop-ups and counts."""
-
-    READING = 0
-    TOO_CLOSE = 1
-    NOTHING_IN_RANGE = 2
-    NO_MEASUREMENT = 3
-    OUTSIDE_LIMITS = 4
 
 
 class Ray(NamedTuple):
@@ -87,10 +67,10 @@ class Scan(HasAge):
         range_min, range_max: metres; a range within them, both included, is a reading. Kept at float32's precision, so
             that a limit and a reading sent as the same number are equal. A range_max of inf, as some converters of
             point clouds send it, sets no limit: it is kept as the largest number that there is.
-        intensities: nothing, or R values in device units. Another length is noted and the values are not used.
+        intensities: nothing, or R values in device units. Another length is a problem, and the values are not used.
         stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
         frame_id: coordinate frame of the scanner.
-        notes: sentences about what was odd in the message, for a person to read.
+        header_problems: what was odd in the message besides its ranges; `problems` has them, and those of the ranges.
 
     Raises:
         TypeError: something is not a number.
@@ -112,18 +92,18 @@ class Scan(HasAge):
     intensities: NDArray[np.float32] = field(default_factory=lambda: np.empty(0, np.float32))
     stamp_ns: int | None = None
     frame_id: str = ""
-    notes: tuple[str, ...] = ()
+    header_problems: tuple[Problem, ...] = ()
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        notes = list(self.notes)
+        odd = list(self.header_problems)
         ranges = floats("ranges", self.ranges)
         if ranges.size > MAX_RAYS:
             raise ValueError(f"ranges: expected at most {MAX_RAYS:,} rays, got {ranges.size:,}")
         put(self, "ranges", ranges)
         intensities = floats("intensities", self.intensities)
         if intensities.size not in (0, ranges.size):
-            notes.append(f"{intensities.size} intensities for {ranges.size} rays: not used")
+            odd.append(scan_problems.of_intensities(intensities.size, ranges.size))
             intensities = floats("intensities", ())
         put(self, "intensities", intensities)
 
@@ -131,18 +111,14 @@ class Scan(HasAge):
         increment = to_radians("angle_increment", self.angle_increment)
         if ranges.size <= 1:
             if ranges.size == 1 and not isfinite(increment):
-                notes.append("one ray, angle_increment is not a number: drawn at angle_min")
+                odd.append(Problem("one ray, angle_increment is not a number: drawn at angle_min", "it may send 0"))
             increment = increment if isfinite(increment) else 0.0
         elif not isfinite(increment) or increment == 0:
             raise ValueError(
                 f"angle_increment: expected a finite step in radians other than 0 for {ranges.size} rays, "
                 f"got {increment!r}"
             )
-        turns = abs(increment) * (ranges.size - 1) / (2 * pi)
-        if turns > _MOST_TURNS:
-            notes.append(f"the rays sweep {turns:,.0f} full circles: is angle_increment in degrees? {OF_DEGREES}")
-        elif turns > 1 + abs(increment) / pi:
-            notes.append("the rays sweep more than a full circle")
+        odd += scan_problems.of_geometry(ranges.size, increment)
         put(self, "angle_increment", increment)
 
         far = min(number("range_max", self.range_max), _FARTHEST)
@@ -156,8 +132,7 @@ class Scan(HasAge):
             )
         put(self, "range_min", low)
         put(self, "range_max", high)
-        notes += _about_metres(ranges, low, high)
-        put(self, "notes", tuple(dict.fromkeys(notes)))
+        put(self, "header_problems", tuple(dict.fromkeys(odd)))
         self._arrive()
 
     def __len__(self) -> int:
@@ -333,6 +308,24 @@ class Scan(HasAge):
             return None
         return self[int(off.argmin())]
 
+    def problems(self) -> tuple[Problem, ...]:
+        """What is odd about this scan, the worst first, each with its remedy; the widget shows the same.
+
+        A header that disagrees with its array, angles in degrees, times that no scanner can have, an empty frame_id,
+        intensities of another number; no reading at all, or a third or more of the rays outside the limits. A
+        scanner that turns clockwise is in order, and so are codes for "nothing seen", such as 0.0.
+
+        Example:
+            >>> scan = Scan([0.0, 0.0], angle_min=0.0, angle_increment=0.5, range_min=0.1, range_max=3.5)
+            >>> for problem in scan.problems():
+            ...     print(problem)
+            no readings: all 2 rays say 0 m, outside 0.1 m to 3.5 m; the scanner sees nothing, or is covered
+        """
+        of_ranges = scan_problems.of_ranges(self.ranges, self.range_min, self.range_max)
+        # Without a remedy it is the reason why there are no rays: nothing has been measured yet.
+        is_explained = not len(self) and any(not problem.remedy for problem in self.header_problems)
+        return tuple(dict.fromkeys((*(() if is_explained else of_ranges), *self.header_problems)))
+
     def turned(self, angle: float | str) -> Scan:
         """The same scan, of the same age, with every ray turned by an angle, counter-clockwise.
 
@@ -414,14 +407,3 @@ def distances(
 
 def _within_half_turn(angle: float) -> float:
     return angle if abs(angle) <= pi + ANGLE_ROUNDING else atan2(sin(angle), cos(angle))
-
-
-def _about_metres(ranges: NDArray[np.float32], low: float, high: float) -> list[str]:
-    """A note on ranges that are probably in millimetres: none is a reading, and most are far too large."""
-    if ((low <= ranges) & (ranges <= high)).any():
-        return []
-    finite = ranges[np.isfinite(ranges)]
-    usual = float(np.median(finite)) if finite.size else 0.0
-    if usual <= MILLIMETRES * high:
-        return []
-    return [f"ranges are around {usual:,.0f} where range_max is {high:g} m: are they in millimetres? They go in metres"]

@@ -94,18 +94,20 @@ def test_an_empty_picture_says_why_and_words_stay_words(plain_page: Callable[...
     empty = card.locator(".rw-empty")
     expect(empty).to_have_text("waiting for a scan")
     eventually(lambda: Picture(card).count(LIGHT["area"]) > 10_000, True)
+    nowhere = "no readings: none of the 19 rays lies within 0.6 m to 4 m"
     rows = [
-        ("np.full(19, inf)", "no readings: all 19 rays say +inf: nothing within 4 m"),
-        ("np.full(19, -inf)", "no readings: all 19 rays say −inf: closer than 0.6 m"),
-        ("np.full(19, nan)", "no readings: all 19 rays say NaN: no measurement"),
-        ("np.zeros(19)", "no readings: all 19 rays say 0.000 m, outside the limits 0.6 m to 4 m"),
-        ("np.linspace(5, 6, 19)", "no readings: all 19 rays are outside the limits 0.6 m to 4 m"),
-        ("[inf] * 9 + [nan] * 10", "no readings: 9 nothing, 10 none"),
-        ("[]", "this scan is empty: it has no rays"),
+        ("np.full(19, inf)", "no readings: all 19 rays say +inf, nothing in range"),
+        ("np.full(19, -inf)", "no readings: all 19 rays say -inf, too close"),
+        ("np.full(19, nan)", "no readings: all 19 rays say NaN, no measurement"),
+        ("np.zeros(19)", "no readings: all 19 rays say 0 m, outside 0.6 m to 4 m"),
+        ("np.linspace(5, 6, 19)", nowhere),
+        ("[inf] * 9 + [nan] * 10", nowhere),
+        ("[]", "the scan has no rays"),
     ]
-    for ranges, reason in rows:
+    for ranges, what in rows:
         nb.python(f"laser.update(**fan() | dict(ranges={ranges}))")
-        expect(empty).to_have_text(reason)
+        remedy = nb.python("print(laser.scan.problems()[0].remedy)").strip()
+        expect(empty).to_have_text(f"{what} {remedy}")
         expect(card.locator(".rw-nearest")).to_have_text("too close at −90.0° [0]" if "-inf" in ranges else "")
         assert Picture(card).dots() == []
     nb.python("laser.update(**fan(header={'frame_id': '<img src=x onerror=alert(1)>'}, angle_max=np.pi))")
@@ -113,10 +115,10 @@ def test_an_empty_picture_says_why_and_words_stay_words(plain_page: Callable[...
     expect(card.locator(".rw-facts")).to_contain_text("<img src=x onerror=alert(1)> · 19 rays")
     expect(card.locator(".rw-title")).to_have_text("<b>/scan</b> &amp;")
     expect(card.locator("img, .rw-title b")).to_have_count(0)
-    expect(card.locator(".rw-notice")).to_have_text(re.compile("^19 rays, but the header implies 28"))
+    expect(card.locator(".rw-notice-text")).to_have_text(re.compile("^19 rays, but the header implies 28"))
     locate(card)
     nb.python("laser.update(**fan(intensities=[1.0, 2.0]))")
-    expect(card.locator(".rw-notice")).to_have_text("2 intensities for 19 rays: not used")
+    expect(card.locator(".rw-notice-text")).to_have_text("2 intensities for 19 rays: not used")
     nb.python("laser.update(**fan())")
     expect(card.locator(".rw-notice")).to_be_hidden()
 

@@ -220,9 +220,9 @@ def test_before_the_first_scan_one_sentence_says_so(plain_page: Open, data: Path
     show = "player = recording.show('/test/sensor_msgs/laser_scan', '/test/std_msgs/bool')\nplayer.time = 0\nplayer"
     nb = opened(plain_page, data / "odd" / "every_ros2_type_mcap", show)
     laser = nb.output(1).locator(".rw-laser")
-    expect(laser.locator(".rw-notice")).to_have_text("no scan up to this time of the recording")
+    expect(laser.locator(".rw-empty")).to_have_text("no scan up to this time of the recording")
     expect(laser.locator(".rw-range")).to_have_text("10 m")
-    expect(laser.locator(".rw-empty")).to_be_hidden()
+    expect(laser.locator(".rw-notice")).to_be_hidden()
     shoot(laser, "player-before-the-first-scan")
 
 

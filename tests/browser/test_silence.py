@@ -148,7 +148,7 @@ def test_a_lost_connection_dims_what_speaks_in_events_too(plain_page: Callable[.
     expect(card.locator(".rw-facts")).to_contain_text("events")
     is_new(card)
     nb.python("touch._source = {**source, 'status': 'connection lost, trying again in 2 s', 'lost': True}")
-    expect(card.locator(".rw-notice")).to_have_text("connection lost, trying again in 2 s")
+    expect(card.locator(".rw-notice-text")).to_have_text("connection lost, trying again in 2 s")
     eventually(lambda: is_dimmed(card), True)
     expect(card.locator(".rw-silence")).to_be_hidden()
     shoot(card, "silence-touch-events-lost")

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { CLASSES, describeRay, meaningOf, sideOf, whyEmpty } from "../../robowidgets/js/laser/text.ts";
+import { CLASSES, describeRay, meaningOf, sideOf } from "../../robowidgets/js/laser/text.ts";
 import { DEGREE, scanOf } from "./laser.ts";
 
 const MINUS = "\u2212";
@@ -101,28 +101,4 @@ test("sides are the robot's", () => {
     "ahead",
     "left",
   ]);
-});
-
-test("a picture without readings says why", () => {
-  const all = (value: number, count = 360) =>
-    whyEmpty(
-      scanOf(
-        Array.from({ length: count }, () => value),
-        { minRange: Math.fround(0.12), maxRange: 3.5 },
-      ),
-    );
-  assert.equal(whyEmpty(scanOf([])), "this scan is empty: it has no rays");
-  assert.equal(whyEmpty(scanOf([]), ["no scan up to this time of the recording"]), "", "its note does");
-  assert.equal(whyEmpty(scan), "");
-  assert.equal(all(Infinity), "no readings: all 360 rays say +inf: nothing within 3.5 m");
-  assert.equal(all(-Infinity), `no readings: all 360 rays say ${MINUS}inf: closer than 0.12 m`);
-  assert.equal(all(Number.NaN), "no readings: all 360 rays say NaN: no measurement");
-  assert.equal(all(0), "no readings: all 360 rays say 0.000 m, outside the limits 0.12 m to 3.5 m");
-  assert.equal(all(Infinity, 1), "no readings: the one ray says +inf: nothing within 3.5 m");
-  assert.equal(all(9, 1), "no readings: the one ray says 9.000 m, outside the limits 0.12 m to 3.5 m");
-  assert.equal(whyEmpty(scanOf([0, 99, 0.05])), "no readings: all 3 rays are outside the limits 0.1 m to 30 m");
-  assert.equal(
-    whyEmpty(scanOf([0, 99, Infinity, Number.NaN, -Infinity])),
-    "no readings: 2 outside, 1 nothing, 1 none, 1 too close",
-  );
 });

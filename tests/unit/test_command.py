@@ -40,6 +40,21 @@ def temporary_folders_end_with_the_test(tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
 
 
+def test_doctor_prints_the_check_up_and_tells_by_its_exit_code_whether_there_are_problems(tmp_path, capsys):
+    assert main(["doctor", str(robowidgets.SAMPLE)]) == 0
+    said = capsys.readouterr()
+    assert said.out.splitlines()[1].split()[:3] == ["topic", "samples", "Hz"]
+    assert said.out.endswith("no problems found\n")
+    assert main(["doctor", "--json", str(robowidgets.SAMPLE)]) == 0
+    assert json.loads(capsys.readouterr().out)["problems"] == []
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(robowidgets.SAMPLE.read_bytes()[:200_000])
+    assert main(["doctor", str(cut)]) == 1
+    assert "! the recording was cut off" in capsys.readouterr().out
+    assert main(["doctor", str(tmp_path / "none.bag")]) == 2
+    assert one_line(capsys).startswith("robowidgets: ")
+
+
 def test_info_prints_the_table_of_a_recording(capsys):
     assert main(["info", str(robowidgets.SAMPLE)]) == 0
     said = capsys.readouterr()

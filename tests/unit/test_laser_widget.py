@@ -345,7 +345,7 @@ class TestUpdate:
         pacer.flush()
         assert page.state["_about"] == {
             "frame_id": "base_laser",
-            "notes": ["1 intensities for 3 rays: not used"],
+            "problems": (("1 intensities for 3 rays: not used", "the driver should send one for each, or none"),),
         }
 
     def test_a_stamp_that_no_clock_can_say_is_no_stamp(self, laser: LaserWidget) -> None:

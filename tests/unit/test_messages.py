@@ -56,7 +56,7 @@ class TestScan:
         assert scan.intensities.tolist() == [10.0, 20.0, 30.0]
         assert (scan.angle_min, scan.angle_increment) == (-0.5, 0.5)
         assert (scan.range_min, scan.range_max) == (pytest.approx(0.1), 30.0)
-        assert (scan.stamp_ns, scan.frame_id, scan.notes) == (STAMP_NS, "laser", ())
+        assert (scan.stamp_ns, scan.frame_id, scan.problems()) == (STAMP_NS, "laser", ())
 
     @pytest.mark.parametrize(
         "ranges",
@@ -93,10 +93,10 @@ class TestScan:
         for name in ("header", "intensities", "angle_max", "time_increment", "scan_time"):
             del fields[name]
         scan = to_scan(fields)
-        assert (scan.stamp_ns, scan.frame_id, len(scan.intensities), scan.notes) == (None, "", 0, ())
+        assert (scan.stamp_ns, scan.frame_id, len(scan.intensities), scan.problems()) == (None, "", 0, ())
 
     def test_null_intensities_are_none(self) -> None:
-        assert to_scan(laser(intensities=None)).notes == ()
+        assert odd(to_scan(laser(intensities=None))) == ()
 
     @pytest.mark.parametrize(
         ("message", "text"),
@@ -233,6 +233,12 @@ class TestRange:
             to_scan(message)
 
 
+def odd(scan: Scan) -> tuple[str, ...]:
+    """The problems of a scan, each of which has a remedy."""
+    assert all(problem.remedy for problem in scan.problems())
+    return tuple(problem.what for problem in scan.problems())
+
+
 class TestOddScan:
     """The inputs that exist in the wild."""
 
@@ -243,30 +249,28 @@ class TestOddScan:
         )
         assert scan[0].angle == 0.0
         assert scan.counts[Validity.OUTSIDE_LIMITS] == 180
-        assert scan.notes == ()
+        assert odd(scan) == ()
         assert scan.angles[359] == pytest.approx(radians(359), abs=1e-4)
 
     def test_a_ydlidar_x4_says_angle_max_one_step_too_far(self) -> None:
         scan = to_scan(
             laser(np.ones(720), angle_min=-3.14159, angle_max=3.14159, angle_increment=0.00872665, range_max=16.0)
         )
-        assert scan.notes == ("angle_max is one step too far: angles are counted from angle_min",)
+        assert odd(scan) == ("angle_max is one step too far for 720 rays",)
         assert scan.angles[719] == pytest.approx(-3.14159 + 719 * 0.00872665)
 
     def test_a_newer_x4_driver_sends_fewer_rays_than_its_header_implies(self) -> None:
         scan = to_scan(
             laser(np.ones(719), angle_min=-3.14159, angle_max=3.14159, angle_increment=0.00869044, range_max=16.0)
         )
-        assert scan.notes == (
-            "719 rays, but the header implies 724 (angle_max 180.0°): angles are counted from angle_min",
-        )
+        assert odd(scan) == ("719 rays, but the header implies 724 (angle_max 180.0°)",)
 
     @pytest.mark.parametrize("increment", [nan, None, 0.0])
     def test_a_single_ray_points_at_angle_min(self, increment: float | None) -> None:
         scan = to_scan(laser([10.47], angle_min=0.0, angle_max=0.0, angle_increment=increment))
         assert scan.xy.tolist() == [[pytest.approx(10.47), 0.0]]
         noted = ("one ray, angle_increment is not a number: drawn at angle_min",)
-        assert scan.notes == (() if increment == 0.0 else noted)
+        assert odd(scan) == (() if increment == 0.0 else noted)
 
     @pytest.mark.parametrize("range_max", [inf, None])
     def test_a_converter_of_point_clouds_sets_no_limit_which_json_cannot_say(self, range_max: float | None) -> None:
@@ -277,26 +281,26 @@ class TestOddScan:
         scan = to_scan(laser([1, 1, 1], angle_min=pi / 2, angle_max=-pi / 2, angle_increment=-pi / 2))
         assert np.allclose(scan.angles, [pi / 2, 0, -pi / 2])
         assert np.allclose(scan.y, [1, 0, -1])
-        assert scan.notes == ()
+        assert odd(scan) == ()
 
     @pytest.mark.parametrize("first", [-135.0, 6.3])
     def test_an_angle_min_that_looks_like_degrees_is_noted(self, first: float) -> None:
         scan = to_scan(laser([1, 1, 1], angle_min=first, angle_max=first + 1.0, angle_increment=0.5))
-        assert scan.notes == (f"angle_min is {first:g} rad: is it in degrees? math.radians() makes them of degrees",)
+        assert odd(scan) == (f"angle_min is {first:g} rad",)
 
     @pytest.mark.parametrize("first", [2 * pi, np.float32(2 * pi), -2 * pi])
     def test_an_angle_min_of_a_full_turn_is_not_odd(self, first: float) -> None:
-        assert to_scan(laser([1, 1, 1], angle_min=first, angle_max=first + 1.0, angle_increment=0.5)).notes == ()
+        assert odd(to_scan(laser([1, 1, 1], angle_min=first, angle_max=first + 1.0, angle_increment=0.5))) == ()
 
     def test_an_angle_max_against_the_increment_is_noted(self) -> None:
         scan = to_scan(laser([1, 1, 1], angle_min=1.0, angle_max=-1.0, angle_increment=1.0))
         assert scan.angles.tolist() == [1, 2, 3]
-        assert scan.notes == ("angle_max (-57.3°) lies against angle_increment: angles are counted from angle_min",)
+        assert odd(scan) == ("angle_max (-57.3°) lies against angle_increment",)
 
     @pytest.mark.parametrize(("first", "step", "last"), [(3.0, 0.5, 4.0 - 2 * pi), (-3.0, -0.5, 2 * pi - 4.0)])
     def test_a_sweep_across_the_back_is_not_odd(self, first: float, step: float, last: float) -> None:
         scan = to_scan(laser([1, 1, 1], angle_min=first, angle_max=last, angle_increment=step))
-        assert scan.notes == ()
+        assert odd(scan) == ()
 
     @pytest.mark.parametrize(
         ("value", "kind"),
@@ -310,7 +314,7 @@ class TestOddScan:
     def test_an_empty_scan_is_a_scan(self) -> None:
         scan = to_scan(laser([]))
         assert len(scan) == 0
-        assert scan.notes == ()
+        assert odd(scan) == ("the scan has no rays",)
 
     def test_a_header_lie_of_an_rplidar_is_turned_right(self) -> None:
         scan = to_scan(laser(np.ones(4), angle_min=-pi, angle_max=pi / 2, angle_increment=pi / 2)).turned(pi)
@@ -319,21 +323,24 @@ class TestOddScan:
 
     def test_intensities_of_another_length_are_noted_and_not_used(self) -> None:
         scan = to_scan(laser(intensities=[1.0, 2.0]))
-        assert scan.notes == ("2 intensities for 3 rays: not used",)
+        assert odd(scan) == ("2 intensities for 3 rays: not used",)
         assert len(scan.intensities) == 0
+
+    def test_a_header_without_a_frame_is_noted_and_numbers_without_a_header_are_not(self) -> None:
+        assert odd(to_scan(laser() | {"header": {**HEADER, "frame_id": ""}})) == ("frame_id is empty",)
+        assert odd(to_scan({k: v for k, v in laser().items() if k != "header"})) == ()
 
     def test_absurd_times_are_noted_and_not_used(self) -> None:
         scan = to_scan(laser(time_increment=153333.3, scan_time=1.1e8))
-        assert scan.notes == ("time_increment is 153333 s: not used", "scan_time is 1.1e+08 s: not used")
+        assert odd(scan) == ("time_increment is 153333 s: not used", "scan_time is 1.1e+08 s: not used")
 
     @pytest.mark.parametrize(("value", "word"), [(nan, "nan"), (-1.0, "-1"), (inf, "inf")])
     def test_times_that_are_none_are_noted(self, value: float, word: str) -> None:
-        assert to_scan(laser(scan_time=value)).notes == (f"scan_time is {word} s: not used",)
+        assert odd(to_scan(laser(scan_time=value))) == (f"scan_time is {word} s: not used",)
 
     def test_a_header_that_differs_and_times_that_are_absurd_are_both_noted(self) -> None:
-        notes = to_scan(laser([1.0] * 5, time_increment=153333.3)).notes
-        assert notes == (
-            "5 rays, but the header implies 3 (angle_max 28.6°): angles are counted from angle_min",
+        assert odd(to_scan(laser([1.0] * 5, time_increment=153333.3))) == (
+            "5 rays, but the header implies 3 (angle_max 28.6°)",
             "time_increment is 153333 s: not used",
         )
 

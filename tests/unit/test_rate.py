@@ -41,3 +41,34 @@ def test_the_past_is_forgotten() -> None:
     slow = [i / 2 for i in range(20)]
     fast = [slow[-1] + i / 50 for i in range(1, 250)]
     assert rate(*slow, *fast) == pytest.approx(50, rel=0.01)
+
+
+def sag_of(*rates: float) -> tuple[bool, float]:
+    """Of arrivals at rates that last for 20 s each: whether the last has sagged, and which rate is usual."""
+    meter, now, count = RateMeter(), 100.0, 0
+    for hz in rates:
+        for _ in range(round(20 * hz)):
+            now, count = now + 1 / hz, count + 1
+            meter.rate(count, now)
+    return meter.has_sagged, meter.usual
+
+
+def test_a_rate_that_falls_below_half_of_the_usual_one_has_sagged() -> None:
+    assert sag_of(10, 10, 4) == (True, pytest.approx(10, rel=0.05))
+    assert sag_of(10, 10, 6)[0] is False
+    assert sag_of(10, 10, 4, 10)[0] is False
+    assert sag_of(4, 10)[0] is False
+
+
+def test_a_rate_that_lasts_becomes_the_usual_one() -> None:
+    assert sag_of(10, 4, 4, 4) == (False, pytest.approx(4, rel=0.05))
+
+
+def test_a_single_pause_is_no_sag() -> None:
+    meter = RateMeter()
+    times = [i / 10 for i in range(300)]
+    told = []
+    for count, time in enumerate([*times, *(time + 31.5 for time in times)], 1):
+        meter.rate(count, time)
+        told.append(meter.has_sagged)
+    assert not any(told)

@@ -6,12 +6,23 @@ import numpy as np
 import pytest
 
 from robowidgets import Scan, Validity
+from robowidgets.samples import Problem
+
+ODD = (Problem("odd", "even"),)
 
 
 @pytest.fixture
 def scan() -> Scan:
     return Scan(
-        [1.0, 2.0, np.inf], -0.5, 0.5, 0.1, 30.0, intensities=[1, 2, 3], stamp_ns=5, frame_id="laser", notes=("odd",)
+        [1.0, 2.0, np.inf],
+        -0.5,
+        0.5,
+        0.1,
+        30.0,
+        intensities=[1, 2, 3],
+        stamp_ns=5,
+        frame_id="laser",
+        header_problems=ODD,
     )
 
 
@@ -22,7 +33,15 @@ def sent(*values: float) -> np.ndarray:
 def test_only_what_is_given_differs(scan: Scan) -> None:
     after = scan.again(sent(3.0, np.nan, 0.05), sent(4, 5, 6), 7)
     whole = Scan(
-        [3.0, np.nan, 0.05], -0.5, 0.5, 0.1, 30.0, intensities=[4, 5, 6], stamp_ns=7, frame_id="laser", notes=("odd",)
+        [3.0, np.nan, 0.05],
+        -0.5,
+        0.5,
+        0.1,
+        30.0,
+        intensities=[4, 5, 6],
+        stamp_ns=7,
+        frame_id="laser",
+        header_problems=ODD,
     )
     assert repr(after) == repr(whole)
     assert after.validity.tolist() == whole.validity.tolist()

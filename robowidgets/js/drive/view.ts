@@ -22,7 +22,7 @@ export class DriveView {
   readonly #root = make("div", "rw-card rw-drive");
   readonly #header = make("div", "rw-header");
   readonly #title = make("span", "rw-title");
-  readonly #notice = make("div", "rw-notice rw-error");
+  readonly #notice = make("div", "rw-notice rw-notice-text rw-error");
   readonly #pad = make("div", "rw-pad");
   readonly #stem = make("div", "rw-stem");
   readonly #knob = make("div", "rw-knob");

@@ -1,4 +1,4 @@
-import { decimalsFor, toCount, toDegrees, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
+import { decimalsFor, toDegrees, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
 import {
   angleOf,
   type Limits,
@@ -57,24 +57,6 @@ export function meaningOf({ kinds, minRange, maxRange }: Classed, index: number)
     default:
       return `outside the limits ${toShortMetres(minRange)} to ${maxRange > NO_LIMIT ? "\u221e" : toShortMetres(maxRange)}`;
   }
-}
-
-/** Why a scan shows no reading, in one sentence; nothing when it shows some, or notes on an empty one say why. */
-export function whyEmpty(scan: Scan, notes: string[] = []): string {
-  const { counts } = scan;
-  if (scan.count === 0) return notes.length ? "" : "this scan is empty: it has no rays";
-  if (counts[READING] > 0) return "";
-  const present = CLASSES.filter(({ kind }) => counts[kind] > 0);
-  const [only] = present;
-  if (present.length === 1 && only) {
-    const sample = scan.ranges[0] as number;
-    const isOutside = only.kind === OUTSIDE_LIMITS;
-    const isSame = !isOutside || scan.ranges.every((range) => range === sample);
-    const who = scan.count === 1 ? "the one ray says" : `all ${toMany(scan.count, "ray")} ${isSame ? "say" : "are"}`;
-    const value = isOutside && isSame ? `${toFixed(sample, 3)} m, ` : "";
-    return `no readings: ${who} ${value}${meaningOf(scan, 0)}`;
-  }
-  return `no readings: ${present.map(({ kind, word }) => `${toCount(counts[kind])} ${word}`).join(", ")}`;
 }
 
 /** What the pop-up says of one ray. */

@@ -15,7 +15,6 @@ import { PointerLayer } from "./pointer.ts";
 import { ReadingLayer } from "./reading_layer.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
-import { whyEmpty } from "./text.ts";
 import type { LaserTraits } from "./traits.ts";
 import { stepRange } from "./zoom.ts";
 
@@ -111,7 +110,8 @@ export class LaserView implements Host {
     if (this.#size.width === 0) return;
     const scan = this.stream.shown;
     this.card.update([this.stream.about.frame_id ?? "", scan ? toMany(scan.count, "ray") : ""], "scan");
-    setText(this.#empty, scan ? whyEmpty(scan, this.stream.about.notes) : this.card.waiting("scan"));
+    const { empty = [] } = this.stream.about;
+    setText(this.#empty, scan ? empty.filter(Boolean).join("\n") : this.card.waiting("scan"));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.card.picture, this.#empty)];
     this.#scene.draw(this.#layers, scan, this.#size, this.card.noticeHeight, covered, this.card.theme);

@@ -1,8 +1,9 @@
 import { make, mount, setText } from "./dom.ts";
 import { keepKeys } from "./keys.ts";
 import { type Model, onChange } from "./model.ts";
+import { Notice } from "./notice.ts";
 import { applyTheme, type Theme, watchTheme } from "./theme.ts";
-import type { CardTraits } from "./traits.ts";
+import type { CardTraits, Problem } from "./traits.ts";
 
 /** The frame around a picture: title and controls above, a notice over it, a footer below. */
 export class Card {
@@ -13,7 +14,7 @@ export class Card {
   readonly footer = make("div", "rw-footer");
   readonly #title = make("span", "rw-title");
   readonly #facts = make("span", "rw-facts");
-  readonly #notice = make("div", "rw-notice");
+  readonly #notice: Notice;
   readonly #live = make("div", "rw-live");
   readonly #kind: string;
   readonly #model: Model<CardTraits>;
@@ -31,10 +32,10 @@ export class Card {
     this.picture.tabIndex = 0;
     this.picture.role = "group";
     this.picture.ariaLabel = "picture";
-    this.#notice.role = "status";
     this.#live.ariaLive = "polite";
     this.header.append(this.#title, this.#facts, this.controls);
-    this.picture.append(this.#notice);
+    this.#notice = new Notice(signal);
+    this.picture.append(this.#notice.element);
     this.root.append(this.header, this.picture, this.footer, this.#live);
     mount(element, this.root, signal);
     const onTheme = () => {
@@ -54,24 +55,22 @@ export class Card {
 
   /** Height of the notice at the top of the picture, in pixels. */
   get noticeHeight(): number {
-    return this.#notice.offsetHeight;
+    return this.#notice.height;
   }
 
   /**
    * Brings header, notice and footer up to date.
+   * @param problems those in the data, after the lines
    * @param kind of the notice: a note, an error, or the status of a feed
    */
-  updateFrame(lines: string[], kind: "note" | "error" | "status"): void {
+  updateFrame(lines: string[], kind: "note" | "error" | "status", problems: readonly Problem[] = []): void {
     this.#theme ??= applyTheme(this.root);
     this.header.hidden = !this.#model.get("header");
     this.footer.hidden = !this.#model.get("footer");
     const title = this.#model.get("title");
     setText(this.#title, title);
     this.root.ariaLabel = `${this.#kind} ${title}`.trim();
-    this.#notice.classList.toggle("rw-error", kind === "error");
-    this.#notice.classList.toggle("rw-status", kind === "status");
-    setText(this.#notice, lines.join(" · "));
-    this.#notice.title = lines.join("\n");
+    this.#notice.update(lines, problems, kind);
   }
 
   /** Has a screen reader say words about what keys have moved to. */

@@ -61,3 +61,8 @@ export function toClock(seconds: number): [date: string, timeOfDay: string] {
   const text = new Date(Math.round(seconds * 1000)).toISOString();
   return [text.slice(0, 10), text.slice(11, 19)];
 }
+
+/** Words of an error or a remedy as a sentence, with a capital and a full stop. */
+export function asSentence(words: string): string {
+  return words && `${words.charAt(0).toUpperCase()}${words.slice(1)}${/[.?!]$/.test(words) ? "" : "."}`;
+}

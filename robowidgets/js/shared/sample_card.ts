@@ -75,7 +75,7 @@ export class SampleCard extends Card {
   update(facts: string[], noun: string, paced = true): void {
     const { error } = this.#model.get("_about");
     const { paused, since, about, shown, place } = this.#stream;
-    const { notes = [] } = about;
+    const { notes = [], problems = [] } = about;
     this.#known = facts.filter(Boolean);
     this.#paced = paced;
     this.#tellFacts();
@@ -84,7 +84,7 @@ export class SampleCard extends Card {
     const isError = Boolean(error || source.error);
     // An empty picture shows the status of the source itself.
     const lines = [source.error ?? "", (shown && source.status) || "", ...said].filter(Boolean);
-    this.updateFrame(lines, isError ? "error" : said.length ? "note" : "status");
+    this.updateFrame(lines, isError ? "error" : said.length + problems.length ? "note" : "status", problems);
     this.#lamps.update(this.#isSilent);
     this.#bar.update(this.footer.hidden ? null : place);
 

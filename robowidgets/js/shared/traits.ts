@@ -25,10 +25,16 @@ export interface SampleTraits extends CardTraits {
   _silence: number;
 }
 
+/** Something odd, in plain words, and what to do about it, which may be empty. */
+export type Problem = readonly [what: string, remedy: string];
+
 /** What Python says about the newest sample. */
 export interface About {
   frame_id?: string;
   notes?: string[];
+  problems?: Problem[];
+  /** Why the picture of the sample is empty. */
+  empty?: Problem;
   error?: string;
   /** Milliseconds for which a recording has nothing newer; missing unless that is long. */
   age?: number;

@@ -14,7 +14,7 @@ export class StopView {
   readonly #root = make("div", "rw-card rw-stop-bar");
   readonly #text = make("div", "rw-stop-text");
   readonly #hint = make("div", "rw-hint");
-  readonly #notice = make("div", "rw-notice rw-error");
+  readonly #notice = make("div", "rw-notice rw-notice-text rw-error");
 
   constructor(model: Model<StopTraits>, element: HTMLElement, signal: AbortSignal) {
     const redraw = perAnimationFrame(() => this.#draw(), signal);

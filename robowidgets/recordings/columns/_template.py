@@ -77,7 +77,9 @@ def scan_template(raw: bytes, message: Any, scan: Scan, shape: Shape, encoding: 
     if not _is_stamped(shape) or ranges is None or (intensities is None and len(scan.intensities)):
         return None
     names = list(shape)
-    has_times = names[1 : names.index("ranges")] == list(_SETTINGS) and not scan.notes
+    has_times = names[1 : names.index("ranges")] == list(_SETTINGS) and all(
+        0 <= time <= LONGEST_SCAN for time in (message.time_increment, message.scan_time)
+    )
     times = slice(ranges.start - _TIMES_START, ranges.start - _TIMES_END) if has_times else None
     gaps = sorted((part.start, part.stop) for part in (times, ranges, intensities) if part)
     edges = [_STAMP_END, *(edge for gap in gaps for edge in gap), len(raw)]

@@ -98,7 +98,7 @@ class ScanChunk(Chunk):
         """See `Chunk`."""
         s = self.like
         counts = (self.ranges.shape[1], self.intensities.shape[1])
-        return (*counts, s.angle_min, s.angle_increment, s.range_min, s.range_max, s.frame_id, s.notes)
+        return (*counts, s.angle_min, s.angle_increment, s.range_min, s.range_max, s.frame_id, s.header_problems)
 
     def sample(self, i: int) -> Scan:
         """See `Chunk`."""

@@ -59,7 +59,7 @@ def _values(sample: Any) -> bytes:
     if isinstance(sample, Scan):
         # Angles as float32, which is what a LaserScan holds.
         settings = (sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max)
-        words = repr((sample.frame_id, sample.notes)).encode()
+        words = repr((sample.frame_id, sample.header_problems)).encode()
         return np.array(settings, np.float32).tobytes() + sample.ranges.tobytes() + sample.intensities.tobytes() + words
     if isinstance(sample, Speed):
         return np.array(sample.values).tobytes() + sample.frame_id.encode()

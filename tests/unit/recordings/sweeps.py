@@ -21,10 +21,11 @@ def scan(
     intensities: Sequence[float] = (),
     angle_min: float = -0.5,
     increment: float = 0.1,
+    frame_id: str = "laser",
 ) -> bytes:
     """The bytes of a scan; limits 0.1 to 30 m, rays so many radians apart."""
     stamp = _STORE.types["builtin_interfaces/msg/Time"](*divmod(stamp_ns, 10**9))
-    header = _STORE.types["std_msgs/msg/Header"](stamp, "laser")
+    header = _STORE.types["std_msgs/msg/Header"](stamp, frame_id)
     both = (np.asarray(values, np.float32) for values in (ranges, intensities))
     message = _STORE.types[TYPE](header, angle_min, 0.5, increment, 0.0, 0.0, 0.1, 30.0, *both)
     return bytes(_STORE.serialize_cdr(message, TYPE))
@@ -35,13 +36,16 @@ def write(
     scans: Iterable[tuple[float, bytes]],
     plugin: StoragePlugin = StoragePlugin.MCAP,
     compression: CompressionMode = CompressionMode.NONE,
+    silent: Sequence[str] = (),
 ) -> Path:
-    """A folder with scans on /scan, each with its log time in seconds after the start."""
+    """A folder with scans on /scan, each with its log time in seconds after the start; nothing on silent topics."""
     writer = Writer(folder, version=9, storage_plugin=plugin)
     if compression is not CompressionMode.NONE:
         writer.set_compression(compression, CompressionFormat.ZSTD)
     with writer:
         connection = writer.add_connection("/scan", TYPE, typestore=_STORE)
+        for topic in silent:
+            writer.add_connection(topic, TYPE, typestore=_STORE)
         for seconds, raw in scans:
             writer.write(connection, START_NS + round(seconds * 1e9), raw)
     return folder

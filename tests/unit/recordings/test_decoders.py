@@ -62,7 +62,7 @@ def same(one: Scan | Speed, other: Scan | Speed) -> bool:
     if isinstance(one, Speed):
         return one == other
     assert isinstance(other, Scan)
-    names = ("angle_min", "angle_increment", "range_min", "range_max", "stamp_ns", "frame_id", "notes")
+    names = ("angle_min", "angle_increment", "range_min", "range_max", "stamp_ns", "frame_id", "header_problems")
     arrays = ("ranges", "intensities", "angles", "validity")
     return all(getattr(one, n) == getattr(other, n) for n in names) and all(
         np.array_equal(getattr(one, n), getattr(other, n), equal_nan=True) for n in arrays
@@ -145,7 +145,7 @@ class TestScans:
     def test_say_each_time_that_intensities_do_not_fit(self) -> None:
         for scan in Watched(SCAN)(*2 * [scan_bytes(intensities=(1.0, 2.0))]):
             assert scan.intensities.size == 0
-            assert any("2 intensities for 3 rays" in note for note in scan.notes)
+            assert any("2 intensities for 3 rays" in odd.what for odd in scan.problems())
 
     def test_of_which_the_times_change_are_read_in_full_only_once(self) -> None:
         watched = Watched(SCAN)
@@ -157,9 +157,9 @@ class TestScans:
     def test_note_times_that_no_scanner_has(self, times: tuple[float, float]) -> None:
         watched = Watched(SCAN)
         usual, odd, again = watched(scan_bytes(), scan_bytes(times=times), scan_bytes())
-        assert not usual.notes
-        assert any("not used" in note for note in odd.notes)
-        assert not again.notes
+        assert not usual.problems()
+        assert any("not used" in problem.what for problem in odd.problems())
+        assert not again.problems()
 
     def test_go_on_after_what_is_no_scan(self) -> None:
         watched = Watched(SCAN)

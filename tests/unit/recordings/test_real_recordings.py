@@ -195,7 +195,7 @@ def test_scans_whose_header_and_array_disagree_say_so(data: Path) -> None:
     with open(data / "odd" / "every_ros2_type_mcap") as recording:
         scan = scans(recording, "/test/sensor_msgs/laser_scan")[0]
     assert len(scan) == 5
-    assert any("the header implies 315" in note for note in scan.notes)
+    assert any("the header implies 315" in problem.what for problem in scan.problems())
 
 
 @pytest.mark.parametrize(("name", "expected"), [(n, e) for table in (ODD, SAVED) for n, e in table.items()])

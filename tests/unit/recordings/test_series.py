@@ -122,7 +122,7 @@ def compare(recording: robowidgets.Recording, topic: str, widget: str) -> int:
         ours = sorted(moments, key=lambda moment: moment.time_ns)
         assert [moment.time_ns for moment in ours] == [moment.time_ns for moment in told]
         for mine, theirs in zip(ours, told, strict=True):
-            for name in ("ranges", "intensities", "angle_min", "notes") if widget == "laser" else ("values",):
+            for name in ("ranges", "intensities", "angle_min", "header_problems") if widget == "laser" else ("values",):
                 np.testing.assert_array_equal(getattr(mine.sample, name), getattr(theirs.sample, name))
             assert mine.sample.stamp_ns == theirs.sample.stamp_ns
             assert mine.seconds == theirs.seconds

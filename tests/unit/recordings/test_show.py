@@ -110,7 +110,7 @@ def test_before_the_first_scan_one_note_says_so_and_the_range_is_one_of_a_room(d
         player.seek(0.0)
         scan = widget(player, LaserWidget).scan  # type: ignore[attr-defined]
         assert (len(scan), scan.range_max) == (0, 10.0)
-        assert scan.notes == ("no scan up to this time of the recording",)
+        assert list(map(str, scan.problems())) == ["no scan up to this time of the recording"]
 
 
 def test_the_widgets_keep_no_history_of_their_own(player: Player) -> None:

@@ -100,7 +100,7 @@ def test_it_turns_faster_than_the_limits_that_widgets_draw(shipped):
 def test_its_scans_have_readings_nothing_in_range_and_no_measurement(shipped):
     scans = [to_scan(message) for _, message in shipped["/scan"]]
     assert {len(scan) for scan in scans} == {451}
-    assert all(scan.notes == () and scan.intensities.size == 451 for scan in scans)
+    assert all(scan.problems() == () and scan.intensities.size == 451 for scan in scans)
     nothing = np.array([np.isposinf(scan.ranges).mean() for scan in scans])
     assert (nothing > 0.15).sum() > 50
     assert (nothing == 0).sum() > 20

@@ -1,0 +1,57 @@
+import { make, makeButton, setText } from "./dom.ts";
+import { on } from "./events.ts";
+import { asSentence } from "./format.ts";
+import type { Problem } from "./traits.ts";
+
+/** A line on top of a picture, which unfolds to the problems in it and their remedies. */
+export class Notice {
+  readonly element = make("div", "rw-notice rw-over");
+  readonly #text = make("span", "rw-notice-text");
+  readonly #more: HTMLButtonElement;
+  readonly #remedies = make("div", "rw-remedies");
+  #problems = "[]";
+  #isOpen = false;
+
+  constructor(signal: AbortSignal) {
+    this.#text.role = "status";
+    this.#more = makeButton("rw-more", "Show or hide the remedies", () => this.#unfold(!this.#isOpen), signal);
+    this.#more.ariaLabel = null;
+    setText(this.#more, "What to do");
+    this.element.append(this.#text, this.#more, this.#remedies);
+    this.#unfold(false);
+    // Escape folds it, and leaves what is pinned.
+    const onKey = (event: KeyboardEvent) => {
+      if (event.key !== "Escape" || !this.#isOpen) return;
+      event.stopPropagation();
+      this.#unfold(false);
+    };
+    on(this.element, "keydown", onKey, signal);
+  }
+
+  /** Pixels that it covers. The remedies lie over the picture, so that nothing moves when they unfold. */
+  get height(): number {
+    return this.element.offsetHeight;
+  }
+
+  update(lines: string[], problems: readonly Problem[], kind: "note" | "error" | "status"): void {
+    const all = [...lines, ...problems.map(([what]) => what)];
+    this.element.hidden = !all.length;
+    this.#text.classList.toggle("rw-error", kind === "error");
+    this.#text.classList.toggle("rw-status", kind === "status");
+    setText(this.#text, all.join(" · "));
+    this.#text.title = all.join("\n");
+    this.#more.hidden = !problems.some(([, remedy]) => remedy);
+    const key = JSON.stringify(problems);
+    if (key === this.#problems) return;
+    this.#problems = key;
+    if (this.#more.hidden) this.#unfold(false);
+    const words = problems.flatMap(([what, remedy]) => [make("b", "", what), make("span", "", asSentence(remedy))]);
+    this.#remedies.replaceChildren(...words);
+  }
+
+  #unfold(isOpen: boolean): void {
+    this.#isOpen = isOpen;
+    this.#more.ariaExpanded = String(isOpen);
+    this.#remedies.hidden = !isOpen;
+  }
+}

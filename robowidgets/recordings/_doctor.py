@@ -1,0 +1,250 @@
+"""A check-up of a recording: what its topics hold, what is wrong with them, and what to do about it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from math import degrees
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .._core import tables
+from .._core.tables import listed, many, often
+from ..kinds import KINDS
+from ..samples import Problem
+from ..samples.scan_problems import of_ranges
+from ._timing import Timing, timing_of
+from .columns.scans import Scans
+from .columns.series import Series
+from .times import has_date
+from .topics import Topic
+
+_HEADS = ("topic", "samples", "Hz", "jitter", "lost", "rays", "angles", "step", "limits", "frame")
+_RIGHT = (1, 2, 3, 4, 5, 7)
+
+_ALWAYS_THERE = ("/rosout", "/rosout_agg", "/parameter_events", "/events/write_split", "/clock", "/tf_static")
+"""Topics that every recorder lists, whether anything comes or not, as are those of services."""
+_OF_SERVICES = "/_service_event"
+
+_SELDOM = 0.02
+"""Share of the scans in which a problem of ranges, and of samples that are lost, is no problem of the recording."""
+
+_SKEW_S = 1.0
+"""Seconds between stamps and log times from which transforms of other computers do not fit any more."""
+_LEAST_STAMPS = 10
+
+_DAY = 86400.0
+
+
+class Geometry(NamedTuple):
+    """What the headers of most scans of a topic say: radians and metres."""
+
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+
+
+class TopicReport(NamedTuple):
+    """What one topic holds.
+
+    ``rate`` is the mean of the samples per second, None where that means nothing. ``timing`` is that of the scans and
+    measured speeds. ``ray_counts`` has the number of scans for each number of rays, ``geometry`` is that of most scans,
+    ``frame_ids`` are those of all; they are empty and None for other samples than scans.
+    """
+
+    topic: str
+    samples: int
+    rate: float | None
+    timing: Timing
+    ray_counts: dict[int, int]
+    geometry: Geometry | None
+    frame_ids: tuple[str, ...]
+
+
+class Report:
+    """A check-up of a recording; printed, it is a table with a line for each problem.
+
+    Args:
+        head: the recording in one line.
+        topics: a report for each topic that a widget shows.
+        problems: each with its remedy; empty when all is well.
+    """
+
+    def __init__(self, head: str, topics: Sequence[TopicReport], problems: Sequence[Problem]) -> None:
+        self.head = head
+        self.topics = tuple(topics)
+        self.problems = tuple(problems)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as dictionaries and lists, such as JSON can hold: seconds, radians and metres."""
+        return {
+            "topics": [_as_dict(topic) for topic in self.topics],
+            "problems": [problem._asdict() for problem in self.problems],
+        }
+
+    def __repr__(self) -> str:
+        lines = map(str, self.problems)
+        return "\n".join((tables.as_text(self.head, _HEADS, self._rows(), _RIGHT, lines), *self._all_well()))
+
+    def _repr_html_(self) -> str:
+        shown = tables.as_html(self.head, _HEADS, self._rows(), _RIGHT, map(str, self.problems))
+        return shown + "".join(f"<div>{line}</div>" for line in self._all_well())
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [_cells(topic) for topic in self.topics]
+
+    def _all_well(self) -> list[str]:
+        return [] if self.problems else ["no problems found"]
+
+
+def examine(head: str, topics: Sequence[Topic], series: dict[str, Series[Any]], known: Sequence[Problem]) -> Report:
+    """The check-up of a recording. It reads the topics from start to end.
+
+    Args:
+        head: the recording in one line.
+        topics: all its topics.
+        series: the samples of those that a widget shows.
+        known: the problems that were found before, of the file and of its clock.
+    """
+    problems = [*known, *_never_came(topics)]
+    reports = []
+    for topic in topics:
+        if topic.widget and topic.name in series and topic.count:
+            report, found = _examine(topic, series[topic.name])
+            reports.append(report)
+            problems += [Problem(f"{topic.name}: {what}", remedy) for what, remedy in found]
+    return Report(head, reports, list(dict.fromkeys(problems)))
+
+
+def _never_came(topics: Sequence[Topic]) -> Iterator[Problem]:
+    names = [
+        topic.name
+        for topic in topics
+        if not topic.count and topic.name not in _ALWAYS_THERE and not topic.name.endswith(_OF_SERVICES)
+    ]
+    if names:
+        yield Problem(
+            f"{listed(names)}: no message came",
+            "does its node run, and does its quality of service fit the recorder's?",
+        )
+
+
+def _examine(topic: Topic, series: Series[Any]) -> tuple[TopicReport, list[Problem]]:
+    is_paced = bool(topic.widget and KINDS[topic.widget].goes_stale and not topic.commanded)
+    timing = _timing(series) if is_paced else Timing()
+    found = [*_of_timing(timing, len(series)), *(_of_stamps(series) if is_paced else ())]
+    rays: dict[int, int] = {}
+    geometry: Geometry | None = None
+    frames: tuple[str, ...] = ()
+    if isinstance(series, Scans):
+        rays = series.ray_counts
+        geometry, frames, of_scans = _of_scans(series)
+        found += of_scans
+    return TopicReport(topic.name, len(series), topic.rate, timing, rays, geometry, frames), found
+
+
+def _timing(series: Series[Any]) -> Timing:
+    """The timing by the stamps; by the log times, which come in bursts and tell of no loss, where there are none."""
+    stamps, seconds = series.stamps_ns, series.seconds
+    if (stamps > 0).all() and (np.diff(stamps) > 0).all():
+        return timing_of((stamps - stamps[:1]) / 1e9, seconds)
+    return Timing(*timing_of(seconds, seconds)[:2])
+
+
+def _of_timing(timing: Timing, count: int) -> Iterator[Problem]:
+    if not timing.step:
+        return
+    if timing.lost and timing.lost > _SELDOM * count:
+        yield Problem(
+            f"{timing.lost:,} of {count + timing.lost:,} samples were lost",
+            "give the recorder a larger cache and a faster disk; record on the robot, not over Wi-Fi",
+        )
+    if timing.slow:
+        slow = sum(length for _, length in timing.slow)
+        yield Problem(
+            f"less than half of its usual {1 / timing.step:.1f} Hz for {slow:.1f} s, "
+            f"first from {timing.slow[0][0]:.2f} s on",
+            "was the network slow, or the robot's computer busy?",
+        )
+    if timing.pauses:
+        longest = max(length for _, length in timing.pauses)
+        yield Problem(
+            f"nothing came {often(len(timing.pauses))}, for up to {longest:.1f} s, "
+            f"first from {timing.pauses[0][0]:.2f} s on",
+            "did the sensor, its cable or the network fail?",
+        )
+
+
+def _of_stamps(series: Series[Any]) -> Iterator[Problem]:
+    """The problem of stamps by another clock than the recorder's. One of a simulation is another on purpose."""
+    times, stamps = series.times_ns, series.stamps_ns
+    dated = [has_date(int(part.min())) for part in (times, stamps) if part.size]
+    if len(stamps) < _LEAST_STAMPS or not all(dated):
+        return
+    skew = float(np.median(stamps - times)) / 1e9
+    if abs(skew) > _SKEW_S:
+        size = f"{abs(skew):.1f} s" if abs(skew) < _DAY else f"{abs(skew) / _DAY:,.1f} days"
+        yield Problem(
+            f"stamps are {size} {'ahead of' if skew > 0 else 'behind'} the recorder's clock",
+            "set the clocks of the robot and the recorder (chrony, NTP), or tf finds no transforms",
+        )
+
+
+def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Problem]]:
+    """Geometry and frames of scans, and the problems of headers and ranges."""
+    geometries: Counter[Geometry] = Counter()
+    frames: dict[str, None] = {}
+    counts: Counter[Problem] = Counter()
+    first: dict[Problem, float] = {}
+    seconds = scans.seconds
+    for chunk in scans.chunks():
+        like = chunk.like
+        geometries[Geometry(like.angle_min, like.angle_increment, like.range_min, like.range_max)] += len(chunk)
+        frames[like.frame_id] = None
+        for i, ranges in enumerate(chunk.ranges):
+            for problem in (*like.header_problems, *of_ranges(ranges, like.range_min, like.range_max)):
+                counts[problem] += 1
+                first.setdefault(problem, float(seconds[chunk.start + i]))
+    headers = {problem for chunk in scans.chunks() for problem in chunk.like.header_problems}
+    problems = []
+    for problem, count in counts.items():
+        if count == len(scans):
+            problems.append(problem)
+        elif problem in headers or count > _SELDOM * len(scans):
+            where = f"in {count:,} of {len(scans):,} scans, first at {first[problem]:.2f} s"
+            problems.append(Problem(f"{problem.what} ({where})", problem.remedy))
+    if len(frames) > 1:
+        problems.append(
+            Problem(
+                f"scans of {many(len(frames), 'frame')}: {listed([frame or '(empty)' for frame in frames])}",
+                "do two scanners publish to one topic? Give each its own",
+            )
+        )
+    usual = geometries.most_common(1)
+    return usual[0][0] if usual else None, tuple(frames), problems
+
+
+def _as_dict(report: TopicReport) -> dict[str, Any]:
+    told = report._asdict() | {"timing": report.timing._asdict()}
+    return told | {"geometry": report.geometry._asdict() if report.geometry else None}
+
+
+def _cells(report: TopicReport) -> tuple[str, ...]:
+    timing, geometry = report.timing, report.geometry
+    rate = "" if report.rate is None else f"{report.rate:.1f}"
+    jitter = "" if timing.jitter is None else f"{1000 * timing.jitter:.1f} ms"
+    lost = "" if timing.lost is None else f"{timing.lost:,}"
+    cells = (report.topic, f"{report.samples:,}", rate, jitter, lost)
+    if geometry is None:
+        return (*cells, *[""] * 5)
+    counts = sorted(report.ray_counts)
+    rays = f"{counts[0]:,}" + (f" to {counts[-1]:,}" if len(counts) > 1 else "")
+    usual = max(report.ray_counts, key=lambda count: report.ray_counts[count])
+    first, step = degrees(geometry.angle_min), degrees(geometry.angle_increment)
+    angles = f"{first:.1f}° to {first + (usual - 1) * step:.1f}°" if usual else ""
+    limit = "" if geometry.range_max >= np.finfo(np.float32).max else f"{geometry.range_max:.4g} m"
+    limits = f"{geometry.range_min:.4g} to {limit}" if limit else f"from {geometry.range_min:.4g} m"
+    frames = listed([frame or "(empty)" for frame in report.frame_ids], 2)
+    return (*cells, rays, angles + ", clockwise" * (step < 0), f"{step:.4g}°", limits, frames)

@@ -1,0 +1,181 @@
+"""The check-up of a recording: what its topics hold, what is wrong, and what to do about it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets import RecordingError
+from robowidgets.samples.problem import LONGEST
+
+from . import sweeps
+from .test_digest import TOLD
+
+GOOD = [2.0] * 11
+"""As many rays as the header of `sweeps.scan` implies."""
+
+
+BEHIND = "/scan: stamps are 40.0 s behind the recorder's clock"
+HEADS = ["topic", "samples", "Hz", "jitter", "lost", "rays", "angles", "step", "limits", "frame"]
+ROW = ["/scan", "100", "10.0", "0.0 ms", "0", "11", "-28.6° to 28.6°", "5.73°", "0.1 to 30 m", "laser"]
+
+
+def taken(times: Iterable[float], ranges: Sequence[float] = GOOD, late: float = 0.0, **more: Any) -> list[Any]:
+    """Scans with stamps at these times, logged so much later."""
+    return [(seconds + late, sweeps.scan(sweeps.START_NS + round(seconds * 1e9), ranges, **more)) for seconds in times]
+
+
+def steady(start: float, stop: float, hz: float = 10.0) -> list[float]:
+    return [start + i / hz for i in range(round((stop - start) * hz))]
+
+
+@pytest.fixture
+def report(tmp_path: Path) -> Callable[..., Any]:
+    def examined(scans: Iterable[Any], **more: Any) -> Any:
+        with robowidgets.open(sweeps.write(tmp_path / "drive", scans, **more)) as recording:
+            return recording.doctor()
+
+    return examined
+
+
+def lines(report: Any) -> list[str]:
+    assert all(len(str(problem)) <= LONGEST for problem in report.problems)
+    assert all(problem.remedy for problem in report.problems)
+    return [problem.what for problem in report.problems]
+
+
+class TestTable:
+    def test_a_sound_recording_has_its_numbers_in_columns_and_no_problem(self, report: Callable[..., Any]) -> None:
+        sound = report(taken(steady(0, 10)))
+        head, names, row, end = repr(sound).splitlines()
+        assert head.endswith("9.9 s, from 2023-11-14 22:13:20 UTC, 1 topic, 100 messages")
+        assert re.split("  +", names.strip()) == HEADS
+        assert re.split("  +", row.strip()) == ROW
+        assert end == "no problems found"
+        assert "no problems found" in sound._repr_html_()
+
+    def test_a_clockwise_scanner_is_named_and_is_no_problem(self, report: Callable[..., Any]) -> None:
+        clockwise = report(taken(steady(0, 3), angle_min=1.5, increment=-0.1))
+        assert "85.9° to 28.6°, clockwise" in repr(clockwise)
+        assert lines(clockwise) == []
+
+    def test_a_program_gets_numbers_and_json(self, report: Callable[..., Any]) -> None:
+        sound = report(taken(steady(0, 10)))
+        (scan,) = sound.topics
+        assert scan.timing.step == pytest.approx(0.1)
+        assert (scan.timing.lost, scan.ray_counts, scan.frame_ids) == (0, {11: 100}, ("laser",))
+        assert scan.geometry == pytest.approx((-0.5, 0.1, 0.1, 30.0))
+        told = json.loads(json.dumps(sound.to_dict()))
+        assert told["topics"][0]["geometry"]["range_max"] == 30.0
+        assert told["problems"] == []
+
+
+class TestTiming:
+    def test_lost_scans_are_counted_by_their_stamps(self, report: Callable[..., Any]) -> None:
+        times = [time for i, time in enumerate(steady(0, 20)) if i % 20 != 7]
+        found = report(taken(times))
+        assert found.topics[0].timing.lost == 10
+        assert lines(found) == ["/scan: 10 of 200 samples were lost"]
+
+    def test_bursts_of_the_recorder_are_no_loss(self, report: Callable[..., Any]) -> None:
+        times = steady(0, 20)
+        scans = [(np.ceil(seconds) + i * 1e-3, raw) for i, (seconds, raw) in enumerate(taken(times))]
+        assert lines(report(scans)) == []
+
+    def test_a_scanner_without_a_beat_loses_nothing_that_anybody_knows_of(self, report: Callable[..., Any]) -> None:
+        steps = np.random.default_rng(1).uniform(0.05, 0.4, 200)
+        found = report(taken(np.cumsum(steps).tolist()))
+        assert found.topics[0].timing.lost is None
+        assert lines(found) == []
+
+    def test_a_pause_and_a_rate_that_falls_are_named_with_their_start(self, report: Callable[..., Any]) -> None:
+        times = [*steady(0, 20), *steady(20, 30, hz=4), *steady(30, 40), *steady(45, 50)]
+        found = report(taken(times))
+        lost, slow, pause = lines(found)
+        assert lost.endswith("samples were lost")
+        assert slow.startswith("/scan: less than half of its usual 10.0 Hz for 11.")
+        assert slow.endswith("s, first from 19.40 s on")
+        assert pause == "/scan: nothing came once, for up to 5.1 s, first from 39.90 s on"
+
+    @pytest.mark.parametrize(
+        ("late", "said"), [(0.5, []), (40.0, ["/scan: stamps are 40.0 s behind the recorder's clock"])]
+    )
+    def test_stamps_by_another_clock_are_named(self, report: Callable[..., Any], late: float, said: list[str]) -> None:
+        assert lines(report(taken(steady(0, 5), late=late))) == said
+
+    def test_stamps_of_a_simulation_are_meant_so(self, report: Callable[..., Any]) -> None:
+        scans = [(seconds, sweeps.scan(round((seconds + 1) * 1e9), GOOD)) for seconds in steady(0, 5)]
+        assert lines(report(scans)) == []
+
+
+class TestScans:
+    def test_a_header_that_lies_is_named_once_for_all(self, report: Callable[..., Any]) -> None:
+        found = report(taken(steady(0, 5), [2.0] * 7))
+        assert lines(found) == ["/scan: 7 rays, but the header implies 11 (angle_max 28.6°)"]
+
+    def test_what_is_odd_in_some_scans_is_named_with_their_number(self, report: Callable[..., Any]) -> None:
+        times = steady(0, 10)
+        some = [*taken(times[:40]), *taken(times[40:50], [40.0] * 6 + [2.0] * 5), *taken(times[50:])]
+        said = "/scan: a third or more of the rays lie beyond range_max (30 m) (in 10 of 100 scans, first at 4.00 s)"
+        assert lines(report(some)) == [said]
+
+    def test_single_scans_without_a_reading_are_no_problem_of_the_recording(self, report: Callable[..., Any]) -> None:
+        times = steady(0, 10)
+        assert lines(report([*taken(times[:1], [float("nan")] * 11), *taken(times[1:])])) == []
+
+    def test_frames_are_named_where_they_are_several_or_empty(self, report: Callable[..., Any]) -> None:
+        times = steady(0, 4)
+        mixed = [*taken(times[:20], frame_id="front"), *taken(times[20:], frame_id="")]
+        found = report(mixed)
+        assert found.topics[0].frame_ids == ("front", "")
+        assert lines(found) == [
+            "/scan: frame_id is empty (in 20 of 40 scans, first at 2.00 s)",
+            "/scan: scans of 2 frames: front, (empty)",
+        ]
+
+
+def test_topics_that_never_came_are_named_but_for_those_that_are_always_there(report: Callable[..., Any]) -> None:
+    silent = ["/scan_rear", "/bump", "/rosout", "/parameter_events", "/add/_service_event"]
+    assert lines(report(taken(steady(0, 3)), silent=silent)) == ["/scan_rear, /bump: no message came"]
+
+
+def test_problems_of_the_file_come_first_with_a_remedy(tmp_path: Path) -> None:
+    whole = sweeps.write(tmp_path / "drive", taken(steady(0, 30)))
+    data = next(whole.glob("*.mcap")).read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(data[: len(data) * 2 // 3])
+    with robowidgets.open(cut) as recording:
+        first, *_ = recording.doctor().problems
+        assert first.what == recording.problems[0]
+        assert first.remedy.startswith("robowidgets repair")
+
+
+def test_a_closed_recording_is_refused() -> None:
+    recording = robowidgets.open(robowidgets.SAMPLE)
+    recording.close()
+    with pytest.raises(RecordingError, match="is closed"):
+        recording.doctor()
+
+
+@pytest.mark.parametrize("name", [name for name in TOLD if name.startswith(("good/", "odd/"))])
+def test_there_is_no_false_alarm_on_real_recordings(data: Path, name: str) -> None:
+    with robowidgets.open(data / name) as recording:
+        found = recording.doctor()
+        own = [problem.what for problem in found.problems if problem.what not in recording.problems]
+    expected = {
+        "odd/stamps_a_year_off.bag": [
+            "/training_scan: nothing came 3 times, for up to 9.9 s, first from 0.04 s on",
+            "/training_scan: stamps are 380.3 days behind the recorder's clock",
+        ],
+        "odd/every_ros2_type_mcap": [
+            "/test/sensor_msgs/laser_scan: 5 rays, but the header implies 315 (angle_max 90.0°)"
+        ],
+    }
+    assert own == expected.get(name, [])
