@@ -19,7 +19,7 @@ from ._core.traits import Flag, bytes_trait
 from .samples import AXES, Scan
 from .samples.scan_problems import of_ranges
 from .scanogram.clock import Clock
-from .scanogram.levels import BUDGET, Levels
+from .scanogram.levels import BUDGET, MEDIAN, NEAREST, Levels
 from .scanogram.page_parts import detail, overview
 from .scanogram.scans import Scans, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
@@ -59,7 +59,9 @@ class ScanogramWidget(SavesPng, NamedWidget):
         selection: (start, end) in seconds from the start, end not included; with rays (start, end, first, stop), index
             stop not included; or None. The view writes it too. ``recording[selection]`` gives its samples.
         view: (start, end) in seconds, the time on show; None: all of it. The view writes it too.
-        color_range: (near, far) in metres, the ends of the colours; None: fit to the readings.
+        color_range: (near, far) in metres, the ends of the colours; None: fit to the readings on show.
+        pixel: what is shown where several scans or rays share a pixel: "nearest", so that nothing near is lost, or
+            "median", so that what was there most of the time is seen. The view writes it too.
         marks: (start, end, text) in seconds from the start, of what is marked above the scans, or what
             `Recording.find` gives; keys n and p go from one to the next.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
@@ -85,7 +87,10 @@ class ScanogramWidget(SavesPng, NamedWidget):
     selection = TimeSpan(rays=True, help="Seconds, and indices of rays. Python and the view write it.").tag(sync=True)
     view = TimeSpan(help="Seconds on show; None: all. Python and the view write it.").tag(sync=True)
     color_range = traitlets.Tuple(
-        traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True, help="Metres, near and far."
+        traitlets.Float(), traitlets.Float(), default_value=None, allow_none=True, help="Metres; None: fit."
+    ).tag(sync=True)
+    pixel = traitlets.Enum(
+        (NEAREST, MEDIAN), NEAREST, help="Which of the readings that share a pixel is shown; the view writes it too."
     ).tag(sync=True)
     marks = Marks(help="What is marked above the scans: (start, end, text), in seconds from the start.").tag(sync=True)
 
@@ -273,7 +278,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
             "duration": picture.duration,
             "pause": clock.pause,
             "class_counts": levels.counts.tolist(),
-            "colors": levels.near_and_far,
+            "pixel": self.pixel,
         }
         if speed:
             part = speed.part(0, picture.duration)
@@ -284,7 +289,12 @@ class ScanogramWidget(SavesPng, NamedWidget):
         if touch:
             facts["touch"] = {"title": touch.title, "sensors": touch.sensors}
             arrays["touches"] = touch.spans
-        return overview(levels, clock).pack(facts, **arrays)
+        return overview(levels, clock, self.pixel).pack(facts, **arrays)
+
+    @traitlets.observe("pixel")
+    def _on_pixel(self, _change: Any) -> None:
+        if self._picture is not None:
+            self._draw(self._picture)
 
     @traitlets.observe("_wanted")
     def _look_closer(self, change: Any) -> None:
@@ -298,7 +308,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
             part = picture.speed.part(start, end)
             arrays |= {"speed_starts": part.starts, "speeds": part.extremes}
         try:
-            cells = detail(picture.levels, picture.clock, start, end, int(columns))
+            cells = detail(picture.levels, picture.clock, start, end, int(columns), self.pixel)
         except Exception as error:  # any error of reading the file again: the coarse picture stays
             self._about = {**self._about, "error": f"no finer detail: {error}"}
             self._log_once(f"no finer detail: {error}")

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Collection
 from itertools import islice
 
-import ipywidgets
-
+from .._core.progress import without_bars
 from .._core.tables import many
 from ..recordings import RecordingData
 from ..repair import RecordingError
 from ..samples import Scan
+from ..scanogram.levels import Levels
+from ..scanogram.scans import ScansInMemory, Sweep
 from ..scanogram_widget import ScanogramWidget
-from .scanogram import scanogram
+from .scanogram import MEMORY_BYTES, scanogram
 
-MOST_READINGS = 100_000_000
-"""Most readings of a scanogram that is made without a request: making it reads them all."""
+LONGEST = 10.0
+"""Seconds for which a scanogram is made without a request: making it reads all scans."""
+
+FEW = 5_000_000
+"""Readings that take no time worth measuring."""
 
 _LOOKED_AT = 20
+
+_MEASURED = 0.2
+"""Seconds for which scans are read to measure how many fit into a second."""
 
 
 def whole_drive(
@@ -39,9 +47,8 @@ def whole_drive(
     reason = _too_long(recording, topic) if wanted is None else ""
     if reason:
         return None, reason
-    layout = ipywidgets.Layout(margin="0 4px", width="calc(100% - 8px)")
     try:
-        return scanogram(recording, topic, beside, layout=layout), ""
+        return scanogram(recording, topic, beside), ""
     except RecordingError:
         if wanted:
             raise
@@ -54,7 +61,26 @@ def _too_long(recording: RecordingData, topic: str) -> str:
     # The most rays of several scans: the first may be empty.
     firsts = islice(recording.samples(topic), _LOOKED_AT)
     rays = max((len(moment.sample) for moment in firsts if isinstance(moment.sample, Scan)), default=0)
-    if count * rays <= MOST_READINGS:
+    if count * rays <= FEW:
+        return ""
+    # What does not fit into memory is read once more.
+    times = 2 if 4 * count * rays > MEMORY_BYTES else 1
+    seconds = times * count * rays / readings_per_second(recording, topic)
+    if seconds <= LONGEST:
         return ""
     size = f"{many(count, 'scan')} of {many(rays, 'ray')}"
-    return f"no scanogram: {size} take a while; recording.show(scanogram=True) has it made"
+    return f"no scanogram: {size} take about {seconds:.0f} s; recording.show(scanogram=True) has it made"
+
+
+def readings_per_second(recording: RecordingData, topic: str) -> float:
+    """How many readings of a topic are read and put into levels in a second, measured for `_MEASURED` seconds."""
+    done, passed, began = 0, 0.0, time.perf_counter()
+    with without_bars():
+        for chunk in recording.scans(topic).chunks():
+            if chunk.ranges.size:
+                Levels(ScansInMemory(chunk.times_ns, [chunk.ranges]), Sweep.of(chunk.like))
+                done += chunk.ranges.size
+            passed = time.perf_counter() - began
+            if passed >= _MEASURED:
+                break
+    return done / passed if done else float("inf")

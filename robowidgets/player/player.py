@@ -22,17 +22,23 @@ from .._widget_choice import WidgetChoice, choose_widgets
 from ..find.silence import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
+from ..laser_widget import LaserWidget
 from ..player_widget import PlayerWidget
 from ..recordings import RecordingData
 from ..recordings.times import has_date
+from ..samples import Scan
 from ..scanogram_widget import ScanogramWidget
 from ._frames import Track
 from ._overview import whole_drive
 from ._prefetcher import SEGMENT, Prefetcher, segment
+from ._screen import on_one_screen
 
 _EARLY = 0.1
 _TINY = 1e-7
 _LOOKED_AT = 20
+_SMALL = 1 / 3
+"""Part of a scanner's range: a picture whose readings fill less is fitted to them."""
+
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 _VIEWER = "660px"
 """Minimum width: Rerun hides its time in less."""
@@ -95,8 +101,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         beside = [name for choice in shown for name in choice.topics]
         self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
         self.bar = self._make_bar(note)
-        above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
-        super().__init__([self._problems, *above, self._widgets()])
+        super().__init__([self._problems, *self._parts(bool(moves))])
         self.add_class("rw-recording")  # the bar takes the keys of this element
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
@@ -179,12 +184,17 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _complain(self, problem: str) -> None:
         self.bar._status = problem
 
-    def _widgets(self) -> ipywidgets.Box:
-        widgets = ipywidgets.Box(columns([view.widget for view in self.views]), layout=WIDE)
+    def _parts(self, moves: bool) -> list[ipywidgets.Widget]:
+        """The bar, if there is a time to move, and the widgets."""
+        widgets = [view.widget for view in self.views]
+        if moves and not self.rerun:
+            return [self.bar, on_one_screen(self.scanogram, widgets)]
+        above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
+        shown = ipywidgets.Box(columns(widgets), layout=WIDE)
         if not self.rerun:
-            return widgets
-        beside = ipywidgets.Box([widgets], layout={**_BESIDE, "flex": "2 1 380px"})
-        return ipywidgets.Box([self.rerun, beside], layout=WIDE)
+            return [*above, shown]
+        beside = ipywidgets.Box([shown], layout={**_BESIDE, "flex": "2 1 380px"})
+        return [*above, ipywidgets.Box([self.rerun, beside], layout=WIDE)]
 
     def _from_bar(self, change: Any) -> None:
         setattr(self, change["name"], change["new"])
@@ -237,7 +247,17 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
 
 def _view(recording: RecordingData, choice: WidgetChoice) -> View:
     widget = choice.make()
+    if isinstance(widget, LaserWidget) and _is_small(recording, choice.topic):
+        widget.view_range = "data"
     return View(widget, choice, _track(recording, choice, widget))
+
+
+def _is_small(recording: RecordingData, topic: str) -> bool:
+    """Whether the readings of the first scans fill less than `_SMALL` of what the scanner can see."""
+    first = [moment.sample for moment in islice(recording.samples(topic), _LOOKED_AT)]
+    scans = [sample for sample in first if isinstance(sample, Scan)]
+    readings = [distance for scan in scans for distance in scan.ranges[scan.valid].tolist()]
+    return bool(readings) and float(np.percentile(readings, 98)) < _SMALL * scans[0].range_max
 
 
 def _track(recording: RecordingData, choice: WidgetChoice, widget: Any) -> Track:

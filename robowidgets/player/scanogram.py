@@ -35,6 +35,9 @@ _FINER = 2
 
 _KNOWN = 1000
 
+_SURELY = 1.1
+"""Size of all scans, as the first ones foretell it, from which they surely take more than a limit."""
+
 
 class RayMapper:
     """Maps scans to the rays of one sweep. Scans with more rays than the sweep are left out: all their ranges are NaN.
@@ -177,10 +180,12 @@ def _about(likes: list[tuple[Scan, int]], mapper: RayMapper, by_angle: bool) -> 
 
 def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
     """All chunks, read once; None if their ranges take more than ``most`` bytes."""
-    chunks, size = [], 0
+    chunks, size, count = [], 0, 0
     for chunk in scans.chunks():
         size += chunk.ranges.nbytes
-        if size > most:
+        count += len(chunk)
+        # As soon as that is foreseen, so that they are not read in vain.
+        if size > most or size / count * len(scans) > _SURELY * most:
             return None
         chunks.append(chunk)
     return chunks

@@ -52,3 +52,20 @@ def fold(codes: Codes, count: int, axis: int = 0) -> Codes:
         return codes
     folded: Codes = np.minimum.reduceat(codes, range(0, codes.shape[axis], count), axis=axis)
     return folded
+
+
+def fold_median(codes: Codes, count: int, axis: int = 0) -> Codes:
+    """As `fold`, but the median of each ``count`` codes; of an even number, the lesser of the two in the middle."""
+    if count == 1 or codes.shape[axis] == 0:
+        return codes
+    by_row = codes if axis == 0 else codes.T
+    whole = len(by_row) // count * count
+    groups = by_row[:whole].reshape(-1, count, by_row.shape[1])
+    middle = (count - 1) // 2
+    folded = [np.partition(groups, middle, axis=1)[:, middle]]
+    if whole < len(by_row):
+        rest = by_row[whole:]
+        middle = (len(rest) - 1) // 2
+        folded.append(np.partition(rest, middle, axis=0)[middle : middle + 1])
+    joined = np.concatenate(folded)
+    return joined if axis == 0 else np.ascontiguousarray(joined.T)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from math import gcd
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._codes import FARTHEST, NO_SCAN, WITHOUT_READING, Codes, encode, fold
+from ._codes import FARTHEST, WITHOUT_READING, Codes, encode, fold, fold_median
 from .scans import Scans, Sweep
 
 BUDGET = 256 << 20
@@ -25,13 +25,14 @@ COARSEST = 256
 _FAR = 0.01 * FARTHEST
 """Metres up to which neighbouring codes are at most a centimetre apart."""
 
-_SAMPLED = 1 << 14
-_BIN = 4
-"""Bits by which a bin of the histogram is coarser than a code: a few thousand bins fit into the processor cache."""
+NEAREST, MEDIAN = "nearest", "median"
+"""Which code of each ray a cell contains: the least, or the median; of many scans, the median of medians."""
+
+_FOLDS: dict[str, Callable[..., Codes]] = {NEAREST: fold, MEDIAN: fold_median}
 
 
 class Levels:
-    """Scans in cells of ``2 ** level`` scans each; a cell contains the least code of each ray.
+    """Scans in cells of ``2 ** level`` scans each; a cell contains one code of each ray.
 
     Args:
         scans: the scans; read once from start to end, and again for fine levels.
@@ -46,71 +47,68 @@ class Levels:
         self.scans, self.sweep = scans, sweep
         self.far = sweep.range_max if sweep.range_max < _FAR else _farthest(scans, sweep)
         self.counts = np.zeros(1 + len(WITHOUT_READING), np.int64)
-        self._histogram = np.zeros((FARTHEST >> _BIN) + 1, np.int64)
         count = len(scans.times_ns)
         self._first = 0 if 4 * sweep.ray_count * count <= min(FEW, budget) else FIRST
         while 4 * sweep.ray_count * (count >> self._first) > budget:
             self._first += 1
-        self._kept: list[Codes] = [self._build()]
-        while len(self._kept[-1]) > COARSEST:
-            self._kept.append(fold(self._kept[-1], 2))
+        self._kept: dict[str, list[Codes]] = {}
+        self._levels(NEAREST)
 
     @property
     def last(self) -> int:
         """The coarsest level."""
-        return self._first + len(self._kept) - 1
+        return self._first + len(self._kept[NEAREST]) - 1
 
-    def codes(self, level: int, start: int, stop: int) -> Codes:
+    def codes(self, level: int, start: int, stop: int, pixel: str = NEAREST) -> Codes:
         """The codes of the cells ``start`` to ``stop - 1`` of a level: shape (stop - start, rays)."""
         if level >= self._first:
-            return self._kept[level - self._first][start:stop]
+            return self._levels(pixel)[level - self._first][start:stop]
         size = 1 << level
-        return fold(self._encode(self.scans.read(start * size, stop * size)), size)
+        return folded(self._encode(self.scans.read(start * size, stop * size)), size, pixel)
 
-    @property
-    def near_and_far(self) -> tuple[float, float]:
-        """The distances in metres between which nearly all readings lie, for the scale of colours.
+    def _levels(self, pixel: str) -> list[Codes]:
+        """The levels that are kept; those of medians are made when they are first wanted."""
+        levels = self._kept.get(pixel)
+        if levels is None:
+            count = -(-len(self.scans.times_ns) // (1 << self._first))
+            first = np.empty((count, self.sweep.ray_count), np.uint16)
+            at = 0
+            for cells in self._cells(pixel):
+                first[at : at + len(cells)] = cells
+                at += len(cells)
+            levels, size = [first], 1
+            while len(levels[-1]) > COARSEST:
+                size *= 2
+                # The median of two is no median of them all: fold medians from the first level.
+                levels.append(fold(levels[-1], 2) if pixel == NEAREST else folded(first, size, pixel))
+            self._kept[pixel] = levels
+        return levels
 
-        From the nearest reading to the 99th percentile; range_min and `far` without a reading.
-        """
-        low, high = self.sweep.range_min, self.far
-        counts = self._histogram
-        if not counts.any():
-            return low, high
-        near = int(self._kept[-1].min())
-        far = int(np.searchsorted(np.cumsum(counts), 0.99 * counts.sum()) + 1) << _BIN
-        step = (high - low) / FARTHEST
-        return low + near * step, min(high, low + max(far, near + 1) * step)
-
-    def _build(self) -> Codes:
-        """Make the first level that is kept, and count the codes meanwhile."""
-        size = 1 << self._first
-        cells = -(-len(self.scans.times_ns) // size)
-        kept = np.full((cells, self.sweep.ray_count), NO_SCAN, np.uint16)
-        every = _step(self.sweep.ray_count, cells * size)
-        at = 0
+    def _cells(self, pixel: str) -> Iterator[Codes]:
+        """The cells of the first level that is kept; the codes are counted meanwhile, the first time."""
+        size, counted = 1 << self._first, bool(self._kept)
+        rest = np.empty((0, self.sweep.ray_count), np.uint16)
         for ranges in self.scans.chunks():
             codes = self._encode(ranges)
-            self._count(codes, every)
-            ahead = min(-at % size, len(codes))
-            if ahead:
-                cell = at // size
-                np.minimum(kept[cell], codes[:ahead].min(axis=0), out=kept[cell])
-            if ahead < len(codes):
-                folded = fold(codes[ahead:], size)
-                first = (at + ahead) // size
-                kept[first : first + len(folded)] = folded
-            at += len(codes)
-        return kept
+            if not counted:
+                self._count(codes)
+            codes = np.concatenate((rest, codes)) if len(rest) else codes
+            whole = len(codes) // size * size
+            yield folded(codes[:whole], size, pixel)
+            rest = codes[whole:]
+        yield folded(rest, size, pixel)
 
     def _encode(self, ranges: NDArray[np.float32]) -> Codes:
         return encode(ranges, self.sweep.range_min, self.far)
 
-    def _count(self, codes: Codes, every: int) -> None:
+    def _count(self, codes: Codes) -> None:
         without = [int(np.count_nonzero(codes == code)) for code in WITHOUT_READING]
         self.counts += [codes.size - sum(without), *without]
-        binned = np.bincount(codes.ravel()[::every] >> _BIN, minlength=len(self._histogram))
-        self._histogram += binned[: len(self._histogram)]
+
+
+def folded(codes: Codes, count: int, pixel: str, axis: int = 0) -> Codes:
+    """One code of each ``count`` along an axis: the least or the median."""
+    return _FOLDS[pixel](codes, count, axis)
 
 
 def _farthest(scans: Scans, sweep: Sweep) -> float:
@@ -119,11 +117,3 @@ def _farthest(scans: Scans, sweep: Sweep) -> float:
     for ranges in scans.chunks():
         far = float(ranges.max(initial=far, where=ranges <= sweep.range_max))
     return far if far > sweep.range_min else sweep.range_min + _FAR
-
-
-def _step(rays: int, scans: int) -> int:
-    """A step for sampling the codes that visits all rays in turn."""
-    step = max(1, rays * scans // _SAMPLED)
-    while gcd(step, rays) > 1:
-        step += 1
-    return step

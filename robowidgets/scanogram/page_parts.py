@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._codes import fold
 from .clock import Clock
-from .levels import Levels
+from .levels import NEAREST, Levels, folded
 
 OVERVIEW_BYTES = 1_000_000
 """Most bytes of the overview, which is sent at once and kept in a saved notebook."""
@@ -49,18 +48,18 @@ class Part(NamedTuple):
         return pack({**facts, **own}, starts=self.starts, ends=self.ends, cells=self.cells, **arrays)
 
 
-def overview(levels: Levels, clock: Clock) -> Part:
+def overview(levels: Levels, clock: Clock, pixel: str = NEAREST) -> Part:
     """The whole scanogram, as finely as `OVERVIEW_BYTES` allow."""
-    return _part(levels, clock, 0, len(clock), 0, OVERVIEW_BYTES)
+    return _part(levels, clock, pixel, 0, len(clock), 0, OVERVIEW_BYTES)
 
 
-def detail(levels: Levels, clock: Clock, start: float, end: float, columns: int) -> Part:
+def detail(levels: Levels, clock: Clock, start: float, end: float, columns: int, pixel: str = NEAREST) -> Part:
     """The part between two times in seconds, and a little beside it, in ``columns`` cells or more if there are."""
     first, stop = clock.between(start, end)
     wanted = max(0, ((stop - first) // max(1, min(columns, MOST_COLUMNS))).bit_length() - 1)
     margin = _MARGIN * (end - start)
-    wide = _part(levels, clock, *clock.between(start - margin, end + margin), wanted, DETAIL_BYTES)
-    return wide if wide.level == wanted else _part(levels, clock, first, stop, wanted, DETAIL_BYTES)
+    wide = _part(levels, clock, pixel, *clock.between(start - margin, end + margin), wanted, DETAIL_BYTES)
+    return wide if wide.level == wanted else _part(levels, clock, pixel, first, stop, wanted, DETAIL_BYTES)
 
 
 def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
@@ -74,7 +73,7 @@ def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
     return b"".join((_LENGTH.pack(len(text)), text, *(a.data for a in little.values())))
 
 
-def _part(levels: Levels, clock: Clock, first: int, stop: int, level: int, most: int) -> Part:
+def _part(levels: Levels, clock: Clock, pixel: str, first: int, stop: int, level: int, most: int) -> Part:
     """The scans ``first`` to ``stop - 1``, at the level or the first coarser one that fits in ``most`` bytes."""
     ray_step = max(1, -(-levels.sweep.ray_count // MOST_RAYS))
     rays = -(-levels.sweep.ray_count // ray_step)
@@ -83,5 +82,7 @@ def _part(levels: Levels, clock: Clock, first: int, stop: int, level: int, most:
     start, end = first >> level, -(-stop >> level)
     starts, ends = clock.cells(level, start, end)
     exact = level == 0 and ray_step == 1 and 4 * rays * (stop - first) <= most
-    cells = levels.scans.read(first, stop) if exact else fold(levels.codes(level, start, end), ray_step, axis=1)
+    if exact:
+        return Part(level, start << level, ray_step, starts, ends, levels.scans.read(first, stop))
+    cells = folded(levels.codes(level, start, end, pixel), ray_step, pixel, axis=1)
     return Part(level, start << level, ray_step, starts, ends, cells)

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, expect
 
-from robowidgets.player import _overview as _whole_drive
+import robowidgets
+from robowidgets.player import _overview
 
 from ..unit.recordings import robot, sweeps
 from ..unit.waiting import wait_for
@@ -189,10 +190,11 @@ def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
 def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(
     plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_whole_drive, "MOST_READINGS", 10)
+    monkeypatch.setattr(_overview, "FEW", 10)
+    monkeypatch.setattr(_overview, "readings_per_second", lambda *_: 5.0)
     nb = opened(plain_page, robot.write(tmp_path / "drive"))
     note = bar(nb).locator(".rw-play-note")
-    words = "no scanogram: 100 scans of 1 ray take a while; recording.show(scanogram=True) has it made"
+    words = "no scanogram: 100 scans of 1 ray take about 20 s; recording.show(scanogram=True) has it made"
     expect(note).to_have_text(words)
     expect(nb.output(1).locator(".rw-scanogram")).to_have_count(0)
     for width in (1000, 300):
@@ -203,7 +205,7 @@ def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(
 
 def test_a_command_alone_is_not_shown_as_measured(plain_page: Open, tmp_path: Path) -> None:
     show = "player = recording.show('/scan', '/cmd_vel')\nplayer.time = 7\nplayer"
-    nb = opened(plain_page, robot.write(tmp_path / "drive"), show)
+    nb = opened(plain_page, robot.write(tmp_path / "drive"), show, width=800)
     speed = nb.output(1).locator(".rw-speed")
     expect(speed.locator(".rw-facts")).to_have_text("commanded")
     expect(speed.locator("[data-axis='0'] .rw-value")).to_have_text("0.70")
@@ -258,7 +260,7 @@ def test_a_click_on_the_whole_drive_moves_all(notebook: Open, data: Path) -> Non
     before = now(nb)
     picture.click(position={"x": 500, "y": 100})
     passes(nb, before + 5)
-    shown = nb.output(1).locator(".rw-scanogram .rw-footer")
+    shown = nb.output(1).locator(".rw-scanogram .rw-scanogram-cursor")
     expect(shown).to_contain_text(f"{now(nb):.2f} s")
     clicked = now(nb)
     nb.page.keyboard.press(".")
@@ -291,7 +293,7 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
     picture.scroll_into_view_if_needed()
     box = picture.bounding_box() or {}
     touch = nb.page.context.new_cdp_session(nb.page)
-    finger = {"type": "touchStart", "touchPoints": [{"x": box["x"] + 700, "y": box["y"] + 50}]}
+    finger = {"type": "touchStart", "touchPoints": [{"x": box["x"] + 600, "y": box["y"] + 50}]}
     fetches(lambda: touch.send("Input.dispatchTouchEvent", finger))
     touch.send("Input.dispatchTouchEvent", {"type": "touchCancel", "touchPoints": []})
     fetches(lambda: bar(nb).locator("input").hover(position={"x": 400, "y": 10}))
@@ -382,23 +384,86 @@ def test_a_cell_that_runs_again_replaces_its_player(notebook: Open, data: Path) 
     expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
 
 
-INSIDE = """output => [output, ...output.querySelectorAll(".rw-card")].map(
-    element => element.getBoundingClientRect().right
-)"""
+BOXES = """() => [...document.querySelectorAll(".rw-recording, .rw-recording .rw-card")].map(element => {
+    const { x, y, width, height } = element.getBoundingClientRect();
+    const [, kind] = element.className.match(/rw-(recording|player|scanogram|laser|speed|touch)(?!-)/);
+    return [kind, [x, y, width, height]];
+})"""
 
 
-def test_it_fits_wide_and_narrow_pages(notebook: Open, data: Path) -> None:
-    show = (
-        "player = recording.show()\nplayer.selection = (20, 25)\n"
-        "player.marks = [(21.96, 22.4, 'bump'), (28, 29, 'late')]\nplayer"
-    )
+def boxes(nb: Notebook | PlainPage) -> dict[str, list[float]]:
+    """Left, top, width and height of the recording and of its cards."""
+    nb.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    found: dict[str, list[float]] = dict(nb.page.evaluate(BOXES))
+    return found
+
+
+MARKED = (
+    "player = recording.show()\nplayer.selection = (20, 25)\n"
+    "player.marks = [(21.96, 22.4, 'bump'), (28, 29, 'late')]\nplayer.time = 22\nplayer"
+)
+
+
+def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
+    nb = opened(plain_page, Path(robowidgets.SAMPLE), MARKED, height=720)
     for theme in ("light", "dark"):
-        nb = opened(notebook, data / "good" / "neato_fsm", show, scale=1, theme=theme)
-        to_time(nb, 22)
-        expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
-        shoot(nb.output(0), f"recording-table-{theme}")
-        for width in (1750, 1400, 700, 480, 380):
-            nb.page.set_viewport_size({"width": width, "height": 1400})
+        nb.theme(theme)
+        for width, height in ((1143, 562), (1300, 562), (900, 562)):
+            nb.resize(width, 720)
+            at = boxes(nb)
+            assert at["recording"][2:] == [width, height]
+            assert at["player"][3] == 40
+            left, right = at["scanogram"], at["laser"]
+            assert left[2] / right[2] == pytest.approx(62 / 38, abs=0.01)
+            assert left[1] == right[1]
+            assert right[1] + right[3] == at["speed"][1] + at["speed"][3] == at["touch"][1] + at["touch"][3]
+            assert at["speed"][3] == at["touch"][3] == 172
+            for card in nb.output(1).locator(".rw-card").all():
+                assert card.evaluate("card => card.scrollWidth <= card.clientWidth + 1")
             shoot(nb.output(1), f"recording-show-{theme}-{width}")
-            edges = nb.output(1).evaluate(INSIDE)
-            assert max(edges[1:]) <= edges[0], f"at {width} px it is wider than its place"
+        nb.resize(1500, 900)
+        assert boxes(nb)["recording"][3] == 742, "on a high window it is higher"
+        nb.resize(400, 720)
+        at = boxes(nb)
+        tops = [at[name][1] for name in ("player", "laser", "scanogram", "speed", "touch")]
+        assert tops == sorted(tops), "below 900 px the rays stand under the bar"
+        assert all(width <= 400 for _, _, width, _ in at.values())
+        shoot(nb.output(1), f"recording-show-{theme}-400")
+    words, walk = nb.output(1).locator(".rw-play-mark-words"), nb.output(1).locator(".rw-play-walk button")
+    expect(words).to_contain_text("mark 1 of 2: bump")
+    walk.last.click()
+    expect(words).to_contain_text("mark 2 of 2: late")
+    for mark in nb.output(1).locator(".rw-play-mark").all():
+        assert (mark.bounding_box() or {"width": 0})["width"] >= 3
+    nb.page.emulate_media(forced_colors="active")
+    nb.resize(1143, 720)
+    shoot(nb.output(1), "recording-show-forced-1143")
+
+
+def test_pointing_at_the_scanogram_shows_that_moment_everywhere_while_a_cell_runs(notebook: Open) -> None:
+    nb = opened(notebook, Path(robowidgets.SAMPLE), "player = recording.show()\nplayer", width=1280, height=720)
+    nb.python("import time\nplayer.time = 24.1\nwhile len(player._prefetcher._sent) < 58: time.sleep(0.05)")
+    assert boxes(nb)["recording"][3] == 562
+    shown = nb.output(1)
+    nearest, value = shown.locator(".rw-laser .rw-nearest"), shown.locator(".rw-speed [data-axis='0'] .rw-value")
+    tile = shown.locator(".rw-tile", has_text="right")
+    expect(nearest).to_contain_text("73.2°")
+    nb.start(nb.append(BUSY))
+    picture = shown.locator(".rw-scanogram .rw-picture")
+    box = picture.bounding_box() or {"width": 0}
+    left = 64 + 13.05 / 58.1 * (box["width"] - 80)
+    picture.hover(position={"x": left, "y": 100})
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("13.00")
+    expect(nearest).not_to_contain_text("73.2°")
+    ring = shown.locator(".rw-laser .rw-popup:visible .rw-popup-expression")
+    expect(ring).to_have_text(shown.locator(".rw-scanogram .rw-popup-expression").inner_text())
+    pointed = (nearest.inner_text(), value.inner_text(), tile.inner_text())
+    nb.page.mouse.move(5, 5)
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("24.10")
+    expect(nearest).to_contain_text("73.2°")
+    expect(ring).to_have_count(0)
+    picture.click(position={"x": left, "y": 100})
+    nb.page.mouse.move(5, 5)
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("13.00")
+    assert (nearest.inner_text(), value.inner_text(), tile.inner_text()) == pointed
+    nb.interrupt()

@@ -37,7 +37,7 @@ done = threading.Event()
 while not done.is_set():
     pass
 """
-LEFT, RIGHT, TOP = 64, 16, 14
+LEFT, RIGHT, TOP = 64, 16, 16
 
 
 def card_of(nb: Notebook) -> Locator:
@@ -55,8 +55,8 @@ def at(card: Locator, seconds: float, view: tuple[float, float] = (0, 400), y: f
 
 
 def height_of(card: Locator, index: int) -> float:
-    """Where a ray stands in the picture: 20 pixels below it are the touches, 24 the axis."""
-    height = picture_of(card).evaluate("(picture) => picture.clientHeight") - TOP - 24 - 20
+    """Where a ray stands in the picture: 18 pixels below it are the touches, 24 the axis."""
+    height = picture_of(card).evaluate("(picture) => picture.clientHeight") - TOP - 24 - 18
     return float(TOP + (1 - (index + 0.5) / 181) * height)
 
 

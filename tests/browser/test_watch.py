@@ -125,7 +125,7 @@ def test_what_was_found_stands_in_rows_that_lead_there(plain_page: Callable[...,
     card = nb.output(0).locator(".rw-player")
     rows = card.locator(".rw-play-row")
     expect(rows.first).to_be_hidden()
-    card.locator("summary").press("Space")
+    card.locator(".rw-play-mark-words").press("Space")
     assert nb.python("print(player.playing)").strip() == "False", "the key opens the list, and plays nothing"
     spans = nb.python(
         "print(*(f'{s.start:.2f} {s.index}' for s in recording.find(conditions.nearest_below(0.25, 'front'))))"

@@ -4,6 +4,7 @@ import { actionOf, isBarsAlone, usesItself } from "../../robowidgets/js/player/k
 import { type Moved, Playback } from "../../robowidgets/js/player/playback.ts";
 import { decodeFrames, Segments } from "../../robowidgets/js/player/segments.ts";
 import { toClock } from "../../robowidgets/js/shared/format.ts";
+import { describeMark } from "../../robowidgets/js/shared/marks.ts";
 import { FakeModel } from "./models.ts";
 
 /** Stills as Python packs them, amid the bytes of a larger message. */
@@ -280,7 +281,7 @@ test("where a person points on another widget is asked for within the recording,
   t.mock.timers.enable({ apis: ["setTimeout"] });
   const { follower, playback, state, sent, give, end } = await play({ duration: 9 });
   for (const pointed of [7.2, 1.5, 8.4, null, 12]) {
-    follower.set("_pointed", pointed);
+    follower.set("_pointed", pointed === null ? null : { time: pointed, ray: null });
     t.mock.timers.tick(pointed === 8.4 ? 10 : 50);
     if (pointed === 7.2) give(7);
   }
@@ -289,6 +290,32 @@ test("where a person points on another widget is asked for within the recording,
   follower.set("time", 7.2);
   assert.ok(!playback.waits);
   assert.deepEqual(state._about, { frame_id: "7" });
+  end();
+});
+
+test("every widget shows the moment of what a person points at, and its ray, until the pointer leaves", async () => {
+  const { fake, follower, playback, state, pass, end } = await play({}, [0, 2]);
+  const shows = () => [(state._about as { frame_id: string }).frame_id, state.hovered ?? null, playback.shown];
+  follower.set("_pointed", { time: 2.75, ray: 4 });
+  assert.deepEqual(shows(), ["2", 4, 2.75]);
+  assert.deepEqual([playback.time, follower.get("time"), fake.get("time")], [0, 0, 0], "the time stays");
+  follower.set("_pointed", { time: 1.5, ray: 5 });
+  assert.deepEqual(shows(), ["0", null, 0], "what the page lacks is not mixed with a ray of another moment");
+  follower.set("_pointed", { time: 2.5, ray: null });
+  assert.deepEqual(shows(), ["2", null, 2.5]);
+  follower.set("_pointed", null);
+  assert.deepEqual(shows(), ["0", null, 0]);
+  follower.set("_pointed", { time: 2.5, ray: 4 });
+  follower.set("time", 2.5);
+  follower.set("_pointed", null);
+  assert.deepEqual([shows(), playback.time], [["2", null, 2.5], 2.5], "a click keeps it");
+  follower.set("_pointed", { time: 0.25, ray: null });
+  playback.step(-1);
+  assert.equal(playback.shown, 2, "a step is shown though the pointer rests");
+  playback.toggle();
+  follower.set("_pointed", { time: 0.5, ray: null });
+  pass(100);
+  assert.equal(playback.shown, playback.time, "playing goes on under the pointer");
   end();
 });
 
@@ -360,4 +387,18 @@ test("who types or walks a list needs every key, and who is on a button space", 
   assert.deepEqual(used(focused("div", true)), [" ", "l", "."]);
   assert.deepEqual(used(focused("button")), [" "]);
   assert.deepEqual(used(focused("div")), []);
+});
+
+test("the words say which mark of how many a time lies in or after", () => {
+  const marks: [number, number, string][] = [
+    [1, 2, "bump"],
+    [5, 5, ""],
+  ];
+  const said = [0.5, 1, 1.5, 4.996, 9].map((time) => Object.values(describeMark(marks, time)));
+  const [first, second] = [
+    ["mark 1 of 2", "bump"],
+    ["mark 2 of 2", ""],
+  ];
+  assert.deepEqual(said, [["2 marks", ""], first, first, second, second]);
+  assert.equal(describeMark([[1, 2, "x"]], 0).number, "1 mark");
 });

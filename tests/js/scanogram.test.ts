@@ -4,7 +4,7 @@ import { moved, timeTicks, toTime, toX, zoomed } from "../../robowidgets/js/scan
 import { Blocks, cellAt } from "../../robowidgets/js/scanogram/blocks.ts";
 import * as data from "../../robowidgets/js/scanogram/data.ts";
 import { layOut } from "../../robowidgets/js/scanogram/layout.ts";
-import { toRaster } from "../../robowidgets/js/scanogram/paint.ts";
+import { fitColors, toRaster } from "../../robowidgets/js/scanogram/paint.ts";
 import { angleTicks, selectedRays, toRows } from "../../robowidgets/js/scanogram/rows.ts";
 import { runs } from "../../robowidgets/js/scanogram/scene.ts";
 import { State } from "../../robowidgets/js/scanogram/state.ts";
@@ -51,7 +51,7 @@ function coarse(edition = 1): DataView {
       ray_count: 21,
       edition,
     },
-    ...{ scan_count: 800, duration: 80, pause: 0.1, class_counts: [16800, 0, 0, 0, 0], colors: [0.5, 5] },
+    ...{ scan_count: 800, duration: 80, pause: 0.1, class_counts: [16800, 0, 0, 0, 0], pixel: "nearest" },
     ...{ level: 3, first: 0, ray_step: 1 },
   };
   return pack(facts, { ...cells(100, 0.8), cells: codes });
@@ -102,6 +102,7 @@ test("a ray is the nearest of several scans until the scans are known", () => {
   assert.deepEqual([near?.scan, near?.scans, near?.exact], [325, 1, true]);
   assert.equal(near?.range, Math.fround(0.512));
   assert.match(describePlace(near as never, 0, SWEEP).details, /32\.50 s {2}scan 325/);
+  assert.match(describePlace(far as never, 0, SWEEP, "median").details, /median of 8 scans/);
   assert.equal(blocks.at(80.5, 6), null, "after the last scan there is none");
 });
 
@@ -178,6 +179,56 @@ test("columns that are known more finely are painted so, and where there is no s
   );
 });
 
+test("a pixel shows the median of what shares it, and no scan counts for nothing", () => {
+  const codes = Uint16Array.of(5, 9, 7, 1, data.NO_SCAN, 3, data.NOTHING_IN_RANGE, 2, data.NOTHING_IN_RANGE);
+  const block = { size: 1, first: 0, rayStep: 1, rays: 3, codes, ranges: new Float32Array() };
+  const { starts, ends } = cells(3, 1);
+  const rows = toRows({ ...SWEEP, count: 3 });
+  const shown = (width: number, height: number, pixel: "nearest" | "median") =>
+    Array.from(toRaster([{ ...block, startsAt: starts, endsAt: ends }], rows, [0, 3], width, height, pixel).codes);
+  // Ray 2 is above: 7, 3, nothing. Ray 1: 9, no scan, 2. Ray 0: 5, 1, nothing.
+  assert.deepEqual(shown(1, 3, "median"), [7, 2, 5]);
+  assert.deepEqual(shown(1, 3, "nearest"), [3, 2, 1]);
+  assert.deepEqual(shown(3, 3, "median"), shown(3, 3, "nearest"), "where nothing is shared both are the same");
+  assert.deepEqual(shown(1, 1, "median"), [5], "rays that share a line, too");
+});
+
+test("colours are fitted to the readings on show, without the extreme hundredths", () => {
+  const raster = (...metres: number[]) => ({
+    width: metres.length,
+    height: 1,
+    codes: Uint16Array.from(metres, (range) => data.toCode(range, SWEEP)),
+  });
+  const near = (fitted: [number, number] | null) => fitted?.map((metres) => Math.round(100 * metres) / 100);
+  assert.deepEqual(near(fitColors(raster(2, 3, 4, Infinity, NaN), SWEEP)), [2, 4]);
+  assert.deepEqual(near(fitColors(raster(0.2, ...Array(200).fill(3), ...Array(200).fill(5), 9), SWEEP)), [3, 5]);
+  assert.equal(fitColors(raster(Infinity, -Infinity), SWEEP), null);
+});
+
+test("in a low picture the indices give way first, then the last speeds", () => {
+  const axes = ["linear.x", "linear.y", "angular.z"];
+  const whole = { ...known().whole, speed: { axes }, touch: {} } as unknown as data.Whole;
+  const laid = (height: number) => {
+    const { scans, indices, speeds, touch } = layOut({ width: 700, height }, whole, 0);
+    assert.ok(touch && scans.height >= 90, `${scans.height} at ${height}`);
+    return [indices, speeds.length];
+  };
+  assert.deepEqual(
+    [laid(380), laid(306), laid(240), laid(200), laid(160)],
+    [
+      [true, 3],
+      [false, 3],
+      [false, 2],
+      [false, 1],
+      [false, 0],
+    ],
+  );
+  assert.equal(
+    layOut({ width: 700, height: 306 }, { ...whole, speed: null } as data.Whole, 0).scans.height >= 200,
+    true,
+  );
+});
+
 test("angles grow upwards, and forward is in the middle of a circle", () => {
   const circle = toRows({ ...SWEEP, angleMin: 0, angleIncrement: (2 * Math.PI) / 360, count: 360 });
   assert.equal(circle.rayOf[0], 180);
@@ -242,6 +293,17 @@ test("times have no more decimals than they need", () => {
     timeTicks([41.1, 41.4], 3).map(({ text }) => text),
     ["41.1 s", "41.2 s", "41.3 s", "41.4 s"],
   );
+});
+
+test("a long recording has its times in hours, minutes and seconds, at round steps of them", () => {
+  const said = (span: [number, number], count: number, whole: number) =>
+    timeTicks(span, count, whole).map(({ text }) => text);
+  assert.deepEqual(said([0, 20_000], 6, 20_000), ["0:00:00", "1:00:00", "2:00:00", "3:00:00", "4:00:00", "5:00:00"]);
+  assert.deepEqual(said([3590, 3650], 4, 20_000), ["1:00:00", "1:00:15", "1:00:30", "1:00:45"]);
+  assert.deepEqual(said([3599.9, 3600.2], 3, 20_000), ["0:59:59.9", "1:00:00.0", "1:00:00.1", "1:00:00.2"]);
+  assert.deepEqual(said([0, 600], 4, 600)[1], "0:05:00");
+  assert.deepEqual(said([0, 599], 4, 599)[1], "200 s");
+  assert.deepEqual(said([0, 900_000], 4, 900_000)[1], "120:00:00");
 });
 
 test("what there is hardly any of is never said to be none, nor nearly all to be all", () => {

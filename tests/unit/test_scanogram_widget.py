@@ -122,6 +122,26 @@ def test_it_answers_what_the_page_looks_at(scanogram: ScanogramWidget) -> None:
     assert scanogram._detail == b"", "what it knew of other scans is gone"
 
 
+def test_it_sends_medians_in_place_of_the_nearest_when_asked() -> None:
+    ranges = np.full((20_000, 100), 5.0)
+    ranges[::4] = 1.0
+    widget = ScanogramWidget()
+    widget.update(**scans(count=20_000, rays=100, ranges=ranges))
+
+    def shown(packed: bytes) -> tuple[str, int]:
+        facts = facts_of(packed)
+        cells = np.frombuffer(packed[-2 * {name: size for name, _, size in facts["arrays"]}["cells"] :], "<u2")
+        return facts.get("pixel", ""), round(np.median(cells) * 29.9 / 65_000 + 0.1)
+
+    assert shown(widget._frame) == ("nearest", 1)
+    widget.pixel = "median"
+    assert shown(widget._frame) == ("median", 5)
+    widget._wanted = [0.0, 1000.0, 400.0]
+    assert shown(widget._detail) == ("", 5)
+    with pytest.raises(traitlets.TraitError, match="pixel"):
+        widget.pixel = "mean"
+
+
 @pytest.mark.parametrize("call", ["update", "set_speeds", "set_touches"])
 def test_it_answers_the_same_question_again_when_something_new_is_shown(call: str) -> None:
     many = scans(count=20_000, rays=100)

@@ -33,6 +33,7 @@ export class PlayerBar {
   readonly #timeOfDay = make("span", "");
   readonly #slider = make("input", "rw-slider");
   readonly #marks = make("div", "rw-play-marks");
+  readonly #walk = make("span", "rw-play-walk");
   readonly #speed = make("select", "rw-button rw-play-speed");
   readonly #words = make("span", "rw-play-words");
   readonly #note = make("div", "rw-play-note");
@@ -58,9 +59,16 @@ export class PlayerBar {
     this.#moment.append(this.#time, this.#duration, this.#clock);
     const track = make("div", "rw-play-line");
     track.append(this.#marks, this.#slider);
-    this.#root.append(back, this.#play, forth, this.#moment, track, this.#words, this.#speed, this.#loop, this.#note);
+    const toMark = (direction: -1 | 1) => () => playback.toMark(direction);
     this.#list = new MarkList((time) => playback.seek(time), signal);
-    this.#root.append(this.#list.root);
+    on(this.#list.toggle, "click", () => this.#draw(), signal);
+    this.#walk.append(
+      this.#list.toggle,
+      makeButton("rw-step", "To the mark before (p)", toMark(-1), signal, "\u2039\u00a0p"),
+      makeButton("rw-step", "To the next mark (n)", toMark(1), signal, "n\u00a0\u203a"),
+    );
+    const end = [this.#words, this.#walk, this.#speed, this.#loop, this.#note, this.#list.rows];
+    this.#root.append(back, this.#play, forth, this.#moment, track, ...end);
     this.#root.tabIndex = -1;
     on(this.#root, "keydown", (event) => this.#onKey(event), signal);
     // On the document: the bar may be created before it is inserted next to the widgets that it moves.
@@ -118,14 +126,14 @@ export class PlayerBar {
   }
 
   #draw(): void {
-    const { time, duration, playing, waits } = this.#playback;
+    const { time, shown, duration, playing, waits } = this.#playback;
     if (!this.#root.dataset.rwTheme) applyTheme(this.#root);
-    setText(this.#time, toFixed(time, DECIMALS));
+    setText(this.#time, toFixed(shown, DECIMALS));
     const whole = toFixed(duration, DECIMALS);
     setText(this.#duration, ` / ${whole} s`);
     // Reserve the final width, so that nothing beside it moves.
     this.#time.style.minWidth = `${whole.length}ch`;
-    this.#drawClock(time);
+    this.#drawClock(shown);
     this.#slider.max = String(duration);
     if (Number(this.#slider.value) !== time) this.#slider.value = String(time);
     this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${whole} seconds`;
@@ -142,7 +150,9 @@ export class PlayerBar {
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(duration);
-    this.#list.update(this.#model.get("marks"), time);
+    const marks = this.#model.get("marks");
+    this.#walk.hidden = marks.length === 0;
+    this.#list.update(marks, shown);
   }
 
   #drawClock(time: number): void {

@@ -46,8 +46,8 @@ export function isBarsAlone(key: string): boolean {
   return key === "ArrowUp" || key === "ArrowDown";
 }
 
-/** Whether the focused element uses a key itself: lists and text fields all keys, buttons and summaries the space bar. */
+/** Whether the focused element uses a key itself: lists and text fields all keys, buttons the space bar. */
 export function usesItself(focused: HTMLElement, key: string): boolean {
   if (focused.isContentEditable || focused.matches("select, textarea, input:not([type=range])")) return true;
-  return key === " " && focused.matches("button, a, summary");
+  return key === " " && focused.matches("button, a");
 }

@@ -1,16 +1,18 @@
-import { make, setText } from "../shared/dom.ts";
+import { make, makeButton, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
-import { toFixed, toMany } from "../shared/format.ts";
-import type { Mark } from "../shared/marks.ts";
+import { toFixed } from "../shared/format.ts";
+import { describeMark, type Mark } from "../shared/marks.ts";
 
 /** Rows of the list; more would be slow to lay out, and nobody reads them. */
 const MOST_ROWS = 500;
 
 /** The marks as rows to click on, below the bar: start, length, and what is marked. A click seeks the start. */
 export class MarkList {
-  readonly root = make("details", "rw-play-list");
-  readonly #summary = make("summary", "");
-  readonly #rows = make("div", "rw-play-rows");
+  /** In the bar: which mark of how many is on show; it unfolds the rows. */
+  readonly toggle: HTMLButtonElement;
+  readonly rows = make("div", "rw-play-rows");
+  readonly #number = make("span", "");
+  readonly #label = make("span", "rw-play-mark-label");
   readonly #seek: (time: number) => void;
   readonly #signal: AbortSignal;
   #marks: Mark[] = [];
@@ -19,26 +21,38 @@ export class MarkList {
   constructor(seek: (time: number) => void, signal: AbortSignal) {
     this.#seek = seek;
     this.#signal = signal;
-    this.root.hidden = true;
-    this.root.append(this.#summary, this.#rows);
+    this.toggle = makeButton("rw-play-mark-words", "", () => this.#onToggle(), signal);
+    this.toggle.ariaLabel = null;
+    this.toggle.ariaExpanded = "false";
+    this.toggle.append(this.#number, this.#label, make("span", "rw-play-unfold", "\u25be"));
+    this.rows.hidden = true;
   }
 
   /** @param time on show, in seconds from the start of the recording */
   update(marks: Mark[], time: number): void {
     if (marks !== this.#marks) {
       this.#marks = marks;
-      this.root.hidden = !marks.length;
-      const more = marks.length > MOST_ROWS ? `, the first ${MOST_ROWS} of them` : "";
-      setText(this.#summary, toMany(marks.length, "mark") + more);
-      this.#rows.replaceChildren(...marks.slice(0, MOST_ROWS).map((mark) => this.#makeRow(mark)));
+      const rows = marks.slice(0, MOST_ROWS).map((mark) => this.#makeRow(mark));
+      if (marks.length > MOST_ROWS) rows.push(make("div", "rw-play-more", `the first ${MOST_ROWS} marks`));
+      this.rows.replaceChildren(...rows);
+      if (!marks.length) this.rows.hidden = true;
     }
-    if (!this.root.open) return;
+    const { number, label } = describeMark(marks, time);
+    setText(this.#number, number);
+    setText(this.#label, label && `: ${label}`);
+    this.toggle.title = `${this.toggle.ariaExpanded === "true" ? "Fold" : "List"} the marks${label && `\n${label}`}`;
+    if (this.rows.hidden) return;
     const place = marks.findIndex(([start, end]) => start <= time && time <= Math.max(end, start));
-    const current = this.#rows.children[place];
+    const current = this.rows.children[place];
     if (current === this.#current) return;
     this.#current?.removeAttribute("aria-current");
     current?.setAttribute("aria-current", "true");
     this.#current = current;
+  }
+
+  #onToggle(): void {
+    this.rows.hidden = !this.rows.hidden;
+    this.toggle.ariaExpanded = String(!this.rows.hidden);
   }
 
   #makeRow([start, end, text]: Mark): HTMLElement {

@@ -16,12 +16,14 @@ export interface Host<T> extends Pick<Model<T>, "get" | "on" | "off"> {
   _state_lock?: Record<string, unknown> | null;
 }
 
+/** Only a laser has rays at which a person points. */
+type Target = SampleTraits & { hovered?: number | null };
 type Follower = Host<ScanogramTraits & Pointing>;
 
 /** The models that a player moves. */
 export interface Moved {
   /** Of widgets that show frames. */
-  targets: Host<SampleTraits>[];
+  targets: Host<Target>[];
   /** Of widgets that show the time itself, and let a person choose it. */
   followers: Follower[];
 }
@@ -45,6 +47,10 @@ export class Playback {
   #shown: unknown[] = [];
   #ages: number[] = [];
   #time: number;
+  /** What a person points at; all widgets show its moment until the pointer leaves. */
+  #pointed: Pointing["_pointed"] = null;
+  /** Index of the ray that the laser shows because a person points at it on the scanogram. */
+  #ray: number | null = null;
   #last = 0;
   /** Whether the segment of the current time is missing. */
   waits = true;
@@ -76,6 +82,16 @@ export class Playback {
     return this.#time;
   }
 
+  /** The moment on show: the one that a person points at, else the time. */
+  get shown(): number {
+    return this.#previewed?.time ?? this.#time;
+  }
+
+  /** What a person points at, where the page has it. */
+  get #previewed(): Pointing["_pointed"] {
+    return this.#pointed && this.#segments.has(this.#pointed.time) ? this.#pointed : null;
+  }
+
   get duration(): number {
     return this.#model.get("duration");
   }
@@ -103,6 +119,7 @@ export class Playback {
 
   seek(time: number): void {
     this.#time = this.#within(time);
+    this.#pointed = null;
     this.#show();
     if (!this.waits) {
       this.#tell();
@@ -116,6 +133,13 @@ export class Playback {
   /** Notes the time under the pointer, which a person may click next; null when there is none. */
   point(time: number | null): void {
     this.#prefetcher.point(time === null ? null : this.#within(time));
+  }
+
+  /** Shows the moment of what a person points at in all widgets, until it is null; the time stays. Playing goes on. */
+  preview(pointed: Pointing["_pointed"]): void {
+    this.point(pointed?.time ?? null);
+    this.#pointed = pointed && !this.playing ? { ...pointed, time: this.#within(pointed.time) } : null;
+    this.#show();
   }
 
   /** Steps to the next or previous frame of the first widget: a laser, if there is one. */
@@ -143,6 +167,7 @@ export class Playback {
   #onPlaying(): void {
     this.#last = performance.now();
     if (this.playing) {
+      this.#pointed = null;
       const [start, end] = this.span;
       if (this.#time < start || this.#time >= end) this.seek(start);
       this.#nextFrame();
@@ -185,17 +210,18 @@ export class Playback {
   }
 
   #show(): void {
-    const frames = this.#segments.at(this.#time);
+    const time = this.shown;
+    const frames = this.#segments.at(time);
     this.waits = frames === null;
     const pauses = this.#model.get("_pauses");
     for (const [i, { track, frame }] of (frames ?? []).entries()) {
       const target = this.#moved.targets[i];
-      const age = frame.time < 0 ? 0 : toAge(this.#time - frame.time, pauses[i]);
+      const age = frame.time < 0 ? 0 : toAge(time - frame.time, pauses[i]);
       const isNew = this.#shown[i] !== frame;
       if (!target || (!isNew && this.#ages[i] === age)) continue;
       this.#shown[i] = frame;
       this.#ages[i] = age;
-      const state: Partial<SampleTraits> = { _about: { ...track.abouts[frame.about], ...(age && { age }) } };
+      const state: Partial<Target> = { _about: { ...track.abouts[frame.about], ...(age && { age }) } };
       if (isNew) {
         const shown = toBytes(target.get("_frame"));
         // Count up, so that a frozen widget shows the number of frames since.
@@ -205,10 +231,19 @@ export class Playback {
       }
       target.set_state(state);
     }
+    this.#showRay();
     for (const follower of this.#moved.followers) {
       if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
     }
     this.#changed();
+  }
+
+  /** The ring on the scanogram and the ring on the laser are the same ray. */
+  #showRay(): void {
+    const ray = this.#previewed?.ray ?? null;
+    if (ray === this.#ray) return;
+    this.#ray = ray;
+    this.#moved.targets[0]?.set_state({ hovered: ray });
   }
 
   /** Follows the time and the selection that a person sets on another widget. */
@@ -226,7 +261,12 @@ export class Playback {
       clicked = isSent ? undefined : time;
       this.seek(time);
     };
-    const onPoint = () => this.point(follower.get("_pointed"));
+    const laser = this.#moved.targets[0];
+    const onPoint = () => this.preview(follower.get("_pointed") ?? null);
+    const onRay = () => {
+      const hovered = laser?.get("hovered") ?? null;
+      follower.set_state({ _ray: hovered === this.#ray ? null : hovered });
+    };
     const onSelection = () => {
       const selection = follower.get("selection");
       // After the other widget has sent its own change, so that Python need not correct it.
@@ -234,10 +274,12 @@ export class Playback {
     };
     follower.on("change:time", onTime);
     follower.on("change:_pointed", onPoint);
+    laser?.on("change:hovered", onRay);
     follower.on("change:selection", onSelection);
     onAbort(signal, () => {
       follower.off("change:time", onTime);
       follower.off("change:_pointed", onPoint);
+      laser?.off("change:hovered", onRay);
       follower.off("change:selection", onSelection);
     });
   }

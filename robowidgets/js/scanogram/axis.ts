@@ -18,17 +18,39 @@ export function toTime({ span: [start, end], left, width }: TimeAxis, x: number)
   return start + (Math.min(width, Math.max(0, x - left)) / width) * (end - start);
 }
 
-/** Times with round numbers that divide a span in at most about so many parts, and how they are written. */
-export function timeTicks([start, end]: Span, count: number): { time: number; text: string }[] {
+/** Seconds of a recording from which on its times are written as h:mm:ss. */
+const LONG = 600;
+/** Steps of seconds, minutes and hours. */
+const ROUND = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600, 43_200];
+const DAY = 86_400;
+
+/** Round times that divide a span in at most about so many parts, as they are written in a recording of a length. */
+export function timeTicks([start, end]: Span, count: number, whole = end): { time: number; text: string }[] {
   const rough = ((end - start) / count) * 0.999;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5].find((digit) => digit * power >= rough) ?? 10);
+  const step =
+    whole >= LONG && rough > 0.5 ? (ROUND.find((one) => one >= rough) ?? decimalStep(rough, DAY)) : decimalStep(rough);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + ROUNDING));
   const [first, last] = [Math.ceil(start / step - ROUNDING), Math.floor(end / step + ROUNDING)];
   return Array.from({ length: last - first + 1 }, (_, i) => {
     const time = (first + i) * step;
-    return { time, text: toSeconds(time, decimals) };
+    return { time, text: toMoment(time, whole, decimals) };
   });
+}
+
+/** 1, 2 or 5 times a power of ten, in a unit. */
+function decimalStep(rough: number, unit = 1): number {
+  const power = 10 ** Math.floor(Math.log10(rough / unit));
+  return unit * power * ([1, 2, 5].find((digit) => digit * power * unit >= rough) ?? 10);
+}
+
+/** A time as the axis has it: "41.20 s", and "1:04:05.20" in a recording of ten minutes or more. */
+export function toMoment(time: number, whole: number, decimals = 2): string {
+  if (whole < LONG) return toSeconds(time, decimals);
+  const ticks = Math.round(Math.abs(time) * 10 ** decimals);
+  const seconds = Math.floor(ticks / 10 ** decimals);
+  const [h, m, s] = [Math.floor(seconds / 3600), Math.floor(seconds / 60) % 60, seconds % 60];
+  const rest = decimals ? `.${String(ticks % 10 ** decimals).padStart(decimals, "0")}` : "";
+  return `${time < 0 && ticks ? "\u2212" : ""}${h}:${String(m).padStart(2, "0")}:${String(s).padStart(2, "0")}${rest}`;
 }
 
 /** "41.20 s" */

@@ -1,6 +1,7 @@
 import type { Validity } from "../laser/scan.ts";
 import * as validity from "../laser/scan.ts";
 import { copyOf } from "../shared/bytes.ts";
+import type { Pixel } from "./traits.ts";
 
 /** Cells in a row: each is of `size` scans, and holds a code for each ray (or for each few neighbours). */
 export interface Block {
@@ -49,7 +50,8 @@ export interface Whole {
   pause: number;
   /** How many rays there are of each class, numbered as in Python. */
   counts: number[];
-  colors: [number, number];
+  /** Which reading the cells show. */
+  pixel: Pixel;
   block: Block;
   speed: { title: string; axes: string[]; limits: ([number, number] | null)[]; gap: number; speeds: Speeds } | null;
   touch: { title: string; sensors: string[]; spans: NamedSpan[] } | null;
@@ -112,7 +114,7 @@ interface Facts {
   duration: number;
   pause: number;
   class_counts: number[];
-  colors: [number, number];
+  pixel: Pixel;
   speed: Omit<NonNullable<Whole["speed"]>, "speeds"> | undefined;
   touch: Omit<NonNullable<Whole["touch"]>, "spans"> | undefined;
 }
@@ -138,7 +140,7 @@ export function decodeWhole(bytes: DataView): Whole {
     duration: facts.duration,
     pause: facts.pause,
     counts: facts.class_counts,
-    colors: facts.colors,
+    pixel: facts.pixel,
     block: toBlock(facts, arrays, sweep),
     speed: speed && speeds ? { ...speed, speeds } : null,
     touch: touch ? { ...touch, spans: toTouches(arrays.get("touches"), touch.sensors) } : null,

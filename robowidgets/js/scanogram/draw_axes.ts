@@ -1,53 +1,88 @@
 import { write } from "../shared/canvas.ts";
 import { toDegrees } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
-import { type TimeAxis, timeTicks, toX } from "./axis.ts";
+import { type TimeAxis, timeTicks, toMoment, toX } from "./axis.ts";
 import type { Layout } from "./layout.ts";
 import { angleTicks, type Rows } from "./rows.ts";
 
 const APART = 34;
+const APART_ALONE = 22;
 const WORDS_APART = 92;
+const LABEL_HEIGHT = 17;
 
 export function textFont(theme: Theme, size = 11): string {
   return `${size}px ${theme.font}`;
 }
 
-/** Time below, with a fine line through all bands at each number. */
-export function drawTimes(context: CanvasRenderingContext2D, axis: TimeAxis, layout: Layout, theme: Theme): void {
+/** The time axis, with a label in ink at the line, which takes the place of the numbers there. */
+export function drawTimes(
+  context: CanvasRenderingContext2D,
+  axis: TimeAxis,
+  layout: Layout,
+  whole: number,
+  line: number | null,
+  theme: Theme,
+): void {
+  const { left, width, bottom } = layout;
+  context.font = textFont(theme);
+  const taken = line === null ? null : drawMoment(context, axis, layout, toMoment(line, whole), line, theme);
   context.font = textFont(theme);
   context.textAlign = "center";
   context.textBaseline = "top";
-  const edge = layout.left + layout.width + 14;
-  for (const { time, text } of timeTicks(axis.span, Math.max(2, Math.floor(axis.width / WORDS_APART)))) {
+  const edge = left + width + 14;
+  for (const { time, text } of timeTicks(axis.span, Math.max(2, Math.floor(axis.width / WORDS_APART)), whole)) {
     const x = Math.round(toX(axis, time)) + 0.5;
     context.fillStyle = theme.line;
-    context.fillRect(x - 0.5, layout.bottom, 1, 4);
+    context.fillRect(x - 0.5, bottom, 1, 4);
     const half = context.measureText(text).width / 2;
-    if (x + half > edge) continue;
+    if (x + half > edge || (taken && x + half > taken[0] - 4 && x - half < taken[1] + 4)) continue;
     context.fillStyle = theme.muted;
-    context.fillText(text, x, layout.bottom + 8);
+    context.fillText(text, x, bottom + 8);
   }
+}
+
+/** The time of the line, in ink; returns where it begins and ends. */
+function drawMoment(
+  context: CanvasRenderingContext2D,
+  axis: TimeAxis,
+  { left, width, bottom }: Layout,
+  text: string,
+  time: number,
+  theme: Theme,
+): [number, number] | null {
+  const x = toX(axis, time);
+  if (x < left - 1 || x > left + width + 1) return null;
+  context.font = `650 ${textFont(theme)}`;
+  const half = context.measureText(text).width / 2 + 6;
+  const middle = Math.min(left + width + 14 - half, Math.max(half + 2, x));
+  context.fillStyle = theme.ink;
+  context.beginPath();
+  context.roundRect(middle - half, bottom + 4, 2 * half, LABEL_HEIGHT, 4);
+  context.fill();
+  write(context, text, middle, bottom + 4 + LABEL_HEIGHT / 2 + 0.5, theme.background, context.font, "center");
+  return [middle - half, middle + half];
 }
 
 /** Angles with their indices at the left, and a fine line through the picture at each. */
 export function drawAngles(
   context: CanvasRenderingContext2D,
   rows: Rows,
-  { left, width, scans }: Layout,
+  { left, width, scans, indices }: Layout,
   theme: Theme,
 ): void {
   const count = rows.rayOf.length;
-  const [first, last] = [scans.top + 6, scans.top + scans.height - 18];
-  for (const row of angleTicks(rows, scans.height, APART)) {
+  const hasIndices = indices && !rows.byAngle;
+  const [first, last] = [scans.top + 6, scans.top + scans.height - (hasIndices ? 18 : 5)];
+  for (const row of angleTicks(rows, scans.height, hasIndices ? APART : APART_ALONE)) {
     const y = scans.top + (1 - (row + 0.5) / count) * scans.height;
     context.fillStyle = theme.dark ? "#ffffff40" : "#ffffff73";
     context.fillRect(left, Math.round(y), width, 1);
     context.fillStyle = theme.line;
     context.fillRect(left - 4, Math.round(y), 4, 1);
-    const middle = Math.min(last, Math.max(first, y - 6));
+    const middle = Math.min(last, Math.max(first, hasIndices ? y - 6 : y));
     const degrees = toDegrees(rows.angles[row] as number);
     write(context, degrees, left - 8, middle, theme.ink, `600 ${textFont(theme)}`, "right");
-    if (!rows.byAngle) {
+    if (hasIndices) {
       write(context, `[${rows.rayOf[row]}]`, left - 8, middle + 12, theme.muted, `10px ${theme.mono}`, "right");
     }
   }

@@ -90,7 +90,9 @@ function drawLine(
   const longest = Math.max(gap, 3 * meanStep);
   const over: { x: number; y: number; up: boolean }[] = [];
   context.beginPath();
+  context.fillStyle = theme.pointer;
   let before = NaN;
+  const zero = toY(0);
   for (let i = first; i < stop; i++) {
     const [low, high, start] = [least[i] as number, greatest[i] as number, startsAt[i] as number];
     const x = toX(axis, start);
@@ -98,18 +100,25 @@ function drawLine(
       before = NaN;
       continue;
     }
-    if (start - before < longest) context.lineTo(x, toY(low));
+    const isNext = start - before < longest;
+    if (isNext) context.lineTo(x, toY(low));
     else context.moveTo(x, toY(low));
     context.lineTo(x, toY(high) + (low === high ? 0.01 : 0));
+    if (isNext) {
+      const [from, away] = [toX(axis, before), Math.abs(high) > Math.abs(low) ? high : low];
+      context.globalAlpha = 0.16;
+      context.fillRect(from, Math.min(zero, toY(away)), x - from, Math.abs(toY(away) - zero));
+      context.globalAlpha = 1;
+    }
     before = start;
     if (isPast(high, limits)) over.push({ x, y: toY(high), up: true });
     if (isPast(low, limits)) over.push({ x, y: toY(low), up: false });
   }
-  context.strokeStyle = theme.ink;
+  context.strokeStyle = theme.pointer;
   context.lineWidth = 1.25;
   context.lineJoin = "round";
   context.stroke();
-  drawOver(context, over, toY(0), theme);
+  drawOver(context, over, zero, theme);
 }
 
 /** Moments past a limit: a red line from zero, and a mark at the first of a row of them. */

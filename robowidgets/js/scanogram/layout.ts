@@ -14,7 +14,9 @@ export interface Layout {
   /** Above the scans. */
   marks: Band;
   scans: Band;
-  /** One for each axis of the speeds. */
+  /** Whether the angles have their indices below them. */
+  indices: boolean;
+  /** One for each axis of the speeds, as far as there is room. */
   speeds: Band[];
   touch: Band | null;
   /** Where the numbers of the time axis begin. */
@@ -22,12 +24,16 @@ export interface Layout {
   height: number;
 }
 
-const TOP = 14;
+const TOP = 16;
 const MARKS = 7;
 const AXIS = 24;
-const GAP = 8;
-const SPEED = 30;
-const TOUCH = 12;
+const GAP = 7;
+const SPEED = 24;
+const TOUCH = 11;
+/** Least height of the scans: the speeds give way, the last first. */
+const LEAST = 110;
+/** Height of the scans from which the angles have their indices below them. */
+const ROOMY = 200;
 
 export function layOut({ width, height }: Size, whole: Whole | null, notice: number): Layout {
   const [left, right] = width < 400 ? [58, 8] : [64, 16];
@@ -38,8 +44,11 @@ export function layOut({ width, height }: Size, whole: Whole | null, notice: num
     return { top: top + GAP, height: size };
   };
   const touch = whole?.touch ? take(TOUCH) : null;
-  const speeds = (whole?.speed?.axes ?? []).map(() => take(SPEED)).reverse();
+  const room = Math.floor((top - TOP - notice - LEAST) / (SPEED + GAP));
+  const count = Math.min(whole?.speed?.axes.length ?? 0, Math.max(0, room));
+  const speeds = Array.from({ length: count }, () => take(SPEED)).reverse();
   const scans = { top: TOP + notice, height: Math.max(20, top - TOP - notice) };
   const marks = { top: scans.top - MARKS - 2, height: MARKS };
-  return { left, width: Math.max(20, width - left - right), marks, scans, speeds, touch, bottom, height };
+  const indices = scans.height >= ROOMY;
+  return { left, width: Math.max(20, width - left - right), marks, scans, indices, speeds, touch, bottom, height };
 }

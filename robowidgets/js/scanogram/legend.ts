@@ -1,5 +1,6 @@
 import { READING } from "../laser/scan.ts";
 import { CLASSES } from "../laser/text.ts";
+import type { Card } from "../shared/card.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { toMetres } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
@@ -7,8 +8,17 @@ import type { Whole } from "./data.ts";
 import { classColors, distanceColors } from "./palette.ts";
 import { toShare } from "./text.ts";
 
-/** Below the picture: what the colours mean, how much there is of each class, the time cursor and the selection. */
+/** Width of a card whose header has room for the legend. */
+const WIDE = 560;
+
+/**
+ * What the colours mean, how much there is of each class, the time cursor and the selection: in the header, or below
+ * the picture where the header has no room.
+ */
 export class Legend {
+  readonly #card: Card;
+  readonly #key = make("span", "rw-scanogram-key");
+  readonly #state = make("span", "rw-scanogram-state");
   readonly #scale = make("span", "rw-scanogram-scale");
   readonly #near = make("b", "");
   readonly #far = make("b", "");
@@ -18,16 +28,26 @@ export class Legend {
   readonly #selected = make("span", "rw-scanogram-selected");
   readonly #clear: HTMLButtonElement;
 
-  constructor(footer: HTMLElement, onClear: () => void, signal: AbortSignal) {
+  constructor(card: Card, onClear: () => void, signal: AbortSignal) {
+    this.#card = card;
     this.#clear = makeButton("rw-scanogram-clear", "Clear the selection (Escape)", onClear, signal, "\u00D7");
     this.#scale.append(this.#near, this.#bar, this.#far);
-    const key = make("span", "rw-scanogram-key");
-    key.append(this.#scale, this.#classes);
-    const state = make("span", "rw-scanogram-state");
+    this.#key.append(this.#scale, this.#classes);
+    // The picture shows the time in pixels only.
     const cursor = make("span", "rw-scanogram-cursor", "t ");
     cursor.append(this.#time);
-    state.append(this.#selected, this.#clear, cursor);
-    footer.append(key, state);
+    this.#state.append(this.#selected, this.#clear, cursor);
+  }
+
+  /** Puts it where it has room. */
+  place(hasHeader: boolean, hasFooter: boolean, width: number): void {
+    const { header, controls, footer } = this.#card;
+    const isAbove = hasHeader && width >= WIDE;
+    footer.hidden = !hasFooter || isAbove;
+    if (!isAbove && this.#key.parentNode !== footer) footer.append(this.#key, this.#state);
+    if (isAbove && this.#key.parentNode !== header) header.insertBefore(this.#state, controls).after(this.#key);
+    this.#key.hidden = !hasFooter;
+    this.#state.hidden = !hasFooter;
   }
 
   drawKey(whole: Whole | null, [near, far]: [number, number], theme: Theme): void {

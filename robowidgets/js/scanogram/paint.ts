@@ -1,7 +1,10 @@
 import { firstWhere } from "../shared/search.ts";
-import { type Block, NO_SCAN } from "./data.ts";
+import { type Block, FARTHEST, NO_SCAN, type Sweep, toRange } from "./data.ts";
 import type { Rows } from "./rows.ts";
-import type { Span } from "./traits.ts";
+import type { Pixel, Span } from "./traits.ts";
+
+/** Bits by which a bin is coarser than a code, when percentiles are counted. */
+const BIN = 4;
 
 /** Codes of a picture, line after line from the top: what each pixel shows. */
 export interface Raster {
@@ -10,14 +13,25 @@ export interface Raster {
   codes: Uint16Array;
 }
 
+/** Shows one of the codes of each pixel of a column: cells `first` to `stop - 1` of a block. */
+type Merge = (block: Block, first: number, stop: number, lineOfRay: Uint16Array, column: Uint16Array) => void;
+
 /**
  * The picture of a span, each column from the finest block that covers it. Where several scans or rays share a pixel,
- * the least code is shown, so that the nearest distance does not vanish.
+ * the least code is shown, so that the nearest distance does not vanish; or the median.
  *
  * @param blocks the finest first
  * @param height at most so many lines; fewer where there are fewer rays
  */
-export function toRaster(blocks: Block[], rows: Rows, span: Span, width: number, height: number): Raster {
+export function toRaster(
+  blocks: Block[],
+  rows: Rows,
+  span: Span,
+  width: number,
+  height: number,
+  pixel: Pixel = "nearest",
+): Raster {
+  const merge = pixel === "median" ? medians() : nearest;
   const rayCount = rows.rowOf.length;
   const lines = Math.max(1, Math.min(rayCount, height));
   const codes = new Uint16Array(width * lines).fill(NO_SCAN);
@@ -62,7 +76,7 @@ function toLines(rows: Rows, { rays, rayStep }: Block, lines: number): Uint16Arr
   });
 }
 
-function merge({ codes, rays }: Block, first: number, stop: number, lineOfRay: Uint16Array, column: Uint16Array): void {
+const nearest: Merge = ({ codes, rays }, first, stop, lineOfRay, column) => {
   column.fill(NO_SCAN);
   for (let at = first * rays, cell = first; cell < stop; cell++) {
     for (let ray = 0; ray < rays; ray++, at++) {
@@ -70,4 +84,67 @@ function merge({ codes, rays }: Block, first: number, stop: number, lineOfRay: U
       if (code < (column[line] as number)) column[line] = code;
     }
   }
+};
+
+/** Merges by the median; of an even number, the nearer of the two in the middle. */
+function medians(): Merge {
+  let known: { lineOfRay: Uint16Array; rays: Uint16Array } | null = null;
+  let shared = new Uint16Array(64);
+  return ({ codes, rays }, first, stop, lineOfRay, column) => {
+    column.fill(NO_SCAN);
+    if (known?.lineOfRay !== lineOfRay) {
+      const byLine = Uint16Array.from(lineOfRay, (_, ray) => ray).sort((a, b) => at(lineOfRay, a) - at(lineOfRay, b));
+      known = { lineOfRay, rays: byLine };
+    }
+    if (shared.length < (stop - first) * rays) shared = new Uint16Array((stop - first) * rays);
+    for (let from = 0; from < rays; ) {
+      const line = at(lineOfRay, at(known.rays, from));
+      let count = 0;
+      let to = from;
+      for (; to < rays && at(lineOfRay, at(known.rays, to)) === line; to++) {
+        for (let cell = first; cell < stop; cell++) {
+          const code = at(codes, cell * rays + at(known.rays, to));
+          if (code !== NO_SCAN) count = inserted(shared, count, code);
+        }
+      }
+      if (count) column[line] = at(shared, (count - 1) >> 1);
+      from = to;
+    }
+  };
+}
+
+const at = (numbers: Uint16Array, index: number): number => numbers[index] as number;
+
+/** Puts a number into its place among some that are in order; returns how many there are. A pixel has few. */
+function inserted(ordered: Uint16Array, count: number, value: number): number {
+  let place = count;
+  for (; place > 0 && at(ordered, place - 1) > value; place--) ordered[place] = at(ordered, place - 1);
+  ordered[place] = value;
+  return count + 1;
+}
+
+/** The distances, in metres, of the first and the last percent of the readings in a picture; null without a reading. */
+export function fitColors({ codes }: Raster, sweep: Sweep): [number, number] | null {
+  const counts = new Uint32Array(1 + (FARTHEST >> BIN));
+  let all = 0;
+  for (const code of codes) {
+    if (code > FARTHEST) continue;
+    counts[code >> BIN] = (counts[code >> BIN] as number) + 1;
+    all++;
+  }
+  if (!all) return null;
+  const [low, high] = [percentile(counts, 0.01 * all), percentile(counts, 0.99 * all) + 1];
+  return [toRange((low << BIN) - 0.5, sweep), toRange(Math.min(FARTHEST, high << BIN) - 0.5, sweep)];
+}
+
+/** The first bin up to which there are so many. */
+function percentile(counts: Uint32Array, wanted: number): number {
+  let sum = 0;
+  return Math.max(
+    0,
+    counts.findIndex((count) => {
+      sum += count;
+      return sum >= wanted;
+    }),
+  );
 }

@@ -19,7 +19,7 @@ export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { 
     const row = scene.toRow(point.y);
     const place = blocks.at(time, scene.rows.rayOf[row] ?? 0);
     const angle = scene.rows.angles[row] ?? 0;
-    return place && { time, row, y: scene.toY(row), words: describePlace(place, angle, whole.sweep) };
+    return place && { time, row, y: scene.toY(row), words: describePlace(place, angle, whole.sweep, whole.pixel) };
   }
   const axis = speeds.findIndex(isIn);
   const beside = (words: RayWords | null | undefined, y = point.y) => (words ? { time, row: null, y, words } : null);

@@ -5,7 +5,7 @@ import type { Whole } from "./data.ts";
 import { drawAngles, drawFrame, drawTimes, drawTriangle } from "./draw_axes.ts";
 import { drawSpans, drawSpeed, drawTouches } from "./draw_strips.ts";
 import { type Layout, layOut } from "./layout.ts";
-import { toRaster } from "./paint.ts";
+import { fitColors, toRaster } from "./paint.ts";
 import { toPalette } from "./palette.ts";
 import { type Rows, toRows } from "./rows.ts";
 import type { State } from "./state.ts";
@@ -24,6 +24,8 @@ export class Scene {
   layout: Layout = layOut({ width: 0, height: 0 }, null, 0);
   axis: TimeAxis = { span: [0, 1], left: 0, width: 1 };
   rows = NO_ROWS;
+  /** Metres of the nearest and the farthest colour. */
+  colors: [number, number] = [0, 1];
   readonly #base: Layer;
   readonly #top: Layer;
   readonly #pixels = document.createElement("canvas");
@@ -61,8 +63,10 @@ export class Scene {
     drawFrame(context, layout, theme);
     if (!whole || !blocks) return;
     const height = Math.round(layout.scans.height * devicePixelRatio);
-    const raster = toRaster(blocks.all, rows, axis.span, this.columns, height);
-    const palette = this.#paletteFor(whole, state.colors, theme);
+    const raster = toRaster(blocks.all, rows, axis.span, this.columns, height, state.pixel);
+    const { minRange, far } = whole.sweep;
+    this.colors = state.colors ?? fitColors(raster, whole.sweep) ?? [minRange, far];
+    const palette = this.#paletteFor(whole, this.colors, theme);
     const image = new ImageData(raster.width, raster.height);
     const pixels = new Uint32Array(image.data.buffer);
     for (let i = 0; i < pixels.length; i++) pixels[i] = palette[raster.codes[i] as number] as number;
@@ -72,8 +76,7 @@ export class Scene {
     context.imageSmoothingEnabled = false;
     context.drawImage(this.#pixels, layout.left, layout.scans.top, layout.width, layout.scans.height);
     drawAngles(context, rows, layout, theme);
-    drawTimes(context, axis, layout, theme);
-    drawSpans(context, axis, layout.marks, state.marks, theme.reading, 0.5);
+    drawSpans(context, axis, layout.marks, state.marks, theme.ink, 0.4);
     const speeds = blocks.speedsIn(axis.span);
     for (const [i, band] of layout.speeds.entries()) {
       if (whole.speed && speeds) drawSpeed(context, axis, band, whole.speed, speeds, i, theme);
@@ -83,32 +86,50 @@ export class Scene {
     }
   }
 
-  /** The selection, the time cursor, and the ray that is pointed at. */
+  /**
+   * The selection, and one line through all at the moment that is pointed at, or at the time cursor; on it a ring at
+   * the ray that is pointed at, here or on another widget.
+   */
   drawTop(time: number, selection: number[] | null, pointed: Pointed | null, theme: Theme): void {
     const context = this.#top.begin(this.#size);
     if (!this.#whole) return;
     const { layout, axis } = this;
-    const { left, width, bottom, scans } = layout;
+    const { left, width, bottom } = layout;
+    const line = pointed?.time ?? time;
+    drawTimes(context, axis, layout, this.#whole.duration, line, theme);
     context.save();
     context.beginPath();
-    context.rect(left - 7, 0, width + 14, bottom);
+    context.rect(left - 7, 0, width + 14, bottom + 4);
     context.clip();
     if (selection) this.#drawSelection(context, selection, theme);
-    if (pointed) {
-      const x = toX(axis, pointed.time);
-      context.fillStyle = theme.pointer;
-      context.fillRect(Math.round(x), scans.top, 1, bottom - scans.top);
-      if (pointed.row !== null) drawRing(context, x, this.toY(pointed.row), theme);
-    }
-    const x = Math.round(toX(axis, time)) + 0.5;
-    if (x >= left - 1 && x <= left + width + 1) {
-      context.fillStyle = theme.background;
-      context.fillRect(x - 1.5, scans.top, 3, scans.height);
-      context.fillStyle = theme.ink;
-      context.fillRect(x - 0.5, scans.top - 2, 1, bottom - scans.top + 2);
-      drawTriangle(context, x, scans.top - 1, scans.top - 9, 5.5);
-    }
+    if (line !== time) this.#drawFlag(context, time, theme.muted, theme);
+    this.#drawLine(context, line, theme);
+    this.#drawFlag(context, line, theme.ink, theme);
+    const row = pointed?.row ?? null;
+    if (row !== null) drawRing(context, toX(axis, line), this.toY(row), theme);
     context.restore();
+  }
+
+  /** Where the cursor stays while a person points elsewhere; the line itself has a flag in ink. */
+  #drawFlag(context: CanvasRenderingContext2D, time: number, color: string, theme: Theme): void {
+    const { left, width, scans } = this.layout;
+    const x = toX(this.axis, time);
+    if (x < left - 1 || x > left + width + 1) return;
+    context.fillStyle = color;
+    drawTriangle(context, x, scans.top - 1, scans.top - 9, 5.5);
+    context.strokeStyle = theme.background;
+    context.lineWidth = 1;
+    context.stroke();
+  }
+
+  #drawLine(context: CanvasRenderingContext2D, time: number, theme: Theme): void {
+    const { left, width, bottom, scans } = this.layout;
+    const x = toX(this.axis, time);
+    if (x < left - 1 || x > left + width + 1) return;
+    context.fillStyle = theme.background;
+    context.fillRect(x - 1.75, scans.top, 3.5, scans.height);
+    context.fillStyle = theme.ink;
+    context.fillRect(x - 0.75, scans.top - 2, 1.5, bottom + 4 - scans.top + 2);
   }
 
   /** The row at a height of the picture, from the bottom up; kept within the picture. */

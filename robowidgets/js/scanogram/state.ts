@@ -5,7 +5,7 @@ import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { throttle } from "../shared/schedule.ts";
 import { Blocks } from "./blocks.ts";
 import { type Detail, decodeDetail, decodeWhole, type NamedSpan, type Whole } from "./data.ts";
-import type { Pointing, ScanogramTraits, Span } from "./traits.ts";
+import type { Pixel, Pointing, ScanogramTraits, Span } from "./traits.ts";
 
 const ASK_MS = 120;
 const LATE_MS = 400;
@@ -28,7 +28,7 @@ export class State {
     this.#signal = signal;
     this.#ask = throttle(() => this.#askNow(), ASK_MS, signal);
     const tell = () => this.#tell();
-    onChange(model, ["_frame", "_about", "view", "color_range", "marks"], tell, signal);
+    onChange(model, ["_frame", "_about", "view", "color_range", "pixel", "marks"], tell, signal);
     onChange(model, ["_detail"], () => this.#onDetail(), signal);
     onAbort(signal, () => clearTimeout(this.#late));
   }
@@ -70,8 +70,24 @@ export class State {
     return start < duration ? [start, end] : [0, duration];
   }
 
-  get colors(): [number, number] {
-    return this.#model.get("color_range") ?? this.whole?.colors ?? [0, 1];
+  /** The ends of the colours that are set; null where they are fitted to what is shown. */
+  get colors(): [number, number] | null {
+    return this.#model.get("color_range");
+  }
+
+  get pixel(): Pixel {
+    return this.#model.get("pixel");
+  }
+
+  /** Whether the page lacks the cells that show what is wanted of each pixel. */
+  get lacksPixels(): boolean {
+    const whole = this.whole;
+    return whole !== null && whole.pixel !== this.pixel && (whole.block.size > 1 || whole.block.rayStep > 1);
+  }
+
+  /** Index of the ray at which a person points on another widget. */
+  get ray(): number | null {
+    return this.#model.get("_ray") ?? null;
   }
 
   /** Sets traits in the page at once and sends them to Python. */
@@ -79,9 +95,9 @@ export class State {
     setTraits(this.#model, values);
   }
 
-  /** Publishes the time under the pointer in the page, where a player prefetches it. */
-  point(time: number | null): void {
-    this.#model.set("_pointed", time);
+  /** Publishes the time and the ray under the pointer in the page, where a player shows them in all its widgets. */
+  point(pointed: Pointing["_pointed"]): void {
+    this.#model.set("_pointed", pointed);
   }
 
   /** Requests the missing detail of a span that a view shows in some number of columns. */

@@ -4,6 +4,7 @@ import { toCount, toDegrees, toFixed, toMany, toMetres } from "../shared/format.
 import { toSeconds } from "./axis.ts";
 import type { Place } from "./blocks.ts";
 import { kindOf, type NamedSpan, type Sweep, type Whole } from "./data.ts";
+import type { Pixel } from "./traits.ts";
 
 const SYMBOLS: Record<number, string> = {
   [TOO_CLOSE]: "\u2212inf",
@@ -13,10 +14,10 @@ const SYMBOLS: Record<number, string> = {
 };
 
 /** What the pop-up says of a ray at a moment. */
-export function describePlace(place: Place, angle: number, sweep: Sweep): RayWords {
+export function describePlace(place: Place, angle: number, sweep: Sweep, pixel: Pixel = "nearest"): RayWords {
   const kind = kindOf(place.code);
   const known = kind === OUTSIDE_LIMITS && place.exact ? `${toFixed(place.range, 3)} m` : SYMBOLS[kind];
-  const lines = [meaningOf({ kinds: [kind], ...sweep }, 0), toMoment(place), nearestOf(place)];
+  const lines = [meaningOf({ kinds: [kind], ...sweep }, 0), toMoment(place), sharedBy(place, pixel)];
   return {
     expression: sweep.byAngle ? "" : `ranges[${place.index}]`,
     distance: kind === READING ? toMetres(place.range, sweep.far) : (known ?? ""),
@@ -30,11 +31,12 @@ function toMoment({ scan, scans, time }: Place): string {
   return scans === 1 ? `${toSeconds(time)}  scan ${toCount(scan)}` : `from ${toSeconds(time)}`;
 }
 
-/** Of how many scans and rays this is the nearest; empty for a single measurement. */
-function nearestOf({ scans, rays, code }: Place): string {
+/** Of how many scans and rays this is the nearest, or the median; empty for a single measurement. */
+function sharedBy({ scans, rays, code }: Place, pixel: Pixel): string {
   if (scans === 1 && rays === 1) return "";
   const parts = [scans > 1 ? toMany(scans, "scan") : "", rays > 1 ? toMany(rays, "ray") : ""].filter(Boolean);
-  return `${kindOf(code) === READING ? "nearest of" : "all of"} ${parts.join(", ")}`;
+  const one = pixel === "nearest" && kindOf(code) !== READING ? "all" : pixel;
+  return `${one} of ${parts.join(", ")}`;
 }
 
 /** A share of all rays: "9 %". A small share is never "0 %". */

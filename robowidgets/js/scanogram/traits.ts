@@ -4,14 +4,18 @@ import type { CardTraits } from "../shared/traits.ts";
 /** Seconds from the start. */
 export type Span = [number, number];
 
+/** Which of the readings that share a pixel is shown. */
+export type Pixel = "nearest" | "median";
+
 export interface ScanogramTraits extends CardTraits {
   time: number;
   /** Start and end; of some rays also the first, and the first that is not among them. */
   selection: number[] | null;
   /** The time on show; null: all of it. */
   view: Span | null;
-  /** Metres of the nearest and the farthest colour; null: of the data. */
+  /** Metres of the nearest and the farthest colour; null: of the readings on show. */
   color_range: [number, number] | null;
+  pixel: Pixel;
   marks: Mark[];
   /** Start and end of the finer detail that the page lacks, and for how many columns. */
   _wanted: number[];
@@ -20,6 +24,8 @@ export interface ScanogramTraits extends CardTraits {
 
 /** Traits for other widgets in the page; Python has none of this name. */
 export interface Pointing {
-  /** The time at which a person points. */
-  _pointed: number | null;
+  /** The time at which a person points, and the index of the ray; null below the scans, or where there are none. */
+  _pointed: { time: number; ray: number | null } | null;
+  /** Index of a ray at which a person points on another widget. */
+  _ray: number | null;
 }

@@ -15,14 +15,16 @@ import { selectedRays } from "./rows.ts";
 import { type Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
 import { describeSelection, toFacts } from "./text.ts";
-import type { ScanogramTraits, Span } from "./traits.ts";
+import type { Pointing, ScanogramTraits, Span } from "./traits.ts";
 
+const MEDIAN = "Show the median, not the nearest, of the readings that share a pixel";
 const LATE = "finer detail when the kernel is free";
+const LATE_MEDIAN = "medians when the kernel is free";
 const NEVER = `no finer detail: ${NO_KERNEL}`;
 
 /** One view of a scanogram: it wires the card, the scene, the legend, the pop-up and the gestures together. */
 export class ScanogramView {
-  readonly #model: Model<ScanogramTraits>;
+  readonly #model: Model<ScanogramTraits & Pointing>;
   readonly #state: State;
   readonly #card: Card;
   readonly #scene: Scene;
@@ -31,6 +33,7 @@ export class ScanogramView {
   readonly #empty = make("div", "rw-empty");
   readonly #chip = make("div", "rw-scanogram-chip");
   readonly #all: HTMLButtonElement;
+  readonly #median: HTMLButtonElement;
   readonly #redraw: () => void;
   readonly #redrawTop: () => void;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
@@ -38,22 +41,23 @@ export class ScanogramView {
   /** A selection that is being dragged. */
   #draft: number[] | null = null;
 
-  constructor(model: Model<ScanogramTraits>, element: HTMLElement, state: State, signal: AbortSignal) {
+  constructor(model: Model<ScanogramTraits & Pointing>, element: HTMLElement, state: State, signal: AbortSignal) {
     this.#model = model;
     this.#state = state;
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#redrawTop = perAnimationFrame(() => this.#drawTop(), signal);
     this.#card = new Card(element, "scanogram", model, this.#redraw, signal);
-    const { picture, footer } = this.#card;
+    const { picture } = this.#card;
     this.#scene = new Scene(picture);
-    this.#legend = new Legend(footer, () => this.onClear(), signal);
+    this.#legend = new Legend(this.#card, () => this.onClear(), signal);
     this.#popup = new Popup(picture);
     picture.append(this.#empty, this.#chip);
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(0.5, null), signal, "+");
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(2, null), signal, "\u2212");
     this.#all = makeButton("", "Show all of it (0, double click)", () => this.onReset(), signal, "All");
-    this.#card.controls.append(farther, closer, this.#all);
-    onChange(model, ["time", "selection"], this.#redrawTop, signal);
+    this.#median = makeButton("", MEDIAN, () => this.#onMedian(), signal, "Median");
+    this.#card.controls.append(this.#median, farther, closer, this.#all);
+    onChange(model, ["time", "selection", "_ray"], this.#redrawTop, signal);
     state.listen(this.#redraw, signal);
     watchGestures(picture, this, signal);
     const onSize = (size: Surface) => {
@@ -65,12 +69,12 @@ export class ScanogramView {
 
   onHover(point: Point | null): void {
     this.#pointer = point;
-    this.#state.point(point && this.#timeAt(point));
+    this.#state.point(point && this.#pointedAt(point));
     this.#redrawTop();
   }
 
   onPress(point: Point): void {
-    this.#state.point(this.#timeAt(point));
+    this.#state.point(this.#pointedAt(point));
   }
 
   onPick(point: Point): void {
@@ -110,6 +114,10 @@ export class ScanogramView {
     this.#look(zoomed(view, factor, around, whole.duration, whole.pause));
   }
 
+  #onMedian(): void {
+    this.#state.set({ pixel: this.#state.pixel === "median" ? "nearest" : "median" });
+  }
+
   onReset(): void {
     this.#state.set({ view: null });
   }
@@ -127,6 +135,14 @@ export class ScanogramView {
 
   onMark(direction: -1 | 1): void {
     this.#goTo(this.#state.markBeside(direction));
+  }
+
+  #pointedAt(point: Point): Pointing["_pointed"] {
+    const { layout, rows } = this.#scene;
+    const { left, width, scans, bottom } = layout;
+    if (!this.#state.blocks || point.x < left || point.x >= left + width || point.y > bottom) return null;
+    const isRay = point.y >= scans.top && point.y < scans.top + scans.height && !rows.byAngle;
+    return { time: this.#timeAt(point), ray: isRay ? (rows.rayOf[this.#scene.toRow(point.y)] ?? null) : null };
   }
 
   /** The time of a click; the start of a scan where the page has single scans. */
@@ -151,7 +167,7 @@ export class ScanogramView {
   }
 
   #draw(): void {
-    const { whole, view, colors } = this.#state;
+    const { whole, view } = this.#state;
     if (!this.#size.width) return;
     const { error, notes = [] } = this.#model.get("_about");
     this.#card.updateFrame(error ? [error, ...notes] : notes, error ? "error" : "note");
@@ -159,13 +175,16 @@ export class ScanogramView {
     this.#empty.hidden = whole !== null;
     const isAlone = lacksKernel(this.#model);
     setText(this.#empty, isAlone ? NO_KERNEL : "waiting for scans");
-    setText(this.#chip, isAlone ? NEVER : LATE);
-    this.#chip.hidden = !this.#state.waits;
+    const late = this.#state.lacksPixels ? LATE_MEDIAN : LATE;
+    setText(this.#chip, isAlone ? NEVER : late);
+    this.#chip.hidden = !this.#state.waits && !this.#state.lacksPixels;
+    this.#median.ariaPressed = String(this.#state.pixel === "median");
     this.#all.disabled = view[1] - view[0] >= (whole?.duration ?? 0);
     const { theme } = this.#card;
     this.#scene.measure(this.#size, whole, view, this.#card.noticeHeight);
     this.#scene.drawBase(this.#state, theme);
-    this.#legend.drawKey(whole, colors, theme);
+    this.#legend.place(this.#model.get("header"), this.#model.get("footer"), this.#size.width);
+    this.#legend.drawKey(whole, this.#scene.colors, theme);
     this.#state.look(view, this.#scene.columns);
     this.#drawTop();
   }
@@ -173,22 +192,23 @@ export class ScanogramView {
   #drawTop(): void {
     const { time, selection, blocks } = this.#state;
     const shown = this.#draft ?? selection;
-    const pointed = this.#drawPopup();
+    const { ray } = this.#state;
+    const pointed = this.#drawPopup() ?? (ray === null ? null : { time, row: this.#scene.rows.rowOf[ray] ?? null });
     this.#scene.drawTop(time, shown, pointed, this.#card.theme);
     const scans = blocks?.count((shown ?? [0, 0]) as Span) ?? { scans: 0, exact: true };
     this.#legend.drawState(toSeconds(time), shown ? describeSelection(shown, scans) : "");
   }
 
-  /** Names what is pointed at. */
+  /** Names what is pointed at; returns the moment there, and the row. */
   #drawPopup(): Pointed | null {
-    const found = this.#pointer && pointAt(this.#pointer, this.#scene, this.#state);
-    if (!found) {
-      this.#popup.hide();
-      return null;
+    const point = this.#pointer;
+    const time = point && this.#pointedAt(point)?.time;
+    const found = point && pointAt(point, this.#scene, this.#state);
+    if (!found) this.#popup.hide();
+    else {
+      const at = { x: toX(this.#scene.axis, found.time), y: found.y };
+      this.#popup.show(found.words, (size) => placeBeside(size, this.#size, at));
     }
-    const { words, time, row, y } = found;
-    const at = { x: toX(this.#scene.axis, time), y };
-    this.#popup.show(words, (size) => placeBeside(size, this.#size, at));
-    return { time, row };
+    return typeof time === "number" ? { time, row: found?.row ?? null } : null;
   }
 }

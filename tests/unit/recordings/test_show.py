@@ -8,8 +8,10 @@ import sys
 import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import count, islice
 from math import isnan, nan
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from comm import get_comm_manager
@@ -18,6 +20,7 @@ from traitlets import TraitError
 from robowidgets import LaserWidget, SpeedWidget, TouchState, TouchWidget
 from robowidgets._core import cells as _cells
 from robowidgets.player import _prefetcher
+from robowidgets.player._overview import readings_per_second
 from robowidgets.player._prefetcher import segment
 from robowidgets.player._touch_history import TouchHistory
 from robowidgets.player.player import Player
@@ -355,29 +358,57 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
 ) -> None:
     def has_one(*topics: str, **more: bool) -> bool:
         with shown(path, *topics, **more) as player:
-            return player.scanogram is not None and player.scanogram in player.children
+            return player.scanogram is not None and player.scanogram in player.children[-1].children[0].children
 
     assert has_one()
     assert not has_one(scanogram=False)
     assert not has_one("/odom")
-    monkeypatch.setattr("robowidgets.player._overview.MOST_READINGS", 99)
+    monkeypatch.setattr("robowidgets.player._overview.FEW", 99)
+    assert has_one()
+    monkeypatch.setattr("robowidgets.player._overview.LONGEST", 0.0)
     assert not has_one()
     assert has_one(scanogram=True)
 
 
-def test_a_scanogram_that_takes_long_is_left_out_by_its_readings_and_a_line_says_so(
+def test_a_scanner_whose_readings_fill_less_than_a_third_is_fitted_to_them(tmp_path: Path) -> None:
+    for metres, fitted in ((9.0, "data"), (11.0, "sensor")):
+        scans = [(i / 10, sweeps.scan(sweeps.START_NS, [metres, float("inf")])) for i in range(30)]
+        with shown(sweeps.write(tmp_path / f"{metres}", scans)) as player:
+            assert player.views[0].widget.view_range == fitted
+
+
+def test_without_a_scanogram_the_wide_widgets_stand_left_and_the_small_ones_beside(path: Path) -> None:
+    for topics, boxes in (((), ["rw-wides", "rw-smalls"]), (("/odom", "/bumper"), ["rw-smalls"])):
+        with shown(path, *topics, scanogram=False) as player:
+            screen = player.children[-1]
+            assert [box._dom_classes for box in screen.children] == [(name,) for name in boxes]
+
+
+def test_a_scanogram_that_takes_long_at_the_measured_rate_is_left_out_and_a_line_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     empty = [(0.0, sweeps.scan(sweeps.START_NS, []))]
     path = sweeps.write(tmp_path / "long", empty + sweeps.numbered(1200, rays=40)[1:])
-    monkeypatch.setattr("robowidgets.player._overview.MOST_READINGS", 47_999)
-    words = "no scanogram: 1,200 scans of 40 rays take a while; recording.show(scanogram=True) has it made"
+    monkeypatch.setattr("robowidgets.player._overview.FEW", 47_999)
+    monkeypatch.setattr("robowidgets.player._overview.readings_per_second", lambda *_: 1_000.0)
+    words = "no scanogram: 1,200 scans of 40 rays take about 48 s; recording.show(scanogram=True) has it made"
     for wanted, there, told in ((None, False, words), (False, False, ""), (True, True, "")):
         with shown(path, scanogram=wanted) as player:
             assert (player.scanogram is not None, player.bar._note) == (there, told)
-    monkeypatch.setattr("robowidgets.player._overview.MOST_READINGS", 48_000)
+    monkeypatch.setattr("robowidgets.player._overview.readings_per_second", lambda *_: 4_800.0)
     with shown(path) as player:
         assert (player.scanogram is not None, player.bar._note) == (True, "")
+
+
+def test_the_rate_of_a_scanogram_is_measured_on_its_first_scans(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = sweeps.write(tmp_path / "long", sweeps.numbered(2000, rays=400))
+    clock = count(step=0.11)
+    monkeypatch.setattr("robowidgets.player._overview.time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    with open(path) as recording:
+        first, second = islice(recording.scans("/scan").chunks(), 2)
+        assert readings_per_second(recording, "/scan") == (first.ranges.size + second.ranges.size) / 0.22
 
 
 def test_a_drive_of_which_every_scan_is_damaged_has_no_scanogram_and_no_words_on_it(tmp_path: Path) -> None:

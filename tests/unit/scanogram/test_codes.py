@@ -13,6 +13,7 @@ from robowidgets.scanogram._codes import (
     WITHOUT_READING,
     encode,
     fold,
+    fold_median,
 )
 
 
@@ -53,3 +54,14 @@ def test_the_last_cell_may_stand_for_fewer(count: int) -> None:
     codes = np.random.default_rng(2).integers(0, 1000, (11, 4)).astype(np.uint16)
     expected = [codes[i : i + count].min(axis=0).tolist() for i in range(0, 11, count)]
     assert fold(codes, count).tolist() == expected
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_median_is_one_of_its_codes_and_of_an_even_number_the_lesser(count: int, axis: int) -> None:
+    codes = np.random.default_rng(2).integers(0, 65_536, (11, 11)).astype(np.uint16)
+    by_row = codes if axis == 0 else codes.T
+    groups = [np.sort(by_row[i : i + count], axis=0) for i in range(0, 11, count)]
+    expected = np.array([group[(len(group) - 1) // 2] for group in groups])
+    assert (fold_median(codes, count, axis) == (expected if axis == 0 else expected.T)).all()
+    assert fold_median(codes[:0], 2).shape == (0, 11)

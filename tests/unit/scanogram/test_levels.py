@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robowidgets.samples import Scan
-from robowidgets.scanogram._codes import FARTHEST, encode, fold
+from robowidgets.scanogram._codes import FARTHEST, encode, fold, fold_median
 from robowidgets.scanogram.levels import Levels
 from robowidgets.scanogram.scans import ScansInMemory, Sweep
 
@@ -35,7 +35,7 @@ def test_every_level_holds_the_least_of_its_scans_whatever_the_budget(ranges: np
 
 @pytest.mark.parametrize("budget", [300_000, 40_000])
 def test_the_levels_keep_to_the_budget(ranges: np.ndarray, budget: int) -> None:
-    assert sum(kept.nbytes for kept in made(ranges, budget)._kept) <= 1.1 * budget
+    assert sum(kept.nbytes for kept in made(ranges, budget)._kept["nearest"]) <= 1.1 * budget
 
 
 def test_one_near_reading_among_a_million_is_seen_at_every_level() -> None:
@@ -45,7 +45,6 @@ def test_one_near_reading_among_a_million_is_seen_at_every_level() -> None:
     near = encode(np.array([0.5], np.float32), 0.1, 30.0)[0]
     for level in range(levels.last + 1):
         assert levels.codes(level, 1234 >> level, (1234 >> level) + 1)[0, 56] == near
-    assert levels.near_and_far[0] == pytest.approx(0.5, abs=0.01)
 
 
 @pytest.mark.parametrize("range_max", [600.0, 1e5, np.inf])
@@ -58,12 +57,11 @@ def test_distances_are_as_exact_whatever_the_scanner_claims_to_see(range_max: fl
     read = np.isfinite(ranges) & (ranges > 0.1)
     assert np.abs(metres - ranges)[read].max() < 0.006
     assert levels.counts.tolist() == [90_000 - 4, 1, 1, 1, 1]
-    assert levels.near_and_far[1] < 31
 
 
 def test_without_a_limit_and_without_a_reading_there_is_a_scale_all_the_same() -> None:
     levels = made(np.full((10, 8), np.inf), range_max=np.inf)
-    assert levels.near_and_far == (pytest.approx(0.1), pytest.approx(650.1))
+    assert levels.far == pytest.approx(650.1)
 
 
 def test_the_classes_are_counted() -> None:
@@ -72,17 +70,13 @@ def test_the_classes_are_counted() -> None:
     assert made(ranges).counts.tolist() == [80 - 24, 3, 10, 10, 1]
 
 
-def test_the_colours_leave_out_the_farthest_hundredth_and_fall_back_on_the_limits() -> None:
-    ranges = np.linspace(1.0, 5.0, 1000).reshape(10, 100)
-    ranges[0, :5] = 29.0
-    near, far = made(ranges).near_and_far
-    assert near == pytest.approx(1.0, abs=0.05)
-    assert 4.8 < far < 5.1
-    assert made(np.full((3, 4), np.inf)).near_and_far == pytest.approx((0.1, 30.0))
-
-
-def test_every_ray_is_in_the_sample_that_the_colours_are_fitted_to() -> None:
-    ranges = np.full((2048, 128), np.inf)
-    ranges[:, 100:108] = 7.0
-    near, far = made(ranges).near_and_far
-    assert (near, far) == pytest.approx((7.0, 7.0), abs=0.02)
+@pytest.mark.parametrize(("budget", "first"), [(1 << 28, 0), (300_000, 3)])
+def test_medians_are_those_of_the_scans_or_of_their_first_medians(ranges: np.ndarray, budget: int, first: int) -> None:
+    levels = made(ranges, budget)
+    codes = encode(ranges.astype(np.float32), 0.1, 30.0)
+    for level in range(levels.last + 1):
+        expected = fold_median(codes, 1 << level)
+        if level > first > 0:
+            expected = fold_median(fold_median(codes, 1 << first), 1 << (level - first))
+        assert (levels.codes(level, 0, len(expected), "median") == expected).all()
+    assert levels.codes(0, 0, 1).tolist() == codes[:1].tolist()
