@@ -6,12 +6,14 @@ SHELL := bash
 PYTHON ?= python3
 JS := robowidgets/js
 SOURCES := $(shell find $(JS) -path $(JS)/node_modules -prune -o -type f \( -name '*.ts' -o -name '*.css' -o -name '*.mjs' \) -print)
+RUNNABLE := .venv/.runnable
 INSTALLED := .venv/.installed
 MODULES := $(JS)/node_modules/.package-lock.json
 EXPORT_MODULES := tests/browser/node_modules/.package-lock.json
 BUNDLES := $(patsubst $(JS)/%.ts,robowidgets/static/%.js,$(wildcard $(JS)/*_widget.ts))
 PYTEST := .venv/bin/python -m pytest
-UNITS := $(PYTEST) --numprocesses 2 --dist loadfile tests/unit
+# Twice as many as cores: unit tests wait for half of their time.
+UNITS := $(PYTEST) --numprocesses 4 --dist loadfile tests/unit
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -34,7 +36,7 @@ watch: setup
 lab: build
 	ROBOWIDGETS_DEV=1 ANYWIDGET_HMR=1 .venv/bin/jupyter lab notebooks
 
-lint: build
+lint: setup build
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
@@ -54,41 +56,41 @@ test: lint test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-
 test-js: setup
 	cd $(JS) && npm run --silent test
 
-test-unit: build
+test-unit: setup build
 	$(UNITS)
 
 # The units with the oldest versions that pyproject.toml allows, and with the newest ones; skipped without that Python.
 # The slow ones among the latter, JupyterLab's start above all, meet newest versions in `make test`.
-test-floor: build
+test-floor: setup build
 	scripts/units.sh 3.10 floor
 
-test-newest: build
+test-newest: setup build
 	scripts/units.sh 3.13 newest -m 'not slow'
 
-test-ros1: build
+test-ros1: setup build
 	scripts/ros1.sh
 	$(PYTEST) tests/ros1
 
-test-notebooks: build
+test-notebooks: setup build
 	$(PYTEST) tests/test_notebooks.py
 
-test-docs: build
+test-docs: setup build
 	$(PYTEST) tests/test_docs.py tests/test_odd_scans.py
 
 test-wheel: setup
 	$(PYTEST) tests/test_wheel.py
 
-test-browser: build $(EXPORT_MODULES)
+test-browser: setup build $(EXPORT_MODULES)
 	scripts/chromium.sh
 	$(PYTEST) --numprocesses 2 --dist worksteal tests/browser
 
-bench: build
+bench: setup build
 	scripts/chromium.sh
 	.venv/bin/pip install --quiet --group bench
 	.venv/bin/python -m benchmarks
 
 # Draws the pictures of the documentation anew; look at them before you commit them.
-pictures: build
+pictures: setup build
 	scripts/chromium.sh
 	$(PYTEST) tests/browser/test_gallery.py
 	mkdir -p docs/images
@@ -99,16 +101,21 @@ clean:
 	rm -rf .venv .venv-floor .venv-newest $(JS)/node_modules tests/browser/node_modules robowidgets/static
 	rm -rf tests/screenshots benchmarks/results .pytest_cache .mypy_cache .ruff_cache dist
 
-$(INSTALLED): pyproject.toml scripts/venv.sh scripts/apt.sh
+# What the demo needs, Node for the front end included, and no more.
+$(RUNNABLE): pyproject.toml scripts/venv.sh scripts/apt.sh
 	scripts/venv.sh $(PYTHON)
+	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --group js --editable '.[lab]'
+	touch $@
+
+$(INSTALLED): $(RUNNABLE)
 	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --group dev --editable '.[lab]'
 	touch $@
 
-$(MODULES): $(JS)/package.json $(JS)/package-lock.json $(INSTALLED)
+$(MODULES): $(JS)/package.json $(JS)/package-lock.json $(RUNNABLE)
 	cd $(JS) && npm ci --no-audit --no-fund
 	touch $@
 
-$(EXPORT_MODULES): tests/browser/package.json tests/browser/package-lock.json $(INSTALLED)
+$(EXPORT_MODULES): tests/browser/package.json tests/browser/package-lock.json $(RUNNABLE)
 	cd tests/browser && npm ci --no-audit --no-fund --ignore-scripts
 	touch $@
 

@@ -86,6 +86,7 @@ class LaserWidget(RobotWidget[Scan]):
         marks: which rays without a reading are drawn: of "too_close", "nothing_in_range", "no_measurement",
             "outside_limits".
         color_by_intensity: whether the intensities colour the dots.
+        index_view: whether distance over index stands below the picture, as a program sees the array.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
@@ -132,6 +133,7 @@ class LaserWidget(RobotWidget[Scan]):
     angle_offset = Angle(0.0, help="Radians added to every angle, within ±2 pi.")
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
+    index_view = Flag(False, help="Whether distance over index stands below the picture.").tag(sync=True)
     hovered = traitlets.Int(
         None,
         allow_none=True,

@@ -131,6 +131,16 @@ def test_every_command_of_a_page_works(file: Path) -> None:
         assert ended.returncode == 0, f"{command}\n{ended.stdout}{ended.stderr}"
 
 
+def test_the_demo_installs_nothing_that_only_developers_need() -> None:
+    rules = ["make", "--dry-run", "--always-make"]
+    demo, tests = (
+        subprocess.run([*rules, target], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        for target in ("demo", "test-unit")
+    )
+    assert ["--group js" in demo, "--group dev" in demo] == [True, False]
+    assert "--group dev" in tests
+
+
 @every_file
 def test_every_link_to_a_file_leads_to_one(file: Path) -> None:
     links = [link[1] or link[2] for link in _LINK.finditer(file.read_text(encoding="utf-8"))]

@@ -6,7 +6,6 @@ import argparse
 import json
 import os
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -47,7 +46,7 @@ def _demo(arguments: argparse.Namespace) -> None:
 
 
 def _open(arguments: argparse.Namespace) -> None:
-    file = arguments.file.absolute()
+    file = Path(os.path.abspath(arguments.file))
     with robowidgets.open(file):
         pass
     _in_lab(lambda folder: _notebooks.write_for(file, folder), arguments)
@@ -81,8 +80,10 @@ def _write_repaired(arguments: argparse.Namespace) -> None:
 def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace) -> None:
     if not _lab.is_installed():
         raise NoLabError
-    notebook = make_notebook(Path(tempfile.mkdtemp(prefix="robowidgets-")))
-    _say(f"Opening {notebook} in JupyterLab. It is yours to change; save it elsewhere to keep it. Ctrl-C ends it.")
+    folder = arguments.folder.absolute()
+    folder.mkdir(parents=True, exist_ok=True)
+    notebook = make_notebook(folder)
+    _say(f"Opening {notebook} in JupyterLab. It is yours: it stays there as you save it. Ctrl-C ends JupyterLab.")
     _say("First its cells are run, so that their widgets are there and live when the page opens ...")
     _lab.run(notebook, arguments.port, arguments.browser, _say)
 
@@ -155,6 +156,12 @@ def _parser() -> argparse.ArgumentParser:
     mend.set_defaults(do=_write_repaired, failed=2)
 
     for command in (demo, show):
+        command.add_argument(
+            "--folder",
+            type=Path,
+            default=Path(_notebooks.FOLDER),
+            help=f"folder for the notebooks (default: {_notebooks.FOLDER}); what is there already stays as it is",
+        )
         command.add_argument(
             "--port", type=_port, help="port on 127.0.0.1, 0 for any free one (default: the first free one from 8888)"
         )

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
 _PACKAGE = Path(__file__).parents[1]
 TOUR = "tour.ipynb"
+FOLDER = "robowidgets-notebooks"
 
 
 def shipped() -> Path:
@@ -25,14 +27,15 @@ def shipped() -> Path:
 
 
 def copy_shipped(folder: Path) -> Path:
-    """The tour in a folder, with the other notebooks beside it, all of them free to change."""
+    """The tour in a folder, with the other notebooks beside it; those that are there already stay as they are."""
     for notebook in shipped().glob("*.ipynb"):
-        shutil.copyfile(notebook, folder / notebook.name)
+        if not (folder / notebook.name).exists():
+            shutil.copyfile(notebook, folder / notebook.name)
     return folder / TOUR
 
 
 def write_for(recording: Path, folder: Path) -> Path:
-    """A notebook in a folder that opens a recording and shows it."""
+    """A notebook in a folder that opens a recording and shows it; one that is there for it already stays as it is."""
     name = re.sub(r"[^\w-]+", "-", recording.stem, flags=re.ASCII).strip("-") or "recording"
     opened = f"recording = robowidgets.open({str(recording)!r})"
     cells = [
@@ -43,9 +46,16 @@ def write_for(recording: Path, folder: Path) -> Path:
     ]
     kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
     notebook = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
-    file = folder / f"{name}.ipynb"
-    file.write_text(json.dumps(notebook, indent=1), encoding="utf-8")
+    names = (f"{name}{number}.ipynb" for number in chain([""], (f"-{n}" for n in count(2))))
+    file = next(file for file in map(folder.joinpath, names) if not file.exists() or _opens(file, opened))
+    if not file.exists():
+        file.write_text(json.dumps(notebook, indent=1), encoding="utf-8")
     return file
+
+
+def _opens(file: Path, opened: str) -> bool:
+    """Whether a notebook has this line of code."""
+    return json.dumps(opened)[1:-1] in file.read_text(encoding="utf-8", errors="replace")
 
 
 def _cell(kind: str, cell_id: str, source: str) -> dict[str, Any]:

@@ -43,6 +43,9 @@ from .server import LabServer
 DRIVER = Path(__file__).with_name("driver.js")
 FAILED = pytest.StashKey[bool]()
 
+HELD_KEYS = ("ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "w", "a", "s", "d", "Shift")
+"""Keys that a test may leave pressed."""
+
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Any:
@@ -88,11 +91,20 @@ def contexts(browser: Browser) -> Iterator[Callable[[int, bool], BrowserContext]
         made.close()
 
 
+@pytest.fixture(scope="session")
+def lab_pages() -> dict[tuple[int, bool], list[tuple[Page, Console]]]:
+    """Pages by scale and touch that have loaded JupyterLab, and that no test uses: most of a test's time otherwise."""
+    return {}
+
+
 @pytest.fixture
-def pages(request: pytest.FixtureRequest) -> Iterator[list[tuple[Page, Console]]]:
+def pages(
+    request: pytest.FixtureRequest, lab_pages: dict[tuple[int, bool], list[tuple[Page, Console]]]
+) -> Iterator[list[tuple[Page, Console]]]:
     """The pages that a test opened: closed at its end, judged by their consoles, and kept as pictures if it failed."""
     opened: list[tuple[Page, Console]] = []
     yield opened
+    spare = {page for kept in lab_pages.values() for page, _ in kept}
     name = re.sub(r"\W+", "-", request.node.name).strip("-")
     failed = request.node.stash.get(FAILED, False)
     complaints = []
@@ -101,7 +113,8 @@ def pages(request: pytest.FixtureRequest) -> Iterator[list[tuple[Page, Console]]
             page.screenshot(path=chromium.SCREENSHOTS / "failed" / f"{name}-{number}.png")
             request.node.add_report_section("teardown", f"console of page {number}", "\n".join(console.lines))
         complaints += console.errors
-        page.close()
+        if page not in spare:
+            page.close()
     assert not complaints, "widgets complained on the console:\n" + "\n".join(complaints)
 
 
@@ -125,9 +138,12 @@ def new_page(
 def notebook(
     lab: LabServer,
     new_page: Callable[[int, int, int, bool], tuple[Page, Console]],
+    lab_pages: dict[tuple[int, bool], list[tuple[Page, Console]]],
     pages: list[tuple[Page, Console]],
     request: pytest.FixtureRequest,
 ) -> Iterator[Callable[..., Notebook]]:
+    used: list[tuple[tuple[int, bool], Page, Console]] = []
+
     def open_notebook(
         cells: Sequence[str],
         *,
@@ -147,7 +163,14 @@ def notebook(
             ),
             lab.files / path,
         )
-        page, console = new_page(scale, width, height, touch)
+        if lab_pages.get((scale, touch)):
+            page, console = lab_pages[scale, touch].pop()
+            console.forget()
+            pages.append((page, console))
+            page.set_viewport_size({"width": width, "height": height})
+        else:
+            page, console = new_page(scale, width, height, touch)
+        used.append(((scale, touch), page, console))
         opened = Notebook(page, lab, path, console)
         opened.open()
         opened.theme(theme)
@@ -156,6 +179,13 @@ def notebook(
         return opened
 
     yield open_notebook
+    for screen, page, console in used:
+        # A page is used again unless its test failed, took it away from JupyterLab, or left a player playing.
+        if not request.node.stash.get(FAILED, False) and page.evaluate("window.driver?.closeAll()"):
+            page.mouse.up()
+            for key in HELD_KEYS:
+                page.keyboard.up(key)
+            lab_pages.setdefault(screen, []).append((page, console))
     lab.end_sessions()
 
 

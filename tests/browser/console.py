@@ -26,6 +26,11 @@ class Console:
         page.on("pageerror", self._on_error)
         page.on("request", self._on_request)
 
+    def forget(self) -> None:
+        """Start anew, for another test."""
+        self.lines.clear()
+        self.errors.clear()
+
     def _on_message(self, message: ConsoleMessage) -> None:
         line = f"{message.type}: {message.text} ({message.location['url']})"
         failed_request = message.text.startswith("Failed to load resource")

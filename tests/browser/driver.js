@@ -7,6 +7,20 @@ window.driver = (() => {
   const kernelOf = (path) => panelOf(path).sessionContext.session?.kernel;
 
   return {
+    // Set by a test that changes the page for good, such as its clock.
+    isSpoilt: false,
+
+    isLoaded: () => Boolean(app()?.commands.hasCommand("docmanager:open")),
+
+    open: (path) => app().commands.execute("docmanager:open", { path }),
+
+    // Closes all notebooks, without the question whether to save them; false if the page cannot be used again.
+    closeAll() {
+      if (!this.isLoaded() || this.isSpoilt || document.querySelector(".rw-player")) return false;
+      for (const widget of [...app().shell.widgets("main")]) widget.dispose();
+      return true;
+    },
+
     ready(path) {
       const panel = app() && panelOf(path);
       const kernel = panel?.sessionContext?.session?.kernel;

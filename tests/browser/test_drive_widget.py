@@ -43,7 +43,11 @@ import robowidgets._core.command_watchdog as watchdog, robowidgets._core.press a
 watchdog.HOLD = press.HOLD = 10
 watchdog.CommandWatchdog.drive.__defaults__ = (10, watchdog.PROGRAM)
 """
-SLOW_CLOCK = "() => { const now = performance.now.bind(performance); performance.now = () => now() / 20; }"
+SLOW_CLOCK = """() => {
+    window.driver.isSpoilt = true;
+    const now = performance.now.bind(performance);
+    performance.now = () => now() / 20;
+}"""
 
 
 @pytest.fixture(autouse=True)

@@ -2,6 +2,7 @@ import ast
 import json
 import math
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -35,9 +36,10 @@ def lab(monkeypatch):
     return started
 
 
-@pytest.fixture(autouse=True)
-def temporary_folders_end_with_the_test(tmp_path, monkeypatch):
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A folder to work in, which ends with the test."""
+    monkeypatch.chdir(tmp_path)
 
 
 def test_doctor_prints_the_check_up_and_tells_by_its_exit_code_whether_there_are_problems(tmp_path, capsys):
@@ -147,14 +149,14 @@ def test_without_jupyterlab_it_says_what_to_install(monkeypatch, capsys):
     assert one_line(capsys).endswith('type: pip install "robowidgets[lab]"')
 
 
-def test_a_folder_that_cannot_be_written_to_is_one_line(monkeypatch, tmp_path, capsys, lab):
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "gone"))
-    assert main(["demo"]) == 1
-    assert str(tmp_path / "gone") in one_line(capsys)
+def test_a_folder_that_cannot_be_written_to_is_one_line(tmp_path, capsys, lab):
+    (tmp_path / "file").touch()
+    assert main(["demo", "--folder", str(tmp_path / "file" / "notebooks")]) == 1
+    assert str(tmp_path / "file") in one_line(capsys)
     assert lab == []
 
 
-def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, tmp_path):
+def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, tmp_path, here):
     assert main(["demo", "--port", "0", "--no-browser"]) == 0
     ((tour, port, browser),) = lab
     assert (port, browser) == (0, False)
@@ -164,14 +166,31 @@ def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, 
     assert {file.name for file in tour.parent.iterdir()} == {file.name for file in (ROOT / "notebooks").iterdir()}
 
 
-def test_a_demo_opens_the_browser_at_a_port_of_jupyterlabs_choice(lab):
+def test_a_notebook_that_a_person_changed_stays_where_it_was_and_as_it_was(lab, tmp_path, capsys, here):
+    main(["demo"])
+    tour = lab[0][0]
+    assert tour.parent == tmp_path / "robowidgets-notebooks"
+    assert f"Opening {tour} in JupyterLab. It is yours: it stays there" in capsys.readouterr().out
+    tour.write_text("mine")
+    main(["demo"])
+    assert tour.read_text() == "mine"
+
+    same = tmp_path / "elsewhere" / robowidgets.SAMPLE.name
+    same.parent.mkdir()
+    shutil.copyfile(robowidgets.SAMPLE, same)
+    for file in (robowidgets.SAMPLE, same, robowidgets.SAMPLE, same):
+        main(["open", str(file)])
+    assert [notebook.name for notebook, *_ in lab[2:]] == 2 * ["sample.ipynb", "sample-2.ipynb"]
+
+
+def test_a_demo_opens_the_browser_at_a_port_of_jupyterlabs_choice(lab, here):
     main(["demo"])
     assert lab[0][1:] == (None, True)
     told = _lab.arguments(Path("/tmp/a folder/tour.ipynb"), None, True)
     assert not [argument for argument in told if "port" in argument or "browser" in argument]
 
 
-def test_the_terminal_says_what_takes_the_time_and_what_went_wrong(monkeypatch, capsys):
+def test_the_terminal_says_what_takes_the_time_and_what_went_wrong(monkeypatch, capsys, here):
     monkeypatch.setattr(_lab, "run", lambda *arguments: arguments[-1]("A cell failed."))
     main(["demo"])
     opening, running, failed = capsys.readouterr().out.splitlines()
@@ -180,7 +199,7 @@ def test_the_terminal_says_what_takes_the_time_and_what_went_wrong(monkeypatch, 
     assert failed == "A cell failed."
 
 
-def test_open_writes_a_notebook_for_the_file(lab):
+def test_open_writes_a_notebook_for_the_file(lab, here):
     assert main(["open", os.path.relpath(robowidgets.SAMPLE)]) == 0
     written = lab[0][0]
     assert written.name == "sample.ipynb"
@@ -233,7 +252,7 @@ def test_notebooks_are_found_in_a_checkout_and_in_an_installed_package(monkeypat
 )
 def test_jupyterlab_serves_the_notebook_already_run_on_this_machine_to_who_has_the_token(command, notebook, tmp_path):
     own = {name: str(tmp_path / name) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR")}
-    environment = os.environ | own | {"JUPYTER_TOKEN": "guessed", "TMPDIR": str(tmp_path)}
+    environment = os.environ | own | {"JUPYTER_TOKEN": "guessed"}
     log = tmp_path / "log"
     with log.open("w") as output:
         process = subprocess.Popen(

@@ -1,7 +1,7 @@
 import { lampsOf } from "../shared/lamps.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Theme } from "../shared/theme.ts";
-import type { Depth, Layer, Painter, Stage } from "./layer.ts";
+import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
 import { type Point, toDirection } from "./projection.ts";
 import { angleOf, type Scan, TOO_CLOSE } from "./scan.ts";
 
@@ -14,6 +14,8 @@ const HALF = 3;
 const APART = 14;
 /** Pixels from the scanner at which what is too close is marked. */
 const INNER = 17;
+/** Height of the bar at the foot of the index view, in pixels. */
+const FOOT = 3.5;
 
 /** Runs of rays, each [first, stop), that made a lit condition true. */
 export function litRuns(stream: Pick<Stream<Scan>, "about" | "shown">): [number, number][] {
@@ -77,6 +79,19 @@ export class ConditionLayer implements Layer {
 
   painters(): Partial<Record<Depth, Painter>> {
     return this.#stream.about.lamps?.length ? this.#painters : {};
+  }
+
+  strip(): Partial<Record<Depth, StripPainter>> {
+    return { conditions: (context, strip, theme) => this.#drawFoot(context, strip, theme) };
+  }
+
+  /** A bar at the foot of the index view, under the rays that made a condition true. */
+  #drawFoot(context: CanvasRenderingContext2D, { box, count, xOf }: StripStage, theme: Theme): void {
+    context.fillStyle = theme.ink;
+    for (const [first, stop] of litRuns(this.#stream)) {
+      const [left, right] = [xOf(first - 0.5), xOf(Math.min(stop, count) - 0.5)];
+      context.fillRect(left, box.y + box.height - FOOT, Math.max(FOOT, right - left), FOOT);
+    }
   }
 
   #draw(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {

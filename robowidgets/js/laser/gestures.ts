@@ -15,13 +15,23 @@ const WHEEL_STEP = 40;
 /** Pixels; a press that moves less is a click. */
 const CLICK_SLOP = 4;
 
-/** Offers what a person does to the picture to the layers, from the last of the list, until one takes it. */
-export function watchGestures(element: HTMLElement, layers: Layer[], zoom: Zoom, signal: AbortSignal): void {
-  const fromTop = [...layers].reverse();
-  const toPoint = (event: MouseEvent): Point => {
+/**
+ * Offers what a person does to the picture to the layers, from the last of the list, until one takes it.
+ *
+ * @param zoom null for an element that takes neither the wheel nor keys, apart from Escape
+ * @param toPoint the place in the picture that an event on the element means
+ */
+export function watchGestures(
+  element: HTMLElement,
+  layers: Layer[],
+  zoom: Zoom | null,
+  signal: AbortSignal,
+  toPoint = (event: MouseEvent): Point => {
     const { left, top } = element.getBoundingClientRect();
     return { x: event.clientX - left, y: event.clientY - top };
-  };
+  },
+): void {
+  const fromTop = [...layers].reverse();
   const hover = (point: Point | null) => {
     let left = point;
     for (const layer of fromTop) if (layer.onHover?.(left)) left = null;
@@ -37,6 +47,12 @@ export function watchGestures(element: HTMLElement, layers: Layer[], zoom: Zoom,
     if (!presses.takeClick() && !isOver(event)) click(toPoint(event));
   };
   on(element, "click", onClick, signal);
+  const { parentElement } = element;
+  if (!zoom) {
+    const onEscape = ({ key }: KeyboardEvent) => key === "Escape" && presses.cancel();
+    if (parentElement) on(parentElement, "keydown", onEscape, signal);
+    return;
+  }
   const onKey = (event: KeyboardEvent) => {
     if (!isPlain(event) || event.target instanceof HTMLInputElement) return;
     const direction = ZOOM[event.key];
@@ -48,7 +64,7 @@ export function watchGestures(element: HTMLElement, layers: Layer[], zoom: Zoom,
     }
   };
   // On the card: after a click on the freeze button, arrow keys work without a click into the picture.
-  on(element.parentElement ?? element, "keydown", onKey, signal);
+  on(parentElement ?? element, "keydown", onKey, signal);
   let turned = 0;
   const onWheel = (event: WheelEvent): boolean => {
     const direction = event.deltaY < 0 ? -1 : 1;

@@ -47,6 +47,21 @@ export interface Stage {
 
 export type Painter = (context: CanvasRenderingContext2D, stage: Stage, theme: Theme) => void;
 
+/** The index view, in which layers paint too: rays from left to right, metres from the bottom up. */
+export interface StripStage {
+  scan: Scan | null;
+  /** The plot. Above it is room for what has no distance, and for names. */
+  box: Box;
+  count: number;
+  viewRange: number;
+  size: Surface;
+  /** The middle of a ray; of half an index, the edge between two. */
+  xOf(index: number): number;
+  yOf(metres: number): number;
+}
+
+export type StripPainter = (context: CanvasRenderingContext2D, strip: StripStage, theme: Theme) => void;
+
 /** What a view offers to its layers. */
 export interface Host {
   readonly model: Model<LaserTraits>;
@@ -77,6 +92,8 @@ export interface Layer {
   readonly traits: readonly (keyof LaserTraits & string)[];
   /** What it paints now, by depth. Layers of the same depth paint in the order of the list. */
   painters(): Partial<Record<Depth, Painter>>;
+  /** What it paints into the index view, if there is one, by depth. */
+  strip?(): Partial<Record<Depth, StripPainter>>;
   /** That on which its painters of the lower canvas depend, apart from the stage's geometry; a value for JSON. */
   lowerKey?(): unknown;
   /** Pixels that it needs below the picture. */

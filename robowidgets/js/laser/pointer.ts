@@ -1,7 +1,8 @@
 import { setTraits } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { drawLine, drawRobot } from "./draw_area.ts";
-import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
+import { drawStripPointer } from "./draw_strip.ts";
+import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
 import { pick } from "./pick.ts";
 import { Popup } from "./popup.ts";
 import { placePopup } from "./popup_place.ts";
@@ -45,6 +46,18 @@ export class PointerLayer implements Layer {
         if (!scan) return;
         for (const index of this.#indices) {
           if (index !== null && index < scan.count) drawPointer(context, stage, scan, index, theme);
+        }
+      },
+    };
+  }
+
+  strip(): Partial<Record<Depth, StripPainter>> {
+    return {
+      pointer: (context, strip, theme) => {
+        const { scan } = strip;
+        if (!scan) return;
+        for (const index of this.#indices) {
+          if (index !== null && index < scan.count) drawStripPointer(context, strip, scan, index, theme);
         }
       },
     };

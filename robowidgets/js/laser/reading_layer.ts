@@ -3,7 +3,8 @@ import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { colorScale, type Domain, drawColorScale, intensityDomain, SCALE_HEIGHT } from "./color.ts";
 import { drawBeyond, drawReadings } from "./draw_readings.ts";
-import type { Depth, Layer, Painter, Stage } from "./layer.ts";
+import { drawStripReadings } from "./draw_strip.ts";
+import type { Depth, Layer, Painter, Stage, StripPainter } from "./layer.ts";
 import type { Scan } from "./scan.ts";
 import { CLASSES } from "./text.ts";
 import type { LaserTraits } from "./traits.ts";
@@ -25,6 +26,15 @@ export class ReadingLayer implements Layer {
 
   painters(): Partial<Record<Depth, Painter>> {
     return this.#painters;
+  }
+
+  strip(): Partial<Record<Depth, StripPainter>> {
+    return {
+      readings: (context, strip, theme) => {
+        const colorOf = this.#domain ? colorScale(this.#domain, theme.dark) : null;
+        if (strip.scan) drawStripReadings(context, strip, strip.scan, theme, colorOf);
+      },
+    };
   }
 
   roomBelow(scan: Scan | null): number {

@@ -17,6 +17,7 @@ export interface LaserTraits extends SampleTraits {
   /** Classes whose rays are marked. */
   marks: string[];
   color_by_intensity: boolean;
+  index_view: boolean;
   /** Indices of rays. */
   hovered: number | null;
   pinned: number | null;

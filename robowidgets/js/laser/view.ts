@@ -1,5 +1,6 @@
 import { type Surface, watchSize } from "../shared/canvas.ts";
 import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
+import { onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
@@ -15,6 +16,7 @@ import { PointerLayer } from "./pointer.ts";
 import { ReadingLayer } from "./reading_layer.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
+import { Strip } from "./strip.ts";
 import type { LaserTraits } from "./traits.ts";
 import { stepRange } from "./zoom.ts";
 
@@ -33,6 +35,7 @@ export class LaserView implements Host {
   readonly #range = make("span", "rw-range");
   readonly #fit: HTMLButtonElement;
   readonly #tell: () => void;
+  #strip: { view: Strip; end: AbortController } | null = null;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
 
   constructor(model: Model<LaserTraits>, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
@@ -62,7 +65,7 @@ export class LaserView implements Host {
     this.card.addControls(farther, this.#range, closer, this.#fit);
 
     stream.listen(this.redraw, signal);
-    onChange(model, [...SETTINGS, ...this.#layers.flatMap(({ traits }) => traits)], this.redraw, signal);
+    onChange(model, [...SETTINGS, "index_view", ...this.#layers.flatMap(({ traits }) => traits)], this.redraw, signal);
     watchGestures(picture, this.#layers, this, signal);
     const onSize = (size: Surface) => {
       this.#size = size;
@@ -72,6 +75,7 @@ export class LaserView implements Host {
     const draw = (ratio?: number) => {
       tell();
       resize(ratio);
+      this.#strip?.view.resize(ratio);
     };
     offerPng(this.card, model, draw, signal);
   }
@@ -119,5 +123,21 @@ export class LaserView implements Host {
     setText(this.#range, scan ? toShortMetres(this.#viewRange) : "");
     this.#fit.ariaPressed = String(this.model.get("view_range") === "data");
     for (const layer of [...this.#layers].reverse()) layer.place?.(this.stage);
+    this.#drawStrip();
+  }
+
+  /** Draws the index view, if there is one; makes and removes it as the trait says. */
+  #drawStrip(): void {
+    if (this.model.get("index_view") === (this.#strip !== null)) {
+      this.#strip?.view.draw();
+    } else if (this.#strip) {
+      this.#strip.end.abort();
+      this.#strip.view.root.remove();
+      this.#strip = null;
+    } else {
+      const end = new AbortController();
+      onAbort(this.signal, () => end.abort());
+      this.#strip = { view: new Strip(this, this.#layers, end.signal), end };
+    }
   }
 }
