@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .drive_widget import DriveWidget
 from .laser_widget import LaserWidget
-from .samples import Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity
+from .samples import Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity
 from .scanogram_widget import ScanogramWidget
 from .speed_widget import SpeedWidget
 from .touch_widget import TouchWidget
@@ -36,6 +36,7 @@ __all__ = [
     "RecordingError",
     "Scan",
     "ScanogramWidget",
+    "Sector",
     "Speed",
     "SpeedWidget",
     "Touch",

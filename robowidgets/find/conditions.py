@@ -306,8 +306,8 @@ class _NearestBelow(Condition):
         self._sector = None if sector is None else to_sector(sector)
         self._where = ""
         if self._sector is not None:
-            named = isinstance(sector, str)
-            self._where = f" in {sector}" if named else " between {:g} and {:g} rad".format(*self._sector)
+            angles = f"between {self._sector.start:g} and {self._sector.end:g} rad"
+            self._where = f" in {sector}" if isinstance(sector, str) else f" {angles}"
         self._topic = topic
 
     def steps(self, search: Search) -> Steps:

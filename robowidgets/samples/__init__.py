@@ -7,8 +7,21 @@ counter-clockwise). It knows neither ROS nor a page.
 from ._age import HasAge
 from .problem import Problem
 from .scan import Ray, Scan
+from .sector import Sector
 from .speed import AXES, Speed
 from .touch import Touch, TouchMode, TouchState
 from .validity import Validity
 
-__all__ = ["AXES", "HasAge", "Problem", "Ray", "Scan", "Speed", "Touch", "TouchMode", "TouchState", "Validity"]
+__all__ = [
+    "AXES",
+    "HasAge",
+    "Problem",
+    "Ray",
+    "Scan",
+    "Sector",
+    "Speed",
+    "Touch",
+    "TouchMode",
+    "TouchState",
+    "Validity",
+]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from decimal import ROUND_HALF_UP, Decimal
 from math import floor, isfinite, log10, pi, radians
 from typing import Any, SupportsFloat, TypeGuard
 
@@ -99,6 +100,16 @@ def is_frozen(values: Any) -> TypeGuard[NDArray[np.float32]]:
 def shortest(value: SupportsFloat) -> float:
     """A float32 as the float that a person would write: 2.54, not 2.5399999618530273."""
     return float(str(np.float32(float(value))))
+
+
+def decimals(value: float, most: int) -> str:
+    """A finite number with at most so many decimals, and none that is not needed: "0.35", "-20", "0".
+
+    A tie goes away from zero, as in the page, so that both write the same.
+    """
+    text = f"{Decimal(value).quantize(Decimal(1).scaleb(-most), ROUND_HALF_UP):f}"
+    text = text.rstrip("0").rstrip(".") if most else text
+    return "0" if text == "-0" else text
 
 
 def metres(value: float, reach: float) -> str:

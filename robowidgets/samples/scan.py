@@ -28,7 +28,7 @@ from .checks import (
     to_radians,
 )
 from .problem import Problem
-from .sector import Asked, in_sector, to_sector
+from .sector import Asked, in_sector, order_in_sector, to_sector
 from .validity import CODES_END, Validity
 
 MAX_RAYS = 1_000_000
@@ -263,7 +263,7 @@ class Scan(HasAge):
         at NaN.
 
         Args:
-            sector: two angles in radians, or in degrees as text (``("-15deg", "15deg")``), from the first
+            sector: a `Sector`; two angles in radians, or in degrees as text (``("-15deg", "15deg")``), from the first
                 counter-clockwise to the second; or "front", "left", "back" or "right", the quarter of the circle round
                 that direction. None: all rays.
             percentile: 0 to 100, of what the rays count as, in place of the least: 5 is robust against single wrong
@@ -291,6 +291,25 @@ class Scan(HasAge):
         away[~((away < np.inf) & inside(self, sector))] = np.inf
         found = int(away.argmin()) if away.size else 0
         return self[found] if away.size and away[found] < np.inf else None
+
+    def indices(self, sector: Asked | None = None) -> NDArray[np.intp]:
+        """Indices of the rays in a sector, in its order: from its first angle counter-clockwise to its second.
+
+        So they run on across the seam of a full circle, and downwards for a clockwise scanner.
+
+        Args:
+            sector: as in `distance`.
+
+        Raises:
+            TypeError: the sector is no pair of numbers.
+            ValueError: no such sector, or an angle is beyond a full turn either way.
+
+        Example:
+            >>> scan = Scan([1.0, 2.0, 3.0, 4.0], 0.0, 1.5708, 0.1, 30.0)
+            >>> scan.indices(("-100deg", "10deg"))
+            array([3, 0])
+        """
+        return np.arange(len(self)) if sector is None else order_in_sector(self.angles, to_sector(sector))
 
     def at(self, angle: float | str) -> Ray | None:
         """The ray that points closest to an angle in radians, or in degrees as text (``"20deg"``).

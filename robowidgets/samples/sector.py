@@ -2,36 +2,138 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from math import pi
+from dataclasses import dataclass, fields
+from math import degrees, isnan, pi, radians
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .checks import ANGLE_ROUNDING, in_radians
+from .checks import ANGLE_ROUNDING, decimals, finite, in_radians
 
-Sector = tuple[float, float]
-"""Two angles in radians: from the first counter-clockwise to the second."""
+HYSTERESIS = 0.05
+"""Metres."""
 
-Asked = tuple[float | str, float | str] | str
-"""A sector as it is given: two angles, each in radians or as text like ``"20deg"``, or a name in `SECTORS`."""
+STATES = {"stop": "stop", "warning": "warning", "near": "occupied"}
+"""The limits of a sector with the states that they set, the most severe first."""
+
+
+def _metres(name: str, value: Any, least: float | None = None) -> float:
+    given = finite(name, value, "metres")
+    if given < least if least is not None else given <= 0:
+        raise ValueError(f"{name}: expected metres{', 0 or more' if least is not None else ' above 0'}, got {given!r}")
+    return given
+
+
+@dataclass(frozen=True, init=False)
+class Sector:
+    """The rays between two angles, whatever the scanner: its start and direction of counting do not matter.
+
+    A sector may have limits. It is occupied while the nearest thing in it is nearer than `near`, and in "warning" or
+    "stop" below those distances, as with safety scanners. A limit that was met holds until the distance is larger by
+    the hysteresis, so that noise does not make it flicker.
+
+    Args:
+        start, end: angles in radians, or degrees as text (``"20deg"``), within a full turn either way; the sector goes
+            from the first counter-clockwise to the second. Two angles a full turn apart are the whole circle.
+        near: metres below which the sector is occupied; None: no such limit.
+        warning, stop: metres below which it is in that state; stop is not above warning.
+        hysteresis: metres.
+
+    Raises:
+        TypeError: something is no number.
+        ValueError: an angle is beyond a full turn, a limit is not above 0, or stop is above warning.
+
+    Example:
+        >>> Sector("-15deg", "15deg", near=0.5)
+        Sector('-15deg', '15deg', near=0.5)
+    """
+
+    start: float
+    end: float
+    near: float | None = None
+    warning: float | None = None
+    stop: float | None = None
+    hysteresis: float = HYSTERESIS
+
+    def __init__(
+        self,
+        start: float | str,
+        end: float | str,
+        *,
+        near: float | None = None,
+        warning: float | None = None,
+        stop: float | None = None,
+        hysteresis: float = HYSTERESIS,
+    ) -> None:
+        put = object.__setattr__
+        put(self, "start", in_radians("sector", start))
+        put(self, "end", in_radians("sector", end))
+        for name, value in (("near", near), ("warning", warning), ("stop", stop)):
+            put(self, name, None if value is None else _metres(name, value))
+        put(self, "hysteresis", _metres("hysteresis", hysteresis, least=0.0))
+        if self.stop is not None and self.warning is not None and self.stop > self.warning:
+            raise ValueError(
+                f"stop: expected a distance up to warning ({self.warning:g} m), got {self.stop:g}; are the two swapped?"
+            )
+
+    def __repr__(self) -> str:
+        angles = [repr(angle_text(angle) or angle) for angle in (self.start, self.end)]
+        return f"Sector({', '.join(angles + [f'{name}={value!r}' for name, value in self._more().items()])})"
+
+    @property
+    def sweep(self) -> float:
+        """Radians from the first angle to the second, above 0 and up to a full turn; 0 for a single direction."""
+        turned = self.end - self.start
+        return 2 * pi if turned >= 2 * pi else turned % (2 * pi)
+
+    def state(self, distance: float, before: str = "free") -> str:
+        """What the limits say of a distance: "stop", "warning", "occupied" (`near`), "free", or "unknown" for NaN.
+
+        Args:
+            distance: metres to the nearest thing, as `Scan.distance` gives it.
+            before: the state at the scan before, which holds up to the hysteresis.
+        """
+        if isnan(distance):
+            return "unknown"
+        severity = [*STATES.values()]
+        was = severity.index(before) if before in severity else len(severity)
+        for i, (name, state) in enumerate(STATES.items()):
+            limit = getattr(self, name)
+            if limit is not None and distance < limit + (self.hysteresis if was <= i else 0.0):
+                return state
+        return "free"
+
+    def to_json(self) -> dict[str, float | str]:
+        """The sector as plain values for JSON; ``Sector(**values)`` makes it again."""
+        return {"start": angle_text(self.start) or self.start, "end": angle_text(self.end) or self.end, **self._more()}
+
+    def _more(self) -> dict[str, float]:
+        """What differs from the default, apart from the angles."""
+        return {f.name: v for f in fields(self)[2:] if (v := getattr(self, f.name)) != f.default}
+
+
+Asked: TypeAlias = Sector | tuple[float | str, float | str] | str
+"""A sector as it is given: a `Sector`, two angles (radians, or text like ``"20deg"``), or a name in `SECTORS`."""
 
 SECTORS: dict[str, Sector] = {
-    "front": (-pi / 4, pi / 4),
-    "left": (pi / 4, 3 * pi / 4),
-    "back": (3 * pi / 4, 5 * pi / 4),
-    "right": (-3 * pi / 4, -pi / 4),
+    "front": Sector("-45deg", "45deg"),
+    "left": Sector("45deg", "135deg"),
+    "back": Sector("135deg", "225deg"),
+    "right": Sector("-135deg", "-45deg"),
 }
 """Quarters of the circle by name, centred on 0, 90, 180 and -90 degrees: together they leave no direction out."""
 
 
-def to_sector(sector: Iterable[float | str] | str) -> Sector:
-    """Two angles in radians, also of degrees as text (``"20deg"``), or of a name in `SECTORS`.
+def to_sector(sector: Any) -> Sector:
+    """The sector itself, or that of two angles or of a name in `SECTORS`.
 
     Raises:
         TypeError: it is no pair of angles.
         ValueError: no such name, or an angle is beyond a full turn either way, infinite or NaN.
     """
+    if isinstance(sector, Sector):
+        return sector
     if isinstance(sector, str):
         if sector not in SECTORS:
             raise ValueError(f"sector: expected {', '.join(SECTORS)} or two angles in radians, got {sector!r}")
@@ -40,12 +142,29 @@ def to_sector(sector: Iterable[float | str] | str) -> Sector:
         start, end = sector
     except (TypeError, ValueError):
         raise TypeError(f"sector: expected two angles in radians, got {sector!r}") from None
-    return in_radians("sector", start), in_radians("sector", end)
+    return Sector(start, end)
 
 
 def in_sector(angles: NDArray[np.float64], sector: Sector) -> NDArray[np.bool_]:
     """Whether each of some angles in radians lies in a sector, its ends included."""
-    start, end = sector
-    sweep = end - start if end - start >= 2 * pi else (end - start) % (2 * pi)
-    inside: NDArray[np.bool_] = (angles - start + ANGLE_ROUNDING) % (2 * pi) <= sweep + 2 * ANGLE_ROUNDING
+    inside: NDArray[np.bool_] = _turned(angles, sector) <= sector.sweep + 2 * ANGLE_ROUNDING
     return inside
+
+
+def order_in_sector(angles: NDArray[np.float64], sector: Sector) -> NDArray[np.intp]:
+    """Indices of the angles that lie in a sector, in its order: from its first angle counter-clockwise."""
+    turned = _turned(angles, sector)
+    order = np.argsort(turned, kind="stable")
+    return order[turned[order] <= sector.sweep + 2 * ANGLE_ROUNDING]
+
+
+def angle_text(angle: float) -> str | None:
+    """An angle in radians as ``"20deg"``, where at most four decimals of degrees are exactly that angle; else None."""
+    text = decimals(degrees(angle), 4)
+    return f"{text}deg" if radians(float(text)) == angle else None
+
+
+def _turned(angles: NDArray[np.float64], sector: Sector) -> NDArray[np.float64]:
+    """Radians from the start of a sector counter-clockwise to each angle, and half of what rounding may lose."""
+    turned: NDArray[np.float64] = (angles - sector.start + ANGLE_ROUNDING) % (2 * pi)
+    return turned

@@ -1,0 +1,72 @@
+"""Python that computes the distance of a sector, for a reader to paste. The page has the same texts."""
+
+from __future__ import annotations
+
+from math import degrees
+
+from .checks import decimals
+from .rays import expression, stretches
+from .scan import Scan
+from .sector import SECTORS, Sector, angle_text
+
+MESSAGE = '''\
+import numpy as np
+
+
+def distance(msg, start={start}, sweep={sweep}):
+    """Metres to the nearest thing, {words}: 0 too close, inf nothing met, nan unknown."""
+    r = np.array(msg.ranges, np.float32)
+    angles = msg.angle_min + np.arange(r.size) * (msg.angle_increment if r.size > 1 else 0)
+    r = r[(angles - start + 1e-6) % (2 * np.pi) <= sweep + 2e-6]
+    low, high = np.float32(msg.range_min), np.float32(msg.range_max)
+    code = (r < low) & (r < 0.0195) & (r > -np.inf)  # 0.0 and the like: nothing was seen
+    r[r > high] = np.inf
+    r[r < low] = 0
+    r[code] = np.nan
+    return float(np.fmin.reduce(r, initial=np.nan))
+
+
+distance(msg)
+'''
+
+
+def for_scan(sector: Sector) -> str:
+    """An expression of a `Scan` named ``scan``."""
+    name = next((name for name, known in SECTORS.items() if (known.start, known.end) == (sector.start, sector.end)), "")
+    angles = f'"{name}"' if name else f"({_angle(sector.start)}, {_angle(sector.end)})"
+    return f"scan.distance({angles})"
+
+
+def for_message(sector: Sector, angle_offset: float = 0.0) -> str:
+    """A function of a sensor_msgs/LaserScan, which needs NumPy alone, and its call for a message named ``msg``.
+
+    Args:
+        sector: in a picture of the message.
+        angle_offset: radians by which the picture is turned.
+    """
+    words = f"from {_degrees(sector.start)} to {_degrees(sector.end)}"
+    if angle_offset:
+        words += f" of a picture turned by {_degrees(angle_offset)}"
+    return MESSAGE.format(start=_radians(sector.start - angle_offset), sweep=_radians(sector.sweep), words=words)
+
+
+def for_array(sector: Sector, scan: Scan) -> str:
+    """The part of ``ranges`` alone, for this scan: an expression for lists and for arrays."""
+    found = stretches(scan, sector)
+    if len(found) < 2:
+        return expression(found, len(scan))
+    return f"np.concatenate(({expression(found, len(scan)).replace(' +', ',')}))"
+
+
+def _angle(angle: float) -> str:
+    text = angle_text(angle)
+    return f'"{text}"' if text else _radians(angle)
+
+
+def _radians(angle: float) -> str:
+    text = decimals(angle, 7)
+    return text if "." in text else f"{text}.0"
+
+
+def _degrees(angle: float) -> str:
+    return f"{decimals(degrees(angle), 1)}°"
