@@ -11,6 +11,7 @@ import traitlets
 
 from ._core.base_widget import bundle, nearest_name, refuse_unnamed
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
+from ._core.sectors import HasSectors
 from ._core.traits import Angle, Angles, Flag
 from .messages import ScanReader
 from .messages.fields import unwrap
@@ -63,7 +64,7 @@ class Distances(traitlets.TraitType[Any, Any]):
         return distances
 
 
-class LaserWidget(RobotWidget[Scan]):
+class LaserWidget(HasSectors, RobotWidget[Scan]):
     """A laser scan, live: its detection area to scale, range arcs, labelled rays, and every ray with its number.
 
     The reader sees a gray sector from range_min to range_max over the swept angle, the robot at its centre, forward up
@@ -87,6 +88,8 @@ class LaserWidget(RobotWidget[Scan]):
             "outside_limits".
         color_by_intensity: whether the intensities colour the dots.
         index_view: whether distance over index stands below the picture, as a program sees the array.
+        sectors: kept sectors by name, each drawn with its name; see `sectors`.
+        pins: indices of rays by name, each drawn with its name.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
@@ -112,6 +115,7 @@ class LaserWidget(RobotWidget[Scan]):
         "frozen": "paused",
         "offset": "angle_offset",
     }
+    _keywords = ("sectors", "pins")
     wide = True
     sample_name = "scan"
     frame_traits = ("angle_offset",)
@@ -130,7 +134,7 @@ class LaserWidget(RobotWidget[Scan]):
     ray_angles = Angles((), help="Angles of the radial lines in radians, instead of ray_count.").tag(sync=True)
     view_range = ViewRange("sensor", help="How far the picture reaches. Python and the view write it.").tag(sync=True)
     forward = traitlets.Enum(("up", "left", "down", "right"), "up", help="Where forward is.").tag(sync=True)
-    angle_offset = Angle(0.0, help="Radians added to every angle, within ±2 pi.")
+    angle_offset = Angle(0.0, help="Radians added to every angle, within ±2 pi.").tag(sync=True)
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
     index_view = Flag(False, help="Whether distance over index stands below the picture.").tag(sync=True)
@@ -152,7 +156,13 @@ class LaserWidget(RobotWidget[Scan]):
     def __init__(self, **kwargs: Any) -> None:
         self._read = ScanReader()
         self._offset = 0.0
+        sectors, pins = kwargs.pop("sectors", {}), kwargs.pop("pins", {})
         super().__init__(**kwargs)
+        try:
+            self.sectors, self.pins = sectors, pins
+        except (TypeError, ValueError):
+            self.close()
+            raise
 
     def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a scan in the next animation frame.

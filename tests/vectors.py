@@ -1,7 +1,8 @@
 """Frames as Python packs them, which the tests of both halves read; `docs/frames.md` describes the layout.
 
-`python -m tests.vectors` writes them anew into vectors.json. What stands beside them there is written by hand: scans
-with their classes, counts and indices, and speeds with their limits.
+`python -m tests.vectors` writes them anew into vectors.json. It writes what sectors hold, and the code of
+sectors, too. What stands beside them there is written by hand: scans with their classes, counts and indices, and speeds
+with their limits.
 """
 
 from __future__ import annotations
@@ -17,8 +18,11 @@ from unittest.mock import patch
 import numpy as np
 
 import robowidgets
-from robowidgets import LaserWidget, Scan, ScanogramWidget, Speed, SpeedWidget, TouchWidget
+from robowidgets import LaserWidget, Scan, ScanogramWidget, Sector, Speed, SpeedWidget, TouchWidget
 from robowidgets._core.robot_widget import RobotWidget
+from robowidgets.samples.rays import sector_of, stretches
+from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
+from robowidgets.samples.sector_code import for_array, for_message, for_scan
 
 from .unit.recordings import sweeps
 
@@ -42,6 +46,62 @@ def make() -> dict[str, Any]:
         name: {"base64": base64.b64encode(raw).decode(), "reads": _in_words(reads)}
         for name, (raw, reads) in made.items()
     }
+
+
+def to_scan(case: dict[str, Any]) -> Scan:
+    """A scan of the file."""
+    ranges = [float(v) for v in case.get("ranges", [case.get("fill", 0)] * case.get("count", 0))]
+    for index, value in case.get("differ", {}).items():
+        ranges[int(index)] = float(value)
+    return Scan(
+        ranges=ranges,
+        angle_min=case["angle_min"],
+        angle_increment=float(case["angle_increment"]),
+        range_min=case["range_min"],
+        range_max=case["range_max"],
+        intensities=[float(v) for v in case.get("intensities", [])],
+        stamp_ns=case.get("stamp_ns"),
+    )
+
+
+SECTORS = (
+    Sector("-15deg", "15deg"),
+    SECTORS_BY_NAME["back"],
+    Sector("-180deg", "180deg"),
+    Sector(0.1, 0.35),
+    Sector("170.5deg", "-170.25deg"),
+    Sector("2.5deg", "-2.5deg"),
+)
+
+
+def make_sectors() -> dict[str, list[Any]]:
+    """By the name of a scan: what its sectors hold, and its rays' own sectors."""
+    return {case["name"]: _in_words(_sectors_of(to_scan(case))) for case in read()["scans"]}
+
+
+def _sectors_of(scan: Scan) -> list[Any]:
+    held = []
+    for sector in SECTORS:
+        nearest, rays = scan.nearest(sector), scan.indices(sector)
+        readings = scan.ranges[rays][scan.valid[rays]]
+        found = [list(one) for one in stretches(scan, sector)]
+        median = float(np.median(readings.astype(float))) if readings.size else nan
+        distance = scan.distance(sector)
+        held.append([found, distance, -1 if nearest is None else nearest.index, median, int(readings.size)])
+    last = len(scan) - 1
+    pairs = [(i, j) for i, j in ((0, 0), (last, last), (0, last), (last // 3, last // 2)) if last >= 0]
+    own = [[*pair, sector_of(scan, *pair)] for pair in pairs]
+    return [held, [[first, to, sector.start, sector.end] for first, to, sector in own]]
+
+
+def make_codes() -> list[Any]:
+    """Sectors with an offset, and their code: for a scan, for a message, for the array of the first scan."""
+    scan = to_scan(read()["scans"][0])
+    cases = [(sector, offset) for sector in SECTORS for offset in (0.0, 0.35)]
+    return [
+        [sector.start, sector.end, offset, for_scan(sector), for_message(sector, offset), for_array(sector, scan)]
+        for sector, offset in cases
+    ]
 
 
 def _laser() -> tuple[bytes, dict[str, Any]]:
@@ -127,7 +187,7 @@ def _in_words(value: Any) -> Any:
 
 def write() -> None:
     """Put the frames of this Python into the file."""
-    vectors = read() | {"frames": make()}
+    vectors = read() | {"frames": make(), "sectors": make_sectors(), "codes": make_codes()}
     FILE.write_text(_to_text(vectors), encoding="utf-8")
 
 

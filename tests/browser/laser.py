@@ -36,6 +36,9 @@ LIGHT = {"area": (237, 240, 242), "line": (211, 217, 224), "reading": (217, 45, 
 DARK = {"area": (31, 37, 43), "line": (57, 66, 76), "reading": (255, 107, 94), "ink": (240, 243, 246)}
 """Colours of the picture, as the style sheet has them."""
 
+DOT = 3
+"""Pixels."""
+
 SECONDS = 10
 _TURNS = {"up": 90, "left": 180, "down": -90, "right": 0}
 _READ = """(card) => {
@@ -107,6 +110,13 @@ class Picture:
     def count(self, colour: tuple[int, ...]) -> int:
         """How many pixels have a colour."""
         return int((self._seen == colour).all(axis=-1).sum())
+
+    def circle(self, metres: float) -> Place:
+        """Where a scanner stands that reads the same all round, forward up: in the middle of its dots."""
+        rows, columns = np.nonzero(np.abs(self._seen - LIGHT["reading"]).max(axis=-1) <= 12)
+        (left, right), (top, bottom) = ((axis.min(), axis.max() + 1) for axis in (columns, rows))
+        x, y = (left + right) / 2 / self.ratio, (top + bottom) / 2 / self.ratio
+        return Place(x, y, (right - left - DOT) / 2 / self.ratio / metres, _TURNS["up"])
 
     def dots(self, colour: tuple[int, ...] = LIGHT["reading"]) -> list[tuple[float, float]]:
         """The middles of the dots of a colour on the upper canvas."""

@@ -82,7 +82,7 @@ test("a drag begins when the pointer has moved, and makes no click", () => {
   };
   const { send, press } = picture({
     onPress: ({ x }) => (x < 50 ? drag : null),
-    onHover: () => Boolean(told.push("hover")),
+    onHover: (point) => Boolean(told.push(point ? "hover" : "leave")),
     onClick: () => Boolean(told.push("click")),
   });
   for (const [type, x] of [
@@ -102,13 +102,13 @@ test("a drag begins when the pointer has moved, and makes no click", () => {
   ] as const) {
     send(type, x, 60);
   }
-  assert.deepEqual(told.splice(0), ["move 30", "end"]);
+  assert.deepEqual(told.splice(0), ["leave", "move 30", "end"]);
   send("pointerdown", 110, 60);
   send("pointermove", 130, 60);
   assert.ok(press("Escape"), "Escape puts back what was");
   send("pointerup", 130, 60);
   send("click", 130, 60);
-  assert.deepEqual(told.splice(0), ["move 30", "cancel"]);
+  assert.deepEqual(told.splice(0), ["leave", "move 30", "cancel"]);
   send("pointerdown", 190, 60);
   send("pointermove", 130, 60);
   send("click", 130, 60);

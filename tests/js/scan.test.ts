@@ -10,24 +10,10 @@ import {
   NOTHING_IN_RANGE,
   OUTSIDE_LIMITS,
   READING,
-  type Scan,
   TOO_CLOSE,
 } from "../../robowidgets/js/laser/scan.ts";
 import { DEGREE, near, scanOf } from "./laser.ts";
-import { type ScanCase, toNumber, vectors } from "./vectors.ts";
-
-/** What Python would send: limits rounded to float32, and no increment where there is none. */
-function toScan(given: ScanCase): Scan {
-  const values = given.ranges ?? Array.from({ length: given.count ?? 0 }, () => given.fill ?? 0);
-  const ranges = values.map(toNumber);
-  for (const [index, value] of Object.entries(given.differ ?? {})) ranges[Number(index)] = toNumber(value);
-  return scanOf(ranges, {
-    angleMin: given.angle_min,
-    angleIncrement: toNumber(given.angle_increment) || 0,
-    minRange: Math.fround(given.range_min),
-    maxRange: Math.fround(given.range_max),
-  });
-}
+import { toScan, vectors } from "./vectors.ts";
 
 for (const given of vectors.scans) {
   test(`as in Python: ${given.name}`, () => {

@@ -1,5 +1,21 @@
 import { readFileSync } from "node:fs";
+import type { Scan } from "../../robowidgets/js/laser/scan.ts";
+import type { Stretch } from "../../robowidgets/js/laser/sector.ts";
 import type { Limits } from "../../robowidgets/js/speed/traits.ts";
+import { scanOf } from "./laser.ts";
+
+/** What Python would send: limits rounded to float32, and no increment where there is none. */
+export function toScan(given: ScanCase): Scan {
+  const values = given.ranges ?? Array.from({ length: given.count ?? 0 }, () => given.fill ?? 0);
+  const ranges = values.map(toNumber);
+  for (const [index, value] of Object.entries(given.differ ?? {})) ranges[Number(index)] = toNumber(value);
+  return scanOf(ranges, {
+    angleMin: given.angle_min,
+    angleIncrement: toNumber(given.angle_increment) || 0,
+    minRange: Math.fround(given.range_min),
+    maxRange: Math.fround(given.range_max),
+  });
+}
 
 /** A number, or a word that stands for one that JSON has not. */
 export type Word = number | "nan" | "inf" | "-inf";
@@ -26,6 +42,11 @@ interface Vectors {
   scans: ScanCase[];
   limits: [Word, Limits, string][];
   frames: Record<string, { base64: string; reads: unknown }>;
+  sectors: Record<
+    string,
+    [held: [Stretch[], Word, number, Word, number][], own: [first: number, last: number, start: number, end: number][]]
+  >;
+  codes: [start: number, end: number, offset: number, scan: string, message: string, slice: string][];
 }
 
 /** The cases that Python's tests read too. */

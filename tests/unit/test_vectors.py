@@ -7,28 +7,12 @@ from typing import Any
 
 import pytest
 
-from robowidgets import Scan
-
 from .. import vectors
+from ..vectors import to_scan
 
 VECTORS = vectors.read()
 ROUNDED = 1e-3
 """Degrees: headers give their angles in few digits."""
-
-
-def to_scan(case: dict[str, Any]) -> Scan:
-    ranges = [float(v) for v in case.get("ranges", [case.get("fill", 0)] * case.get("count", 0))]
-    for index, value in case.get("differ", {}).items():
-        ranges[int(index)] = float(value)
-    return Scan(
-        ranges=ranges,
-        angle_min=case["angle_min"],
-        angle_increment=float(case["angle_increment"]),
-        range_min=case["range_min"],
-        range_max=case["range_max"],
-        intensities=[float(v) for v in case.get("intensities", [])],
-        stamp_ns=case.get("stamp_ns"),
-    )
 
 
 @pytest.mark.parametrize("case", VECTORS["scans"], ids=lambda case: case["name"])
@@ -55,3 +39,9 @@ class TestScan:
 def test_frames_are_packed_byte_by_byte() -> None:
     """Else the layout has changed: change the front end and docs/frames.md, then run `python -m tests.vectors`."""
     assert vectors.make() == VECTORS["frames"]
+
+
+def test_sectors_hold_and_are_written_as_the_front_end_has_them() -> None:
+    """Else a rule or a text has changed: change the front end, then run `python -m tests.vectors`."""
+    assert vectors.make_sectors() == VECTORS["sectors"]
+    assert vectors.make_codes() == VECTORS["codes"]

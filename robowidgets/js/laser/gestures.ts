@@ -37,7 +37,7 @@ export function watchGestures(
     for (const layer of fromTop) if (layer.onHover?.(left)) left = null;
   };
   const click = (point: Point) => fromTop.some((layer) => layer.onClick?.(point));
-  const presses = watchPresses(element, fromTop, toPoint, click, signal);
+  const presses = watchPresses(element, fromTop, toPoint, click, () => hover(null), signal);
   const onMove = (event: PointerEvent) => {
     if (event.pointerType !== "touch" && !presses.moved) hover(isOver(event) ? null : toPoint(event));
   };
@@ -54,7 +54,8 @@ export function watchGestures(
     return;
   }
   const onKey = (event: KeyboardEvent) => {
-    if (!isPlain(event) || event.target instanceof HTMLInputElement) return;
+    // Some keyboards have brackets on AltGr, which counts as Ctrl and Alt.
+    if (!isPlain(event) && !event.getModifierState?.("AltGraph")) return;
     const direction = ZOOM[event.key];
     if (event.key === "Escape" && presses.cancel()) event.preventDefault();
     else if (fromTop.some((layer) => layer.onKey?.(event))) event.preventDefault();
@@ -92,6 +93,7 @@ function watchPresses(
   fromTop: Layer[],
   toPoint: (event: MouseEvent) => Point,
   click: (point: Point) => void,
+  leave: () => void,
   signal: AbortSignal,
 ) {
   let press: Press | null = null;
@@ -117,7 +119,10 @@ function watchPresses(
   const onMove = (event: PointerEvent) => {
     if (press?.id !== event.pointerId) return;
     const point = toPoint(event);
-    press.moved ||= Math.hypot(point.x - press.start.x, point.y - press.start.y) >= CLICK_SLOP;
+    if (!press.moved && Math.hypot(point.x - press.start.x, point.y - press.start.y) >= CLICK_SLOP) {
+      press.moved = true;
+      leave();
+    }
     if (press.moved) press.drag.move(point);
   };
   const onUp = (event: PointerEvent) => {

@@ -20,6 +20,7 @@ export const UPPER = [
   "shapes",
   "rings",
   "robot",
+  "names",
   "words",
   "pointer",
   "handles",

@@ -1,5 +1,7 @@
 import { setTraits } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
+import { toCode } from "./code.ts";
+import { CopyButton } from "./copy.ts";
 import { drawLine, drawRobot } from "./draw_area.ts";
 import { drawStripPointer } from "./draw_strip.ts";
 import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
@@ -8,6 +10,7 @@ import { Popup } from "./popup.ts";
 import { placePopup } from "./popup_place.ts";
 import { type Box, type Point, toPixel } from "./projection.ts";
 import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "./scan.ts";
+import { sectorOf } from "./sector.ts";
 import { describeRay, toSentence } from "./text.ts";
 
 /** Rays that the keys for a page walk. */
@@ -32,11 +35,19 @@ export class PointerLayer implements Layer {
   readonly #host: Host;
   readonly #pinned: Popup;
   readonly #hovered: Popup;
+  readonly #copy: CopyButton;
 
   constructor(host: Host) {
     this.#host = host;
     this.#pinned = new Popup(host.card.picture);
     this.#hovered = new Popup(host.card.picture);
+    this.#copy = new CopyButton(
+      () => this.#toCode(),
+      (words) => host.card.say(words),
+      host.signal,
+    );
+    for (const element of [this.#copy.button, this.#copy.field]) element.classList.add("rw-over");
+    this.#pinned.append(this.#copy.button, this.#copy.field);
   }
 
   painters(): Partial<Record<Depth, Painter>> {
@@ -93,10 +104,21 @@ export class PointerLayer implements Layer {
   }
 
   onKey({ key }: KeyboardEvent): boolean {
+    if (key === "c" && this.#host.model.get("pinned") !== null) {
+      this.#copy.copy();
+      return true;
+    }
     const to = WALK[key];
     if (!to) return false;
     this.#walk(to);
     return true;
+  }
+
+  /** The distance of the pinned ray, by its angle. */
+  #toCode(): string {
+    const { sweep } = this.#host.stage;
+    const index = this.#host.model.get("pinned") ?? 0;
+    return toCode(sectorOf(sweep, index, index), "scan", sweep);
   }
 
   #walk(to: string): void {

@@ -22,6 +22,11 @@ export class Popup {
     parent.append(this.element);
   }
 
+  /** Adds an element below the words. */
+  append(...elements: HTMLElement[]): void {
+    this.element.append(...elements);
+  }
+
   hide(): void {
     this.element.hidden = true;
   }

@@ -8,6 +8,10 @@ export interface Point {
 
 export interface Box extends Point, Size {}
 
+export function holds({ x, y, width, height }: Box, point: Point): boolean {
+  return point.x >= x && point.x <= x + width && point.y >= y && point.y <= y + height;
+}
+
 /** Where the scanner stands in the picture. */
 export interface Center {
   centerX: number;

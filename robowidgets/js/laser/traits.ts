@@ -1,4 +1,17 @@
 import type { SampleTraits } from "../shared/traits.ts";
+import type { Sector, Stretch } from "./sector.ts";
+
+/** The picked sector: a kept one by its name, another one with its angles and limits, or none. */
+export interface Selection extends Partial<Sector> {
+  name?: string;
+}
+
+/** Rays that are lit, by stretches of the array or by a sector, and the text on them. */
+export interface Highlight {
+  text?: string;
+  stretches?: Stretch[];
+  sector?: Sector;
+}
 
 /** How far the picture reaches: "sensor" (range_max, if it sets a limit), "data" (fit to the readings), or metres. */
 export type ViewRange = "sensor" | "data" | number;
@@ -13,6 +26,8 @@ export interface LaserTraits extends SampleTraits {
   ray_count: number | null;
   /** Radians. */
   ray_angles: number[];
+  /** Radians by which the angles are turned. */
+  angle_offset: number;
   forward: "up" | "left" | "down" | "right";
   /** Classes whose rays are marked. */
   marks: string[];
@@ -21,4 +36,9 @@ export interface LaserTraits extends SampleTraits {
   /** Indices of rays. */
   hovered: number | null;
   pinned: number | null;
+  _sectors: Record<string, Sector>;
+  _selection: Selection;
+  /** Indices of rays by name. */
+  _pins: Record<string, number>;
+  _highlight: Highlight;
 }

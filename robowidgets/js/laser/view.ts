@@ -10,12 +10,15 @@ import type { Stream } from "../shared/stream.ts";
 import { ConditionLayer } from "./condition_layer.ts";
 import { watchGestures } from "./gestures.ts";
 import { GuideLayer } from "./guide_layer.ts";
+import { HighlightLayer } from "./highlight_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
 import { Legend } from "./legend.ts";
+import { PinLayer } from "./pin_layer.ts";
 import { PointerLayer } from "./pointer.ts";
 import { ReadingLayer } from "./reading_layer.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
+import { SectorLayer } from "./sector_layer.ts";
 import { Strip } from "./strip.ts";
 import type { LaserTraits } from "./traits.ts";
 import { stepRange } from "./zoom.ts";
@@ -56,6 +59,9 @@ export class LaserView implements Host {
       new ConditionLayer(stream),
       new ReadingLayer(model),
       new PointerLayer(this),
+      new HighlightLayer(model),
+      new PinLayer(model),
+      new SectorLayer(this),
     ];
     picture.append(this.#empty);
 

@@ -1,5 +1,7 @@
 import { isPlain, on } from "./events.ts";
 
+const isField = (element: Element | null) => element instanceof HTMLInputElement;
+
 /**
  * Keeps plain keys from JupyterLab, whose shortcuts would act on the notebook: "x" cuts the cell. JupyterLab reads this
  * attribute of the focused element when the event reaches the document. Shortcuts for saving and running still work.
@@ -8,7 +10,10 @@ export function keepKeys(root: HTMLElement, signal: AbortSignal): void {
   const keep = (event: KeyboardEvent) => {
     const { activeElement: focused } = document;
     if (!root.contains(focused)) return;
-    focused?.toggleAttribute("data-lm-suppress-shortcuts", isPlain(event) && event.key !== "Enter");
+    focused?.toggleAttribute(
+      "data-lm-suppress-shortcuts",
+      isPlain(event) && (event.key !== "Enter" || isField(focused)),
+    );
   };
   on(window, "keydown", keep, signal, { capture: true });
 }

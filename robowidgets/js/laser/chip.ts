@@ -1,0 +1,196 @@
+import type { Size } from "../shared/canvas.ts";
+import { make, makeButton, setText } from "../shared/dom.ts";
+import { on } from "../shared/events.ts";
+import { FORMS, type Form } from "./code.ts";
+import { CopyButton } from "./copy.ts";
+import type { Point } from "./projection.ts";
+
+/** The texts of a chip. */
+export interface ChipTexts {
+  expression: string;
+  angles: string;
+  /** Of its limits. */
+  state: string;
+  distance: string;
+  nearest: string;
+  index: string;
+  median: string;
+  valid: string;
+  /** Of a kept sector; "" for another one. */
+  name: string;
+}
+
+/** What a person asks for on the chip. */
+export interface ChipActions {
+  toCode(form: Form): string;
+  say(words: string[]): void;
+  onName(name: string): void;
+  onRemove(): void;
+  onClose(): void;
+  /** Returns what is wrong with the text, or "". */
+  onType(text: string): string;
+}
+
+const LONGEST_NAME = 40;
+
+/** The numbers of the picked sector, its code and its name. */
+export class Chip {
+  readonly element = make("div", "rw-chip rw-over");
+  readonly #expression = makeField("rw-chip-expression", "rays as a slice, such as ranges[240:300]");
+  readonly #error = make("div", "rw-chip-error");
+  readonly #texts: HTMLElement[] = [];
+  readonly #copy: CopyButton;
+  readonly #form = make("select", "rw-button rw-chip-form");
+  readonly #name: HTMLButtonElement;
+  readonly #remove: HTMLButtonElement;
+  readonly #buttons = make("div", "rw-chip-row rw-chip-actions");
+  readonly #naming = make("div", "rw-chip-row rw-chip-actions");
+  readonly #nameField = makeField("rw-chip-name", "name of the sector");
+  readonly #picture: HTMLElement;
+  readonly #signal: AbortSignal;
+  #given = "";
+  #kept = "";
+
+  constructor(picture: HTMLElement, actions: ChipActions, signal: AbortSignal) {
+    this.#picture = picture;
+    this.#signal = signal;
+    const rows = [
+      ["rw-chip-angles", "rw-strong"],
+      ["rw-chip-distance", "rw-chip-nearest", "rw-index"],
+      ["rw-chip-median", "rw-chip-valid"],
+    ];
+    const close = makeButton("rw-chip-close", "Deselect (Escape)", actions.onClose, signal, "\u00D7");
+    const top = make("div", "rw-chip-row");
+    top.append(this.#expression, close);
+    this.element.append(top, this.#error);
+    for (const names of rows) {
+      const row = make("div", "rw-chip-row");
+      row.append(...names.map((name) => make("span", name)));
+      this.#texts.push(...(row.children as Iterable<HTMLElement>));
+      this.element.append(row);
+    }
+    this.#copy = new CopyButton(() => actions.toCode(this.#form.value as Form), actions.say, signal);
+    for (const form of FORMS) this.#form.append(new Option(form));
+    this.#form.title = "for a Scan of robowidgets, for a ROS message without it, or the plain slice";
+    this.#form.ariaLabel = "form of the code";
+    this.#name = makeButton("", "Keep it under a name (Enter)", () => this.askName(), signal, "Name");
+    this.#remove = makeButton("", "Remove it (Delete)", actions.onRemove, signal, "Remove");
+    this.#buttons.append(this.#copy.button, this.#form, this.#name, this.#remove);
+    const keep = () => {
+      const name = this.#nameField.value.trim();
+      if (name) actions.onName(name);
+      this.#endNaming();
+    };
+    this.#naming.append(this.#nameField, makeButton("", "Keep it", keep, signal, "Keep"));
+    this.#nameField.maxLength = LONGEST_NAME;
+    this.#naming.hidden = true;
+    this.element.append(this.#buttons, this.#naming, this.#copy.field);
+    // Keys in a field belong to it alone; those on buttons are the picture's too.
+    const keepKeys = (event: KeyboardEvent) => {
+      if (!(event.target instanceof HTMLButtonElement)) event.stopPropagation();
+    };
+    on(this.element, "keydown", keepKeys, signal);
+    onEnter(this.#nameField, keep, () => this.#endNaming(), signal);
+    const type = () => {
+      const error = this.#expression.value === this.#given ? "" : actions.onType(this.#expression.value);
+      setText(this.#error, error);
+      if (!error) this.#leave(this.#expression);
+    };
+    const undo = () => {
+      setText(this.#error, "");
+      this.#leave(this.#expression);
+    };
+    onEnter(this.#expression, type, undo, signal);
+    // A field that is left without Enter shows again what is so.
+    on(this.#expression, "blur", undo, signal);
+  }
+
+  get size(): Size {
+    return { width: this.element.offsetWidth, height: this.element.offsetHeight };
+  }
+
+  /** @param isBelow whether it stands below the picture, not in it */
+  show(texts: ChipTexts, isBelow: boolean): void {
+    if (this.element.parentElement === null || this.element.classList.contains("rw-chip-below") !== isBelow) {
+      this.element.classList.toggle("rw-chip-below", isBelow);
+      this.element.style.transform = "";
+      if (isBelow) this.#picture.after(this.element);
+      else this.#picture.append(this.element);
+    }
+    this.element.ariaLabel = `sector ${texts.name}`.trim();
+    this.#given = texts.expression;
+    if (document.activeElement !== this.#expression) this.#write();
+    const { angles, state, distance, nearest, index, median, valid } = texts;
+    for (const [i, text] of [angles, state, distance, nearest, index, median, valid].entries()) {
+      setText(this.#texts[i] as HTMLElement, text);
+    }
+    if (this.#kept !== texts.name) this.#endNaming();
+    this.#kept = texts.name;
+    setText(this.#name, texts.name ? "Rename" : "Name");
+    this.#remove.hidden = !texts.name;
+  }
+
+  place({ x, y }: Point): void {
+    this.element.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px)`;
+  }
+
+  hide(): void {
+    this.#copy.reset();
+    this.#endNaming();
+    this.element.remove();
+  }
+
+  /** Asks for a name in a text field. */
+  askName(proposal = this.#kept): void {
+    this.#buttons.hidden = true;
+    this.#naming.hidden = false;
+    this.#nameField.value = proposal;
+    this.#nameField.focus({ preventScroll: true });
+    this.#nameField.select();
+  }
+
+  copy(): void {
+    this.#copy.copy();
+  }
+
+  #write(): void {
+    // The attribute is for the PNG, the value for a field in which a person has typed.
+    if (this.#expression.getAttribute("value") !== this.#given) this.#expression.setAttribute("value", this.#given);
+    if (this.#expression.value !== this.#given) this.#expression.value = this.#given;
+    this.#expression.size = Math.max(8, Math.min(26, this.#given.length));
+  }
+
+  #endNaming(): void {
+    if (this.#naming.hidden) return;
+    this.#naming.hidden = true;
+    this.#buttons.hidden = false;
+    this.#leave(this.#nameField);
+  }
+
+  /** Gives the focus of a field back to the picture, whose keys then work. */
+  #leave(field: HTMLElement): void {
+    this.#write();
+    if (document.activeElement === field && !this.#signal.aborted) this.#picture.focus({ preventScroll: true });
+  }
+}
+
+function makeField(className: string, label: string): HTMLInputElement {
+  const field = make("input", className);
+  field.type = "text";
+  field.spellcheck = false;
+  field.autocomplete = "off";
+  field.ariaLabel = label;
+  field.title = label;
+  return field;
+}
+
+/** What Enter and Escape do in a text field. */
+function onEnter(field: HTMLElement, enter: () => void, leave: () => void, signal: AbortSignal): void {
+  const onKey = (event: KeyboardEvent) => {
+    if (event.key !== "Enter" && event.key !== "Escape") return;
+    event.preventDefault();
+    if (event.key === "Enter") enter();
+    else leave();
+  };
+  on(field, "keydown", onKey, signal);
+}

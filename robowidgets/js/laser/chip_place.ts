@@ -1,0 +1,66 @@
+import type { Size } from "../shared/canvas.ts";
+import type { Theme } from "../shared/theme.ts";
+import { pointAt, rimOf } from "./draw_sector.ts";
+import { overlaps } from "./guides.ts";
+import type { Stage } from "./layer.ts";
+import { crosses } from "./popup_place.ts";
+import { type Box, holds, type Point } from "./projection.ts";
+import { type Sector, sweepOf } from "./sector.ts";
+
+const MARGIN = 10;
+/** Cost by which another corner must be better, so that a chip does not jump. */
+const STAY = 200;
+
+/** The corner of the picture for a chip: off the sector that it speaks of, readings and labels, and near the sector. */
+export function placeChip(size: Size, stage: Stage, sector: Sector, before: Box | null): Box {
+  const { box, occupied, labels, covered, projection } = stage;
+  const [left, top] = [box.x + MARGIN, box.y + MARGIN];
+  const right = Math.max(left, box.x + box.width - size.width - MARGIN);
+  const bottom = Math.max(top, box.y + box.height - size.height - MARGIN);
+  const rim = rimOf(stage);
+  const wedge = [0.05, 0.25, 0.4, 0.55, 0.7, 0.85, 1].flatMap((far) =>
+    [0, 0.25, 0.5, 0.75, 1].map((part) => pointAt(projection, far * rim, sector.start + part * sweepOf(sector))),
+  );
+  const handles = [sector.start, sector.end].map((angle) => pointAt(projection, rim, angle));
+  const middle = pointAt(projection, rim, sector.start + sweepOf(sector) / 2);
+  const places = [left, right].flatMap((x) => [top, bottom].map((y) => ({ x, y, ...size })));
+  const cost = (place: Box) =>
+    400 * wedge.filter((point) => holds(place, point)).length +
+    1e5 * handles.filter((point) => holds(place, point)).length +
+    1e4 * covered.filter((other) => overlaps(place, other)).length +
+    60 * labels.filter((label) => overlaps(place, label)).length +
+    12 * occupied.count(place) +
+    Math.hypot(place.x + size.width / 2 - middle.x, place.y + size.height / 2 - middle.y);
+  const stay = before && { x: before.x <= left ? left : right, y: before.y <= top ? top : bottom, ...size };
+  const best = places.reduce((least, place) => (cost(place) < cost(least) ? place : least));
+  return stay && cost(stay) < cost(best) + STAY ? stay : best;
+}
+
+/** A line from a handle to the chip outside the area, which crosses no label; none where there is no such line. */
+export function leadTo(context: CanvasRenderingContext2D, stage: Stage, sector: Sector, chip: Box, theme: Theme): void {
+  const end = { x: chip.x + (chip.x < stage.size.width / 2 ? chip.width : 0), y: chip.y + 18 };
+  const outward = Math.sign(end.x - stage.size.width / 2);
+  const lines = [sector.start, sector.end].flatMap((angle) => {
+    const start = pointAt(stage.projection, rimOf(stage) + 6, angle);
+    const bend = { x: start.x + outward * Math.abs(start.y - end.y), y: end.y };
+    return [[start, end], ...((end.x - bend.x) * outward > 0 ? [[start, bend, end]] : [])];
+  });
+  const { centerX, centerY } = stage.projection;
+  const isOutside = ({ x, y }: Point) => Math.hypot(x - centerX, y - centerY) > rimOf(stage);
+  const between = (a: Point, b: Point) =>
+    [0.02, 0.25, 0.5, 0.75].map((part) => ({ x: a.x + part * (b.x - a.x), y: a.y + part * (b.y - a.y) }));
+  const isClear = (line: Point[]) =>
+    line.slice(1).every((to, i) => {
+      const from = line[i] as Point;
+      return between(from, to).every(isOutside) && stage.labels.every((label) => !crosses(from, to, label));
+    });
+  const length = (line: Point[]) =>
+    line.slice(1).reduce((sum, { x, y }, i) => sum + Math.hypot(x - (line[i]?.x ?? x), y - (line[i]?.y ?? y)), 0);
+  const [line] = lines.filter(isClear).sort((a, b) => length(a) - length(b));
+  if (!line) return;
+  context.beginPath();
+  for (const { x, y } of line) context.lineTo(x, y);
+  context.strokeStyle = theme.pointer;
+  context.lineWidth = 1;
+  context.stroke();
+}

@@ -1,0 +1,97 @@
+import { write } from "../shared/canvas.ts";
+import type { Model } from "../shared/model.ts";
+import type { Theme } from "../shared/theme.ts";
+import { overlaps } from "./guides.ts";
+import type { Depth, Layer, Painter, Stage } from "./layer.ts";
+import { type Point, toPixel } from "./projection.ts";
+import { angleOf, READING, type Scan } from "./scan.ts";
+import type { LaserTraits } from "./traits.ts";
+
+const RING = 6;
+const HEIGHT = 16;
+
+/** Rays that a program has pinned under names: a ring at the reading, or at the rim where there is none. */
+export class PinLayer implements Layer {
+  readonly traits = ["_pins"] as const;
+  readonly #model: Model<LaserTraits>;
+
+  constructor(model: Model<LaserTraits>) {
+    this.#model = model;
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    const pins = Object.entries(this.#model.get("_pins"));
+    if (!pins.length) return {};
+    const draw = (paint: (pin: Pin, name: string) => void, { scan, projection }: Stage) => {
+      for (const [name, index] of pins) if (scan && index < scan.count) paint(pinAt(scan, projection, index), name);
+    };
+    return {
+      rings: (context, stage, theme) => draw((pin) => drawRing(context, pin, theme), stage),
+      names: (context, stage, theme) => draw((pin, name) => drawName(context, stage, pin.at, name, theme), stage),
+    };
+  }
+}
+
+interface Pin {
+  at: Point;
+  isReading: boolean;
+}
+
+function pinAt(scan: Scan, projection: Stage["projection"], index: number): Pin {
+  const range = scan.ranges[index] as number;
+  const isReading = scan.kinds[index] === READING && range <= projection.viewRange;
+  const far = isReading ? range : Math.min(scan.maxRange, projection.viewRange);
+  return { at: toPixel(projection, far, angleOf(scan, index)), isReading };
+}
+
+function drawRing(context: CanvasRenderingContext2D, { at, isReading }: Pin, theme: Theme): void {
+  context.beginPath();
+  context.arc(at.x, at.y, RING, 0, 2 * Math.PI);
+  context.setLineDash(isReading ? [] : [3, 3]);
+  context.strokeStyle = theme.pointer;
+  context.lineWidth = 2;
+  context.stroke();
+  context.setLineDash([]);
+}
+
+/** Writes a name beside its ring, where there is room. */
+function drawName(
+  context: CanvasRenderingContext2D,
+  { occupied, labels, covered, size }: Stage,
+  { x, y }: Point,
+  name: string,
+  theme: Theme,
+): void {
+  const font = `650 12px ${theme.font}`;
+  context.font = font;
+  const [width, gap] = [context.measureText(name).width + 6, RING + 3];
+  const places = [
+    [gap, -HEIGHT / 2],
+    [-gap - width, -HEIGHT / 2],
+    [-width / 2, -gap - HEIGHT],
+    [-width / 2, gap],
+    [gap, -gap - HEIGHT],
+    [gap, gap],
+    [-gap - width, -gap - HEIGHT],
+    [-gap - width, gap],
+  ] as const;
+  const boxes = places.map(([left, top]) => ({ x: x + left, y: y + top, width, height: HEIGHT }));
+  const box = boxes.find(
+    (one) =>
+      one.x >= 0 &&
+      one.y >= 0 &&
+      one.x + width <= size.width &&
+      one.y + HEIGHT <= size.height &&
+      !occupied.count(one) &&
+      ![...labels, ...covered].some((other) => overlaps(one, other, 1)),
+  );
+  if (!box) return;
+  covered.push(box);
+  context.lineJoin = "round";
+  context.lineWidth = 4;
+  context.strokeStyle = theme.area;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.strokeText(name, box.x + width / 2, box.y + HEIGHT / 2);
+  write(context, name, box.x + width / 2, box.y + HEIGHT / 2, theme.pointer, font, "center");
+}

@@ -1,0 +1,36 @@
+import { isPlain } from "../shared/events.ts";
+import type { SectorLayer } from "./sector_layer.ts";
+
+const ARROWS: Record<string, number> = {
+  ArrowRight: 1,
+  ArrowUp: 1,
+  ArrowLeft: -1,
+  ArrowDown: -1,
+  PageUp: 10,
+  PageDown: -10,
+};
+
+/** What a key does to sectors; returns whether it does something. */
+export function onSectorKey(event: KeyboardEvent, layer: SectorLayer): boolean {
+  const { key, shiftKey, target } = event;
+  const onPicture = target instanceof HTMLElement && target.classList.contains("rw-picture");
+  if (key === "[" || key === "]") {
+    // "[" is the edge with the smaller index for most scanners: the right one, where the sector starts.
+    layer.chooseEdge(key === "[" ? "start" : "end");
+    return true;
+  }
+  const arrow = ARROWS[key];
+  if (layer.edge && arrow) {
+    layer.moveEdge(shiftKey ? 10 * arrow : arrow);
+    return true;
+  }
+  // Else Tab leads to the controls in the card, and out of it.
+  if (key === "Tab") return onPicture && layer.walk(shiftKey ? -1 : 1);
+  if (key === "Escape") return layer.escape();
+  if (!layer.store.picked || !isPlain(event)) return false;
+  if (key === "Enter" && onPicture) layer.keep();
+  else if (key === "Delete" || key === "Backspace") layer.remove();
+  else if (key === "c") layer.copy();
+  else return false;
+  return true;
+}

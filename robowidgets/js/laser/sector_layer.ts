@@ -1,0 +1,375 @@
+import { READING_MS, throttle } from "../shared/schedule.ts";
+import type { Theme } from "../shared/theme.ts";
+import { Chip } from "./chip.ts";
+import { leadTo, placeChip } from "./chip_place.ts";
+import { type Form, toCode } from "./code.ts";
+import {
+  drawEdges,
+  drawHandles,
+  drawLimits,
+  drawName,
+  fillWedge,
+  type NamePlace,
+  pointAt,
+  rimOf,
+} from "./draw_sector.ts";
+import type { Depth, Drag, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
+import { type Box, holds, type Point, toPixel } from "./projection.ts";
+import { angleOf, indexAt, READING, type Scan } from "./scan.ts";
+import { isIn, parseRays, sectorOf } from "./sector.ts";
+import { SectorDrags } from "./sector_drag.ts";
+import { onSectorKey } from "./sector_keys.ts";
+import { SectorNumbers } from "./sector_numbers.ts";
+import { type Edge, type Named, raysAt, SectorStore, sectorTo, withEdge } from "./sector_store.ts";
+import { describeSector, sayOf, toLines } from "./sector_words.ts";
+import { sectorStrip } from "./strip_sector.ts";
+
+/** A picture narrower than this has the chip below it. Pixels. */
+const NARROW = 480;
+/** Pixels in which a drag by touch starts at the rim, and within which a mouse takes a rim or a handle. */
+const TOUCH_RIM = 28;
+const RIM = 8;
+const GRAB = { mouse: 12, touch: 22 };
+const ROBOT = 20;
+
+/** Sectors: kept ones with their names, and the one that a person drags, names, copies as code. */
+export class SectorLayer implements Layer {
+  readonly traits = ["_sectors", "_selection"] as const;
+  readonly store: SectorStore;
+  readonly #host: Host;
+  readonly #numbers = new SectorNumbers();
+  readonly #drags: SectorDrags;
+  readonly #tell: () => void;
+  #chip: Chip | null = null;
+  #chipBox: Box | null = null;
+  #edge: Edge | null = null;
+  #undo: (() => void) | null = null;
+  #names = new Map<string, NamePlace>();
+  #chipKey = "";
+
+  constructor(host: Host) {
+    this.#host = host;
+    this.store = new SectorStore(host.model, host.signal);
+    const onDragged = (undo: () => void) => {
+      this.#undo = undo;
+      this.#leaveEdge();
+      this.say();
+    };
+    this.#drags = new SectorDrags(this.store, () => host.stage, onDragged);
+    const tell = () => {
+      const { picked } = this.store;
+      const { scan, size, projection } = host.stage;
+      if (picked && scan) this.#chip?.show(this.#describe(picked, scan, projection.viewRange), size.width < NARROW);
+    };
+    this.#tell = throttle(tell, READING_MS, host.signal);
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    const { all } = this.store;
+    if (!all.length) return {};
+    const { picked } = this.store;
+    const isPicked = ({ name }: Named) => picked?.name === name;
+    return {
+      fills: (context, stage, theme) => {
+        for (const one of all) {
+          const [color, opacity] = isPicked(one) ? [theme.pointer, 0.11] : [theme.ink, 0.045];
+          fillWedge(context, stage.projection, one.sector, rimOf(stage), color, opacity);
+        }
+      },
+      edges: (context, stage, theme) => {
+        this.#numbers.judge(all, stage.scan, this.#host.stream.paused);
+        for (const one of all) drawEdges(context, stage, one.sector, isPicked(one), theme);
+        for (const { sector } of all) {
+          for (const angle of [sector.start, sector.end]) {
+            const { x, y } = pointAt(stage.projection, rimOf(stage), angle);
+            stage.occupied.mark(x, y);
+          }
+        }
+      },
+      conditions: (context, stage, theme) => {
+        for (const one of all) {
+          drawLimits(context, stage, one.sector, this.#numbers.stateOf(one.name), isPicked(one), theme);
+        }
+      },
+      rings: (context, stage, theme) => this.#drawRing(context, stage, theme),
+      names: (context, stage, theme) => this.#drawNames(context, stage, all, theme),
+      handles: (context, stage, theme) => {
+        for (const one of all) {
+          drawHandles(context, stage, one.sector, isPicked(one), isPicked(one) ? this.#edge : null, theme);
+        }
+        if (picked && this.#chipBox) leadTo(context, stage, picked.sector, this.#chipBox, theme);
+      },
+    };
+  }
+
+  strip(): Partial<Record<Depth, StripPainter>> {
+    return sectorStrip(this.store.all, this.store.picked, this.#numbers);
+  }
+
+  lowerKey(): unknown {
+    const { all, picked } = this.store;
+    return all.length ? [all.map(({ sector: { start, end } }) => [start, end]), picked !== null] : null;
+  }
+
+  place(stage: Stage): void {
+    const { picked } = this.store;
+    const { scan, size, projection } = stage;
+    if (!picked || !scan) {
+      this.#chip?.hide();
+      this.#chip = null;
+      this.#chipBox = null;
+      this.#chipKey = "";
+      return;
+    }
+    this.#chip ??= this.#makeChip();
+    const isBelow = size.width < NARROW;
+    const key = JSON.stringify([picked, isBelow]);
+    // Its numbers follow a drag at once, and a live scan as fast as a person reads.
+    if (key !== this.#chipKey) this.#chip.show(this.#describe(picked, scan, projection.viewRange), isBelow);
+    else this.#tell();
+    this.#chipKey = key;
+    if (isBelow) this.#chipBox = null;
+    else {
+      const before = this.#chipBox;
+      this.#chipBox = placeChip(this.#chip.size, stage, picked.sector, this.#chipBox);
+      this.#chip.place(this.#chipBox);
+      stage.covered.push(this.#chipBox);
+      // The line to it was drawn before its place was known.
+      if (before?.x !== this.#chipBox.x || before.y !== this.#chipBox.y) this.#host.redraw();
+    }
+  }
+
+  onHover(point: Point | null): boolean {
+    const { picture } = this.#host.card;
+    const handle = point && this.#handleAt(point, GRAB.mouse);
+    picture.style.cursor = handle ? "grab" : point && this.#nameAt(point) ? "pointer" : "";
+    return Boolean(handle);
+  }
+
+  onClick(point: Point): boolean {
+    const handle = this.#handleAt(point, GRAB.mouse);
+    const name = handle ? handle.named.name : this.#nameAt(point);
+    if (!name) return handle !== null;
+    this.#begin();
+    this.store.pick(this.store.picked?.name === name ? null : name);
+    this.say();
+    return true;
+  }
+
+  onPress(point: Point, isTouch: boolean): Drag | null {
+    const { scan } = this.#host.stage;
+    if (!scan || scan.count < 2) return null;
+    const handle = this.#handleAt(point, isTouch ? GRAB.touch : GRAB.mouse);
+    if (handle) return this.#drags.ofEdge(scan, handle.named, handle.edge, point);
+    const { projection } = this.#host.stage;
+    const pixels = Math.hypot(point.x - projection.centerX, point.y - projection.centerY);
+    const rim = rimOf(this.#host.stage);
+    const isInside = isTouch ? Math.abs(pixels - rim) <= TOUCH_RIM : pixels >= ROBOT && pixels <= rim + RIM;
+    return isInside ? this.#drags.ofNew(scan, point) : null;
+  }
+
+  onKey(event: KeyboardEvent): boolean {
+    return onSectorKey(event, this);
+  }
+
+  // What keys, gestures and the chip ask for
+
+  get edge(): Edge | null {
+    return this.#edge;
+  }
+
+  /** Chooses an edge that arrow keys move; makes a sector where none is picked. */
+  chooseEdge(edge: Edge): void {
+    const scan = this.#host.stream.shown;
+    if (!scan || scan.count < 2) return;
+    if (!this.store.picked) {
+      this.#begin();
+      const pinned = this.#host.model.get("pinned");
+      const middle = Math.min(scan.count - 1, pinned ?? Math.max(0, indexAt(scan, 0)));
+      const few = Math.max(1, Math.round(scan.count / 40));
+      this.store.put({ name: "", sector: sectorTo(scan, middle - Math.min(middle, few), middle + few) });
+    } else if (!this.#edge) this.#begin();
+    this.#edge = edge;
+    this.say();
+    this.#host.redraw();
+  }
+
+  moveEdge(rays: number): void {
+    const scan = this.#host.stream.shown;
+    const { picked } = this.store;
+    const at = scan && picked && this.#edge && raysAt(scan, picked.sector, this.#edge);
+    if (!scan || !picked || !at || !this.#edge) return;
+    this.store.put({ ...picked, sector: withEdge(scan, picked.sector, this.#edge, at.fixed, at.moved + rays) });
+    this.say();
+  }
+
+  /** Ends the change of edges; a sector without a name is asked for one. */
+  keep(): void {
+    this.#leaveEdge();
+    if (!this.store.picked?.name) this.askName();
+  }
+
+  askName(): void {
+    const taken = Object.keys(this.store.kept);
+    let number = 1;
+    while (taken.includes(`sector ${number}`)) number++;
+    this.#chip?.askName(this.store.picked?.name || `sector ${number}`);
+  }
+
+  /** Undoes the change of an edge, else deselects; returns false where there is nothing to undo. */
+  escape(): boolean {
+    if (!this.store.picked) return false;
+    if (this.#edge) this.#undo?.();
+    else this.store.pick(null);
+    this.#leaveEdge();
+    this.#host.card.say([]);
+    return true;
+  }
+
+  remove(): void {
+    this.#leaveEdge();
+    this.store.remove();
+    this.#host.card.say(["removed"]);
+    this.#host.card.picture.focus({ preventScroll: true });
+  }
+
+  /** Picks the next or the previous kept sector; returns false beyond the last, where the focus goes on. */
+  walk(by: number): boolean {
+    const names = Object.keys(this.store.kept);
+    const at = names.indexOf(this.store.picked?.name ?? "");
+    const next = names[at < 0 ? (by > 0 ? 0 : names.length - 1) : at + by];
+    this.#leaveEdge();
+    this.store.pick(next ?? null);
+    if (next) this.say();
+    return next !== undefined;
+  }
+
+  copy(): void {
+    this.#chip?.copy();
+  }
+
+  /** Has a screen reader say the picked sector. */
+  say(): void {
+    const { picked } = this.store;
+    const scan = this.#host.stream.shown;
+    if (picked && scan) this.#host.card.say(sayOf(this.#describe(picked, scan, this.#host.stage.projection.viewRange)));
+  }
+
+  #handleAt(point: Point, reach: number): { named: Named; edge: Edge } | null {
+    const { stage } = this.#host;
+    const rim = rimOf(stage);
+    let [found, least]: [{ named: Named; edge: Edge } | null, number] = [null, reach + 1e-9];
+    for (const named of this.store.all) {
+      for (const edge of ["start", "end"] as const) {
+        const { x, y } = pointAt(stage.projection, rim, named.sector[edge]);
+        const away = Math.hypot(x - point.x, y - point.y);
+        if (away <= least) [found, least] = [{ named, edge }, away];
+      }
+    }
+    return found;
+  }
+
+  /** The kept sector whose name or rim is at a point; "" for none. */
+  #nameAt(point: Point): string {
+    const { stage } = this.#host;
+    for (const [name, { box }] of this.#names) if (holds(box, point)) return name;
+    const { centerX, centerY } = stage.projection;
+    if (Math.abs(Math.hypot(point.x - centerX, point.y - centerY) - rimOf(stage)) > RIM) return "";
+    return this.store.all.find(({ sector }) => isIn(sector, this.#drags.angleAt(point)))?.name ?? "";
+  }
+
+  #begin(): void {
+    this.#undo = this.store.snapshot();
+  }
+
+  #leaveEdge(): void {
+    this.#edge = null;
+    this.#host.redraw();
+  }
+
+  #describe(named: Named, scan: Scan, reach: number) {
+    const { stretches, measured } = this.#numbers.look(scan, named.sector);
+    return describeSector(named, scan, stretches, measured, this.#numbers.stateOf(named.name), reach);
+  }
+
+  /** A ring round the nearest reading of the picked sector. */
+  #drawRing(context: CanvasRenderingContext2D, { scan, projection, occupied }: Stage, theme: Theme): void {
+    const { picked } = this.store;
+    const nearest = picked && scan ? this.#numbers.look(scan, picked.sector).measured.nearest : -1;
+    const range = scan?.ranges[nearest] ?? Infinity;
+    if (!scan || scan.kinds[nearest] !== READING || range > projection.viewRange) return;
+    const { x, y } = toPixel(projection, range, angleOf(scan, nearest));
+    context.beginPath();
+    context.arc(x, y, 6, 0, 2 * Math.PI);
+    context.strokeStyle = theme.pointer;
+    context.lineWidth = 2;
+    context.stroke();
+    occupied.mark(x, y);
+  }
+
+  #drawNames(context: CanvasRenderingContext2D, stage: Stage, all: Named[], theme: Theme): void {
+    const { scan } = stage;
+    const before = this.#names;
+    this.#names = new Map();
+    const reach = stage.projection.viewRange;
+    for (const named of [...all].reverse()) {
+      if (!named.name || !scan) continue;
+      const isPicked = this.store.picked?.name === named.name;
+      const lines = toLines(
+        named,
+        this.#numbers.look(scan, named.sector).measured,
+        this.#numbers.stateOf(named.name),
+        reach,
+      );
+      const color = isPicked ? theme.pointer : theme.ink;
+      // The chip has the numbers of the picked one.
+      const shown = isPicked ? lines.slice(0, 1) : lines;
+      const place = drawName(context, stage, named.sector, shown, color, theme, before.get(named.name));
+      if (!place) continue;
+      this.#names.set(named.name, place);
+      stage.covered.push(place.box);
+    }
+  }
+
+  #makeChip(): Chip {
+    const actions = {
+      toCode: (form: Form) => {
+        const { picked } = this.store;
+        const offset = this.#host.model.get("angle_offset");
+        return picked ? toCode(picked.sector, form, this.#host.stage.sweep, offset) : "";
+      },
+      say: (words: string[]) => this.#host.card.say(words),
+      onName: (name: string) => {
+        this.store.keep(name);
+        this.say();
+      },
+      onRemove: () => this.remove(),
+      onClose: () => {
+        this.#leaveEdge();
+        this.store.pick(null);
+        this.#host.card.picture.focus({ preventScroll: true });
+      },
+      onType: (text: string) => this.#type(text),
+    };
+    return new Chip(this.#host.card.picture, actions, this.#host.signal);
+  }
+
+  #type(text: string): string {
+    const scan = this.#host.stream.shown;
+    const { picked } = this.store;
+    if (!scan || !picked) return "";
+    const stretches = parseRays(text, scan.count);
+    if (!stretches) return "expected a slice, as ranges[240:300]";
+    const [[first, stop] = [0, 0]] = stretches;
+    if (!stop) return `no such ray: this scan has ${scan.count}`;
+    let last = stop - 1;
+    for (const [from, to] of stretches.slice(1)) {
+      // On over the seam.
+      if (from !== 0 || last !== scan.count - 1) return "these rays are not one sector";
+      last += to;
+    }
+    this.store.put({ ...picked, sector: { ...picked.sector, ...sectorOf(scan, first, last) } });
+    this.say();
+    return "";
+  }
+}

@@ -1,0 +1,109 @@
+import type { Model } from "../shared/model.ts";
+import { throttle } from "../shared/schedule.ts";
+import { isFullCircle, type Sweep } from "./scan.ts";
+import { type Sector, sectorOf, stretchesOf } from "./sector.ts";
+import type { LaserTraits } from "./traits.ts";
+
+const SAVE_MS = 100;
+
+/** A sector with its name; "" for one that is not kept. */
+export interface Named {
+  name: string;
+  sector: Sector;
+}
+
+export type Edge = "start" | "end";
+
+/** What is kept and picked, in the traits. While a person drags, Python gets ten changes a second. */
+export class SectorStore {
+  readonly #model: Model<LaserTraits>;
+  readonly #save: () => void;
+
+  constructor(model: Model<LaserTraits>, signal: AbortSignal) {
+    this.#model = model;
+    this.#save = throttle(() => model.save_changes(), SAVE_MS, signal);
+  }
+
+  get kept(): Record<string, Sector> {
+    return this.#model.get("_sectors");
+  }
+
+  get picked(): Named | null {
+    const { name, start, end, ...limits } = this.#model.get("_selection");
+    if (name !== undefined) return this.kept[name] ? { name, sector: this.kept[name] } : null;
+    return start === undefined || end === undefined ? null : { name: "", sector: { start, end, ...limits } };
+  }
+
+  /** All sectors, the picked one last. */
+  get all(): Named[] {
+    const { picked } = this;
+    const others = Object.entries(this.kept).filter(([name]) => name !== picked?.name);
+    return [...others.map(([name, sector]) => ({ name, sector })), ...(picked ? [picked] : [])];
+  }
+
+  pick(name: string | null): void {
+    this.#put(this.kept, name === null ? {} : { name });
+  }
+
+  /** Selects other rays, in place of the sector of this name; with the name "", as one that is not kept. */
+  put({ name, sector }: Named): void {
+    if (name) this.#put({ ...this.kept, [name]: sector }, { name });
+    else this.#put(this.kept, { ...sector });
+  }
+
+  /** Keeps the picked sector under a name, or gives it another one. */
+  keep(name: string): void {
+    const { picked } = this;
+    if (!picked) return;
+    const others = Object.entries(this.kept).filter(([other]) => other !== picked.name);
+    this.#put({ ...Object.fromEntries(others), [name]: picked.sector }, { name });
+  }
+
+  remove(): void {
+    const { picked } = this;
+    this.#put(Object.fromEntries(Object.entries(this.kept).filter(([name]) => name !== picked?.name)), {});
+  }
+
+  /** A function that puts back what is kept and picked now. */
+  snapshot(): () => void {
+    const [kept, selection] = [this.kept, this.#model.get("_selection")];
+    return () => this.#put(kept, selection);
+  }
+
+  #put(kept: Record<string, Sector>, selection: LaserTraits["_selection"]): void {
+    if (kept !== this.kept) this.#model.set("_sectors", kept);
+    this.#model.set("_selection", selection);
+    this.#save();
+  }
+}
+
+/** The first and the last ray of a sector as the scanner passes through it; null without any. */
+function endsOf(sweep: Sweep, sector: Sector): { first: number; last: number } | null {
+  const stretches = stretchesOf(sweep, sector);
+  const [first] = stretches[0] ?? [];
+  if (first === undefined) return null;
+  return { first, last: first + stretches.reduce((sum, [start, stop]) => sum + stop - start, 0) - 1 };
+}
+
+/** Index of the ray at an edge of a sector, and at the other edge; null where it has no rays. */
+export function raysAt(sweep: Sweep, sector: Sector, edge: Edge): { moved: number; fixed: number } | null {
+  const ends = endsOf(sweep, sector);
+  if (!ends) return null;
+  const isFirst = (edge === "start") === sweep.angleIncrement > 0;
+  return isFirst ? { moved: ends.first, fixed: ends.last } : { moved: ends.last, fixed: ends.first };
+}
+
+/** The sector from one ray to another, at most all rays; the second may lie beyond the array. */
+export function sectorTo(sweep: Sweep, from: number, to: number): Sector {
+  const last = sweep.count - 1;
+  const [least, most] = isFullCircle(sweep) ? [from - last, from + last] : [0, last];
+  return sectorOf(sweep, from, Math.min(most, Math.max(least, to)));
+}
+
+/** A sector with one edge moved to a ray. The other edge keeps its angle, unless the first is moved past it. */
+export function withEdge(sweep: Sweep, sector: Sector, edge: Edge, fixed: number, to: number): Sector {
+  const next = { ...sector, ...sectorTo(sweep, fixed, to) };
+  const isPast = edge === "end" ? (to - fixed) * sweep.angleIncrement < 0 : (to - fixed) * sweep.angleIncrement > 0;
+  const other = edge === "start" ? "end" : "start";
+  return isPast ? next : { ...next, [other]: sector[other] };
+}

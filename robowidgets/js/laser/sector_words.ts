@@ -1,0 +1,46 @@
+import { toDegrees, toMetres } from "../shared/format.ts";
+import type { ChipTexts } from "./chip.ts";
+import { READING, type Scan } from "./scan.ts";
+import { type Measured, type State, type Stretch, toExpression } from "./sector.ts";
+import type { Named } from "./sector_store.ts";
+
+/** Metres to the nearest thing, or what there is in place of a number. */
+export function toDistance({ distance }: Measured, reach: number): string {
+  if (distance === Infinity) return "nothing";
+  return Number.isNaN(distance) ? "unknown" : distance === 0 ? "too close" : toMetres(distance, reach);
+}
+
+/** The lines that stand on a sector: its name, with its state, and its distance. */
+export function toLines({ name }: Named, measured: Measured, state: State, reach: number): string[] {
+  const isSaid = state !== "" && state !== "free" && state !== "unknown";
+  return [isSaid ? `${name} \u00B7 ${state}` : name, toDistance(measured, reach)];
+}
+
+/** @param reach metres of the picture, which set the decimals */
+export function describeSector(
+  { name, sector }: Named,
+  scan: Scan,
+  stretches: Stretch[],
+  measured: Measured,
+  state: State,
+  reach: number,
+): ChipTexts {
+  const { nearest, median, valid, count } = measured;
+  return {
+    name,
+    expression: toExpression(stretches, scan.count) || "no rays",
+    state: state === "free" ? "" : state,
+    angles: `${toDegrees(sector.start)} to ${toDegrees(sector.end)}`,
+    distance: toDistance(measured, reach),
+    nearest: nearest < 0 || scan.kinds[nearest] === READING ? "nearest" : "at",
+    index: nearest < 0 ? "" : `[${nearest}]`,
+    median: `median ${Number.isNaN(median) ? "\u2014" : toMetres(median, reach)}`,
+    valid: `${valid} of ${count} valid`,
+  };
+}
+
+/** What a screen reader says of a sector. */
+export function sayOf(texts: ChipTexts): string[] {
+  const { name, state, expression, distance, nearest, index, valid } = texts;
+  return [name, state, expression, `${nearest} ${index} ${distance}`, valid];
+}

@@ -1,0 +1,245 @@
+"""Sectors of a laser's picture: dragged, named, moved and copied as code, by mouse, keys and finger."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from playwright.sync_api import Locator, expect
+
+from .chromium import shoot
+from .laser import FAN, SETUP, Picture, Place, eventually, layers, locate
+from .plain_page import PlainPage
+
+FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
+RIM = 4.0
+"""Metres: range_max of the fan."""
+CLIPBOARD = """() => {
+    window.copied = [];
+    Object.defineProperty(navigator, "clipboard", {
+        value: { writeText: (text) => Promise.resolve(copied.push(text)) }, configurable: true,
+    });
+}"""
+NO_CLIPBOARD = """() => {
+    Object.defineProperty(navigator, "clipboard", { value: undefined, configurable: true });
+    document.execCommand = () => false;
+}"""
+
+
+def drag(nb: PlainPage, card: Locator, *points: tuple[float, float], up: bool = True) -> None:
+    """Press at the first of some points of the picture, and move over the others."""
+    box = card.locator(".rw-picture").bounding_box()
+    assert box
+    mouse = nb.page.mouse
+    for i, (x, y) in enumerate(points):
+        mouse.move(box["x"] + x, box["y"] + y)
+        if i == 0:
+            mouse.down()
+    if up:
+        mouse.up()
+
+
+def arc(place: Place, metres: float, start: float, end: float) -> list[tuple[float, float]]:
+    """Points along an arc, from one angle in degrees to another."""
+    return [place.at(metres, start + (end - start) * i / 8) for i in range(9)]
+
+
+def chip(card: Locator) -> Locator:
+    return card.locator(".rw-chip")
+
+
+def says(card: Locator, expression: str, distance: str) -> None:
+    expect(chip(card).locator(".rw-chip-expression")).to_have_value(expression)
+    expect(chip(card).locator(".rw-chip-distance")).to_have_text(distance)
+
+
+def opened(plain_page: Callable[..., PlainPage], width: int = 700, **more: Any) -> tuple[PlainPage, Locator, Place]:
+    nb = plain_page([FIRST], **more)
+    nb.resize(width)
+    card = nb.widget(0).locator(".rw-card")
+    return nb, card, locate(card)
+
+
+def test_a_drag_makes_a_sector_with_a_name_and_code_that_gives_its_number(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, place = opened(plain_page)
+    plain = layers(card)
+    expect(chip(card)).to_have_count(0)
+    drag(nb, card, *arc(place, 3.0, 2, 38))
+    says(card, "ranges[9:14]", "1.68 m")
+    expect(chip(card).locator(".rw-chip-angles")).to_have_text("0.0° to 40.0°")
+    expect(chip(card).locator(".rw-index")).to_have_text("[9]")
+    expect(chip(card).locator(".rw-chip-median")).to_have_text("median 1.72 m")
+    expect(chip(card).locator(".rw-chip-valid")).to_have_text("5 of 5 valid")
+    eventually(lambda: nb.python("laser.selection.slice"), "slice(9, 14, None)")
+    expect(card.locator(".rw-popup:visible")).to_have_count(0)  # the end of a drag is no click
+
+    nb.page.evaluate(CLIPBOARD)
+    for form, given in (
+        ("scan", "scan=laser.scan"),
+        ("message", "msg=laser.scan"),
+        ("slice", "ranges=laser.scan.ranges"),
+    ):
+        chip(card).locator("select").select_option(form)
+        chip(card).locator(".rw-copy").click()
+        expect(chip(card).locator(".rw-copy")).to_have_text("Copied")
+        code = nb.page.evaluate("() => copied.pop()")
+        assert nb.python(f"print(laser.code(form={form!r}), end='')") == code
+        head, _, last = code.rstrip().rpartition("\n")
+        assert nb.python(f"{given}\n{head}\nprint(f'{{np.min({last}):.2f}}')") == "1.68\n", form
+
+    nb.python("laser.update(**fan({10: 0.7}))")
+    says(card, "ranges[9:14]", "0.70 m")
+    nb.python("laser.update(**fan({10: 0.1}))")
+    says(card, "ranges[9:14]", "too close")
+    nb.python("laser.update(**fan({9: inf, 10: nan, 11: nan, 12: inf, 13: inf}))")
+    says(card, "ranges[9:14]", "nothing")
+    nb.python("laser.update(**fan())")
+
+    chip(card).get_by_text("Name").click()
+    nb.page.keyboard.type("<b>door</b>")
+    nb.page.keyboard.press("Enter")
+    eventually(lambda: nb.python("list(laser.sectors)"), "['<b>door</b>']")
+    shoot(nb.widget(0), "laser-sector")
+    nb.page.keyboard.press("Escape")
+    expect(chip(card)).to_have_count(0)
+    eventually(lambda: nb.python("laser.selection"), "")
+    drag(nb, card, place.at(RIM, 20), up=True)  # a click on its rim picks it again
+    says(card, "ranges[9:14]", "1.68 m")
+    chip(card).get_by_text("Remove").click()
+    eventually(lambda: nb.python("print(dict(laser.sectors))"), "{}\n")
+    nb.page.mouse.move(5, 5)
+    eventually(lambda: layers(card) == plain, True)
+
+
+def test_edges_move_and_escape_puts_back_what_was_also_while_frozen(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, place = opened(plain_page)
+    nb.python("laser.sectors['ahead'] = ('-10deg', '10deg'); laser.paused = True")
+    start, end = place.at(RIM, -10), place.at(RIM, 10)
+    drag(nb, card, end, *arc(place, 3.5, 10, 52))
+    says(card, "ranges[8:15]", "1.66 m")
+    eventually(lambda: nb.python("laser.sectors['ahead']"), "Sector('-10deg', '50deg')")
+    drag(nb, card, start, *arc(place, 3.5, -10, -48), up=False)
+    says(card, "ranges[4:15]", "1.58 m")
+    nb.page.keyboard.press("Escape")
+    nb.page.mouse.up()
+    says(card, "ranges[8:15]", "1.66 m")
+    drag(nb, card, start, *arc(place, 3.5, -10, 80))  # past the other edge
+    says(card, "ranges[14:18]", "1.78 m")
+    nb.python("laser.selection = None")
+    expect(chip(card)).to_have_count(0)
+    drag(nb, card, *arc(place, 2.6, -80, -50), up=False)
+    says(card, "ranges[1:5]", "1.52 m")
+    nb.page.keyboard.press("Escape")
+    nb.page.mouse.up()
+    expect(chip(card)).to_have_count(0)
+
+
+def test_keys_make_move_keep_walk_and_remove_sectors(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, _ = opened(plain_page)
+    picture, keys, live = card.locator(".rw-picture"), nb.page.keyboard, card.locator(".rw-live")
+    picture.focus()
+    keys.press("[")
+    says(card, "ranges[8:11]", "1.66 m")
+    keys.press("ArrowLeft")
+    keys.press("]")
+    for _ in range(2):
+        keys.press("ArrowRight")
+    says(card, "ranges[7:13]", "1.64 m")
+    expect(live).to_have_text("ranges[7:13], nearest [7] 1.64 m, 6 of 6 valid")
+    keys.press("Shift+ArrowRight")
+    says(card, "ranges[7:19]", "1.64 m")
+    nb.page.evaluate(CLIPBOARD)
+    keys.press("c")
+    eventually(lambda: nb.page.evaluate("() => copied"), ['scan.distance(("-20deg", "90deg"))'])
+    keys.press("Enter")
+    keys.press("Enter")
+    eventually(lambda: nb.python("list(laser.sectors)"), "['sector 1']")
+    nb.python("laser.sectors['right'] = ('-90deg', '-60deg'); laser.selection = None")
+    for expected in ("right", "sector 1"):
+        keys.press("Shift+Tab")
+        expect(live).to_have_text(re.compile(f"^{expected}, "))
+    keys.press("]")
+    keys.press("ArrowLeft")
+    says(card, "ranges[7:18]", "1.64 m")
+    keys.press("Escape")  # undoes the edge
+    says(card, "ranges[7:19]", "1.64 m")
+    keys.press("Delete")
+    eventually(lambda: nb.python("list(laser.sectors)"), "['right']")
+    keys.press("Tab")
+    keys.press("Tab")
+    assert not picture.evaluate("(picture) => document.activeElement === picture"), "focus gets out"
+
+
+def test_rays_are_typed_and_what_names_none_is_said(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, place = opened(plain_page)
+    drag(nb, card, *arc(place, 3.0, 2, 38))
+    field, error = chip(card).locator(".rw-chip-expression"), chip(card).locator(".rw-chip-error")
+    for text in ("ranges[12", "alert(1)", "ranges[40:50]", "ranges[1:3] + ranges[8:9]"):
+        field.fill(text)
+        field.press("Enter")
+        expect(error).not_to_be_empty()
+    assert nb.python("laser.selection.slice") == "slice(9, 14, None)"
+    field.press("Escape")
+    says(card, "ranges[9:14]", "1.68 m")
+    expect(error).to_be_empty()
+    field.fill("ranges[-3:]")
+    field.press("Enter")
+    says(card, "ranges[16:19]", "1.82 m")
+    eventually(lambda: nb.python("laser.selection.slice"), "slice(16, 19, None)")
+    nb.python("laser.selection = None; laser.highlight('ranges[2:6]'); laser.pins = {'door': 3}")
+    lit = layers(card)
+    nb.python("laser.highlight(None)")
+    eventually(lambda: layers(card) != lit, True)
+
+
+def test_code_is_copied_by_hand_where_there_is_no_clipboard(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, place = opened(plain_page, width=400)
+    nb.page.evaluate(NO_CLIPBOARD)
+    drag(nb, card, *arc(place, 3.0, 2, 38))
+    expect(card.locator(".rw-picture .rw-chip")).to_have_count(0)  # below a narrow picture
+    chip(card).locator(".rw-copy").click()
+    field = chip(card).locator(".rw-code")
+    expect(field).to_have_value('scan.distance(("0deg", "40deg"))')
+    selected = field.evaluate("(field) => field.value.slice(field.selectionStart, field.selectionEnd)")
+    assert selected == 'scan.distance(("0deg", "40deg"))'
+    expect(field).to_be_focused()
+    chip(card).locator(".rw-chip-close").click()
+    card.locator(".rw-picture").click(position=dict(zip("xy", place.at(*FAN[4]), strict=True)))  # type: ignore[arg-type]
+    nb.page.evaluate(CLIPBOARD)
+    card.locator(".rw-popup .rw-copy").first.click()
+    eventually(lambda: nb.page.evaluate("() => copied"), ['scan.distance(("-50.1deg", "-49.9deg"))'])
+    assert nb.python("laser.code(4)") == repr('scan.distance(("-50.1deg", "-49.9deg"))')
+
+
+def test_a_finger_drags_from_the_rim_and_scrolls_the_page_elsewhere(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, place = opened(plain_page, touch=True)
+    box = card.locator(".rw-picture").bounding_box()
+    assert box
+    session = nb.page.context.new_cdp_session(nb.page)
+
+    def swipe(points: list[tuple[float, float]]) -> None:
+        for kind, at in [("touchStart", points[0]), *(("touchMove", point) for point in points), ("touchEnd", None)]:
+            touches = [{"x": box["x"] + at[0], "y": box["y"] + at[1]}] if at else []
+            session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches})
+
+    swipe(arc(place, 2.6, 2, 38))
+    eventually(lambda: nb.python("laser.selection"), "")
+    swipe(arc(place, RIM, 2, 38))
+    says(card, "ranges[9:14]", "1.68 m")
+    eventually(lambda: nb.python("laser.selection.slice"), "slice(9, 14, None)")
+
+
+def test_a_sector_runs_across_the_seam_of_any_scanner(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, _ = opened(plain_page)
+    for step in (1, -1):
+        nb.python("laser.selection = None")
+        angles = f"angle_min=0.0, angle_increment=np.radians({step})"
+        nb.python(f"laser.update(ranges=np.full(360, 2.0), {angles}, range_min=0.6, range_max=4.0)")
+        nb.python("laser.selection = ('-10deg', '10deg')")
+        says(card, "ranges[350:] + ranges[:11]", "2.00 m")
+        place = Picture(card).circle(2.0)
+        drag(nb, card, place.at(RIM, 10), *arc(place, RIM, 10, 20))
+        says(card, "ranges[350:] + ranges[:21]" if step > 0 else "ranges[340:] + ranges[:11]", "2.00 m")
+        drag(nb, card, *arc(place, 3.0, 170, 200))
+        says(card, "ranges[170:201]" if step > 0 else "ranges[160:191]", "2.00 m")
