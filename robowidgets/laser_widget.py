@@ -223,6 +223,12 @@ class LaserWidget(HasSectors, RobotWidget[Scan]):
             about["problems"] = (*about.get("problems", ()), sagged)
         return about
 
+    def arrays_of(self, frame: bytes) -> tuple[int, int]:
+        """See `RobotWidget`: ranges, and intensities if there are any."""
+        *_, count = _GEOMETRY.unpack_from(frame, FRAME_HEADER.size)
+        head = FRAME_HEADER.size + _GEOMETRY.size
+        return head, (len(frame) - head) // (4 * int(count)) if count else 0
+
     def _pack(self, sample: Scan) -> bytes:
         ranges, intensities = sample.ranges, sample.intensities
         head = _GEOMETRY.pack(sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max, ranges.size)

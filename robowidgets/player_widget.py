@@ -37,6 +37,7 @@ class PlayerWidget(anywidget.AnyWidget):
     selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None.").tag(sync=True)
     marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start.").tag(sync=True)
 
+    _begin = traitlets.Float(0.0, help="Seconds at which it begins.").tag(sync=True)
     _segment = traitlets.Float(1.0).tag(sync=True)
     _targets = traitlets.List(traitlets.Unicode()).tag(sync=True)
     _pauses = traitlets.List(traitlets.Float()).tag(sync=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -109,6 +110,80 @@ class Recording(RecordingData):
         again = open(self.path)
         again.memory = self.memory
         return Player(again, topics, scanogram, rerun)
+
+    def to_html(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        topics: Sequence[str] = (),
+        marks: Any = (),
+        title: str = "",
+        note: str = "",
+        every: int = 1,
+        scanogram: bool | None = None,
+        max_size: int | None = 50_000_000,
+    ) -> Path:
+        """Write a page that plays: one file, which any browser shows without a kernel, a server or the web.
+
+        It has the player with its keys, the widgets that `show` would show, and the exact samples as CSV. Its times are
+        those of the recording. It appears under its name when it is complete, and replaces an existing file.
+
+        Args:
+            path: the file, such as ``"bump.html"``.
+            start: seconds from the start of the recording; None: its start.
+            end: seconds from its start; None: its end.
+            topics: names of the topics; none: all that have a widget.
+            marks: (start, end, text) in seconds, or what `find` returns.
+            title: of the page; empty: the name of the recording.
+            note: a text under the title, which is shown as it is.
+            every: 2 takes every second scan, and so on; speeds and touches are complete.
+            scanogram: whether to show one; None: only if making it takes a moment.
+            max_size: most bytes of the file; None: any number.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            UnknownTopicError: the recording has no such topic, or no widget shows it.
+            ValueError: the stretch is not in the recording, or the page would be too large; the text says what would
+                make it smaller.
+            TypeError: a time is no number. OSError: the file cannot be written.
+
+        Example:
+            >>> recording.to_html("bump.html", start=10, end=20, note="It turns too late.")  # doctest: +SKIP
+        """
+        with self._shown(topics, marks) as player:
+            return player.to_html(
+                path, start=start, end=end, title=title, note=note, every=every, scanogram=scanogram, max_size=max_size
+            )
+
+    def html_size(
+        self,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        topics: Sequence[str] = (),
+        every: int = 1,
+        scanogram: bool | None = None,
+    ) -> int:
+        """About how many bytes `to_html` would write; it takes the same arguments, and raises the same errors."""
+        with self._shown(topics) as player:
+            return player.html_size(start=start, end=end, every=every, scanogram=scanogram)
+
+    @contextmanager
+    def _shown(self, topics: Sequence[str], marks: Any = ()) -> Iterator[Player]:
+        """A player without a scanogram, which is closed afterwards."""
+        if isinstance(topics, str):
+            raise TypeError(f"topics: expected a list of names, got {topics!r}; write [{topics!r}]")
+        self._check_open()
+        player = self.show(*topics, scanogram=False)
+        try:
+            player.marks = marks
+            yield player
+        finally:
+            player.close()
 
     def to_rerun(self, path: str | os.PathLike[str] | None = None, *topics: str) -> Path | RerunWidget:
         """Write a file for Rerun, and return its path; without a path, the viewer for the page: see `RerunWidget`.

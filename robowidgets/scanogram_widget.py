@@ -20,7 +20,7 @@ from .samples import AXES, Scan
 from .samples.scan_problems import of_ranges
 from .scanogram.clock import Clock
 from .scanogram.levels import BUDGET, MEDIAN, NEAREST, Levels
-from .scanogram.page_parts import detail, overview
+from .scanogram.page_parts import detail, overview, pack
 from .scanogram.scans import Scans, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 
@@ -37,6 +37,7 @@ class Picture:
     clock: Clock
     start_ns: int
     duration: float
+    begin: float = 0.0
     speed: SpeedStrip | None = None
     touch: TouchStrip | None = None
 
@@ -95,6 +96,9 @@ class ScanogramWidget(SavesPng, NamedWidget):
     marks = Marks(help="What is marked above the scans: (start, end, text), in seconds from the start.").tag(sync=True)
 
     footer = Flag(True, help="Whether the legend stands below the picture.").tag(sync=True)
+
+    has_one_geometry = True
+    """Whether all scans have the same rays."""
 
     _frame = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
@@ -234,6 +238,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         sweep: Sweep,
         start_ns: int,
         *,
+        begin: float = 0.0,
         duration: float = 0.0,
         notes: Sequence[str] = (),
         budget: int = BUDGET,
@@ -241,7 +246,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         """Show scans, in memory or in a file."""
         clock = Clock(scans.times_ns, start_ns)
         end = max(duration, float(clock.ends[-1]))
-        self._draw(Picture(Levels(scans, sweep, budget), clock, start_ns, end), (*notes, *clock.notes))
+        self._draw(Picture(Levels(scans, sweep, budget), clock, start_ns, end, begin), (*notes, *clock.notes))
 
     def _draw(self, picture: Picture, notes: Sequence[str] | None = None) -> None:
         self._picture = picture
@@ -266,8 +271,18 @@ class ScanogramWidget(SavesPng, NamedWidget):
             raise RuntimeError(f"{call}: there are no scans yet; call update(...) first, which sets the time axis")
         return self._picture
 
+    def frame_without_scans(self) -> bytes:
+        """The overview without its cells, for a page that has the scans themselves."""
+        facts, arrays = self._contents(self._scans_first("frame_without_scans()"))
+        return pack(facts, **arrays)
+
     def _pack(self, picture: Picture) -> bytes:
         """The overview."""
+        facts, arrays = self._contents(picture)
+        return overview(picture.levels, picture.clock, self.pixel).pack(facts, **arrays)
+
+    def _contents(self, picture: Picture) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+        """Facts and arrays of the overview beside those of its cells."""
         levels, clock, speed, touch = picture.levels, picture.clock, picture.speed, picture.touch
         arrays: dict[str, NDArray[Any]] = {}
         facts: dict[str, Any] = {
@@ -275,13 +290,14 @@ class ScanogramWidget(SavesPng, NamedWidget):
             "far": levels.far,
             "edition": self._edition,
             "scan_count": len(clock),
+            "begin": picture.begin,
             "duration": picture.duration,
             "pause": clock.pause,
             "class_counts": levels.counts.tolist(),
             "pixel": self.pixel,
         }
         if speed:
-            part = speed.part(0, picture.duration)
+            part = speed.part(picture.begin, picture.duration)
             facts["speed"] = {
                 "title": speed.title, "axes": speed.axes, "limits": speed.limits, "gap": speed.clock.gap
             }  # fmt: skip
@@ -289,7 +305,7 @@ class ScanogramWidget(SavesPng, NamedWidget):
         if touch:
             facts["touch"] = {"title": touch.title, "sensors": touch.sensors}
             arrays["touches"] = touch.spans
-        return overview(levels, clock, self.pixel).pack(facts, **arrays)
+        return facts, arrays
 
     @traitlets.observe("pixel")
     def _on_pixel(self, _change: Any) -> None:

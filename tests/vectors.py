@@ -20,6 +20,8 @@ import numpy as np
 import robowidgets
 from robowidgets import LaserWidget, Scan, ScanogramWidget, Sector, Speed, SpeedWidget, TouchWidget
 from robowidgets._core.robot_widget import RobotWidget
+from robowidgets.export._segments import pack_track
+from robowidgets.player._frames import TimedFrame, pack
 from robowidgets.samples.rays import sector_of, stretches
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
 from robowidgets.samples.sector_code import for_array, for_message, for_scan
@@ -42,6 +44,7 @@ def make() -> dict[str, Any]:
     clock = patch.multiple("time", monotonic=lambda: ARRIVED, monotonic_ns=lambda: round(ARRIVED * 1e9))
     with clock, patch.object(RobotWidget, "rate", 30.0):
         made = {"laser": _laser(), "speed": _speed(), "touch": _touch(), **_scanogram(), "segment": _segment()}
+        made |= _packed_tracks()
     return {
         name: {"base64": base64.b64encode(raw).decode(), "reads": _in_words(reads)}
         for name, (raw, reads) in made.items()
@@ -174,6 +177,46 @@ def _segment() -> tuple[bytes, dict[str, Any]]:
     (track,), (abouts,) = first["tracks"], first["abouts"]
     assert len(abouts) == 1
     return track, {"times": [0.0, 0.0, 0.5], "abouts": [0, 0, 0], "ranges": [[1.0, 2.0], [1.0, 2.0], [1.5, inf]]}
+
+
+def _packed_tracks() -> dict[str, tuple[bytes, dict[str, Any]]]:
+    """Tracks as exported pages hold them, with what the page must make of them: the same bytes as a player gets."""
+    laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
+    # In steps of a millimetre, with all that is none: special values, a jump, another NaN, minus zero.
+    odd = np.array([0x7FC00001, 0x80000000, 0x3F800001], np.uint32).view(np.float32)
+    in_steps = [
+        Scan(
+            [*(i / 1000 for i in range(500, 530)), nan, inf, -inf, 0.0, 65.0, *odd[:n]],
+            0,
+            0.1,
+            0,
+            99,
+            [7, 8] * 17 + [9] * (n + 1),
+        )
+        for n in (3, 2, 0)
+    ]
+    without_steps = [Scan(np.sqrt(np.arange(n, n + 40)), 0, 0.1, 0, 99) for n in (2, 3)]
+    moved = [Speed((0.1 * n, 0, 0), (0, 0, nan)) for n in range(4)]
+    touched = [{"left": n % 2 == 1} for n in range(3)]
+    made = {}
+    for name, widget, samples in (
+        ("packed_scans", laser, in_steps),
+        ("packed_scans_without_steps", laser, without_steps),
+        ("packed_no_scan", laser, [Scan([], 0, 0, 0, 10), in_steps[0]]),
+        ("packed_speeds", speed, moved),
+        ("packed_touches", touch, touched),
+    ):
+        frames = []
+        for i, sample in enumerate(samples):
+            widget.update(sample)
+            frames.append(TimedFrame(i / 8, {"notes": ["odd"] if i else []}, widget.get_state()["_frame"]))
+        facts, parts = pack_track(frames, widget.arrays_of)
+        abouts, track = pack(frames)
+        assert facts["abouts"] == abouts
+        made[name] = b"".join(parts), {"facts": facts, "track": base64.b64encode(track).decode()}
+    for widget in (laser, speed, touch):
+        widget.close()
+    return made
 
 
 def _in_words(value: Any) -> Any:

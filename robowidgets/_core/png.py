@@ -17,6 +17,7 @@ import anywidget
 from comm import DummyComm
 
 from .error_routing import cell_is_running
+from .output_file import checked_output, whole_file
 
 log = logging.getLogger("robowidgets")
 
@@ -78,7 +79,7 @@ class SavesPng(anywidget.AnyWidget):
             TypeError: no path. ValueError: a name that does not end in .png. OSError: a missing folder, or one that is
                 not writable. RuntimeError: no notebook, or the widget is closed.
         """
-        target = _checked(path)
+        target = checked_output("save_png", path, (".png",))
         if self.comm is None:
             raise RuntimeError("save_png(): this widget is closed; show a new one")
         if isinstance(self.comm, DummyComm):
@@ -137,30 +138,9 @@ class SavesPng(anywidget.AnyWidget):
         saving._end(type(error)(text))
 
 
-def _checked(path: str | os.PathLike[str]) -> Path:
-    """The absolute path, if it can be written."""
-    if not isinstance(path, (str, os.PathLike)):
-        raise TypeError(f"save_png(): expected the path of a file, got {path!r}")
-    target = Path(path).resolve()
-    if target.suffix.lower() != ".png":
-        raise ValueError(f"save_png(): expected a name that ends in .png, got {str(path)!r}")
-    if not target.parent.is_dir():
-        raise FileNotFoundError(f"save_png(): there is no folder {str(target.parent)!r} for {target.name!r}; make it")
-    if target.is_dir():
-        raise IsADirectoryError(f"save_png(): {str(target)!r} is a folder; expected the name of a file")
-    if not os.access(target if target.exists() else target.parent, os.W_OK):
-        raise PermissionError(f"save_png(): {str(target)!r} may not be written; choose another folder or name")
-    return target
-
-
 def _write(target: Path, url: str) -> None:
     """Write the picture of a data URL into a file, all of it or nothing."""
     if not url.startswith(_URL):
         raise OSError(f"the page could not draw the picture; it answered {url[:40]!r}")
-    part = target.with_name(f"{target.name}.part")
-    try:
-        part.write_bytes(base64.b64decode(url[len(_URL) :]))
-        part.replace(target)
-    except OSError:
-        part.unlink(missing_ok=True)
-        raise
+    with whole_file(target) as file:
+        file.write(base64.b64decode(url[len(_URL) :]))

@@ -254,6 +254,13 @@ class RobotWidget(SavesPng, JudgesConditions, NamedWidget, Generic[S]):
         """The text on a sample, and its frame without the header: what `update` of the sample would show."""
         return {}, self._pack(sample)
 
+    def arrays_of(self, frame: bytes) -> tuple[int, int]:  # noqa: ARG002
+        """What a frame, with its header, holds: bytes before arrays of float32 of equal lengths, and their number.
+
+        Exported pages pack such numbers well. (0, 0): it holds other things.
+        """
+        return 0, 0
+
     # -- to the page ---------------------------------------------------------------------------------------------------
 
     @property

@@ -1,5 +1,5 @@
 // One self-contained script and stylesheet per widget: Jupyter loads each as a single text, in which relative imports
-// cannot resolve. Arguments: the folder of the widgets, and the one to build into; without them, those of robowidgets.
+// cannot resolve. Exported pages have scripts and stylesheets of their own. Arguments: the folder of the widgets, and the one to build into; without them, those of robowidgets.
 import { createHash } from "node:crypto";
 import { mkdirSync, readdirSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
@@ -8,7 +8,9 @@ import { build, context } from "esbuild";
 const watch = process.argv.includes("--watch");
 const [from = ".", to = "../static"] = process.argv.slice(2).filter((argument) => !argument.startsWith("--"));
 const options = {
-  entryPoints: readdirSync(from).flatMap((name) => (/_widget\.(ts|css)$/.test(name) ? join(from, name) : [])),
+  entryPoints: readdirSync(from).flatMap((name) =>
+    /(_widget|^export_\w+)\.(ts|css)$/.test(name) ? join(from, name) : [],
+  ),
   outdir: to,
   bundle: true,
   target: "es2022",
@@ -28,6 +30,6 @@ if (watch) {
   const { outputFiles } = await build({ ...options, format: "iife", globalName: "widget", minify: true, write: false });
   for (const { path, text } of outputFiles) {
     mkdirSync(dirname(path), { recursive: true });
-    writeFileSync(path, path.endsWith(".js") ? share(text) : text);
+    writeFileSync(path, path.endsWith("_widget.js") ? share(text) : text);
   }
 }

@@ -14,7 +14,7 @@ from ..samples import Scan
 from ..scanogram.levels import Levels
 from ..scanogram.scans import ScansInMemory, Sweep
 from ..scanogram_widget import ScanogramWidget
-from .scanogram import MEMORY_BYTES, scanogram
+from .scanogram import MEMORY_BYTES, Span, scanogram
 
 LONGEST = 10.0
 """Seconds for which a scanogram is made without a request: making it reads all scans."""
@@ -29,7 +29,11 @@ _MEASURED = 0.2
 
 
 def whole_drive(
-    recording: RecordingData, topic: str, beside: Collection[str], wanted: bool | None
+    recording: RecordingData,
+    topic: str,
+    beside: Collection[str],
+    wanted: bool | None,
+    span: Span = (None, None),
 ) -> tuple[ScanogramWidget | None, str]:
     """The scanogram of a topic, or None and a line that says why there is none.
 
@@ -38,26 +42,29 @@ def whole_drive(
         topic: the topic with the scans; empty: no scanogram.
         beside: topics whose speed and touches may be shown under the scans.
         wanted: whether to make it; None: only if that does not take long.
+        span: of the recording.
 
     Raises:
         RecordingError: ``wanted`` is True, and the topic contains no scan with rays.
     """
     if not topic or wanted is False:
         return None, ""
-    reason = _too_long(recording, topic) if wanted is None else ""
+    reason = _too_long(recording, topic, span) if wanted is None else ""
     if reason:
         return None, reason
     try:
-        return scanogram(recording, topic, beside), ""
+        return scanogram(recording, topic, beside, span), ""
     except RecordingError:
         if wanted:
             raise
         return None, ""
 
 
-def _too_long(recording: RecordingData, topic: str) -> str:
+def _too_long(recording: RecordingData, topic: str, span: Span) -> str:
     """A line that says why a scanogram would take long and how to get it; empty if it would not."""
-    count = sum(t.count for t in recording.topics if t.name == topic)
+    start, end = span[0] or 0.0, recording.duration if span[1] is None else span[1]
+    share = (end - start) / recording.duration if recording.duration else 1.0
+    count = round(share * sum(t.count for t in recording.topics if t.name == topic))
     # The most rays of several scans: the first may be empty.
     firsts = islice(recording.samples(topic), _LOOKED_AT)
     rays = max((len(moment.sample) for moment in firsts if isinstance(moment.sample, Scan)), default=0)

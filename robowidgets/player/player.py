@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from html import escape
 from itertools import islice
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import ipywidgets
@@ -15,10 +17,12 @@ import numpy as np
 import traitlets
 
 from .._core.cells import close_all, take_the_place
+from .._core.output_file import checked_output
 from .._core.time_traits import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, columns
 from .._widget_choice import WidgetChoice, choose_widgets
+from ..export.html import MAX_SIZE, SUFFIXES
 from ..find.silence import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
@@ -32,6 +36,7 @@ from ._frames import Track
 from ._overview import whole_drive
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._screen import on_one_screen
+from ._to_html import Wanted, page_of
 
 _EARLY = 0.1
 _TINY = 1e-7
@@ -101,7 +106,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         beside = [name for choice in shown for name in choice.topics]
         self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
         self.bar = self._make_bar(note)
-        super().__init__([self._problems, *self._parts(bool(moves))])
+        super().__init__(self.arranged(self.scanogram))
         self.add_class("rw-recording")  # the bar takes the keys of this element
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
@@ -134,6 +139,39 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             traitlets.TraitError: the value is no time.
         """
         self.time = seconds
+
+    def to_html(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        title: str = "",
+        note: str = "",
+        every: int = 1,
+        scanogram: bool | None = None,
+        max_size: int | None = MAX_SIZE,
+    ) -> Path:
+        """Write a page that plays, of what is on show: one file, without a kernel, a server or the web.
+
+        Its selection, its marks and the settings of its widgets come along; without a scanogram it gets one if that
+        takes a moment. Arguments and errors are those of `Recording.to_html`.
+        """
+        target = checked_output("to_html", path, SUFFIXES)
+        with page_of(self, Wanted(start, end, title, note, every), scanogram) as page:
+            return page.write(target, max_size)
+
+    def html_size(
+        self,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        every: int = 1,
+        scanogram: bool | None = None,
+    ) -> int:
+        """About how many bytes `to_html` would write. See `Recording.html_size`."""
+        with page_of(self, Wanted(start, end, every=every), scanogram) as page:
+            return page.size()
 
     def close(self) -> None:
         """Remove the player from the page and close the recording."""
@@ -172,11 +210,19 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             },
         )
 
+    @property
+    def left_out(self) -> tuple[Any, ...]:
+        """What a page in a file has in another way, or cannot have."""
+        return (self._problems, *([self.rerun] if self.rerun else []))
+
+    def tracks_of(self, recording: RecordingData) -> list[tuple[Any, Track]]:
+        """Its widgets, and the track of each in its recording, opened anew: one thread at a time may read one."""
+        return [(view.widget, _track(recording, view.choice, view.widget)) for view in self.views]
+
     @contextmanager
     def _open_tracks(self) -> Iterator[Sequence[Track]]:
-        """The tracks of the recording opened anew, because one thread at a time may read a recording."""
         with RecordingData(self.recording.path) as recording:
-            yield [_track(recording, view.choice, view.widget) for view in self.views]
+            yield [track for _, track in self.tracks_of(recording)]
 
     def _send_ahead(self, content: dict[str, Any], buffers: list[bytes]) -> None:
         self.bar.send(content, buffers)
@@ -184,12 +230,13 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _complain(self, problem: str) -> None:
         self.bar._status = problem
 
-    def _parts(self, moves: bool) -> list[ipywidgets.Widget]:
-        """The bar, if there is a time to move, and the widgets."""
+    def arranged(self, scanogram: ScanogramWidget | None) -> list[ipywidgets.Widget]:
+        """All that it shows, from top to bottom, with a scanogram of its own or another."""
+        moves = self.recording.duration and self.views
         widgets = [view.widget for view in self.views]
         if moves and not self.rerun:
-            return [self.bar, on_one_screen(self.scanogram, widgets)]
-        above = [self.bar, *([self.scanogram] if self.scanogram else [])] if moves else []
+            return [self._problems, self.bar, on_one_screen(scanogram, widgets)]
+        above = [self._problems, *([self.bar, *([scanogram] if scanogram else [])] if moves else [])]
         shown = ipywidgets.Box(columns(widgets), layout=WIDE)
         if not self.rerun:
             return [*above, shown]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from ..kinds import LASER, SPEED, TOUCH, Kind
 from ..recordings import RecordingData
 from ..recordings.columns.chunks import ScanChunk
 from ..recordings.columns.scans import Scans as ScanSeries
+from ..recordings.columns.speeds import Speeds
 from ..recordings.columns.touches import Touches
 from ..recordings.topics import Topic
 from ..repair import RecordingError
@@ -56,11 +57,11 @@ class RayMapper:
 
     def keeps_indices(self, like: Scan) -> bool:
         """Whether the rays of scans with this geometry keep their indices."""
-        return not self.fits(like) or self._is_same(like) or keeps_indices(self._rays(Sweep.of(like)))
+        return not self.fits(like) or self.is_same(like) or keeps_indices(self._rays(Sweep.of(like)))
 
     def __call__(self, chunk: ScanChunk) -> Iterator[NDArray[np.float32]]:
         """The ranges of a chunk, as arrays of shape (n, rays of the sweep)."""
-        if self._is_same(chunk.like):
+        if self.is_same(chunk.like):
             yield chunk.ranges
             return
         rays = self._rays(Sweep.of(chunk.like)) if self.fits(chunk.like) else np.full(self.sweep.ray_count, -1)
@@ -68,7 +69,8 @@ class RayMapper:
         for ranges in cut([chunk.ranges], self.sweep.ray_count):
             yield on_rays(ranges, rays)
 
-    def _is_same(self, like: Scan) -> bool:
+    def is_same(self, like: Scan) -> bool:
+        """Whether scans have the rays of the sweep."""
         sweep = self.sweep
         return (len(like), like.angle_min, like.angle_increment) == (
             sweep.ray_count, sweep.angle_min, sweep.angle_increment
@@ -96,35 +98,46 @@ class ScansInFile:
         return np.concatenate([ranges for chunk in self._series[start:stop].chunks() for ranges in self._mapper(chunk)])
 
 
+AnySeries = TypeVar("AnySeries", ScanSeries, Speeds)
+Span = tuple[float | None, float | None]
+"""Start and end in seconds from the start of the recording; None: its own."""
+
+
 def scanogram(
-    recording: RecordingData, topic: str | None = None, beside: Collection[str] | None = None, **options: Any
+    recording: RecordingData,
+    topic: str | None = None,
+    beside: Collection[str] | None = None,
+    span: Span = (None, None),
+    **options: Any,
 ) -> ScanogramWidget:
-    """See `ScanogramWidget.of`."""
+    """See `ScanogramWidget.of`; of a span of the recording."""
     widget = ScanogramWidget(**options)
     take_the_place(widget)
     with widget.hold_sync():
         widget._is_whole = False
-        _fill(widget, recording, topic, beside)
+        _fill(widget, recording, topic, beside, span)
         widget._is_whole = True
         widget._draw(widget._scans_first("of()"))
     return widget
 
 
-def _fill(widget: ScanogramWidget, recording: RecordingData, topic: str | None, beside: Collection[str] | None) -> None:
+def _fill(
+    widget: ScanogramWidget, recording: RecordingData, topic: str | None, beside: Collection[str] | None, span: Span
+) -> None:
     """Put the scans of a recording into a scanogram, with the measured speed and all touches of the same robot."""
     lasers = [t.name for t in recording.topics if t.widget == LASER.name]
     scans = recording.scans(lasers[0] if topic is None and lasers else topic)
-    _put_scans(widget, recording, scans)
+    _put_scans(widget, recording, _within(scans, span), span)
 
     def of_the_robot(kind: Kind) -> list[Topic]:
         topics = [t for t in recording.topics if t.widget == kind.name and (beside is None or t.name in beside)]
         return [t for t in topics if shared(t.name, scans.topic) == max(shared(t.name, name) for name in lasers)]
 
-    _put_speeds(widget, recording, of_the_robot(SPEED))
-    _put_touches(widget, recording, [t.name for t in of_the_robot(TOUCH)])
+    _put_speeds(widget, recording, of_the_robot(SPEED), span)
+    _put_touches(widget, recording, [t.name for t in of_the_robot(TOUCH)], span)
 
 
-def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries) -> None:
+def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries, span: Span) -> None:
     most = min(MEMORY_BYTES, recording.memory)
     loaded = _loaded(scans, most)
     counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
@@ -139,13 +152,14 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
         # Opened again, so that the given recording may be closed.
         widget._file = RecordingData(recording.path)
         widget._file.memory = min(CACHE_BYTES, recording.memory)
-        series = widget._file.scans(scans.topic)
+        series = _within(widget._file.scans(scans.topic), span)
         likes = [(chunk.like, len(chunk)) for chunk in series.chunks()]
     else:
         likes = [(chunk.like, len(chunk)) for chunk in loaded]
     first = next(like for like, _ in likes if len(like) == rays)
     mapper = RayMapper(Sweep.of(first))
     by_angle = not all(mapper.keeps_indices(like) for like, _ in likes)
+    widget.has_one_geometry = all(mapper.is_same(like) for like, _ in likes)
     source: Scans = (
         ScansInFile(series, mapper)
         if loaded is None
@@ -155,12 +169,17 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
         source,
         mapper.sweep._replace(by_angle=by_angle),
         recording.start_ns or 0,
-        duration=recording.duration,
+        begin=span[0] or 0.0,
+        duration=recording.duration if span[1] is None else span[1],
         notes=[*_about(likes, mapper, by_angle), *map(str, first.header_problems)],
         budget=min(BUDGET, recording.memory // 4),
     )
     if not widget.title:
         widget.title = scans.topic
+
+
+def _within(series: AnySeries, span: Span) -> AnySeries:
+    return series if span == (None, None) else series.between(*span)
 
 
 def _about(likes: list[tuple[Scan, int]], mapper: RayMapper, by_angle: bool) -> Iterator[str]:
@@ -191,19 +210,21 @@ def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
     return chunks
 
 
-def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic]) -> None:
+def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic], span: Span) -> None:
     """Put the first measured speed under the scans, or a commanded one if none was measured."""
     for topic in sorted(topics, key=lambda topic: topic.commanded):
-        speeds = recording.speeds(topic.name)
+        speeds = _within(recording.speeds(topic.name), span)
         if len(speeds):
             widget.set_speeds(times_ns=speeds.times_ns, values=speeds.values, title=topic.name)
             return
 
 
-def _put_touches(widget: ScanogramWidget, recording: RecordingData, topics: list[str]) -> None:
+def _put_touches(widget: ScanogramWidget, recording: RecordingData, topics: list[str], span: Span) -> None:
+    begin, end = span[0] or 0.0, recording.duration if span[1] is None else span[1]
     if topics:
-        spans = [span for topic in topics for span in touched(recording.touches(topic), recording.duration)]
-        widget.set_touches(spans, title=", ".join(topics))
+        spans = [touch for topic in topics for touch in touched(recording.touches(topic), recording.duration)]
+        inside = [(max(begin, start), min(end, stop), label) for start, stop, label in spans]
+        widget.set_touches([touch for touch in inside if touch[0] <= touch[1]], title=", ".join(topics))
 
 
 def touched(touches: Touches, end: float) -> Iterator[tuple[float, float, str]]:

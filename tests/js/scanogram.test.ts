@@ -51,7 +51,7 @@ function coarse(edition = 1): DataView {
       ray_count: 21,
       edition,
     },
-    ...{ scan_count: 800, duration: 80, pause: 0.1, class_counts: [16800, 0, 0, 0, 0], pixel: "nearest" },
+    ...{ scan_count: 800, begin: 0, duration: 80, pause: 0.1, class_counts: [16800, 0, 0, 0, 0], pixel: "nearest" },
     ...{ level: 3, first: 0, ray_step: 1 },
   };
   return pack(facts, { ...cells(100, 0.8), cells: codes });
@@ -271,12 +271,12 @@ test("angle labels have round angles and room", () => {
 });
 
 test("zooming keeps the time under the pointer and stays within the whole", () => {
-  assert.deepEqual(zoomed([0, 80], 0.5, 20, 80, 0.1), [10, 50]);
-  assert.deepEqual(zoomed([10, 50], 4, 20, 80, 0.1), [0, 80]);
-  const [start, end] = zoomed([10, 10.2], 0.01, 10.1, 80, 0.1);
+  assert.deepEqual(zoomed([0, 80], 0.5, 20, [0, 80], 0.1), [10, 50]);
+  assert.deepEqual(zoomed([10, 50], 4, 20, [0, 80], 0.1), [0, 80]);
+  const [start, end] = zoomed([10, 10.2], 0.01, 10.1, [0, 80], 0.1);
   assert.ok(Math.abs(end - start - 0.1) < 1e-9);
-  assert.deepEqual(moved([10, 20], -50, 80), [0, 10]);
-  assert.deepEqual(moved([10, 20], 500, 80), [70, 80]);
+  assert.deepEqual(moved([10, 20], -50, [0, 80]), [0, 10]);
+  assert.deepEqual(moved([10, 20], 500, [0, 80]), [70, 80]);
   const axis = { span: [10, 20] as [number, number], left: 64, width: 500 };
   assert.equal(toTime(axis, toX(axis, 13)), 13);
   assert.deepEqual([toTime(axis, 0), toTime(axis, 9999)], [10, 20]);

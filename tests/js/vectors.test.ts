@@ -42,7 +42,8 @@ const FRAMES: Record<string, (bytes: DataView) => Record<string, unknown>> = {
   },
 };
 
-for (const name of Object.keys(vectors.frames)) {
+// Those of exported pages: export.test.ts.
+for (const name of Object.keys(vectors.frames).filter((name) => !name.startsWith("packed_"))) {
   test(`a frame that Python packed is read to the byte, wherever it starts: ${name}`, () => {
     for (const offset of [0, 1, 4, 6]) assert.deepEqual(FRAMES[name]?.(frameOf(name, offset)), readsOf(name));
   });

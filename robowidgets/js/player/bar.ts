@@ -85,7 +85,6 @@ export class PlayerBar {
   #makeSlider(signal: AbortSignal): void {
     const slider = this.#slider;
     slider.type = "range";
-    slider.min = "0";
     slider.step = "any";
     slider.title = "Time in the recording (arrows: 1 s, with shift 10 s)";
     slider.ariaLabel = "Time in the recording";
@@ -106,7 +105,8 @@ export class PlayerBar {
     if (pointerType === "touch" || buttons) return;
     const { left, width } = this.#slider.getBoundingClientRect();
     const part = (clientX - left - HANDLE / 2) / (width - HANDLE);
-    this.#playback.point(part * this.#playback.duration);
+    const { begin, duration } = this.#playback;
+    this.#playback.point(begin + part * (duration - begin));
   }
 
   /** Whether a key was pressed on a widget that the bar moves, and the widget did not use it. */
@@ -126,7 +126,7 @@ export class PlayerBar {
   }
 
   #draw(): void {
-    const { time, shown, duration, playing, waits } = this.#playback;
+    const { time, shown, begin, duration, playing, waits } = this.#playback;
     if (!this.#root.dataset.rwTheme) applyTheme(this.#root);
     setText(this.#time, toFixed(shown, DECIMALS));
     const whole = toFixed(duration, DECIMALS);
@@ -134,6 +134,7 @@ export class PlayerBar {
     // Reserve the final width, so that nothing beside it moves.
     this.#time.style.minWidth = `${whole.length}ch`;
     this.#drawClock(shown);
+    this.#slider.min = String(begin);
     this.#slider.max = String(duration);
     if (Number(this.#slider.value) !== time) this.#slider.value = String(time);
     this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${whole} seconds`;
@@ -149,7 +150,7 @@ export class PlayerBar {
     setText(this.#words, this.#model.get("_status") || (waits ? waiting : ""));
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
-    this.#drawMarks(duration);
+    this.#drawMarks(begin, duration);
     const marks = this.#model.get("marks");
     this.#walk.hidden = marks.length === 0;
     this.#list.update(marks, shown);
@@ -175,17 +176,17 @@ export class PlayerBar {
     if (this.#speed.value !== String(speed)) this.#speed.value = String(speed);
   }
 
-  #drawMarks(duration: number): void {
+  #drawMarks(begin: number, duration: number): void {
     const marks = this.#model.get("marks");
     const selection = this.#model.get("selection");
     // Compare by identity: there may be thousands of marks, and this runs in every frame while it plays.
-    const drawn = [marks, selection, duration];
+    const drawn = [marks, selection, begin, duration];
     if (drawn.every((one, i) => one === this.#drawn[i])) return;
     this.#drawn = drawn;
     const makeMark = (className: string, start: number, end: number, label: string) => {
       const mark = make("span", className);
-      mark.style.left = `${(100 * start) / duration}%`;
-      mark.style.width = `${(100 * (end - start)) / duration}%`;
+      mark.style.left = `${(100 * (start - begin)) / (duration - begin)}%`;
+      mark.style.width = `${(100 * (end - start)) / (duration - begin)}%`;
       mark.title = label;
       return mark;
     };

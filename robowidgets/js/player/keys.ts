@@ -29,7 +29,7 @@ const ACTIONS: Record<string, Action> = {
   l: (_, model) => setTraits(model, { loop: !model.get("loop") }),
   "+": faster(1),
   "-": faster(-1),
-  Home: (playback) => playback.seek(0),
+  Home: (playback) => playback.seek(playback.begin),
   End: (playback) => playback.seek(playback.duration),
 };
 

@@ -92,6 +92,10 @@ export class Playback {
     return this.#pointed && this.#segments.has(this.#pointed.time) ? this.#pointed : null;
   }
 
+  get begin(): number {
+    return this.#model.get("_begin");
+  }
+
   get duration(): number {
     return this.#model.get("duration");
   }
@@ -103,8 +107,8 @@ export class Playback {
   /** The span that is played: the selection while it is looped, else all. */
   get span(): [number, number] {
     const chosen = this.#model.get("selection");
-    const [start, end] = chosen && this.#model.get("loop") ? chosen : [0, this.duration];
-    return [Math.min(start, this.duration), Math.min(end, this.duration)];
+    const [start, end] = chosen && this.#model.get("loop") ? chosen : [this.begin, this.duration];
+    return [this.#within(start), this.#within(end)];
   }
 
   /** Calls back on every change of the player, until the signal aborts. */
@@ -285,7 +289,7 @@ export class Playback {
   }
 
   #within(time: number): number {
-    return Math.min(Math.max(0, time), this.duration);
+    return Math.min(Math.max(this.begin, time), this.duration);
   }
 
   #changed(): void {

@@ -4,6 +4,8 @@ export interface PlayerTraits {
   /** Seconds from the start of the recording. */
   time: number;
   duration: number;
+  /** Seconds at which it begins: 0, or later where an exported page has a stretch of the recording. */
+  _begin: number;
   playing: boolean;
   speed: number;
   loop: boolean;

@@ -59,19 +59,20 @@ export function toSeconds(time: number, decimals = 2): string {
 }
 
 /** A span made longer or shorter by a factor, with one of its times staying where it is, within the whole. */
-export function zoomed([start, end]: Span, factor: number, around: number, whole: number, shortest: number): Span {
-  const length = Math.min(whole, Math.max(Math.min(whole, shortest), (end - start) * factor));
+export function zoomed([start, end]: Span, factor: number, around: number, whole: Span, shortest: number): Span {
+  const most = whole[1] - whole[0];
+  const length = Math.min(most, Math.max(Math.min(most, shortest), (end - start) * factor));
   const part = (around - start) / (end - start);
   return kept([around - part * length, around + (1 - part) * length], whole);
 }
 
 /** A span moved by seconds, within the whole. */
-export function moved([start, end]: Span, by: number, whole: number): Span {
+export function moved([start, end]: Span, by: number, whole: Span): Span {
   return kept([start + by, end + by], whole);
 }
 
-function kept([start, end]: Span, whole: number): Span {
+function kept([start, end]: Span, [first, last]: Span): Span {
   const length = end - start;
-  const from = Math.min(Math.max(0, whole - length), Math.max(0, start));
+  const from = Math.min(Math.max(first, last - length), Math.max(first, start));
   return [from, from + length];
 }

@@ -58,7 +58,8 @@ export class Blocks {
     if (block.size === 1 && block.ranges.length) return false;
     const seen =
       firstWhere(block.startsAt, (start) => start >= span[1]) - firstWhere(block.endsAt, (end) => end > span[0]);
-    const isWhole = span[1] - span[0] >= this.#whole.duration * 0.999;
+    const [begin, end] = this.#whole.span;
+    const isWhole = span[1] - span[0] >= (end - begin) * 0.999;
     return block.size === 1 ? !isWhole : seen < columns;
   }
 

@@ -45,7 +45,8 @@ export interface Whole {
   edition: number;
   sweep: Sweep;
   scanCount: number;
-  duration: number;
+  /** When the picture begins and ends. */
+  span: [number, number];
   /** Usual seconds from scan to scan. */
   pause: number;
   /** How many rays there are of each class, numbered as in Python. */
@@ -94,9 +95,9 @@ export function kindOf(code: number): Validity {
 }
 
 const ARRAYS = { f8: Float64Array, f4: Float32Array, u2: Uint16Array };
-type Numbers = Float64Array | Float32Array | Uint16Array;
+export type Numbers = Float64Array | Float32Array | Uint16Array;
 /** Facts about the whole recording. Details have only some of them. */
-interface Facts {
+export interface Facts {
   arrays: [string, keyof typeof ARRAYS, number][];
   edition: number;
   level: number;
@@ -111,6 +112,7 @@ interface Facts {
   far: number;
   by_angle: boolean;
   scan_count: number;
+  begin: number;
   duration: number;
   pause: number;
   class_counts: number[];
@@ -122,7 +124,25 @@ type Unpacked = { facts: Facts; arrays: Map<string, Numbers> };
 
 export function decodeWhole(bytes: DataView): Whole {
   const { facts, arrays } = unpack(bytes);
-  const sweep: Sweep = {
+  const sweep = toSweep(facts);
+  const { speed, touch } = facts;
+  const speeds = toSpeeds(arrays);
+  return {
+    edition: facts.edition,
+    sweep,
+    scanCount: facts.scan_count,
+    span: [facts.begin, facts.duration],
+    pause: facts.pause,
+    counts: facts.class_counts,
+    pixel: facts.pixel,
+    block: toBlock(facts, arrays, sweep),
+    speed: speed && speeds ? { ...speed, speeds } : null,
+    touch: touch ? { ...touch, spans: toTouches(arrays.get("touches"), touch.sensors) } : null,
+  };
+}
+
+export function toSweep(facts: Facts): Sweep {
+  return {
     angleMin: facts.angle_min,
     angleIncrement: facts.angle_increment,
     count: facts.ray_count,
@@ -130,20 +150,6 @@ export function decodeWhole(bytes: DataView): Whole {
     maxRange: facts.range_max,
     far: facts.far,
     byAngle: facts.by_angle,
-  };
-  const { speed, touch } = facts;
-  const speeds = toSpeeds(arrays);
-  return {
-    edition: facts.edition,
-    sweep,
-    scanCount: facts.scan_count,
-    duration: facts.duration,
-    pause: facts.pause,
-    counts: facts.class_counts,
-    pixel: facts.pixel,
-    block: toBlock(facts, arrays, sweep),
-    speed: speed && speeds ? { ...speed, speeds } : null,
-    touch: touch ? { ...touch, spans: toTouches(arrays.get("touches"), touch.sensors) } : null,
   };
 }
 
@@ -172,7 +178,8 @@ export function toRange(code: number, { minRange, far }: Sweep): number {
   return minRange + ((code + 0.5) * (far - minRange)) / FARTHEST;
 }
 
-function unpack(bytes: DataView): Unpacked {
+/** The facts and the arrays of a frame; docs/frames.md has the layout. */
+export function unpack(bytes: DataView): Unpacked {
   const length = bytes.getUint32(0, true);
   const text = new TextDecoder().decode(copyOf(bytes, 4, length));
   const facts = JSON.parse(text) as Facts;

@@ -96,7 +96,7 @@ export class Scene {
     const { layout, axis } = this;
     const { left, width, bottom } = layout;
     const line = pointed?.time ?? time;
-    drawTimes(context, axis, layout, this.#whole.duration, line, theme);
+    drawTimes(context, axis, layout, this.#whole.span[1], line, theme);
     context.save();
     context.beginPath();
     context.rect(left - 7, 0, width + 14, bottom + 4);

@@ -65,9 +65,9 @@ export class State {
 
   /** The time on show. */
   get view(): Span {
-    const duration = this.whole?.duration ?? 1;
-    const [start, end] = this.#model.get("view") ?? [0, duration];
-    return start < duration ? [start, end] : [0, duration];
+    const whole = this.whole?.span ?? [0, 1];
+    const [start, end] = this.#model.get("view") ?? whole;
+    return start < whole[1] && end > whole[0] ? [start, end] : whole;
   }
 
   /** The ends of the colours that are set; null where they are fitted to what is shown. */

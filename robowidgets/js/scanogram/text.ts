@@ -84,6 +84,6 @@ function toWords({ start, end }: NamedSpan): string {
 }
 
 /** What the header says of all of it. */
-export function toFacts({ scanCount, sweep, duration }: Whole): string[] {
-  return [toMany(scanCount, "scan"), toMany(sweep.count, "ray"), toSeconds(duration, 1)];
+export function toFacts({ scanCount, sweep, span }: Whole): string[] {
+  return [toMany(scanCount, "scan"), toMany(sweep.count, "ray"), toSeconds(span[1] - span[0], 1)];
 }

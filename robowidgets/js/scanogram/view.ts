@@ -97,13 +97,13 @@ export class ScanogramView {
 
   onPan(pixels: number): void {
     const { whole, view } = this.#state;
-    if (whole) this.#look(moved(view, (pixels / this.#scene.axis.width) * (view[1] - view[0]), whole.duration));
+    if (whole) this.#look(moved(view, (pixels / this.#scene.axis.width) * (view[1] - view[0]), whole.span));
   }
 
   canZoom(factor: number): boolean {
     const { whole, view } = this.#state;
     const length = view[1] - view[0];
-    return whole !== null && (factor < 1 ? length > whole.pause : length < whole.duration);
+    return whole !== null && (factor < 1 ? length > whole.pause : length < lengthOf(whole.span));
   }
 
   onZoom(factor: number, point: Point | null): void {
@@ -111,7 +111,7 @@ export class ScanogramView {
     if (!whole) return;
     const isSeen = time >= view[0] && time <= view[1];
     const around = point ? toTime(this.#scene.axis, point.x) : isSeen ? time : (view[0] + view[1]) / 2;
-    this.#look(zoomed(view, factor, around, whole.duration, whole.pause));
+    this.#look(zoomed(view, factor, around, whole.span, whole.pause));
   }
 
   #onMedian(): void {
@@ -130,7 +130,7 @@ export class ScanogramView {
   onStep(by: number): void {
     const { whole, blocks, time } = this.#state;
     if (!whole || !blocks) return;
-    this.#goTo(Number.isFinite(by) ? blocks.step(time, by) : by < 0 ? 0 : whole.duration);
+    this.#goTo(Number.isFinite(by) ? blocks.step(time, by) : by < 0 ? whole.span[0] : whole.span[1]);
   }
 
   onMark(direction: -1 | 1): void {
@@ -157,13 +157,13 @@ export class ScanogramView {
     const { whole, view } = this.#state;
     this.#state.set({ time });
     if (whole && (time < view[0] || time > view[1])) {
-      this.#look(moved(view, time - (view[0] + view[1]) / 2, whole.duration));
+      this.#look(moved(view, time - (view[0] + view[1]) / 2, whole.span));
     }
   }
 
   #look(span: Span): void {
-    const duration = this.#state.whole?.duration ?? 0;
-    this.#state.set({ view: span[1] - span[0] >= duration * (1 - 1e-9) ? null : span });
+    const whole = lengthOf(this.#state.whole?.span);
+    this.#state.set({ view: lengthOf(span) >= whole * (1 - 1e-9) ? null : span });
   }
 
   #draw(): void {
@@ -179,7 +179,7 @@ export class ScanogramView {
     setText(this.#chip, isAlone ? NEVER : late);
     this.#chip.hidden = !this.#state.waits && !this.#state.lacksPixels;
     this.#median.ariaPressed = String(this.#state.pixel === "median");
-    this.#all.disabled = view[1] - view[0] >= (whole?.duration ?? 0);
+    this.#all.disabled = lengthOf(view) >= lengthOf(whole?.span);
     const { theme } = this.#card;
     this.#scene.measure(this.#size, whole, view, this.#card.noticeHeight);
     this.#scene.drawBase(this.#state, theme);
@@ -211,4 +211,9 @@ export class ScanogramView {
     }
     return typeof time === "number" ? { time, row: found?.row ?? null } : null;
   }
+}
+
+/** Seconds of a span. */
+function lengthOf([start, end]: Span = [0, 0]): number {
+  return end - start;
 }

@@ -1,0 +1,50 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+
+def checked_output(call: str, path: str | os.PathLike[str], suffixes: Collection[str]) -> Path:
+    """The absolute path of a file that can be written; ``call`` is the method's name, for the errors.
+
+    Raises:
+        TypeError: no path. ValueError: a name that does not end in one of ``suffixes``. OSError: a missing folder, or
+            one that is not writable.
+    """
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"{call}(): expected the path of a file, got {path!r}")
+    target = Path(os.fsdecode(path)).expanduser().resolve()
+    if target.suffix.lower() not in suffixes:
+        raise ValueError(f"{call}(): expected a name that ends in {' or '.join(suffixes)}, got {str(path)!r}")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"{call}(): there is no folder {str(target.parent)!r} for {target.name!r}; make it")
+    if target.is_dir():
+        raise IsADirectoryError(f"{call}(): {str(target)!r} is a folder; expected the name of a file")
+    if not os.access(target if target.exists() else target.parent, os.W_OK):
+        raise PermissionError(f"{call}(): {str(target)!r} may not be written; choose another folder or name")
+    return target
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """A file that appears under its name when it is complete, and replaces an existing one.
+
+    Until then it lies beside that name and ends in ``.part``. After an error nothing of it is left.
+
+    Raises:
+        OSError: it cannot be written, for example because the disk is full.
+    """
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("wb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,88 @@
+"""The state of widgets, and how they stand on the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from re import search
+from typing import Any
+
+from .._core.base_widget import bundle
+from ._page import Program, inlined, static
+from ._segments import compressed
+
+_BUILT_IN = ("laser_widget", "player_widget", "scanogram_widget", "speed_widget", "touch_widget")
+"""The widgets in the script of each page."""
+
+_OF_HOST = ("layout", "tabbable", "tooltip", "_anywidget_id", "_css", "_esm")
+
+
+class Models:
+    """Widgets that a page shows: their states, and their scripts."""
+
+    def __init__(self) -> None:
+        self._models: list[dict[str, Any]] = []
+        self._buffers: list[tuple[str, str, bytes]] = []
+        self._foreign: dict[str, tuple[str, str]] = {}
+        self._keys: dict[str, str] = {}
+
+    def add(self, widget: Any, changes: Mapping[str, Any]) -> None:
+        """Add a widget as it is now, but for some traits.
+
+        Raises:
+            ValueError: its script cannot stand in a page.
+        """
+        state = {name: value for name, value in widget.get_state().items() if name not in _OF_HOST}
+        state |= changes
+        binary = {name for name, value in state.items() if isinstance(value, (bytes, memoryview))}
+        ours = {name: value for name, value in state.items() if not name.startswith(("_model_", "_view_"))}
+        plain = {name: value for name, value in ours.items() if name not in binary}
+        self._models.append({"id": widget.model_id, "widget": self._script_of(widget), "state": plain})
+        self._buffers += [(widget.model_id, name, bytes(state[name])) for name in sorted(binary)]
+
+    def part(self, shown: Mapping[str, Any], **facts: Any) -> bytes:
+        """The part of the page with all models, an element with all that it holds, and more facts."""
+        buffers = [[model, name, len(value)] for model, name, value in self._buffers]
+        texts = {"models": self._models, "buffers": buffers, "shown": shown, "keys": self._keys}
+        return compressed({**texts, **facts}, [value for _, _, value in self._buffers])
+
+    def program(self) -> Program:
+        """The scripts and stylesheets of these widgets."""
+        styles = [static("export_page.css"), *(css for _, css in self._foreign.values() if css)]
+        # Last the script that builds the page: the others leave there what it needs.
+        scripts = [*(script for script, _ in self._foreign.values()), static("export_page.js")]
+        return Program(tuple(styles), tuple(scripts))
+
+    def _script_of(self, widget: Any) -> str:
+        """The name of the widget's script, which is included if it is not in each page."""
+        owner = next(c for c in type(widget).__mro__ if isinstance(vars(c).get("_esm"), (str, Path)))
+        name = owner.__module__.rpartition(".")[2]
+        if name in _BUILT_IN and vars(owner)["_esm"] == bundle(name)[0]:
+            return name
+        script = str(widget._esm)
+        key = search(r'Symbol\.for\("(robowidgets \w+)"\)', script)
+        if key is None:
+            raise ValueError(
+                f"{type(widget).__name__}: its script is not one that robowidgets/js/build.mjs builds, so it cannot be "
+                "put into a page; leave its topic out"
+            )
+        self._keys[name] = key[1]
+        self._foreign[name] = inlined(script, name), inlined(str(getattr(widget, "_css", "")), name)
+        return name
+
+
+def shown(widget: Any, leave_out: Iterable[Any] = ()) -> dict[str, Any]:
+    """How a widget, or a box of widgets, stands on the page: its element for `Models.part`."""
+    layout = widget.layout
+    style = {
+        name.replace("_", "-"): str(value)
+        for name in layout.keys
+        if not name.startswith("_") and (value := getattr(layout, name)) is not None
+    }
+    element: dict[str, Any] = {"classes": list(widget._dom_classes), "style": style}
+    if not hasattr(widget, "children"):
+        return {**element, "model": widget.model_id}
+    if widget._model_name == "VBoxModel":
+        style.setdefault("flex-direction", "column")
+    left = list(leave_out)
+    return {**element, "children": [shown(child, left) for child in widget.children if child not in left]}

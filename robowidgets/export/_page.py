@@ -1,0 +1,125 @@
+"""The text of a page in a file: its policy, its scripts, and parts of data that are no markup."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Iterable, Iterator, Sequence
+from html import escape
+from typing import NamedTuple
+
+from .._core.base_widget import STATIC
+from ._segments import compressed
+
+_BREAKS_OUT = ("</script", "<script", "<!--", "</style")
+"""What would end, or change the meaning of, a script or a stylesheet in a page."""
+
+_NO_SCRIPT = "This page has not started: it needs a browser of 2023 or later that runs scripts."
+
+
+class Heading(NamedTuple):
+    """What stands on the page as text: title, facts, lines on problems, a note, the first samples, and the end."""
+
+    title: str
+    facts: str
+    problems: Sequence[str]
+    note: str
+    lines: Sequence[str]
+    end: str
+
+
+class Program(NamedTuple):
+    """The scripts and stylesheets of a page."""
+
+    styles: tuple[str, ...]
+    scripts: tuple[str, ...]
+
+
+def page(heading: Heading, program: Program, state: bytes, segments: Iterable[bytes]) -> Iterator[bytes]:
+    """The page, piece by piece.
+
+    Its policy allows the scripts and stylesheets that are in it, by their hashes, and no request at all. Everything
+    that comes from a recording is text in it, or packed.
+
+    Args:
+        heading: its text.
+        program: scripts and stylesheets beyond those that load the page.
+        state: the part with the models; see `compressed`.
+        segments: the parts with the segments.
+    """
+    style, loader = static("export_loader.css"), static("export_loader.js")
+    scripts, styles = (loader, *program.scripts), (style, *program.styles)
+    policy = "; ".join(
+        (
+            "default-src 'none'",
+            f"script-src {' '.join(map(_source, scripts))}",
+            f"style-src {' '.join(map(_source, styles))}",
+            "img-src data: blob:",
+            "connect-src 'none'",
+            "base-uri 'none'",
+            "form-action 'none'",
+        )
+    )
+    texts = [("style", text.encode()) for text in program.styles] + [("script", t.encode()) for t in program.scripts]
+    packed = compressed({"texts": [[tag, len(text)] for tag, text in texts]}, [text for _, text in texts])
+    yield f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{escape(heading.title)}</title>
+<link rel="icon" href="data:,">
+<style>{style}</style>
+</head>
+<body>
+<header>
+<h1>{escape(heading.title)}</h1>
+<p class="rw-page-facts">{escape(heading.facts)}</p>
+{_lines(heading)}</header>
+<main></main>
+<section class="rw-page-text"><p class="rw-page-why">{_NO_SCRIPT}</p><pre>{escape(chr(10).join(heading.lines))}</pre>\
+</section>
+<footer class="rw-page-end"><div class="rw-page-data"></div><span>{escape(heading.end)}</span></footer>
+""".encode()
+    yield _part("program", packed)
+    yield _part("page", state)
+    for segment in segments:
+        yield _part("segment", segment)
+    yield f"<script>{loader}</script>\n</body>\n</html>\n".encode()
+
+
+def static(name: str) -> str:
+    """A built file of exported pages.
+
+    Raises:
+        ImportError: it is missing.
+    """
+    path = STATIC / name
+    if not path.is_file():
+        raise ImportError(
+            f"robowidgets was installed without its front end ({path.name} is missing); "
+            "in a checkout run `make build`, else install it again"
+        )
+    return inlined(path.read_text(encoding="utf-8"), name)
+
+
+def inlined(text: str, name: str) -> str:
+    """A script or stylesheet that may stand in a page as it is; ValueError names it if it may not."""
+    found = next((word for word in _BREAKS_OUT if word in text.lower()), None)
+    if found:
+        raise ValueError(f"{name} contains {found!r}, which no script or stylesheet of an exported page may")
+    return text
+
+
+def _lines(heading: Heading) -> str:
+    problems = "".join(f'<p class="rw-page-problems">⚠ {escape(line)}</p>\n' for line in heading.problems)
+    return problems + (f'<p class="rw-page-note">{escape(heading.note)}</p>\n' if heading.note else "")
+
+
+def _part(kind: str, packed: bytes) -> bytes:
+    return b'<script type="text/plain" data-part="%b">%b</script>\n' % (kind.encode(), packed)
+
+
+def _source(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"

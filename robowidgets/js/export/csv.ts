@@ -1,0 +1,88 @@
+import { decodeScan } from "../laser/scan.ts";
+import type { TimedFrame } from "../player/segments.ts";
+import { decodeSpeeds } from "../speed/frame.ts";
+import { decodeTouch } from "../touch/touch.ts";
+
+const AXES = ["linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z"];
+const STAMP_AT = 16;
+
+type Table = { head: string[]; rows: (string | number)[][] };
+
+/** By widget, the values of its frames; those of others are not known here. */
+const TABLES: Record<string, (frames: DataView[]) => Table> = {
+  laser_widget: toScans,
+  speed_widget: toSpeeds,
+  touch_widget: toTouches,
+};
+
+export function hasTable(widget: string): boolean {
+  return widget in TABLES;
+}
+
+/** Samples of a topic as CSV, with seconds from the start of the recording and the stamp in ns (0: none). */
+export function toCsv(widget: string, frames: TimedFrame[]): string {
+  const { head, rows } = TABLES[widget]?.(frames.map(({ bytes }) => bytes)) ?? { head: [], rows: [] };
+  const lines = rows.map((row, i) => {
+    const { time, bytes } = frames[i] as TimedFrame;
+    return [String(time), String(bytes.getBigInt64(STAMP_AT, true)), ...row].join();
+  });
+  return `${[["seconds", "stamp_ns", ...head].map(quoted).join(), ...lines].join("\n")}\n`;
+}
+
+function toScans(frames: DataView[]): Table {
+  const scans = frames.map(decodeScan);
+  const rays = scans.reduce((most, { count }) => Math.max(most, count), 0);
+  const lit = scans.some(({ intensities }) => intensities.length);
+  const names = (of: string) => Array.from({ length: rays }, (_, i) => `${of}[${i}]`);
+  const limits = ["angle_min", "angle_increment", "range_min", "range_max"];
+  return {
+    head: [...limits, ...names("ranges"), ...(lit ? names("intensities") : [])],
+    rows: scans.map(({ angleMin, angleIncrement, minRange, maxRange, ranges, intensities }) => {
+      const padded = (values: Float32Array) => Array.from({ length: rays }, (_, i) => toShortest(values[i]));
+      const numbers = [angleMin, angleIncrement, minRange, maxRange];
+      return [...numbers, ...padded(ranges), ...(lit ? padded(intensities) : [])];
+    }),
+  };
+}
+
+function toSpeeds(frames: DataView[]): Table {
+  const speeds = frames.map(decodeSpeeds);
+  const has = { measured: speeds.some((s) => s.measured), commanded: speeds.some((s) => s.commanded) };
+  const kinds = (["measured", "commanded"] as const).filter((kind) => has[kind]);
+  return {
+    head: kinds.flatMap((kind) => AXES.map((axis) => `${kind}_${axis}`)),
+    rows: speeds.map((speed) => kinds.flatMap((kind) => AXES.map((_, i) => toText(speed[kind]?.[i])))),
+  };
+}
+
+function toTouches(frames: DataView[]): Table {
+  const touches = frames.map(decodeTouch);
+  const names = [...new Set(touches.flatMap(({ sensors }) => sensors.map(({ name }) => name)))];
+  return {
+    head: names,
+    rows: touches.map(({ sensors }) => names.map((name) => sensors.find((s) => s.name === name)?.state ?? "unknown")),
+  };
+}
+
+/** The shortest decimal number that is nearest to this float32: exact when it is read as float32. */
+function toShortest(value: number | undefined): string {
+  if (value === undefined || !Number.isFinite(value)) return toText(value);
+  for (let digits = 6; digits < 9; digits++) {
+    const short = Number(value.toPrecision(digits));
+    if (Math.fround(short) === value) return String(short);
+  }
+  return value.toPrecision(9);
+}
+
+/** A number as other programs read it; empty where there is none. */
+function toText(value: number | undefined): string {
+  if (value === undefined) return "";
+  if (Number.isNaN(value)) return "nan";
+  return Number.isFinite(value) ? String(value) : value > 0 ? "inf" : "-inf";
+}
+
+function quoted(text: string): string {
+  // A spreadsheet takes a text that begins like this for a formula.
+  const harmless = /^[=+\-@\t\r]/.test(text) ? `'${text}` : text;
+  return /[",\n\r]/.test(harmless) ? `"${harmless.replaceAll('"', '""')}"` : harmless;
+}

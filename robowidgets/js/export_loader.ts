@@ -1,0 +1,24 @@
+import { explain, findParts, readPart } from "./export/parts.ts";
+
+/** Puts the scripts and stylesheets of the page, which are packed, into it. Its policy allows these only, by hash. */
+async function load(): Promise<void> {
+  const [element] = findParts("program");
+  if (!element) throw new Error("this page is not whole");
+  const { facts, bytes } = await readPart<{ texts: ["style" | "script", number][] }>(element);
+  let at = 0;
+  for (const [tag, length] of facts.texts) {
+    const added = document.createElement(tag);
+    if (tag === "script") (added as HTMLScriptElement).type = "module";
+    added.textContent = new TextDecoder().decode(bytes.subarray(at, at + length));
+    document.head.append(added);
+    at += length;
+  }
+}
+
+if (typeof DecompressionStream === "undefined") {
+  explain(
+    "This browser cannot unpack this page: it has no DecompressionStream. Chromium 80, Firefox 113, Safari 16.4 and later do.",
+  );
+} else {
+  load().catch((error) => explain(`This page cannot be shown: ${error}`));
+}

@@ -1,0 +1,20 @@
+import { start } from "./export/page.ts";
+import { explain } from "./export/parts.ts";
+import laser from "./laser_widget.ts";
+import player from "./player_widget.ts";
+import scanogram from "./scanogram_widget.ts";
+import speed from "./speed_widget.ts";
+import touch from "./touch_widget.ts";
+
+/** The script of a page in a file: the widgets of robowidgets, and what does Python's part. By their modules. */
+const WIDGETS = {
+  laser_widget: laser,
+  player_widget: player,
+  scanogram_widget: scanogram,
+  speed_widget: speed,
+  touch_widget: touch,
+};
+
+start(WIDGETS as unknown as Parameters<typeof start>[0]).catch((error) =>
+  explain(`This page cannot be shown: ${error}`),
+);

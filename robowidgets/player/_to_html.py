@@ -1,0 +1,256 @@
+"""What a page in a file takes from a player and its recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from functools import partial
+from itertools import islice
+from math import floor, isfinite
+from typing import TYPE_CHECKING, Any
+
+import ipywidgets
+
+from .._core.cells import close_all
+from ..export.html import Heading, Models, Page, segment, shown
+from ..kinds import LASER
+from ..recordings import RecordingData
+from ..recordings.times import has_date
+from ..scanogram_widget import ScanogramWidget
+from ._frames import TimedFrame, Track
+from ._overview import whole_drive
+
+if TYPE_CHECKING:
+    from .player import Player
+
+SEGMENT_BYTES = 1_000_000
+"""About as many bytes of frames make a segment of a page: few enough to unpack between two pictures."""
+
+LONGEST_SEGMENT = 60.0
+"""Seconds; so that the first picture of a recording with few samples needs no more of it."""
+
+ROUNDING = 0.01
+"""Seconds by which an end may lie behind that of the recording: times are displayed with two decimals."""
+
+_LINES = 12
+_NUMBERS = 8
+_ADVICE = "take a stretch of it (start=, end=), fewer topics, or every second scan (every=2)"
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A page that is asked for: seconds from the start of the recording, texts, and every how many scans."""
+
+    start: float | None = None
+    end: float | None = None
+    title: str = ""
+    note: str = ""
+    every: int = 1
+
+
+@contextmanager
+def page_of(player: Player, wanted: Wanted, scanogram: bool | None = None) -> Iterator[Page]:
+    """The page of what a player shows.
+
+    It reads the recording by itself, so that the player may read on.
+
+    Args:
+        player: the player.
+        wanted: stretch and texts.
+        scanogram: whether to make a scanogram where the player has none; None: only if that does not take long.
+
+    Raises:
+        ValueError: a stretch that is not in the recording. TypeError: no number. RecordingError: it holds nothing that
+            a widget shows.
+    """
+    with ExitStack() as stack:
+        recording = stack.enter_context(RecordingData(player.recording.path))
+        start, end = _stretch(recording, wanted)
+        if isinstance(wanted.every, bool) or not isinstance(wanted.every, int) or wanted.every < 1:
+            raise ValueError(f"every: expected 1 for all scans, 2 for every second ..., got {wanted.every!r}")
+        tracks = player.tracks_of(recording)
+        picture = _scanogram(player, recording, (start, end), scanogram)
+        if picture:
+            stack.callback(close_all, picture)
+        seconds = _segment_seconds(tracks, start, end)
+        models = _models(player, picture, (start, end), seconds)
+        root = ipywidgets.VBox(player.arranged(picture))
+        stack.callback(_close_boxes, root)
+        for name in player._dom_classes:
+            root.add_class(name)
+        yield Page(
+            _heading(player, recording, wanted, (start, end)),
+            models.program(),
+            models.part(
+                shown(root, leave_out=player.left_out),
+                player=player.bar.model_id,
+                scanogram=_drawn_here(player, picture),
+                begin=start,
+                name=player.recording.path.stem,
+            ),
+            range(floor(start / seconds), floor(end / seconds) + 1),
+            partial(_segment, player, tracks, (start, end), seconds, wanted.every),
+            _ADVICE,
+        )
+
+
+def _stretch(recording: RecordingData, wanted: Wanted) -> tuple[float, float]:
+    """The start and the end of the page.
+
+    Raises: as `page_of`.
+    """
+    duration = recording.duration
+    times = []
+    for name, seconds, default in (("start", wanted.start, 0.0), ("end", wanted.end, duration)):
+        if seconds is None:
+            times.append(default)
+            continue
+        if isinstance(seconds, bool) or not isinstance(seconds, (int, float)) or not isfinite(seconds):
+            raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
+        if not 0 <= seconds <= duration + ROUNDING:
+            raise ValueError(f"{name}: expected seconds from 0 to {duration:.2f}, got {seconds:g}")
+        times.append(min(float(seconds), duration))
+    start, end = times
+    if start > end or (start == end and duration):
+        raise ValueError(f"expected a start before the end, got start={start:g} and end={end:g}")
+    return start, end
+
+
+def _scanogram(
+    player: Player, recording: RecordingData, span: tuple[float, float], wanted: bool | None
+) -> ScanogramWidget | None:
+    """The scanogram of the stretch, with the settings of the player's own."""
+    choices = [view.choice for view in player.views]
+    scanned = next((choice.topic for choice in choices if choice.kind.name == LASER.name), "")
+    own = player.scanogram
+    if not recording.duration or not scanned:
+        return None
+    # Left open where the recording ends: its last sample belongs to it.
+    ends = (span[0], None if span[1] == recording.duration else span[1])
+    beside = [name for choice in choices for name in choice.topics]
+    picture, _ = whole_drive(recording, scanned, beside, True if own else wanted, ends)
+    if picture and own:
+        for name in ("title", "header", "footer", "color_range", "selection"):
+            setattr(picture, name, getattr(own, name))
+        picture.view = _clipped(own.view, span)
+    return picture
+
+
+def _drawn_here(player: Player, picture: ScanogramWidget | None) -> dict[str, Any] | None:
+    """The scanogram that the page draws from scans, and the number of the widget that shows them."""
+    if picture is None or not picture.has_one_geometry:
+        return None
+    lasers = (i for i, view in enumerate(player.views) if view.choice.kind.name == LASER.name)
+    return {"model": picture.model_id, "track": next(lasers)}
+
+
+def _models(player: Player, picture: ScanogramWidget | None, span: tuple[float, float], seconds: float) -> Models:
+    models = Models()
+    bar = player.bar
+    marks = [mark for mark in bar.marks if mark[0] <= span[1] and mark[1] >= span[0]]
+    time = bar.time if span[0] <= bar.time <= span[1] else span[0]
+    for view in player.views:
+        models.add(view.widget, {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0})
+    shown_at = {"time": time, "marks": marks}
+    selection = _clipped(bar.selection, span)
+    models.add(
+        bar,
+        {
+            **shown_at,
+            "playing": False,
+            "selection": selection,
+            "duration": span[1],
+            "_begin": span[0],
+            "_segment": seconds,
+            "_followers": [picture.model_id] if picture else [],
+            "_first": {},
+            "_status": "",
+            "_note": "",
+        },
+    )
+    if picture and picture.has_one_geometry:
+        models.add(picture, {**shown_at, "_frame": picture.frame_without_scans()})
+    elif picture:
+        # It says itself that nobody answers.
+        models.add(picture, {**shown_at, "layout": {"comm_live": False}})
+    return models
+
+
+def _clipped(chosen: Any, span: tuple[float, float]) -> tuple[float, float] | None:
+    """What of a chosen span lies in the page; None where nothing does."""
+    if not chosen:
+        return None
+    start, end = max(chosen[0], span[0]), min(chosen[1], span[1])
+    return (start, end) if start < end else None
+
+
+def _segment_seconds(tracks: Sequence[tuple[Any, Track]], start: float, end: float) -> float:
+    """The length of the segments of a page, in whole seconds, from the bytes of one second in its midst."""
+    middle = (start + end) / 2
+    size = sum(len(timed.frame) for _, track in tracks for timed in track.frames(middle, middle + 1.0))
+    return float(min(LONGEST_SEGMENT, max(1, SEGMENT_BYTES // max(1, size))))
+
+
+def _segment(
+    player: Player,
+    tracks: Sequence[tuple[Any, Track]],
+    span: tuple[float, float],
+    seconds: float,
+    every: int,
+    number: int,
+) -> bytes:
+    start = max(span[0], number * seconds)
+    end = (number + 1) * seconds if span[1] == player.duration else min(span[1], (number + 1) * seconds)
+    packed = []
+    for (widget, track), view in zip(tracks, player.views, strict=True):
+        frames = list(track.frames(start, max(start, end)))
+        packed.append((_thinned(frames, every) if view.choice.kind.name == LASER.name else frames, widget.arrays_of))
+    return segment(number, packed)
+
+
+def _thinned(frames: list[TimedFrame], every: int) -> list[TimedFrame]:
+    """The frame with which a segment begins, and every so many of the others."""
+    return frames if every == 1 else [*frames[:1], *frames[1::every]]
+
+
+def _heading(player: Player, recording: RecordingData, wanted: Wanted, span: tuple[float, float]) -> Heading:
+    start, end = span
+    name, duration = recording.path.name, recording.duration
+    stretch = f"{duration:.2f} s" if end - start == duration else f"{start:.2f} to {end:.2f} s of {duration:.2f} s"
+    start_ns = recording.start_ns or 0
+    date = datetime.fromtimestamp(start_ns / 1e9 + start, timezone.utc) if has_date(start_ns) else None
+    topics = [topic for view in player.views for topic in view.choice.topics]
+    facts = [
+        *([name] if wanted.title else []),
+        stretch,
+        *([f"{date:%Y-%m-%d %H:%M:%S} UTC"] if date else []),
+        ", ".join(topics),
+        *([f"one of every {wanted.every} scans"] if wanted.every > 1 else []),
+        *(["without Rerun's viewer"] if player.rerun else []),
+    ]
+    samples = islice(recording.samples(topics, start, end), _LINES) if topics else ()
+    return Heading(
+        wanted.title or name,
+        " · ".join(facts),
+        recording.problems,
+        wanted.note,
+        [_line(moment.seconds, moment.topic, moment.sample) for moment in samples],
+        "Made with robowidgets. This page loads nothing from the web, and sends nothing.",
+    )
+
+
+def _line(seconds: float, topic: str, sample: Any) -> str:
+    ranges = getattr(sample, "ranges", ())
+    some = ", ".join(f"{distance:.3f}" for distance in ranges[:_NUMBERS])
+    return f"{seconds:.3f} s  {topic}  {sample!r}" + (f"  ranges: {some} ..." if some else "")
+
+
+def _close_boxes(box: ipywidgets.Box) -> None:
+    """Close boxes, and leave what is in them."""
+    for child in box.children:
+        if hasattr(child, "children"):
+            _close_boxes(child)
+    box.layout.close()
+    box.close()

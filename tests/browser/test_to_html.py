@@ -1,0 +1,168 @@
+"""A page in a file: opened from disk with the network cut, it plays, and shows and saves what was recorded."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+import robowidgets
+from robowidgets import SAMPLE
+
+from .chromium import shoot
+
+HOSTILE = "</script><img src=x onerror=alert(1)><script>alert(2)</script>"
+MARKS = [(12.0, 12.5, HOSTILE), (16.5, 16.5, "turn")]
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    with robowidgets.open(SAMPLE) as recording:
+        path = tmp_path_factory.mktemp("pages") / "bump.html"
+        return recording.to_html(path, start=10.25, end=20, marks=MARKS, title=HOSTILE, note=f"It turns.\n{HOSTILE}")
+
+
+@pytest.fixture
+def complaints() -> list[str]:
+    """What pages requested, said on the console, and asked people."""
+    return []
+
+
+@pytest.fixture
+def offline(browser: Browser, complaints: list[str]) -> Iterator[Callable[..., Page]]:
+    """Opens files without a network; after the test, no page has requested anything else, nor complained."""
+    contexts = []
+
+    def open_file(file: Path, before: str = "", **options: Any) -> Page:
+        contexts.append(browser.new_context(offline=True, **options))
+        page = contexts[-1].new_page()
+        page.add_init_script(before)
+        page.on("console", lambda message: complaints.append(message.text))
+        page.on("pageerror", lambda error: complaints.append(error.message))
+        page.on("dialog", lambda dialog: complaints.append(dialog.message))
+        page.on("request", lambda request: complaints.append(request.url) if request.url[:5] != "data:" else None)
+        page.goto(file.as_uri())
+        assert complaints == [file.as_uri()]
+        complaints.clear()
+        return page
+
+    yield open_file
+    for context in contexts:
+        context.close()
+    assert complaints == []
+
+
+def test_a_page_plays_and_its_numbers_are_those_of_the_recording(offline: Callable[..., Page], file: Path) -> None:
+    page = offline(file, viewport={"width": 1280, "height": 800})
+    laser, bar = page.locator(".rw-laser"), page.locator(".rw-player")
+    expect(laser.locator(".rw-nearest")).to_contain_text("nearest")
+    expect(page.locator(".rw-scanogram")).to_contain_text("97 scans")
+    expect(page.locator("h1")).to_have_text(HOSTILE)
+    expect(page.locator(".rw-page-note")).to_have_text(f"It turns. {HOSTILE}")
+    expect(page.locator(".rw-page-text")).to_have_count(0)
+    assert page.locator("img").count() == 0
+    shoot(page.locator("body"), "to-html")
+
+    bar.locator(".rw-slider").focus()
+    page.keyboard.press("n")
+    page.keyboard.press("n")
+    expect(bar.locator(".rw-play-now")).to_have_text("16.50")
+    with robowidgets.open(SAMPLE) as recording:
+        scan, speed = recording.at("/scan", 16.5), recording.at("/odom", 16.5)
+    assert scan
+    assert speed
+    near = scan.sample.nearest()
+    expect(laser.locator(".rw-nearest")).to_contain_text(f"nearest {near.range:.2f} m")
+    expect(laser.locator(".rw-nearest")).to_contain_text(f"[{near.index}]")
+    expect(page.locator(".rw-speed .rw-value:not(:empty)").first).to_contain_text(
+        f"{speed.sample.linear[0]:.2f}".replace("-", "−")
+    )
+
+    page.keyboard.press("Home")
+    expect(bar.locator(".rw-play-now")).to_have_text("10.25")
+    page.keyboard.press(",")
+    expect(bar.locator(".rw-play-now")).to_have_text("10.25")
+    page.keyboard.press(".")
+    expect(bar.locator(".rw-play-now")).to_have_text("10.30")
+    bar.locator(".rw-play-speed").select_option("10")
+    bar.locator(".rw-play").click()
+    expect(bar.locator(".rw-play-now")).to_have_text("20.00")
+    expect(bar.locator(".rw-play")).to_have_attribute("title", "Play (space)")
+
+
+def test_a_zoomed_scanogram_shows_the_measured_ranges(offline: Callable[..., Page], file: Path) -> None:
+    page = offline(file, viewport={"width": 1280, "height": 800})
+    picture = page.locator(".rw-scanogram .rw-picture")
+    popup = page.locator(".rw-scanogram .rw-popup:visible")
+    expect(page.locator(".rw-scanogram")).to_contain_text("97 scans")
+    for _ in range(3):
+        page.locator(".rw-scanogram").get_by_role("button", name="Zoom in").click()
+    picture.hover(position={"x": 500, "y": 90})
+    expect(popup).to_contain_text(re.compile(r"scan \d+"))
+    text = popup.inner_text()
+    index = int(re.search(r"ranges\[(\d+)\]", text)[1])  # type: ignore[index]
+    at = float(re.search(r"([\d.]+) s\s+scan", text)[1])  # type: ignore[index]
+    with robowidgets.open(SAMPLE) as recording:
+        moment = recording.at("/scan", at + 0.006)
+    assert moment
+    expect(popup).to_contain_text(f"{moment.sample.ranges[index]:.2f} m")
+
+
+def test_the_samples_are_saved_exactly(offline: Callable[..., Page], file: Path) -> None:
+    page = offline(file)
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="/scan as CSV").click()
+    assert saved.value.suggested_filename == "sample-scan.csv"
+    head, *rows = csv.reader(Path(saved.value.path()).read_text(encoding="utf-8").splitlines())
+    with robowidgets.open(SAMPLE) as recording:
+        scans = recording[10.25:20].scans("/scan")
+    first = head.index("ranges[0]")
+    ranges = np.array([row[first : first + scans.ranges.shape[1]] for row in rows], np.float32)
+    assert np.array_equal(ranges.view(np.uint32), np.asarray(scans.ranges).view(np.uint32))
+    assert [float(row[0]) for row in rows] == pytest.approx(scans.seconds)
+    with page.expect_download() as saved:
+        page.locator(".rw-laser").get_by_role("button", name="Save as PNG").click()
+    assert Path(saved.value.path()).read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_policy_of_the_page_forbids_requests_and_scripts(
+    offline: Callable[..., Page], file: Path, complaints: list[str]
+) -> None:
+    page = offline(file)
+    expect(page.locator(".rw-laser")).to_be_visible()
+    refused = page.evaluate(
+        """async () => {
+          const refused = [];
+          addEventListener("securitypolicyviolation", (event) => refused.push(event.effectiveDirective));
+          await fetch("https://example.org/").catch(() => {});
+          const script = document.createElement("script");
+          script.textContent = "window.ran = true";
+          document.head.append(script, Object.assign(new Image(), { src: "https://example.org/a.png" }));
+          // In a task of its own: what Playwright evaluates may evaluate text.
+          await new Promise((resume) => setTimeout(() => {
+            try { Function("window.ran = true")(); } catch {}
+            setTimeout(resume, 50);
+          }));
+          return { refused: refused.sort(), ran: window.ran === true };
+        }"""
+    )
+    assert refused["ran"] is False
+    assert {"connect-src", "img-src", "script-src-elem", "script-src"} <= set(refused["refused"])
+    assert all("Content Security Policy" in line or "example.org" in line for line in complaints)
+    complaints.clear()
+
+
+def test_a_browser_that_cannot_unpack_says_so_over_the_first_samples(offline: Callable[..., Page], file: Path) -> None:
+    page = offline(file, before="delete window.DecompressionStream")
+    text = page.locator(".rw-page-text")
+    expect(text).to_be_visible()
+    expect(text).to_contain_text("This browser cannot unpack this page: it has no DecompressionStream")
+    expect(text).to_contain_text("10.300 s  /scan")
+    page = offline(file, java_script_enabled=False)
+    expect(page.locator(".rw-page-text")).to_contain_text("This page has not started")

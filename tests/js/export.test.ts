@@ -1,0 +1,101 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { toCsv } from "../../robowidgets/js/export/csv.ts";
+import { Feed, Segments } from "../../robowidgets/js/export/feed.ts";
+import { PageModel } from "../../robowidgets/js/export/model.ts";
+import { readPart } from "../../robowidgets/js/export/parts.ts";
+import { Taker } from "../../robowidgets/js/export/taker.ts";
+import { unpackTrack } from "../../robowidgets/js/export/tracks.ts";
+import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
+import { frameOf, readsOf, vectors } from "./vectors.ts";
+
+const NAMES = Object.keys(vectors.frames).filter((name) => name.startsWith("packed_"));
+
+for (const name of NAMES) {
+  test(`${name}: a page makes the same bytes of it as Python has packed`, () => {
+    const { facts, track } = readsOf(name);
+    const packed = frameOf(name, 0);
+    const bytes = new Uint8Array(packed.buffer.slice(0, packed.byteLength) as ArrayBuffer);
+    const made = unpackTrack(facts, new Taker(bytes));
+    assert.equal(Buffer.from(made.buffer).toString("base64"), track);
+  });
+}
+
+/** An element of a page with a packed segment, as Python writes it. */
+async function partOf(number: number, times: number[], size = 8): Promise<HTMLElement> {
+  const rows = times.map((time, i) => new Uint8Array(new Float64Array([time, 0, size * (i + 1)]).buffer));
+  const sorted = Array.from({ length: 24 }, (_, place) => rows.map((row) => row[place] as number)).flat();
+  const tracks = [{ count: times.length, bytes: size * times.length, abouts: [{}] }];
+  const text = new TextEncoder().encode(JSON.stringify({ segment: number, tracks }));
+  const all = [new Uint8Array(new Uint32Array([text.length]).buffer), text, Uint8Array.from(sorted)];
+  const blob = new Blob([...all, new Uint8Array(size * times.length)]);
+  const packed = await new Response(blob.stream().pipeThrough(new CompressionStream("deflate"))).arrayBuffer();
+  return { textContent: Buffer.from(packed).toString("base64") } as HTMLElement;
+}
+
+test("a part is a JSON text and bytes, deflated, in base64", async () => {
+  const { facts, bytes } = await readPart<{ segment: number }>(await partOf(3, [30]));
+  assert.equal(facts.segment, 3);
+  assert.equal(bytes.length, 24 + 8);
+});
+
+test("the frames of a segment are without the one before it, with which each segment begins", async () => {
+  const segments = new Segments([await partOf(1, [9, 11, 12]), await partOf(2, [20, 20, 21])], 10, 10.5);
+  assert.deepEqual(segments.numbers, [1, 2]);
+  const times = async (number: number) => segments.framesOf(await segments.read(number), 0).map((frame) => frame.time);
+  assert.deepEqual(await times(1), [11, 12]);
+  assert.deepEqual(await times(2), [20, 21]);
+  await assert.rejects(segments.read(3), /segment 3 is not in this page/);
+});
+
+test("a player gets the segment on show first, then the nearest, and forgets the farthest when there are too many", async () => {
+  const parts = await Promise.all([0, 1, 2, 3].map((number) => partOf(number, [number], 1000)));
+  const player = new PageModel({ time: 1.5, _segment: 1 }, new Map());
+  const given: [number, number[]][] = [];
+  player.on("msg:custom", (message) => {
+    const { segment, drop } = message as { segment: number; drop: number[] };
+    given.push([segment, drop]);
+  });
+  const feed = new Feed(player, new Segments(parts, 1, 0), 2500);
+  await feed.run();
+  assert.deepEqual(given, [
+    [1, []],
+    [2, []],
+  ]);
+  given.length = 0;
+  player.send({ pointed: 0.5 });
+  await feed.run();
+  while (!given.length) await new Promise((resume) => setTimeout(resume));
+  assert.deepEqual(given[0], [0, [2]]);
+});
+
+test("a model tells what changes, whoever sets it, and nothing where all stays", () => {
+  const model = new PageModel({ time: 0, marks: [[1, 2, "a"]] }, new Map());
+  const told: string[] = [];
+  for (const name of ["time", "marks"]) model.on(`change:${name}`, () => told.push(name));
+  model.set("time", 0);
+  model.set("marks", [[1, 2, "a"]]);
+  assert.deepEqual(told, []);
+  model.set_state({ time: 3, marks: [] });
+  assert.deepEqual(told, ["time", "marks"]);
+  assert.equal(model.get("time"), 3);
+});
+
+test("samples as CSV are exact, and a name is no formula of a spreadsheet", () => {
+  const [, ...frames] = decodeFrames(trackOf("packed_scans"));
+  const lines = toCsv("laser_widget", frames).trimEnd().split("\n");
+  const [head, second] = lines.map((line) => line.split(","));
+  assert.deepEqual(head?.slice(0, 3), ["seconds", "stamp_ns", "angle_min"]);
+  const at = head?.indexOf("ranges[0]") ?? -1;
+  assert.deepEqual(second?.slice(at, at + 3), ["0.5", "0.501", "0.502"]);
+  assert.deepEqual(second?.slice(at + 30, at + 35), ["nan", "inf", "-inf", "0", "65"]);
+  assert.equal(lines.length, 3);
+
+  const touches = toCsv("touch_widget", decodeFrames(trackOf("packed_touches")));
+  assert.deepEqual(touches.split("\n").slice(0, 2), ["seconds,stamp_ns,left", "0,0,free"]);
+});
+
+function trackOf(name: string): DataView {
+  const bytes = Buffer.from(readsOf(name).track, "base64");
+  return new DataView(Uint8Array.from(bytes).buffer);
+}

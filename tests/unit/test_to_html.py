@@ -1,0 +1,178 @@
+"""A page in a file, of a recording: what is written, how large it is, and what is refused."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import zlib
+from base64 import b64decode
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robowidgets
+from robowidgets._core import output_file
+from robowidgets.export import html
+from robowidgets.recordings import UnknownTopicError
+from robowidgets.recordings.files import open_source
+from robowidgets.repair import Source
+from robowidgets.repair.write import write
+
+from .recordings import robot, sweeps
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return robot.write(tmp_path_factory.mktemp("recordings") / "drive")
+
+
+def parts(page: str, kind: str) -> list[bytes]:
+    found = re.findall(rf'<script type="text/plain" data-part="{kind}">([^<]*)</script>', page)
+    return [zlib.decompress(b64decode(part)) for part in found]
+
+
+def test_a_page_of_a_stretch_has_its_texts_and_segments_and_nothing_of_markup(path: Path, tmp_path: Path) -> None:
+    hostile = "</script><img src=x onerror=alert(1)><!-- "
+    with robowidgets.open(path) as recording:
+        written = recording.to_html(
+            tmp_path / "bump.html", start=0.5, end=1.5, title=hostile, note=hostile, marks=[(0.6, 0.7, hostile)]
+        )
+        size = recording.html_size(start=0.5, end=1.5)
+    text = written.read_text(encoding="utf-8")
+    assert "<img" not in text
+    assert "<!--" not in text
+    assert text.count("&lt;/script&gt;&lt;img") == 3
+    assert "0.50 to 1.50 s of" in text
+    # A program, the page and a segment, and the script that loads them.
+    assert len(re.findall("<script", text)) == 4
+    assert size == pytest.approx(len(text), abs=2000)
+    (page,) = parts(text, "page")
+    assert hostile.encode() in page
+
+
+def test_its_policy_allows_no_request_and_only_the_scripts_in_it(path: Path, tmp_path: Path) -> None:
+    with robowidgets.open(path) as recording:
+        text = recording.to_html(tmp_path / "a.html").read_text(encoding="utf-8")
+    policy = re.search(r'Content-Security-Policy" content="([^"]+)"', text)
+    assert policy
+    rules = dict(rule.split(" ", 1) for rule in policy[1].split("; "))
+    assert rules["default-src"] == rules["connect-src"] == rules["base-uri"] == rules["form-action"] == "'none'"
+    assert re.fullmatch(r"('sha256-[\w+/]+=*' ?)+", rules["script-src"])
+    assert re.fullmatch(r"('sha256-[\w+/]+=*' ?)+", rules["style-src"])
+    assert rules["img-src"] == "data: blob:"
+    assert not re.search(r'(?:src|href)="(?!data:)', text)
+
+
+class Part:
+    """The messages of some topics of a source."""
+
+    def __init__(self, source: Source, topics: list[str]) -> None:
+        self.channels = tuple(channel for channel in source.channels if channel.topic in topics)
+        self.problems = ()
+        self.start_ns, self.end_ns = source.start_ns, source.end_ns
+        self.messages, self.last_ns, self.close = source.messages, source.last_ns, source.close
+
+
+@pytest.mark.slow
+def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> None:
+    """At most 0.6 times their topics as MCAP with zstd and 150 kB, but for readings that are noise to the last bit."""
+    for name in ("hokuyo_people.bag", "tilt_laser.bag", "urg_681.bag", "neato_fsm_zstd.mcap", "edmonton.log.gz"):
+        file = data / "good" / name
+        with robowidgets.open(file) as recording:
+            topics = [topic.name for topic in recording.topics if topic.widget]
+            size = recording.to_html(tmp_path / "a.html").stat().st_size
+        with closing(open_source(file)) as source:
+            mcap = write(Part(source, topics), tmp_path / "a.mcap").size
+        assert size <= 0.6 * mcap + 150_000, name
+
+
+def test_every_second_scan_makes_it_smaller_and_is_said(tmp_path: Path) -> None:
+    scans = [(i / 10, sweeps.scan(sweeps.START_NS, np.random.default_rng(i).random(500))) for i in range(40)]
+    with robowidgets.open(sweeps.write(tmp_path / "scans", scans)) as recording:
+        assert recording.html_size(every=2) < recording.html_size() - 20_000
+        text = recording.to_html(tmp_path / "a.html", every=2).read_text(encoding="utf-8")
+    assert "one of every 2 scans" in text
+
+
+def test_a_large_page_is_written_only_when_asked_and_the_text_says_what_makes_it_smaller(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scans = [(i / 2, sweeps.scan(sweeps.START_NS, np.random.default_rng(i).random(500))) for i in range(40)]
+    with robowidgets.open(sweeps.write(tmp_path / "scans", scans)) as recording:
+        for sampled in (1, 40):
+            monkeypatch.setattr(html, "_SAMPLED", sampled)
+            with pytest.raises(
+                ValueError, match=r"a.html would take .* at most 0.1 MB are allowed: take a stretch"
+            ) as e:
+                recording.to_html(tmp_path / "a.html", max_size=100_000)
+            assert "every=2" in str(e.value)
+            assert "max_size=1_000_000" in str(e.value)
+            assert list(tmp_path.glob("a.html*")) == []
+        assert recording.to_html(tmp_path / "a.html", max_size=None).stat().st_size > 100_000
+
+
+@pytest.mark.parametrize(
+    ("wanted", "error", "text"),
+    [
+        ({"start": 99}, ValueError, r"start: expected seconds from 0 to \d+\.\d\d, got 99"),
+        ({"end": 99}, ValueError, r"end: expected seconds from 0 to \d+\.\d\d, got 99"),
+        ({"start": 1, "end": 1}, ValueError, "expected a start before the end, got start=1 and end=1"),
+        ({"start": "1"}, TypeError, "start: expected seconds from the start of the recording, got '1'"),
+        ({"every": 0}, ValueError, "every: expected 1 for all scans"),
+        ({"topics": ["/sacn"]}, UnknownTopicError, "no topic '/sacn'"),
+        ({"topics": "/scan"}, TypeError, r"topics: expected a list of names, got '/scan'"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_a_line(
+    path: Path, tmp_path: Path, wanted: dict[str, Any], error: type[Exception], text: str
+) -> None:
+    with robowidgets.open(path) as recording, pytest.raises(error, match=text) as raised:
+        recording.to_html(tmp_path / "a.html", **wanted)
+    assert "\n" not in str(raised.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_any_work(path: Path, tmp_path: Path) -> None:
+    with robowidgets.open(path) as recording:
+        with pytest.raises(ValueError, match=r"to_html\(\): expected a name that ends in .html or .htm, got"):
+            recording.to_html(tmp_path / "a.txt")
+        with pytest.raises(FileNotFoundError, match="there is no folder"):
+            recording.to_html(tmp_path / "none" / "a.html")
+
+
+def test_a_full_disk_leaves_nothing_and_keeps_what_was_there(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "a.html"
+    target.write_text("before")
+
+    def full(_number: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(output_file.os, "fsync", full)
+    with robowidgets.open(path) as recording, pytest.raises(OSError, match=r"a\.html was not written: No space left"):
+        recording.to_html(target)
+    assert target.read_text() == "before"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_page_of_what_a_player_shows_has_its_settings(path: Path, tmp_path: Path) -> None:
+    with robowidgets.open(path) as recording:
+        player = recording.show()
+        try:
+            laser = player.views[0].widget
+            laser.pinned, player.selection, player.time = 3, (0.25, 1.25), 1.0
+            player.marks = [(0.1, 0.2, "before"), (0.9, 1.1, "within")]
+            (page,) = parts(player.to_html(tmp_path / "a.html", start=0.5).read_text(encoding="utf-8"), "page")
+        finally:
+            player.close()
+    assert b'"pinned":3' in page
+    assert b'"selection":[0.5,1.25]' in page
+    assert b"within" in page
+    assert b"before" not in page
+    assert b'"time":1.0' in page
+    assert b'"_begin":0.5' in page
