@@ -11,6 +11,7 @@ from pathlib import Path
 
 import robowidgets
 
+from . import _export as _pages
 from . import _find as _questions
 from . import _lab, _notebooks
 
@@ -75,6 +76,10 @@ def _write_repaired(arguments: argparse.Namespace) -> None:
 
     for line in repair(arguments.file, arguments.output, force=arguments.force):
         _say(line)
+
+
+def _export(arguments: argparse.Namespace) -> None:
+    _say(_pages.export(arguments, _warn))
 
 
 def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace) -> None:
@@ -154,6 +159,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     mend.add_argument("--force", action="store_true", help="replace a file that is there already")
     mend.set_defaults(do=_write_repaired, failed=2)
+
+    page = commands.add_parser(
+        "export",
+        help="write a recording as a page that plays anywhere",
+        description="Write a recording, or a stretch of it, as one HTML file that plays without a kernel or the web.",
+        epilog="Exits with 0 when the file was written, 2 when it could not be.",
+    )
+    page.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    _pages.add_export(page)
+    page.set_defaults(do=_export, failed=2)
 
     for command in (demo, show):
         command.add_argument(

@@ -373,3 +373,47 @@ def test_info_prints_json(capsys):
     assert told["seconds"] == pytest.approx(58)
     assert (told["topics"][0]["name"], told["topics"][0]["widget"]) == ("/scan", "laser")
     assert told["problems"] == []
+
+
+def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", str(robowidgets.SAMPLE), "--size", "--end", "5"]) == 0
+    assert capsys.readouterr().out == "sample.html: about 0.1 MB\n"
+    asked = [
+        "export",
+        str(robowidgets.SAMPLE),
+        "--start",
+        "10",
+        "--end",
+        "12",
+        "--topic",
+        "/odom",
+        "--note",
+        "It <turns>.",
+    ]
+    assert main([*asked, "-o", "bump.html"]) == 0
+    assert capsys.readouterr().out == f"Wrote {tmp_path / 'bump.html'}: 0.1 MB\n"
+    text = (tmp_path / "bump.html").read_text(encoding="utf-8")
+    assert "It &lt;turns&gt;." in text
+    assert "10.00 to 12.00 s of 58.00 s · 2025-06-15 15:06:50 UTC · /odom</p>" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["--start", "99"], "--start: expected seconds from 0 to 58.00, got 99"),
+        (
+            ["--max-size", "0.1"],
+            "(--start, --end), fewer topics, or every second scan (--every 2), or allow more (--max-size",
+        ),
+        (["-o", "a.txt"], "expected a name that ends in .html or .htm"),
+        (["-o", "there.html"], "there.html: is there already; replace it with --force, or name another with -o"),
+        (["--topic", "/sacn"], "no topic '/sacn'"),
+    ],
+)
+def test_export_that_cannot_be_is_one_line_and_2(arguments, text, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.html").write_text("there")
+    assert main(["export", str(robowidgets.SAMPLE), *arguments]) == 2
+    assert text in one_line(capsys)
+    assert [file.name for file in tmp_path.iterdir()] == ["there.html"]

@@ -1,0 +1,69 @@
+"""The command ``robowidgets export``: a recording as a page that plays anywhere."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import robowidgets
+
+from ._find import QuestionError
+
+_MEGA = 1_000_000
+_OPTIONS = (
+    ("start=,", "--start,"),
+    ("end=)", "--end)"),
+    ("every=", "--every "),
+    ("start:", "--start:"),
+    ("end:", "--end:"),
+)
+
+
+def add_export(parser: argparse.ArgumentParser) -> None:
+    """The arguments of ``robowidgets export``, but for its file."""
+    parser.add_argument("-o", "--output", type=Path, metavar="OUT.html", help="default: FILE.html, in this folder")
+    parser.add_argument("--start", type=float, metavar="SECONDS", help="from the start of the recording")
+    parser.add_argument("--end", type=float, metavar="SECONDS", help="from the start of the recording")
+    parser.add_argument("--topic", action="append", default=[], metavar="TOPIC", help="show it; may be given again")
+    parser.add_argument("--title", default="", help="of the page (default: the name of the recording)")
+    parser.add_argument("--note", default="", help="a text under the title")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="take every n-th scan only")
+    parser.add_argument("--max-size", type=float, default=50, metavar="MB", help="refuse a larger file (default: 50)")
+    parser.add_argument("--size", action="store_true", help="only print about how large the file would be")
+    parser.add_argument("--force", action="store_true", help="replace a file that is there already")
+
+
+def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
+    """Write the page, and return a line on it. ``warn`` is told what is wrong with the recording, line by line.
+
+    Raises:
+        RecordingError: the recording cannot be read, or has no such topic.
+        QuestionError: the recording has no such stretch, or the page would be too large.
+        OSError: the file cannot be written, or is there already.
+    """
+    name = arguments.file.absolute().name
+    output = arguments.output or Path(f"{Path(name).stem or name}.html")
+    part = {name: getattr(arguments, name) for name in ("start", "end", "every")} | {"topics": arguments.topic}
+    with robowidgets.open(arguments.file) as recording:
+        try:
+            if arguments.size:
+                return f"{output}: about {recording.html_size(**part) / _MEGA:.1f} MB"
+            if output.exists() and not arguments.force:
+                raise FileExistsError(f"{output}: is there already; replace it with --force, or name another with -o")
+            most = round(arguments.max_size * _MEGA)
+            path = recording.to_html(output, **part, title=arguments.title, note=arguments.note, max_size=most)
+        except ValueError as error:
+            raise QuestionError(_in_options(str(error))) from None
+        finally:
+            for line in recording.problems:
+                warn(f"! {line}")
+    return f"Wrote {path}: {path.stat().st_size / _MEGA:.1f} MB"
+
+
+def _in_options(error: str) -> str:
+    """An error about arguments of `Recording.to_html`, with the options that give them."""
+    for given, option in _OPTIONS:
+        error = error.replace(given, option)
+    return re.sub(r"max_size=([\d_]+)", lambda found: f"--max-size {int(found[1]) // _MEGA}", error)
