@@ -90,6 +90,8 @@ class LaserWidget(HasSectors, RobotWidget[Scan]):
         index_view: whether distance over index stands below the picture, as a program sees the array.
         sectors: kept sectors by name, each drawn with its name; see `sectors`.
         pins: indices of rays by name, each drawn with its name.
+        angle_unit: in which all angles are shown, "deg" or "rad". The view writes it too.
+        formula: whether the pop-up of the pinned ray shows how its angle is worked out. The view writes it too.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
@@ -138,6 +140,12 @@ class LaserWidget(HasSectors, RobotWidget[Scan]):
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
     index_view = Flag(False, help="Whether distance over index stands below the picture.").tag(sync=True)
+    angle_unit = traitlets.Enum(("deg", "rad"), "deg", help="Unit of all angles. Python and the view write it.").tag(
+        sync=True
+    )
+    formula = Flag(False, help="Whether the pinned pop-up shows its formula. Python and the view write it.").tag(
+        sync=True
+    )
     hovered = traitlets.Int(
         None,
         allow_none=True,
@@ -207,13 +215,13 @@ class LaserWidget(HasSectors, RobotWidget[Scan]):
 
     def frame_of(self, sample: Scan) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
-        return about_scan(sample), self._pack(sample.turned(self.angle_offset))
+        return about_scan(sample, self.angle_offset), self._pack(sample.turned(self.angle_offset))
 
     def _describe(self) -> str:
         return repr(self.scan).strip("<>") if self.scan else ""
 
     def _about_sample(self, sample: Scan) -> dict[str, Any]:
-        about = about_scan(sample)
+        about = about_scan(sample, self._offset)
         usual = self._meter.usual if self._meter.has_sagged else 0.0
         if usual:
             sagged = (
@@ -264,12 +272,16 @@ class LaserWidget(HasSectors, RobotWidget[Scan]):
                 self._show(self._newest.turned(change["new"] - change["old"]), self._newest_about, counts=False)
 
 
-def about_scan(scan: Scan) -> dict[str, Any]:
+def about_scan(scan: Scan, offset: float = 0.0) -> dict[str, Any]:
     """The texts on a scan: its frame, and its problems, if there are any, as pairs of words and remedy.
 
     The problem of a scan without a reading is apart: it stands in the picture, where the readings would be.
+
+    Args:
+        scan: the scan.
+        offset: radians that were added to the scanner's own angles.
     """
-    about: dict[str, Any] = {"frame_id": scan.frame_id}
+    about: dict[str, Any] = {"frame_id": scan.frame_id, **({"angle_offset": offset} if offset else {})}
     odd = scan.problems()
     if odd and not scan.valid.any():
         about["empty"], *odd = odd  # type: ignore[assignment]

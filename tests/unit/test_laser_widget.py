@@ -200,7 +200,8 @@ class TestSettings:
         ):
             laser.arcs_count = 3
         with pytest.raises(
-            TypeError, match=r"^LaserWidget\(\) has no keyword 'radius'\. It takes: angle_offset, arc_count, "
+            TypeError,
+            match=r"^LaserWidget\(\) has no keyword 'radius'\. It takes: angle_offset, angle_unit, ",
         ):
             LaserWidget(radius=3)
 

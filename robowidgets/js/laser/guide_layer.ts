@@ -11,7 +11,7 @@ import type { LaserTraits } from "./traits.ts";
 
 /** The detection area, range arcs, radial lines with their labels, and the robot. */
 export class GuideLayer implements Layer {
-  readonly traits = ["arc_count", "arc_distances", "ray_count", "ray_angles"] as const;
+  readonly traits = ["arc_count", "arc_distances", "ray_count", "ray_angles", "angle_unit"] as const;
   readonly #model: Model<LaserTraits>;
   readonly #measure: CanvasRenderingContext2D;
   readonly #painters: Partial<Record<Depth, Painter>> = {
@@ -41,9 +41,9 @@ export class GuideLayer implements Layer {
 
   rim(sweep: Sweep, forward: number, theme: Theme): RayLabel[] {
     this.#rays = rayIndices(sweep, this.#model.get("ray_angles"), this.#model.get("ray_count"));
-    this.#rayLabels = rayLabels(sweep, this.#rays, forward, ([angle, index]) =>
-      Math.max(this.#widthOf(angle, angleFont(theme)), this.#widthOf(index, indexFont(theme))),
-    );
+    const measure = ([angle, index]: [string, string]) =>
+      Math.max(this.#widthOf(angle, angleFont(theme)), this.#widthOf(index, indexFont(theme)));
+    this.#rayLabels = rayLabels(sweep, this.#rays, forward, measure, this.#model.get("angle_unit"));
     return this.#rayLabels;
   }
 

@@ -1,4 +1,4 @@
-import { toDegrees } from "../shared/format.ts";
+import { type AngleUnit, toAngle } from "../shared/format.ts";
 import { type Box, type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
 import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "./scan.ts";
 
@@ -118,12 +118,13 @@ export function rayLabels(
   indices: number[],
   forward: number,
   measure: (lines: [string, string]) => number,
+  unit: AngleUnit = "deg",
 ): RayLabel[] {
   const ends = isFullCircle(sweep) ? [] : [0, sweep.count - 1];
   const fixed = [indexAt(sweep, 0), ...ends];
   return indices.map((index) => {
     const angle = angleOf(sweep, index);
-    const lines: [string, string] = [toDegrees(angle), `[${index}]`];
+    const lines: [string, string] = [toAngle(angle, unit), `[${index}]`];
     const direction = toDirection(angle, forward);
     const halfWidth = measure(lines) / 2;
     const halfHeight = 15;

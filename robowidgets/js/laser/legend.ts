@@ -1,6 +1,6 @@
 import { make, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
-import { toCount, toDegrees, toMetres } from "../shared/format.ts";
+import { type AngleUnit, toAngle, toCount, toMetres } from "../shared/format.ts";
 import { type Model, setTraits } from "../shared/model.ts";
 import { angleOf, READING, type Scan, type Validity } from "./scan.ts";
 import { CLASSES } from "./text.ts";
@@ -33,8 +33,11 @@ export class Legend {
     footer.append(counts, this.#nearest);
   }
 
-  /** @param reach metres of the picture, which set the decimals */
-  update(scan: Scan | null, shown: string[], reach: number): void {
+  /**
+   * @param reach metres of the picture, which set the decimals
+   * @param unit in which the angle is shown
+   */
+  update(scan: Scan | null, shown: string[], reach: number, unit: AngleUnit): void {
     for (const { name, item, count, kind } of this.#items) {
       const rays = scan?.counts[kind] ?? 0;
       setText(count, toCount(rays));
@@ -49,7 +52,12 @@ export class Legend {
       if (scan.kinds[nearest] === READING) {
         parts.push("nearest ", make("b", "", toMetres(scan.ranges[nearest] as number, reach)));
       } else parts.push("too close");
-      parts.push(" at ", make("b", "", toDegrees(angleOf(scan, nearest))), " ", make("b", "rw-index", `[${nearest}]`));
+      parts.push(
+        " at ",
+        make("b", "", toAngle(angleOf(scan, nearest), unit)),
+        " ",
+        make("b", "rw-index", `[${nearest}]`),
+      );
     }
     this.#nearest.replaceChildren(...parts);
     keepWidth(this.#nearest);

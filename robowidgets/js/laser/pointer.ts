@@ -4,6 +4,7 @@ import { toCode } from "./code.ts";
 import { CopyButton } from "./copy.ts";
 import { drawLine, drawRobot } from "./draw_area.ts";
 import { drawStripPointer } from "./draw_strip.ts";
+import { FormulaFoot } from "./formula_foot.ts";
 import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
 import { pick } from "./pick.ts";
 import { Popup } from "./popup.ts";
@@ -31,15 +32,17 @@ const WALK: Record<string, string> = {
 
 /** The ray under the pointer and the pinned one: their lines, rings and pop-ups. */
 export class PointerLayer implements Layer {
-  readonly traits = ["hovered", "pinned"] as const;
+  readonly traits = ["hovered", "pinned", "formula", "angle_unit"] as const;
   readonly #host: Host;
+  readonly #foot: FormulaFoot;
   readonly #pinned: Popup;
   readonly #hovered: Popup;
   readonly #copy: CopyButton;
 
   constructor(host: Host) {
     this.#host = host;
-    this.#pinned = new Popup(host.card.picture);
+    this.#foot = new FormulaFoot(host.model, host.signal);
+    this.#pinned = new Popup(host.card.picture, this.#foot.element);
     this.#hovered = new Popup(host.card.picture);
     this.#copy = new CopyButton(
       () => this.#toCode(),
@@ -78,16 +81,18 @@ export class PointerLayer implements Layer {
     const { scan, projection, box, occupied, labels, covered } = stage;
     const others: Box[] = [...covered];
     const center = { x: projection.centerX, y: projection.centerY };
+    const unit = this.#host.model.get("angle_unit");
     const show = (popup: Popup, index: number | null) => {
       if (!scan || index === null) return popup.hide();
       const end = index < scan.count ? endOf(stage, scan, index) : center;
       others.push(
-        popup.show(describeRay(scan, index, projection.viewRange), (size) =>
+        popup.show(describeRay(scan, index, projection.viewRange, unit), (size) =>
           placePopup(size, box, center, end, occupied, others, labels),
         ),
       );
     };
     const [pinned, hovered] = this.#indices;
+    if (scan && pinned !== null) this.#foot.update(scan, pinned, this.#host.stream.about.angle_offset ?? 0);
     show(this.#pinned, pinned);
     show(this.#hovered, hovered);
   }
@@ -109,8 +114,10 @@ export class PointerLayer implements Layer {
       return true;
     }
     const to = WALK[key];
-    if (!to) return false;
-    this.#walk(to);
+    if (to) this.#walk(to);
+    else if (key === "f") this.#foot.toggleFormula();
+    else if (key === "r") this.#foot.toggleUnit();
+    else return false;
     return true;
   }
 
@@ -144,7 +151,7 @@ export class PointerLayer implements Layer {
     }
     const walked = to === "none" ? -1 : Math.min(last, Math.max(0, index));
     this.#setIndex("pinned", walked);
-    card.say(walked < 0 ? [] : toSentence(describeRay(scan, walked)));
+    card.say(walked < 0 ? [] : toSentence(describeRay(scan, walked, 1, model.get("angle_unit"))));
   }
 
   /** The pinned ray and the one under the pointer, where that is another. */

@@ -289,7 +289,8 @@ export class SectorLayer implements Layer {
 
   #describe(named: Named, scan: Scan, reach: number) {
     const { stretches, measured } = this.#numbers.look(scan, named.sector);
-    return describeSector(named, scan, stretches, measured, this.#numbers.stateOf(named.name), reach);
+    const state = this.#numbers.stateOf(named.name);
+    return describeSector(named, scan, stretches, measured, state, reach, this.#host.model.get("angle_unit"));
   }
 
   /** A ring round the nearest reading of the picked sector. */

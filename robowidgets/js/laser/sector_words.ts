@@ -1,4 +1,4 @@
-import { toDegrees, toMetres } from "../shared/format.ts";
+import { type AngleUnit, toAngle, toMetres } from "../shared/format.ts";
 import type { ChipTexts } from "./chip.ts";
 import { READING, type Scan } from "./scan.ts";
 import { type Measured, type State, type Stretch, toExpression } from "./sector.ts";
@@ -16,7 +16,10 @@ export function toLines({ name }: Named, measured: Measured, state: State, reach
   return [isSaid ? `${name} \u00B7 ${state}` : name, toDistance(measured, reach)];
 }
 
-/** @param reach metres of the picture, which set the decimals */
+/**
+ * @param reach metres of the picture, which set the decimals
+ * @param unit in which angles are shown
+ */
 export function describeSector(
   { name, sector }: Named,
   scan: Scan,
@@ -24,13 +27,14 @@ export function describeSector(
   measured: Measured,
   state: State,
   reach: number,
+  unit: AngleUnit,
 ): ChipTexts {
   const { nearest, median, valid, count } = measured;
   return {
     name,
     expression: toExpression(stretches, scan.count) || "no rays",
     state: state === "free" ? "" : state,
-    angles: `${toDegrees(sector.start)} to ${toDegrees(sector.end)}`,
+    angles: `${toAngle(sector.start, unit)} to ${toAngle(sector.end, unit)}`,
     distance: toDistance(measured, reach),
     nearest: nearest < 0 || scan.kinds[nearest] === READING ? "nearest" : "at",
     index: nearest < 0 ? "" : `[${nearest}]`,

@@ -1,4 +1,4 @@
-import { decimalsFor, toDegrees, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
+import { type AngleUnit, decimalsFor, toAngle, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
 import {
   angleOf,
   type Limits,
@@ -71,8 +71,11 @@ interface Where {
   side: string;
 }
 
-/** @param reach metres of the picture, which set the decimals */
-export function describeRay(scan: Scan, index: number, reach = 1): RayWords {
+/**
+ * @param reach metres of the picture, which set the decimals
+ * @param unit in which the angle is shown
+ */
+export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUnit = "deg"): RayWords {
   const expression = `ranges[${index}]`;
   if (index >= scan.count) {
     return {
@@ -101,7 +104,7 @@ export function describeRay(scan: Scan, index: number, reach = 1): RayWords {
       : Number.isFinite(range)
         ? `${toFixed(range, 3)} m`
         : toFixed(range, 0),
-    angle: toDegrees(angle),
+    angle: toAngle(angle, unit),
     details: parts.join("\n"),
     side: sideOf(angle),
   };

@@ -1,3 +1,4 @@
+import type { AngleUnit } from "../shared/format.ts";
 import type { SampleTraits } from "../shared/traits.ts";
 import type { Sector, Stretch } from "./sector.ts";
 
@@ -41,4 +42,8 @@ export interface LaserTraits extends SampleTraits {
   /** Indices of rays by name. */
   _pins: Record<string, number>;
   _highlight: Highlight;
+  /** In which angles are shown. */
+  angle_unit: AngleUnit;
+  /** Whether the pop-up of the pinned ray shows how its angle is worked out. */
+  formula: boolean;
 }

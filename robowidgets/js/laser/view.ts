@@ -46,7 +46,7 @@ export class LaserView implements Host {
     this.stream = stream;
     this.signal = signal;
     this.redraw = perAnimationFrame(() => this.#draw(), signal);
-    const tell = () => this.#legend.update(stream.shown, model.get("marks"), this.#viewRange);
+    const tell = () => this.#legend.update(stream.shown, model.get("marks"), this.#viewRange, model.get("angle_unit"));
     this.#tell = throttle(tell, READING_MS, signal);
     this.card = new SampleCard(element, "laser", model, stream, this.redraw, signal);
     const { picture, footer } = this.card;

@@ -39,6 +39,17 @@ export function toDegrees(radians: number): string {
   return `${toFixed(Math.abs(degrees) > 180 ? degrees - 360 * Math.round(degrees / 360) : degrees, 1)}°`;
 }
 
+/** The unit in which angles are shown. */
+export type AngleUnit = "deg" | "rad";
+
+/** Radians as degrees with one decimal, or as radians with three, within half a turn either way. */
+export function toAngle(radians: number, unit: AngleUnit): string {
+  if (unit === "deg") return toDegrees(radians);
+  const turn = 2 * Math.PI;
+  const isWithin = Math.abs(radians) <= Math.PI + 0.0005;
+  return `${toFixed(isWithin ? radians : radians - turn * Math.round(radians / turn), 3)} rad`;
+}
+
 /** A whole number in groups of three: "12 480". */
 export function toCount(value: number): string {
   return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");

@@ -36,6 +36,8 @@ export interface About {
   /** Why the picture of the sample is empty. */
   empty?: Problem;
   error?: string;
+  /** Radians in the angles of a scan that were added to the scanner's own; missing where none were. */
+  angle_offset?: number;
   /** Milliseconds for which a recording has nothing newer; missing unless that is long. */
   age?: number;
   lamps?: Lamp[];
