@@ -11,6 +11,7 @@ from .drive_widget import DriveWidget
 from .laser_widget import LaserWidget
 from .samples import Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity
 from .scanogram_widget import ScanogramWidget
+from .shapes import Arc, Line, Points, Polygon, Pose, Text
 from .speed_widget import SpeedWidget
 from .touch_widget import TouchWidget
 
@@ -29,8 +30,13 @@ SAMPLE = Path(__file__).parent / "data" / "sample.mcap"
 # Not `open`: a star import must leave Python's own.
 __all__ = [
     "SAMPLE",
+    "Arc",
     "DriveWidget",
     "LaserWidget",
+    "Line",
+    "Points",
+    "Polygon",
+    "Pose",
     "Ray",
     "Recording",
     "RecordingError",
@@ -39,6 +45,7 @@ __all__ = [
     "Sector",
     "Speed",
     "SpeedWidget",
+    "Text",
     "Touch",
     "TouchMode",
     "TouchState",

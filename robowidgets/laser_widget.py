@@ -10,13 +10,14 @@ import numpy as np
 import traitlets
 
 from ._core.base_widget import bundle, nearest_name, refuse_unnamed
-from ._core.robot_widget import FRAME_HEADER, RobotWidget
+from ._core.robot_widget import FRAME_HEADER
 from ._core.sectors import HasSectors
 from ._core.traits import Angle, Angles, Flag
 from .messages import ScanReader
 from .messages.fields import unwrap
 from .samples import Problem, Scan, Validity
 from .samples.scan import MAX_RAYS
+from .shapes.drawing import DrawsShapes
 
 _GEOMETRY = struct.Struct("<5d")
 _FLOAT = np.dtype("<f4")
@@ -64,7 +65,7 @@ class Distances(traitlets.TraitType[Any, Any]):
         return distances
 
 
-class LaserWidget(HasSectors, RobotWidget[Scan]):
+class LaserWidget(HasSectors, DrawsShapes):
     """A laser scan, live: its detection area to scale, range arcs, labelled rays, and every ray with its number.
 
     The reader sees a gray sector from range_min to range_max over the swept angle, the robot at its centre, forward up
@@ -120,7 +121,7 @@ class LaserWidget(HasSectors, RobotWidget[Scan]):
     _keywords = ("sectors", "pins")
     wide = True
     sample_name = "scan"
-    frame_traits = ("angle_offset",)
+    frame_traits = ("angle_offset", "_drawings")
 
     arc_count = traitlets.Int(
         None, allow_none=True, min=0, max=50, help="Range arcs that divide the view in equal parts; None: at 1, 2 or 5."
@@ -215,7 +216,8 @@ class LaserWidget(HasSectors, RobotWidget[Scan]):
 
     def frame_of(self, sample: Scan) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
-        return about_scan(sample, self.angle_offset), self._pack(sample.turned(self.angle_offset))
+        scan = sample.turned(self.angle_offset)
+        return {**about_scan(sample, self.angle_offset), **self._drawn_on(scan)}, self._pack(scan)
 
     def _describe(self) -> str:
         return repr(self.scan).strip("<>") if self.scan else ""

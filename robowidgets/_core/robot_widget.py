@@ -370,13 +370,19 @@ class RobotWidget(SavesPng, JudgesConditions, NamedWidget, Generic[S]):
                     about = {**self._about_sample(sample), **about}
                 if self._png_error:
                     about = {**about, "notes": [*about.get("notes", ()), self._png_error]}
-            shown = {**about, "lamps": lamps, "judged": sequence} if lamps else about
+                shown = {**about, **self._on_sample()}
+            if lamps:
+                shown |= {"lamps": lamps, "judged": sequence}
             self._trait_values["_about"] = shown
             if about != self._abouts[-1][1]:
                 self._abouts.append((sequence, about))
             if sample is not None:
                 stamp = getattr(sample, "stamp_ns", None) or 0
                 self._trait_values["_frame"] = FRAME_HEADER.pack(sequence, rate, stamp, arrived) + self._pack(sample)
+
+    def _on_sample(self) -> dict[str, Any]:
+        """What else the page is told with the newest sample. Called with the lock of the samples."""
+        return {}
 
     def _newest_shot(self) -> Shot:
         return Shot(self._version, self._sequence, self._arrived, self._newest, self._newest_about)

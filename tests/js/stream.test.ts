@@ -326,3 +326,17 @@ test("what is said of a frozen sample is what was said when it came", () => {
   assert.equal(stream.about.frame_id, "front");
   end();
 });
+
+test("what is said later of the newest sample stays with it, and with no other", () => {
+  const { fake, stream, end } = open({ history: 30 });
+  fake.receive({ _about: { frame_id: "a" }, _frame: frame(1) });
+  fake.receive({ _about: { frame_id: "a, later" } });
+  fake.receive({ _about: { frame_id: "b" }, _frame: frame(2) });
+  stream.toggle();
+  assert.equal(stream.about.frame_id, "b");
+  fake.receive({ _about: { frame_id: "c" }, _frame: frame(3) });
+  assert.equal(stream.about.frame_id, "b");
+  stream.step(-1);
+  assert.equal(stream.about.frame_id, "a, later");
+  end();
+});

@@ -23,7 +23,7 @@ LAYERS = (
     "recordings",
     "*_widget _widget_choice _layout",
     "scanogram",
-    "kinds poses simulator",
+    "kinds poses shapes simulator",
     "repair",
     "_core",
     "messages",

@@ -66,6 +66,7 @@ export class GuideLayer implements Layer {
     labels.push(...this.#labelBoxes);
     const lines = this.#rays.map((index) => angleOf(sweep, index));
     this.#arcLabels = arcLabels(projection, sweep, this.#arcs, lines, occupied, covered, this.#arcLabels);
+    labels.push(...this.#arcLabels.map(({ box }) => box));
     drawArcLabels(context, this.#arcLabels, theme);
   }
 

@@ -19,6 +19,7 @@ import { ReadingLayer } from "./reading_layer.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
 import { SectorLayer } from "./sector_layer.ts";
+import { ShapeLayer } from "./shape_layer.ts";
 import { Strip } from "./strip.ts";
 import type { LaserTraits } from "./traits.ts";
 import { stepRange } from "./zoom.ts";
@@ -58,6 +59,7 @@ export class LaserView implements Host {
       new GuideLayer(model, this.#scene.measure),
       new ConditionLayer(stream),
       new ReadingLayer(model),
+      new ShapeLayer(this),
       new PointerLayer(this),
       new HighlightLayer(model),
       new PinLayer(model),

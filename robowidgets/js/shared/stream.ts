@@ -84,7 +84,8 @@ export class Stream<F extends Frame> {
     }
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["paused"], () => this.#onPaused(), signal);
-    onChange(model, ["_held", "_about"], () => this.#tell(), signal);
+    onChange(model, ["_held"], () => this.#tell(), signal);
+    onChange(model, ["_about"], () => this.#onAbout(), signal);
     onAbort(signal, () => clearTimeout(this.#stale));
   }
 
@@ -190,6 +191,15 @@ export class Stream<F extends Frame> {
     this.#hear();
     this.arrived = this.#heard;
     this.#keep(this.#bytes("_frame"), this.arrived);
+    this.#tell();
+  }
+
+  /** Keeps with the newest sample what is said of it later: a program looks at a scan before it draws on it. */
+  #onAbout(): void {
+    const newest = this.#history.moments.at(-1);
+    if (newest && sequenceOf(newest.bytes) === sequenceOf(this.#bytes("_frame"))) {
+      newest.about = this.#model.get("_about");
+    }
     this.#tell();
   }
 

@@ -41,8 +41,31 @@ export interface About {
   /** Milliseconds for which a recording has nothing newer; missing unless that is long. */
   age?: number;
   lamps?: Lamp[];
+  /** What the program drew on the sample. */
+  shapes?: Shape[];
   /** Sequence number of the sample that the lamps tell of. */
   judged?: number;
+}
+
+/** A place in metres, x forward and y to the left; or the index of a ray, for its reading. */
+export type Spot = [x: number, y: number] | number;
+
+/** A shape that the program drew, in metres and radians of the scanner's frame. */
+export interface Shape {
+  name: string;
+  kind: "line" | "points" | "polygon" | "text" | "arc" | "pose";
+  at: Spot[];
+  text?: string;
+  /** Of an arc: metres, and the angles between which it runs counter-clockwise. */
+  radius?: number;
+  start?: number;
+  end?: number;
+  /** Direction of a pose. */
+  yaw?: number;
+  /** A colour of CSS; none: the one of all that programs draw. */
+  color?: string;
+  /** Seconds for which it was still there when Python sent it; none: it stays. */
+  left?: number;
 }
 
 /** A condition that Python judged on a sample. */

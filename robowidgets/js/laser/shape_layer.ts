@@ -1,0 +1,86 @@
+import { onAbort } from "../shared/events.ts";
+import type { Theme } from "../shared/theme.ts";
+import type { About, Shape } from "../shared/traits.ts";
+import { drawShape, pathOf } from "./draw_shape.ts";
+import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
+import { ShapeLabels } from "./shape_labels.ts";
+import { describeShape, lasting, type Metres, placesOf, untilNext } from "./shapes.ts";
+
+/** A shape that can be drawn now, and its places in metres. */
+export interface Placed {
+  shape: Shape;
+  places: Metres[];
+}
+
+/** What the program drew on the scan on show. */
+export class ShapeLayer implements Layer {
+  readonly traits = [] as const;
+  readonly #host: Host;
+  readonly #labels = new ShapeLabels();
+  /** What was said of the newest sample, and when that came, in milliseconds of the page's clock. */
+  #newest: { about: About; at: number } | null = null;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  readonly #painters: Partial<Record<Depth, Painter>> = {
+    shapes: (context, stage, theme) => this.#drawShapes(context, stage, theme),
+    words: (context, stage, theme) => this.#drawLabels(context, stage, theme),
+  };
+
+  constructor(host: Host) {
+    this.#host = host;
+    onAbort(host.signal, () => clearTimeout(this.#timer));
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    return this.#shapes.length ? this.#painters : {};
+  }
+
+  place(): void {
+    clearTimeout(this.#timer);
+    const { about, paused } = this.#host.stream;
+    const wait = paused ? Infinity : untilNext(about.shapes ?? [], this.#age(about));
+    if (Number.isFinite(wait)) this.#timer = setTimeout(() => this.#host.redraw(), wait + 1);
+  }
+
+  /** A frozen picture shows what was drawn on its scan, however long ago that was. */
+  get #shapes(): Shape[] {
+    const { about, paused } = this.#host.stream;
+    const shapes = about.shapes ?? [];
+    return paused ? shapes : lasting(shapes, this.#age(about));
+  }
+
+  /** Milliseconds since the page got these words. */
+  #age(about: About): number {
+    if (this.#newest?.about !== about) this.#newest = { about, at: performance.now() };
+    return performance.now() - this.#newest.at;
+  }
+
+  #placed(stage: Stage): Placed[] {
+    return this.#shapes.flatMap((shape) => {
+      const places = placesOf(shape.at, stage.scan);
+      return places ? [{ shape, places }] : [];
+    });
+  }
+
+  #drawShapes(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
+    for (const { shape, places } of this.#placed(stage)) {
+      drawShape(context, stage.projection, shape, places, theme);
+      for (const { x, y } of pathOf(stage.projection, shape, places)) stage.occupied.mark(x, y);
+    }
+  }
+
+  #drawLabels(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
+    const named = new Set<string>();
+    const labels = this.#placed(stage).flatMap(({ shape, places }) => {
+      const isFirst = !named.has(shape.name);
+      named.add(shape.name);
+      if (shape.kind !== "text" && !isFirst) return [];
+      const path = pathOf(stage.projection, shape, places);
+      const lines =
+        shape.kind === "text"
+          ? [shape.text ?? ""]
+          : [shape.name, describeShape(shape, places, stage.projection.viewRange)];
+      return [{ shape, path, lines: lines.filter(Boolean) }];
+    });
+    this.#labels.draw(context, stage, labels, theme);
+  }
+}

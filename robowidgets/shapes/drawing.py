@@ -1,0 +1,233 @@
+"""Drawing shapes on a widget, by name."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import traitlets
+
+from .._core.error_routing import called_from_cell
+from .._core.pacer import pacer
+from .._core.robot_widget import RobotWidget
+from .._core.short_traceback import shortened
+from .._core.user_function import error_in
+from ..samples import Scan
+from ..samples.checks import number
+from .forms import MOST_PLACES, Shape, short_text
+
+MOST_NAMES = 100
+
+COLORS = (
+    "black",
+    "blue",
+    "brown",
+    "cyan",
+    "gray",
+    "green",
+    "magenta",
+    "orange",
+    "pink",
+    "purple",
+    "red",
+    "teal",
+    "white",
+)
+"""Colours that have names."""
+
+_HEX = re.compile(r"#(?:[0-9a-fA-F]{3}){1,2}")
+
+Drawable = Shape | Sequence[Shape]
+Drawer = Callable[[Scan], "Drawable | None"]
+
+
+class Drawn(NamedTuple):
+    """What is drawn under a name."""
+
+    shapes: tuple[Shape, ...]
+    """Empty where a function makes them."""
+    function: Drawer | None
+    color: str | None
+    ends: float | None
+    """Time of the monotonic clock at which it goes."""
+
+    def forms(self, name: str, shapes: tuple[Shape, ...], now: float) -> list[dict[str, Any]]:
+        """The shapes as the page reads them, with the seconds that they have left."""
+        left = {} if self.ends is None else {"left": self.ends - now}
+        color = {"color": self.color} if self.color else {}
+        return [{"name": name, **shape.form, **color, **left} for shape in shapes]
+
+
+class DrawsShapes(RobotWidget[Scan]):
+    """A widget of scans on which a program draws."""
+
+    _drawings = traitlets.Int(0, help="How often something was drawn in a player, which then packs its frames anew.")
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._drawn: dict[str, Drawn] = {}
+        self._expiry = _Expiry(self)
+        super().__init__(**kwargs)
+
+    def draw(
+        self,
+        name: str,
+        shape: Drawable | Drawer | None,
+        *,
+        color: str | None = None,
+        lifetime: float | None = None,
+    ) -> None:
+        """Draw a shape over the readings, under a name; what had the name before is replaced.
+
+        It only stores, and may be called from any thread at any rate: the page gets the newest, with the newest scan.
+        Shapes are frozen, stepped back to, saved and photographed with the scan that they were drawn on.
+
+        Args:
+            name: 1 to 60 characters, which stand beside the shape.
+            shape: a shape, several, or None to remove what has the name. On a widget in a player also a function that
+                is called with each scan of the recording, in another thread, and returns any of these.
+            color: like "#12854a" or "green"; None: the colour of all that programs draw.
+            lifetime: seconds after which it goes, unless it is drawn again; None: it stays.
+
+        Raises:
+            TypeError: no shape, or something is no text or number. ValueError: the name, the colour or the lifetime
+                cannot be, or there are too many shapes. In a callback (another thread; a task, timer or button of a
+                notebook) nothing is raised; widget and log say it.
+
+        Example:
+            >>> from robowidgets import LaserWidget, Line
+            >>> laser = LaserWidget()
+            >>> laser.draw("wall", Line((1, -1), (1, 1)), lifetime=0.5)
+        """
+        try:
+            drawn = self._to_draw(name, shape, color, lifetime)
+            with self._sample_lock:
+                self._keep(name, drawn)
+        except (TypeError, ValueError) as error:
+            if called_from_cell():
+                raise shortened(error) from None
+            self._refuse(error)
+            return
+        if self.driven_by_player:
+            self._drawings += 1
+        pacer.mark(self)
+
+    @property
+    def drawn(self) -> Mapping[str, Any]:
+        """What is drawn now, by name: a tuple of shapes, or a function."""
+        with self._sample_lock:
+            self._drop(time.monotonic())
+            return MappingProxyType({name: one.function or one.shapes for name, one in self._drawn.items()})
+
+    # -- for the base --------------------------------------------------------------------------------------------------
+
+    def _on_sample(self) -> dict[str, Any]:
+        """The shapes, as texts on the newest sample. Called with the lock of the samples."""
+        now = time.monotonic()
+        self._drop(now)
+        forms = [form for name, one in self._drawn.items() for form in one.forms(name, one.shapes, now)]
+        return {"shapes": forms} if forms else {}
+
+    def _drawn_on(self, scan: Scan) -> dict[str, Any]:
+        """The texts on a scan of a recording: the shapes, and what was wrong with functions that make some."""
+        forms: list[dict[str, Any]] = []
+        notes: list[str] = []
+        with self._sample_lock:
+            now = time.monotonic()
+            self._drop(now)
+            drawn = dict(self._drawn)
+        for name, one in drawn.items():
+            shapes = one.shapes
+            if one.function is not None and len(scan):
+                try:
+                    shapes = _shapes(name, one.function(scan))
+                except Exception as error:
+                    notes.append(f"{name}: {error_in(error)}")
+                    continue
+            forms += one.forms(name, shapes, now)
+        return {**({"shapes": forms} if forms else {}), **({"notes": notes} if notes else {})}
+
+    def _to_draw(self, name: Any, shape: Any, color: Any, lifetime: Any) -> Drawn | None:
+        short_text("name", name)
+        if shape is None:
+            return None
+        function = shape if callable(shape) else None
+        if function is not None and not self.driven_by_player:
+            raise TypeError(
+                f"draw({name!r}): a function of a scan is for widgets in the player of a recording; "
+                "here draw the shape itself, for each scan anew"
+            )
+        if color is not None and not (isinstance(color, str) and (_HEX.fullmatch(color) or color in COLORS)):
+            raise ValueError(f'color: expected one like "#12854a", or one of {", ".join(COLORS)}; got {color!r}')
+        ends = None
+        if lifetime is not None:
+            seconds = number("lifetime", lifetime)
+            if not (isfinite(seconds) and seconds > 0):
+                raise ValueError(f"lifetime: expected seconds above 0, or None to stay, got {lifetime!r}")
+            ends = time.monotonic() + seconds
+        return Drawn(() if function else _shapes(name, shape), function, color, ends)
+
+    def _keep(self, name: str, drawn: Drawn | None) -> None:
+        after = {other: one for other, one in self._drawn.items() if other != name}
+        if drawn is not None:
+            after[name] = drawn
+            if len(after) > MOST_NAMES:
+                raise ValueError(f"draw({name!r}): expected at most {MOST_NAMES} names; draw(name, None) removes one")
+            places = sum(len(shape.form["at"]) for one in after.values() for shape in one.shapes)
+            if places > MOST_PLACES:
+                raise ValueError(
+                    f"draw({name!r}): expected at most {MOST_PLACES:,} places in all shapes, got {places:,}"
+                )
+        self._drawn, self._changed = after, True
+        self._expiry.plan(one.ends for one in after.values())
+
+    def _drop(self, now: float) -> None:
+        """Forget shapes whose time is over."""
+        left = {name: one for name, one in self._drawn.items() if one.ends is None or one.ends > now}
+        if len(left) < len(self._drawn):
+            self._drawn = left
+            self._changed = True
+
+    def close(self) -> None:
+        """Remove the widget from the page."""
+        super().close()
+        pacer.forget(self._expiry)
+
+
+class _Expiry:
+    """Has the pacer send the widget when the time of a shape is over."""
+
+    def __init__(self, widget: DrawsShapes) -> None:
+        self._widget = widget
+
+    def plan(self, ends: Any) -> None:
+        pacer.mark_at(self, min((end for end in ends if end is not None), default=None))
+
+    def send_newest(self) -> int:
+        """The pacer calls it."""
+        widget = self._widget
+        with widget._sample_lock:
+            widget._drop(time.monotonic())
+            self.plan(one.ends for one in widget._drawn.values())
+        pacer.mark(widget)
+        return 0
+
+
+def _shapes(name: str, given: Any) -> tuple[Shape, ...]:
+    """The shapes in a shape, a sequence of shapes, or None."""
+    if given is None:
+        return ()
+    shapes = (given,) if isinstance(given, Shape) else given
+    if (
+        isinstance(shapes, (str, bytes))
+        or not isinstance(shapes, Sequence)
+        or not all(isinstance(s, Shape) for s in shapes)
+    ):
+        raise TypeError(
+            f"draw({name!r}): expected a Line, Points, Polygon, Arc, Pose or Text, several of them, "
+            f"or None to remove it; got {given!r}"
+        )
+    return tuple(shapes)

@@ -1,0 +1,92 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { pathOf } from "../../robowidgets/js/laser/draw_shape.ts";
+import { overlaps } from "../../robowidgets/js/laser/guides.ts";
+import { placesFor } from "../../robowidgets/js/laser/shape_labels.ts";
+import {
+  arcPlaces,
+  describeShape,
+  isCircle,
+  lasting,
+  type Metres,
+  placesOf,
+  untilNext,
+} from "../../robowidgets/js/laser/shapes.ts";
+import type { Shape } from "../../robowidgets/js/shared/traits.ts";
+import { DEGREE, near, scanOf } from "./laser.ts";
+
+const shape = (kind: Shape["kind"], more: Partial<Shape> = {}): Shape => ({ name: "x", kind, at: [], ...more });
+const NEAR = (a: Metres, b: Metres) => near(a[0], b[0], 1e-6) && near(a[1], b[1], 1e-6);
+
+test("the index of a ray stands for its reading in the scan on show, and for nothing without one", () => {
+  const scan = scanOf([2, Number.NaN, 4], { angleMin: -90 * DEGREE, angleIncrement: 90 * DEGREE });
+  const places = placesOf([[1, 0.5], 0, 2], scan) as Metres[];
+  assert.deepEqual(places[0], [1, 0.5]);
+  assert.ok(NEAR(places[1] as Metres, [0, -2]) && NEAR(places[2] as Metres, [0, 4]));
+  assert.equal(placesOf([0, 1], scan), null, "no reading");
+  assert.equal(placesOf([3], scan), null, "no such ray");
+  assert.equal(placesOf([0], null), null, "no scan");
+});
+
+test("an arc runs counter-clockwise from its first angle to its second, across the seam too", () => {
+  const ends = (start: number, end: number) => {
+    const places = arcPlaces(shape("arc", { radius: 2, start: start * DEGREE, end: end * DEGREE }), [1, 0]);
+    return [places[0], places[Math.floor(places.length / 2)], places.at(-1)] as [Metres, Metres, Metres];
+  };
+  const [first, middle, last] = ends(-90, 90);
+  assert.ok(NEAR(first, [1, -2]) && NEAR(middle, [3, 0]) && NEAR(last, [1, 2]));
+  assert.ok(NEAR(ends(90, -90)[1], [-1, 0]));
+  assert.ok(isCircle(shape("arc", { start: 0, end: 2 * Math.PI })) && !isCircle(shape("arc", { start: 0, end: 3 })));
+});
+
+test("the numbers of a shape stand below its name", () => {
+  const told = (kind: Shape["kind"], places: Metres[], more: Partial<Shape> = {}) =>
+    describeShape(shape(kind, more), places, 10);
+  const wall: Metres[] = [
+    [2, -1],
+    [-1, -1],
+  ];
+  assert.equal(told("line", wall), "1.00 m \u00B7 0.0°", "the closest point lies within, and a wall has no direction");
+  assert.equal(told("line", [wall[0] as Metres, [3, 0]]), "2.24 m \u00B7 45.0°", "the closest point is an end");
+  assert.equal(
+    told("line", [
+      [1, -1],
+      [1, 0],
+      [1, 1],
+    ]),
+    "",
+    "of three places",
+  );
+  assert.equal(told("points", [[3, 4]]), "5.00 m");
+  assert.equal(told("points", wall), "2 points");
+  assert.equal(told("arc", [[0, 0]], { radius: 0.5 }), "0.50 m");
+  assert.equal(told("pose", [[2, 0.5]], { yaw: 30 * DEGREE }), "x\u00A02.00 y\u00A00.50 \u00B7 30.0°");
+  assert.equal(told("polygon", wall) + told("text", wall), "");
+});
+
+test("a shape goes at once when its time is over", () => {
+  const shapes = [shape("line", { left: 0.5 }), shape("text"), shape("arc", { left: 2 })];
+  assert.equal(lasting(shapes, 499).length, 3);
+  assert.deepEqual(lasting(shapes, 501), shapes.slice(1));
+  assert.equal(untilNext(shapes, 100), 400);
+  assert.equal(untilNext(shapes, 600), 1400);
+  assert.equal(untilNext(shapes, 3000), Infinity);
+});
+
+test("words stand beside a shape and never on it", () => {
+  const path = Array.from({ length: 30 }, (_, i) => ({ x: 100 + 4 * i, y: 200 }));
+  for (const box of placesFor(path, 60, 30).slice(0, 4)) {
+    const isAcross = box.y < 200 && box.y + box.height > 200;
+    assert.ok(isAcross || !path.some(({ x, y }) => overlaps(box, { x, y, width: 0, height: 0 })));
+  }
+  assert.deepEqual(placesFor([], 60, 30), [], "nothing of it is in view");
+});
+
+test("what lies beyond the view is no part of the picture", () => {
+  const projection = { centerX: 100, centerY: 100, radius: 100, viewRange: 4, forward: Math.PI / 2 };
+  const path = (...places: Metres[]) => pathOf(projection, shape("line"), places);
+  assert.deepEqual(path([5, -1], [5, 1]), []);
+  const across = path([2, -9], [2, 9]);
+  assert.ok(across.length > 10 && across.every(({ x, y }) => Math.hypot(x - 100, y - 100) <= 100));
+  assert.ok(across.every(({ y }) => near(y, 50)));
+});
