@@ -18,6 +18,7 @@ from .base_widget import NamedWidget
 from .error_routing import called_from_cell
 from .judge import Shot
 from .pacer import pacer
+from .page_file import Sent, SentFrames, WritesPage
 from .platform_fixes import message_padding
 from .png import SavesPng
 from .rate import RateMeter
@@ -52,7 +53,7 @@ NO_TEXTS: dict[str, Any] = {}
 S = TypeVar("S")
 
 
-class RobotWidget(SavesPng, JudgesConditions, NamedWidget, Generic[S]):
+class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
     Subclasses pack samples to bytes and back, and pass new ones to `_show`. The calling thread only stores a sample,
@@ -114,6 +115,7 @@ class RobotWidget(SavesPng, JudgesConditions, NamedWidget, Generic[S]):
         self._frozen_meta: dict[str, Any] = {}
         self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
         """`_frame` and `_about` as they were sent last; only the pacer sends them."""
+        self._sent_frames = SentFrames()
         self._unsent: set[str] = set()
         self._resync_at = time.monotonic() + RESYNC_S
         self._make_locks()
@@ -312,8 +314,18 @@ class RobotWidget(SavesPng, JudgesConditions, NamedWidget, Generic[S]):
                 with self._sample_lock:
                     self._unsent.update(unsent)
                 raise
+            if "_frame" in keys:
+                self._sent_frames.add((self._arrived, about, frame), self.history)
             self._sent = newest
             return len(frame) if "_frame" in keys else 0
+
+    def sent_frames(self) -> list[Sent]:
+        """See `WritesPage`."""
+        with self._send_lock:
+            self._bring_up_to_date()
+            newest = (self._arrived, self._about, self._frame)
+            kept = [sent for sent in self._sent_frames if sent[2] != newest[2]]
+        return [*kept, newest] if newest[2] else kept
 
     def send_state(self, key: str | Iterable[str] | None = None) -> None:
         """Send traits to the page with the next sample; without names, when a page requests all of them, at once."""

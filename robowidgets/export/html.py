@@ -11,9 +11,12 @@ from ._models import Models, shown
 from ._page import Heading, Program, page
 from ._segments import Track, segment
 
-__all__ = ["MAX_SIZE", "SUFFIXES", "Heading", "Models", "Page", "Track", "mega", "segment", "shown"]
+__all__ = ["MADE", "MAX_SIZE", "SUFFIXES", "Heading", "Models", "Page", "Track", "mega", "segment", "shown"]
 
 SUFFIXES = (".html", ".htm")
+
+MADE = "Made with robowidgets. This page loads nothing from the web, and sends nothing."
+"""The end of each page."""
 
 MAX_SIZE = 50_000_000
 """Most bytes of a page, unless more are allowed."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import ipywidgets
 
 from .._core.cells import close_all
-from ..export.html import Heading, Models, Page, segment, shown
+from ..export.html import MADE, Heading, Models, Page, segment, shown
 from ..kinds import LASER
 from ..recordings import RecordingData
 from ..recordings.times import has_date
@@ -237,7 +237,7 @@ def _heading(player: Player, recording: RecordingData, wanted: Wanted, span: tup
         recording.problems,
         wanted.note,
         [_line(moment.seconds, moment.topic, moment.sample) for moment in samples],
-        "Made with robowidgets. This page loads nothing from the web, and sends nothing.",
+        MADE,
     )
 
 

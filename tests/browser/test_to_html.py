@@ -13,7 +13,8 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 import robowidgets
-from robowidgets import SAMPLE
+from robowidgets import SAMPLE, LaserWidget, Scan
+from robowidgets._core.pacer import pacer
 
 from .chromium import shoot
 
@@ -156,6 +157,23 @@ def test_the_policy_of_the_page_forbids_requests_and_scripts(
     assert {"connect-src", "img-src", "script-src-elem", "script-src"} <= set(refused["refused"])
     assert all("Content Security Policy" in line or "example.org" in line for line in complaints)
     complaints.clear()
+
+
+def test_a_page_of_a_widget_plays_its_history(offline: Callable[..., Page], tmp_path: Path) -> None:
+    laser = LaserWidget(title="/scan", pinned=1)
+    for metres in (1.0, 2.0, 3.0):
+        laser.update(Scan([9.0, metres, 9.0], -0.5, 0.5, 0, 10))
+        pacer.flush()
+    page = offline(laser.to_html(tmp_path / "laser.html", note="the wall"), viewport={"width": 900, "height": 900})
+    laser.close()
+    expect(page.locator(".rw-laser .rw-nearest")).to_contain_text("nearest 3.00 m")
+    expect(page.locator(".rw-laser .rw-popup:visible .rw-popup-expression")).to_have_text("ranges[1]")
+    shoot(page.locator("body"), "to-html-widget")
+    page.locator(".rw-player .rw-slider").focus()
+    page.keyboard.press(",")
+    expect(page.locator(".rw-laser .rw-nearest")).to_contain_text("nearest 2.00 m")
+    page.keyboard.press(",")
+    expect(page.locator(".rw-laser .rw-nearest")).to_contain_text("nearest 1.00 m")
 
 
 def test_a_browser_that_cannot_unpack_says_so_over_the_first_samples(offline: Callable[..., Page], file: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import robowidgets
+from robowidgets._core.page_file import PAGES
 from robowidgets.kinds import KINDS, Kind
 
 ROOT = Path(robowidgets.__file__).parent
@@ -173,7 +174,7 @@ def test_public_modules_are_imported_by_other_parts_exported_or_named_in_the_tab
     values = [value for kind in KINDS.values() for value in vars(kind).values()]
     values += [field.default for field in fields(Kind)]
     references = [value for value in values if isinstance(value, str) and ":" in value]
-    named = {reference.partition(":")[0].removeprefix("robowidgets.") for reference in references}
+    named = {reference.partition(":")[0].removeprefix("robowidgets.") for reference in (*references, PAGES)}
     for module in modules():
         folder = module.rpartition(".")[0]
         is_public = not module.startswith("_") and not is_private(module)

@@ -1,0 +1,80 @@
+"""The page of a single widget, which plays its history."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from datetime import datetime, timezone
+from functools import partial
+from math import floor, nan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import ipywidgets
+
+from .._core.cells import close_all
+from .._core.robot_widget import FRAME_HEADER
+from .._core.tables import many
+from ..player_widget import PlayerWidget
+from .html import MADE, Heading, Models, Page, segment, shown
+
+_SECONDS = 10.0
+"""Length of a segment."""
+
+_WIDTH = "760px"
+
+
+class _TimedFrame(NamedTuple):
+    seconds: float
+    about: dict[str, Any]
+    frame: bytes
+
+
+def write(widget: Any, path: Path, title: str, note: str) -> Path:
+    """See `WritesPage.to_html`."""
+    sent = widget.sent_frames()
+    start, end = (sent[0][0], sent[-1][0]) if sent else (0.0, 0.0)
+    began = time.time() - time.monotonic() + start
+    frames = [_TimedFrame(arrived - start, about, _without_rate(frame)) for arrived, about, frame in sent]
+    moves = len(frames) > 1
+    still = {"_source": {}, "_silence": 0.0, "history": 0}
+    models = Models()
+    with ExitStack() as stack:
+        bar = PlayerWidget(
+            duration=end - start, time=end - start, _segment=_SECONDS, _targets=[widget.model_id], _pauses=[0.0],
+            _start=began,
+        )  # fmt: skip
+        stack.callback(close_all, bar)
+        root = ipywidgets.VBox([bar, widget] if moves else [widget], layout={"max_width": _WIDTH})
+        root.add_class("rw-recording")
+        stack.callback(root.close)
+        stack.callback(root.layout.close)
+        models.add(widget, {**still, "_frame": b"", "_about": {}} if moves else still)
+        if moves:
+            models.add(bar, {})
+        state = models.part(
+            shown(root), player=bar.model_id if moves else "", scanogram=None, begin=0.0, name=path.stem
+        )
+    until = f"{datetime.fromtimestamp(began + end - start, timezone.utc):%Y-%m-%d %H:%M:%S} UTC"
+    facts = f"{end - start:.1f} s until {until} · {many(len(frames), 'sample')}" if moves else until
+    heading = Heading(title or widget.title or path.stem, facts, (), note, (repr(widget),), MADE)
+    numbers = range(floor((end - start) / _SECONDS) + 1) if moves else range(0)
+    pack = partial(_segment, frames, widget.arrays_of)
+    return Page(heading, models.program(), state, numbers, pack).write(path, None)
+
+
+def _segment(frames: Sequence[_TimedFrame], arrays_of: Any, number: int) -> bytes:
+    return segment(number, [(list(_of_segment(frames, number * _SECONDS)), arrays_of)])
+
+
+def _of_segment(frames: Sequence[_TimedFrame], start: float) -> Iterator[_TimedFrame]:
+    """The frame on show at the start of a segment, and those in it."""
+    yield next((timed for timed in reversed(frames) if timed.seconds <= start), frames[0])
+    yield from (timed for timed in frames if start <= timed.seconds < start + _SECONDS)
+
+
+def _without_rate(frame: bytes) -> bytes:
+    """A frame as of a recording: one with a rate would turn pale when nothing follows."""
+    sequence, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
+    return FRAME_HEADER.pack(sequence, nan, stamp_ns, arrived) + frame[FRAME_HEADER.size :]
