@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 from weakref import WeakSet
 
-from .platform_fixes import call_on_interrupt
+from .platform_fixes import call_on_idle_interrupt, call_on_interrupt
 
 
 class Closable(Protocol):
@@ -60,7 +60,32 @@ def on_failed_cell(call: Callable[[], None]) -> None:
             shell.events.register("post_run_cell", _after_cell)
         _on_failed.append(call)
     if hasattr(shell, "kernel"):
-        call_on_interrupt(_call_all)
+        call_on_interrupt(_interrupted)
+
+
+_on_interrupt: list[Callable[[], None]] = []
+
+
+def on_interrupt(call: Callable[[], None]) -> None:
+    """Call a function whenever the kernel is interrupted: in this cell, in a later one, and between cells.
+
+    The main thread calls it in a signal handler, so it must not wait. Does nothing outside a kernel; there an interrupt
+    ends the program, and the robot gets zero.
+    """
+    shell = _shell()
+    if shell is None or not hasattr(shell, "kernel"):
+        return
+    if not _on_interrupt:
+        shell.events.register("pre_run_cell", lambda _info: call_on_interrupt(_interrupted))
+    if call not in _on_interrupt:
+        _on_interrupt.append(call)
+    call_on_interrupt(_interrupted)
+    call_on_idle_interrupt(shell.kernel, _interrupted)
+
+
+def _interrupted() -> None:
+    for call in (*_on_failed, *_on_interrupt):
+        call()
 
 
 def _after_cell(result: Any) -> None:

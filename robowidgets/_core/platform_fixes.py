@@ -77,6 +77,21 @@ def call_on_interrupt(call: Callable[[], None]) -> None:
         signal.signal(signal.SIGINT, on_interrupt)
 
 
+def call_on_idle_interrupt(kernel: Any, call: Callable[[], None]) -> None:
+    """Call a function when a kernel is interrupted that runs no cell.
+
+    Between cells ipykernel ignores SIGINT. But a program goes on driving between cells, and who interrupts the kernel
+    then wants it to stop. ipykernel restores the handler of before each cell after it; the fix replaces what it
+    restores. Without the fix, only Stop and a running cell's interrupt stop a program.
+    """
+
+    def on_interrupt(_number: int, _frame: Any) -> None:
+        call()
+
+    if ENABLED and getattr(kernel, "saved_sigint_handler", None) is signal.SIG_IGN:
+        kernel.saved_sigint_handler = on_interrupt
+
+
 def _rclpy_handles_signals() -> bool:
     signals = sys.modules.get("rclpy.signals")
     return signals is not None and signals.get_current_signal_handlers_options() != signals.SignalHandlerOptions.NO

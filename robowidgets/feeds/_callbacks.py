@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 import threading
 import time
 import traceback
@@ -11,16 +10,16 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from types import FrameType, FunctionType
 from typing import Any
-from weakref import WeakSet
 
 from .._core.cells import running_cell
 from .._core.log_once import LogOnce
 from .._core.pacer import pacer
 from .._core.tables import many
 from .._core.user_function import line_of, name_of
-from ..kinds import KINDS, counts_every_message
+from .._core.user_threads import abandon, frames_of
+from ..kinds import counts_every_message
+from ._sample_reader import SampleReader
 from ._topics import Table, Topic
-from ._undecided_kind import decided, is_open
 from .middleware import EVENTS
 
 log = logging.getLogger("robowidgets")
@@ -68,7 +67,7 @@ class FunctionCaller:
     """Calls functions with the newest message of their topics, one at a time, in a thread of its own.
 
     Of some kinds, such as touch sensors, every message counts. A function that is disconnected while it runs is
-    abandoned: another thread calls the other functions, and `is_abandoned` is True in the abandoned function.
+    abandoned: another thread calls the other functions.
 
     Args:
         on_change: called with a topic whose `status_of` has changed.
@@ -79,10 +78,8 @@ class FunctionCaller:
         self._changed = threading.Condition()
         self._functions: list[Function] = []
         self._waiting: dict[str, deque[tuple[Any, Topic]]] = {}
-        self._readers: dict[str, tuple[str, Callable[[Any], Any]]] = {}
-        """For each topic, the kind of its messages and the function that reads them."""
+        self._readers: dict[str, SampleReader] = {}
         self._thread: threading.Thread | None = None
-        self._abandoned: WeakSet[threading.Thread] = WeakSet()
         self._current: Function | None = None
         self._slow_topic = ""
         """The topic whose widgets show that a function has not returned."""
@@ -136,11 +133,6 @@ class FunctionCaller:
         """A text that names the functions of a topic that have not returned or have raised; empty if there are none."""
         return "; ".join(filter(None, (self._status(f) for f in self.functions if f.topic == topic)))
 
-    @property
-    def is_abandoned(self) -> bool:
-        """Whether the calling thread runs a function that was disconnected meanwhile."""
-        return threading.current_thread() in self._abandoned
-
     def close(self) -> None:
         """Call no function any more; waits a moment for one that is running."""
         with self._changed:
@@ -169,7 +161,7 @@ class FunctionCaller:
         passed = time.monotonic() - entered if entered is not None else 0.0
         if passed < SLOW:
             return function.error
-        where = function.line_of(self._frames())
+        where = function.line_of(frames_of(self._thread))
         return f"your function `{function.name}`{where}, has not returned for {passed:.0f} s"
 
     def _drop(self, gone: list[Function]) -> None:
@@ -179,7 +171,7 @@ class FunctionCaller:
             for topic in table.keys() - topics:
                 del table[topic]
         if self._current in gone and self._thread is not None and self._thread is not threading.current_thread():
-            self._abandoned.add(self._thread)
+            abandon(self._thread)
             self._thread = self._current = None
             if self._waiting:
                 self._start()
@@ -221,7 +213,9 @@ class FunctionCaller:
 
     def _call(self, function: Function, message: Any, topic: Topic) -> None:
         try:
-            sample = message if function.raw else self._sample(message, topic)
+            sample = (
+                message if function.raw else self._readers.setdefault(topic.name, SampleReader()).read(message, topic)
+            )
         except (TypeError, ValueError) as error:
             function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
             self._log(function.error)
@@ -238,20 +232,6 @@ class FunctionCaller:
         finally:
             function.entered = None
             function.runs += 1
-
-    def _sample(self, message: Any, topic: Topic) -> Any:
-        widget = topic.widget or (decided(topic, message).widget if is_open(topic) or not topic.type else None)
-        if widget is None:
-            return message
-        known = self._readers.get(topic.name)
-        if known is None or known[0] != widget:
-            known = self._readers[topic.name] = widget, KINDS[widget].reader()
-        return known[1](message)
-
-    def _frames(self) -> list[tuple[FrameType, int]]:
-        thread = self._thread
-        frame = sys._current_frames().get(thread.ident or 0) if thread is not None else None
-        return [*traceback.walk_stack(frame)][::-1] if frame is not None else []
 
 
 def _name_in_main(call: Any) -> str:

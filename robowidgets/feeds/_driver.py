@@ -7,6 +7,7 @@ import time
 from typing import TYPE_CHECKING
 
 from .._core.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
+from .._core.user_threads import is_abandoned
 from ..samples import Speed
 from ._driving import DriveStatus, Driving
 from ._twist import TwistPublisher
@@ -77,6 +78,19 @@ class Driver:
         while not self._try_drive(velocity, stops):
             self._feed.wait_until(lambda: False, RETRY_PAUSE)
 
+    def drive_by_program(self, linear: float, angular: float) -> str:
+        """Publish the speed of a program's step, without waiting; returns why it was not sent, empty if it was.
+
+        An error of an earlier speed is returned, because this one is sent by another thread.
+        """
+        self._status.log(self._feed.where, self._driving.topic, self._feed.adverts)
+        try:
+            self._request(self._within(linear, angular), PROGRAM)
+        except FeedError as error:
+            return str(error)
+        error_before = self.watchdog.error
+        return "" if error_before is None else f"cannot drive: {self._feed.status or error_before}"
+
     def drive_by_hand(self, linear: float, angular: float, press: str) -> None:
         """Publish the speed of a press on a pad, without waiting. Raises as `Feed.drive`."""
         self._by_hand = True
@@ -118,8 +132,8 @@ class Driver:
 
         It is not retried after a stop, which another thread may have requested.
         """
-        if velocity != ZERO and self._feed.in_abandoned_function:
-            raise FeedError("cannot drive: this function was disconnected or replaced while it was at work")
+        if velocity != ZERO and is_abandoned():
+            raise FeedError("cannot drive: this function was disconnected, replaced or ended while it was at work")
         request = self._request(velocity, PROGRAM)
         try:
             self.watchdog.sent_in_time(request)

@@ -11,12 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 from .._core.cells import running_cell, take_the_place
 from .._core.tables import as_html, as_text
+from ..behaviors.programs import Programs
+from ..behaviors.variables import Variables
 from ..samples import Scan, Speed
 from ..samples.checks import finite
 from ._callbacks import Function, FunctionCaller
 from ._driver import Driver
 from ._driving import Driving
 from ._open_feeds import close_first, open_feeds
+from ._program_inputs import FeedRobot
 from ._scan_iterator import scans_of
 from ._subscriber import Subscriber
 from ._subscription import Target, target_of
@@ -67,6 +70,7 @@ class Feed:
         self._subscriber = Subscriber(middleware, self._wanted)
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
+        self.programs = Programs(FeedRobot(self))
         # Before it opens, because the feed of the earlier run may use the node, or drive the robot.
         _log_dropped(take_the_place(self))
         open_feeds.add(self)
@@ -245,6 +249,60 @@ class Feed:
         if not self._closed or self._forked:
             self.driver.stop()
 
+    @property
+    def variables(self) -> Variables:
+        """The values that programs read and that a person sets on the page, such as ``variables.near = 0.6``."""
+        return self.programs.variables
+
+    def program(
+        self,
+        function: Callable[..., Any] | None = None,
+        *,
+        rate: float | None = None,
+        on: str | None = None,
+        **topics: str,
+    ) -> Any:
+        """Have a function drive the robot, step by step; a decorator.
+
+        One program at a time drives a robot. Defined again under its name, usually by running its cell again, it is
+        replaced at the next step. A program of another name ends it.
+
+        The function gets what it names as parameters: the newest ``scan``, ``speed`` and ``touch`` of the robot;
+        ``time``, the seconds since its first step; ``state``, which it keeps from step to step and from version to
+        version; ``variables``, which a person sets. It returns a `robowidgets.behaviors.Drive`, or None to keep the
+        speed. It must return at once: after half a second it is abandoned. When it raises, and when a sample is
+        missing or old, the robot is stopped.
+
+        Args:
+            function: the function; without it, `program` returns a decorator.
+            rate: steps a second, at most 200; 10 without `on`.
+            on: a topic; there is one step for each of its messages, the newest if they come too fast.
+            **topics: for a parameter, the topic that it is read from: ``scan="/base_scan"``. A parameter of any other
+                name gets the messages of its topic.
+
+        Raises:
+            TypeError: no function, or it asks for something unknown. ValueError: the rate is out of range.
+            FeedError: the feed is closed.
+
+        Example:
+            >>> from robowidgets import feeds
+            >>> from robowidgets.behaviors import Drive
+            >>> with feeds.simulator(wander=False) as robot:
+            ...     @robot.program(rate=10)
+            ...     def avoid(scan):
+            ...         return Drive(0.2) if scan.distance("front") > 0.6 else Drive(0, 0.8)
+            >>> avoid.mode
+            'ended'
+        """
+        if on is not None:
+            check_name(on)
+        for topic in topics.values():
+            check_name(topic)
+        self.check_open()
+        if function is not None:
+            return self.programs.install(function, rate, on, topics)
+        return lambda given: self.programs.install(given, rate, on, topics)
+
     def close(self) -> None:
         """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing.
 
@@ -255,6 +313,7 @@ class Feed:
                 return
             self._closed = True
         try:
+            self.programs.close()
             with contextlib.suppress(FeedError, TimeoutError):  # the watchdog logs it
                 self.watchdog.close()
         finally:
@@ -354,11 +413,6 @@ class Feed:
     def is_listed(self) -> bool:
         """Whether the middleware has listed the topics."""
         return self._table.topics is not None
-
-    @property
-    def in_abandoned_function(self) -> bool:
-        """Whether the calling thread runs a function that was disconnected meanwhile."""
-        return self._functions.is_abandoned
 
     def check_open(self) -> None:
         """FeedError unless the feed is open, in this process."""

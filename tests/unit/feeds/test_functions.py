@@ -239,7 +239,7 @@ def test_a_function_that_was_replaced_while_it_hung_drives_no_more_and_the_next_
     wait_for(lambda: script.speeds == [(0.1, 0.0)], "the next version drives")
     gate.set()
     assert ended.wait(20.0)
-    assert refused == ["cannot drive: this function was disconnected or replaced while it was at work"]
+    assert refused == ["cannot drive: this function was disconnected, replaced or ended while it was at work"]
     assert (0.5, 0.0) not in script.speeds
 
 

@@ -2,78 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from jupyter_client.blocking.client import BlockingKernelClient
-from jupyter_client.manager import KernelManager
 
 from ..waiting import wait_for
-
-OPEN = """
-import time
-from robowidgets import feeds
-from robowidgets.feeds.simulator import Simulated
-publish, log = Simulated.publish, open({path!r}, "a", buffering=1)
-def note(self, topic, kind, message):
-    print((time.monotonic(), message["linear"]["x"], message["angular"]["z"]), file=log)
-    publish(self, topic, kind, message)
-Simulated.publish = note
-feed = feeds.simulator(hz=20, wander=False)
-"""
-
-
-class Kernel:
-    """A kernel that runs cells as a notebook does, and the commands that its robot heard."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._path.touch()
-        self.manager = KernelManager()
-        self.manager.start_kernel()
-        self._client: BlockingKernelClient = self.manager.client()
-        self._client.start_channels()
-        self._client.wait_for_ready(timeout=60)
-        assert self.run("open", OPEN.format(path=str(path)))["status"] == "ok"
-
-    def start(self, cell: str, code: str) -> str:
-        """Run a cell without waiting for it."""
-        message = self._client.session.msg(
-            "execute_request", {"code": code, "silent": False}, metadata={"cellId": cell}
-        )
-        message["content"].update(store_history=True, user_expressions={}, allow_stdin=False, stop_on_error=True)
-        self._client.shell_channel.send(message)
-        return str(message["header"]["msg_id"])
-
-    def end_of(self, request: str) -> dict[str, Any]:
-        """The reply to a cell, when it has ended."""
-        while True:
-            reply = self._client.get_shell_msg(timeout=60)
-            if reply["parent_header"].get("msg_id") == request:
-                content: dict[str, Any] = reply["content"]
-                return content
-
-    def run(self, cell: str, code: str) -> dict[str, Any]:
-        """Run a cell to its end."""
-        return self.end_of(self.start(cell, code))
-
-    @property
-    def heard(self) -> list[tuple[float, float, float]]:
-        """When which speeds reached the robot, by the monotonic clock of the machine."""
-        lines = self._path.read_text().split("\n")[:-1]
-        return [ast.literal_eval(line) for line in lines]
-
-    def heard_since(self, since: float) -> list[float]:
-        """The linear speeds that reached the robot since a time."""
-        return [linear for at, linear, _ in self.heard if at >= since]
-
-    def close(self) -> None:
-        self._client.stop_channels()
-        self.manager.shutdown_kernel(now=True)
+from .kernel import Kernel
 
 
 @pytest.fixture

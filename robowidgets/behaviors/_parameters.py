@@ -1,0 +1,53 @@
+"""The samples that a program asks for, by the names of its parameters."""
+
+from __future__ import annotations
+
+import difflib
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ..kinds import KINDS
+from .robot import GIVEN
+
+
+def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, str]) -> tuple[str, ...]:
+    """The names of the parameters of a function that a program fills.
+
+    Args:
+        function: the function, or an object that lists them as ``asks_for``.
+        name: its name, for errors.
+        topics: the topics that were named for parameters.
+
+    Raises:
+        TypeError: no function, a parameter of an unknown name, or a topic for a parameter that is not there.
+    """
+    if not callable(function) or isinstance(function, type):
+        raise TypeError(f"program: expected a function that returns a Drive, got {function!r}")
+    samples = [kind.sample_name for kind in KINDS.values()]
+    given = (*samples, *GIVEN)
+    asked = _asked(function, name, (*given, *topics))
+    for one in asked:
+        if one not in (*given, *topics):
+            near = difflib.get_close_matches(one, given, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise TypeError(
+                f"{name}() asks for {one!r}; there are {', '.join(given)}, and any topic that is named: "
+                f"@robot.program({one}='/topic'){hint}"
+            )
+    for one, topic in topics.items():
+        if one in GIVEN or one not in asked:
+            raise TypeError(f"program: {one}={topic!r} names a topic, but {name}() has no parameter {one!r} for it")
+    return tuple(asked)
+
+
+def _asked(function: Callable[..., Any], name: str, known: tuple[str, ...]) -> list[str]:
+    if hasattr(function, "asks_for"):
+        return list(function.asks_for)
+    asked = []
+    for one in inspect.signature(function).parameters.values():
+        if one.kind in (one.VAR_POSITIONAL, one.VAR_KEYWORD, one.POSITIONAL_ONLY):
+            raise TypeError(f"{name}(): expected parameters with names, such as scan, got {one}")
+        if one.name in known or one.default is one.empty:
+            asked.append(one.name)
+    return asked

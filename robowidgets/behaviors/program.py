@@ -1,0 +1,363 @@
+"""A program that drives a robot, step by step, and that may be replaced while it runs."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import isnan
+from typing import Any
+
+from .._core.log_once import LogOnce
+from .._core.rate import RateMeter
+from .._core.user_function import line_of
+from .._core.user_threads import abandon, frames_of
+from ._prints import Prints, capture
+from .drive import STANDSTILL, Drive
+from .robot import GIVEN, NotReadyError, Robot
+from .variables import State, Variables
+
+log = logging.getLogger("robowidgets")
+
+RATE = 10.0
+"""Steps a second, where a program names neither a rate nor a topic."""
+
+TICK = 0.05
+"""Seconds between two looks at a step that has not returned."""
+
+HUNG = 9
+"""Looks after which a step counts as hung. Looks, not seconds: where the whole process stood still, none was made."""
+
+PATIENCE = 1.0
+"""Seconds after which the log says why a program does not drive."""
+
+RUNNING, PAUSED, FAILED, ENDED = "running", "paused", "failed", "ended"
+
+
+@dataclass(frozen=True)
+class Version:
+    """One version of a program.
+
+    ``asks_for`` are the parameters of the function, ``topics`` the topics that were named for some of them. It steps
+    ``rate`` times a second, or on each message of the topic ``on``.
+    """
+
+    function: Callable[..., Any]
+    asks_for: tuple[str, ...] = ()
+    topics: Mapping[str, str] = field(default_factory=dict)
+    rate: float = RATE
+    on: str | None = None
+    number: int = 1
+
+
+class Program:
+    """A program of a robot: its versions, its state, and the thread that calls it step by step.
+
+    `robowidgets.feeds.Feed.program` makes it. It may be called like its function.
+
+    - An exception stops the robot; the program waits for its next version, or for `run`.
+    - A step that does not return for half a second is abandoned: the robot is stopped, and that step cannot drive any
+      more. The next version runs in another thread.
+    - The speed of a version that was replaced while it was at work is not sent.
+
+    Args:
+        name: its name.
+        robot: the robot that it drives.
+        variables: the variables of the robot.
+
+    Attributes:
+        state: what it keeps from step to step and from version to version.
+        version: the version in force.
+        mode: ``running``, ``paused``, ``failed`` or ``ended``.
+        error: the last error, with its line; empty when the last step was well.
+        waiting: why it does not step or drive now, though it runs; empty if it does.
+        note: what happened to it last, other than errors, for a person.
+        steps: the number of steps.
+        step_time: seconds that the last step took.
+        returned: the speed that the last step asked for.
+        prints: the last lines that it printed.
+    """
+
+    def __init__(self, name: str, robot: Robot, variables: Variables) -> None:
+        self.name, self.state, self.variables = name, State(), variables
+        self.version = Version(lambda: None, number=0)
+        self.mode, self.error, self.waiting, self.note = PAUSED, "", "", ""
+        self.steps, self.step_time, self.returned = 0, 0.0, STANDSTILL
+        self.prints = Prints()
+        self.has_view = False
+        """Whether a widget shows what it prints."""
+        self._robot = robot
+        self._changed = threading.Condition()
+        self._inputs = robot.listen(self._wake)
+        self._thread: threading.Thread | None = None
+        self._monitor: threading.Thread | None = None
+        self._in_step = False
+        self._fresh = False
+        """Whether a message of the topic ``on`` came since the last step."""
+        self._interrupted = False
+        self._origin: float | None = None
+        self._since = time.monotonic()
+        self._due = self._steps_a_second = 0.0
+        self._waiting_since = 0.0
+        self._rate = RateMeter()
+        self._watchers: list[Callable[[], None]] = []
+        self._log = LogOnce(log.warning)
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Call the function of the newest version, without driving."""
+        return self.version.function(*args, **kwargs)
+
+    def __repr__(self) -> str:
+        return f"program {self.name}, version {self.version.number}, {self.mode}" + (
+            f": {self.error or self.waiting}" if self.error or self.waiting else ""
+        )
+
+    @property
+    def rate(self) -> float:
+        """Steps a second, measured."""
+        return 0.0 if isnan(self._steps_a_second) or self._thread is None else self._steps_a_second
+
+    @property
+    def since(self) -> float:
+        """Seconds since this version is in force."""
+        return time.monotonic() - self._since
+
+    # -- what a person asks for ----------------------------------------------------------------------------------------
+
+    def replace(self, version: Version) -> None:
+        """Run another version, from the next step on."""
+        before, asked = self.version, (version.asks_for, version.topics, version.on)
+        if before.number == 0 or asked != (before.asks_for, before.topics, before.on):
+            wanted = {name: version.topics.get(name) for name in version.asks_for if name not in GIVEN}
+            self._inputs.choose(wanted, version.on)
+        with self._changed:
+            self.version, self._since = version, time.monotonic()
+            self._due = min(self._due, self._since + 1 / version.rate)
+            self.error = self.note = self.waiting = ""
+            self._log = LogOnce(log.warning)
+            if self._thread is None or self._in_step or self.mode != RUNNING:
+                self._leave()
+                self._start()
+            self._changed.notify_all()
+        self._tell()
+
+    def run(self) -> None:
+        """Go on, after a pause or an error."""
+        with self._changed:
+            if self._thread is None and self.mode != ENDED:
+                self.error = self.note = ""
+                self._start()
+        self._tell()
+
+    def pause(self, note: str = "") -> None:
+        """Make no more steps, and stop the robot."""
+        self._end(PAUSED, note)
+
+    def step(self) -> None:
+        """Make one step, while it is paused; its speed holds for the hold of the robot, at most."""
+        with self._changed:
+            if self._thread is None and self.mode != ENDED:
+                self.error = self.note = ""
+                self._start(once=True)
+        self._tell()
+
+    def close(self, note: str = "") -> None:
+        """End it, and stop the robot."""
+        self._end(ENDED, note)
+        self._inputs.close()
+
+    def interrupt(self) -> None:
+        """Stop the robot now, and pause in a moment. For a signal handler: it takes no lock of the program."""
+        if self._thread is not None:
+            self._interrupted = True
+            self._robot.halt()
+
+    def watch(self, on_change: Callable[[], None]) -> None:
+        """Call a function after each step and each change, from any thread. It must return at once."""
+        self._watchers.append(on_change)
+
+    def forget(self, on_change: Callable[[], None]) -> None:
+        """Remove a function that was added by `watch`."""
+        if on_change in self._watchers:
+            self._watchers.remove(on_change)
+
+    # -- within --------------------------------------------------------------------------------------------------------
+
+    def _tell(self) -> None:
+        for on_change in list(self._watchers):
+            on_change()
+
+    def _wake(self) -> None:
+        with self._changed:
+            self._fresh = True
+            self._changed.notify_all()
+
+    def _start(self, *, once: bool = False) -> None:
+        """Start a thread for the steps. Called with the lock held."""
+        self.mode, self._interrupted, self._in_step = PAUSED if once else RUNNING, False, False
+        self._due = time.monotonic()
+        self._thread = threading.Thread(target=self._run, args=(once,), name="robowidgets-program", daemon=True)
+        self._thread.start()
+        if self._monitor is None:
+            self._monitor = threading.Thread(target=self._watch_steps, name="robowidgets-monitor", daemon=True)
+            self._monitor.start()
+
+    def _leave(self) -> None:
+        """Let go of the thread: a step that it is in may finish, but not drive. Called with the lock held."""
+        if self._thread is not None and self._in_step and self._thread is not threading.current_thread():
+            abandon(self._thread)
+        self._thread, self._in_step = None, False
+
+    def _end(self, mode: str, note: str = "", error: str = "") -> None:
+        with self._changed:
+            if self.mode == ENDED:
+                return
+            self._leave()
+            self.mode, self.error, self.waiting = mode, error, ""
+            self.note = note or self.note
+            self.returned = STANDSTILL
+            self._changed.notify_all()
+        self._robot.halt()
+        self._tell()
+
+    def _run(self, once: bool) -> None:
+        """Make steps until another thread takes over. In the thread of the program."""
+        me = threading.current_thread()
+        while self._wait(me):
+            capture(self._take_print)
+            version, values = self._prepare()
+            if values is not None and not self._step(me, version, values):
+                return
+            if once:
+                with self._changed:
+                    if self._thread is me:
+                        self._leave()
+                self._tell()
+                return
+
+    def _wait(self, me: threading.Thread) -> bool:
+        """Wait for the time or for the message of the next step; returns whether this thread is still wanted."""
+        with self._changed:
+            while self._thread is me and not self._interrupted:
+                if self.version.on is None:
+                    now = time.monotonic()
+                    if now >= self._due:
+                        self._due = max(self._due + 1 / self.version.rate, now)
+                        return True
+                    self._changed.wait(self._due - now)
+                elif self._fresh:
+                    self._fresh = False
+                    return True
+                else:
+                    self._changed.wait()
+            return False
+
+    def _prepare(self) -> tuple[Version, dict[str, Any] | None]:
+        """The version to call and its arguments; None while it cannot step."""
+        version = self.version
+        if self._robot.stopped:
+            self.returned = STANDSTILL
+            self._set_waiting("stop is latched")
+            return version, None
+        try:
+            values = self._inputs.take()
+        except NotReadyError as error:
+            self._robot.halt()
+            self.returned = STANDSTILL
+            self._set_waiting(str(error))
+            return version, None
+        now = time.monotonic()
+        self._origin = now if self._origin is None else self._origin
+        own = {"time": now - self._origin, "state": self.state, "variables": self.variables}
+        values = {**values, **own}
+        if any(name not in values for name in version.asks_for):
+            return version, None  # the next version has chosen other samples, and is in force in a moment
+        return version, {name: values[name] for name in version.asks_for}
+
+    def _step(self, me: threading.Thread, version: Version, values: dict[str, Any]) -> bool:
+        """Make one step; returns whether this thread is still wanted."""
+        with self._changed:
+            if self._thread is not me:
+                return False
+            if self.version is not version:
+                return True
+            self._in_step = True
+            self.steps += 1
+        began = time.perf_counter()
+        error = ""
+        try:
+            drive = _drive_of(version.function(**values), self.returned)
+        except BaseException as raised:  # not even a SystemExit may end the thread without a word
+            line = line_of(version.function, traceback.walk_tb(raised.__traceback__)).removeprefix(", ")
+            error = f"{line or self.name}: {type(raised).__name__}: {raised}"
+            if self._thread is me:
+                log.exception("program %s: %s", self.name, error)
+        passed = time.perf_counter() - began
+        with self._changed:
+            if self._thread is not me:
+                return False
+            self._in_step, self.step_time = False, passed
+            if not error:
+                self.returned, self.error = drive, ""
+                self._steps_a_second = self._rate.rate(self.steps, time.monotonic())
+        if error:
+            self._end(FAILED, error=error)
+            return False
+        if not self._interrupted:
+            # Without the lock, so that whoever stops the program never waits for the robot.
+            if refused := self._robot.drive(drive.linear, drive.angular):
+                self._robot.halt()
+            self._set_waiting(refused)
+        if self.mode in (FAILED, ENDED) or (self.mode == PAUSED and self._thread is not me):
+            self._robot.halt()  # it was ended between the look above and the speed
+            return False
+        self._tell()
+        return True
+
+    def _set_waiting(self, why: str) -> None:
+        if why != self.waiting:
+            self.waiting, self._waiting_since = why, time.monotonic()
+            self._tell()
+
+    def _take_print(self, text: str) -> bool:
+        self.prints.add(text, time.monotonic() - (self._origin or time.monotonic()))
+        return self.has_view
+
+    def _watch_steps(self) -> None:
+        """Find steps that do not return, and interrupts. In a thread of its own, while the program runs."""
+        looks, seen = 0, -1
+        while True:
+            time.sleep(TICK)
+            with self._changed:
+                thread, steps = self._thread, self.steps
+                if thread is None and not self._interrupted:
+                    self._monitor = None
+                    return
+                looks = looks + 1 if self._in_step and steps == seen else 0
+                seen = steps
+                is_hung = looks >= HUNG and self._in_step
+                waiting = self.waiting if time.monotonic() - self._waiting_since > PATIENCE else ""
+                where = line_of(self.version.function, frames_of(thread)).removeprefix(", ") if is_hung else ""
+            if self._interrupted:
+                self._interrupted = False
+                note = "paused, because the kernel was interrupted"
+                self._log(f"program {self.name}: {note}")
+                self.pause(note)
+            elif is_hung:
+                error = f"{where or self.name}: a step has not returned for half a second, and was abandoned"
+                self._log(f"program {self.name}: {error}")
+                self._end(FAILED, error=error)
+            elif waiting:
+                self._log(f"program {self.name}: {waiting}")
+
+
+def _drive_of(result: Any, before: Drive) -> Drive:
+    """The speed that a step returned; None keeps the one before."""
+    if result is None:
+        return before
+    if not isinstance(result, Drive):
+        raise TypeError(f"expected a step to return Drive(linear, angular), or None to keep the speed, got {result!r}")
+    return result

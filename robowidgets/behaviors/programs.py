@@ -1,0 +1,105 @@
+"""The program of a robot, and the variables that its programs share."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+from weakref import WeakSet
+
+from .._core.cells import on_interrupt
+from .._core.user_function import name_of
+from ..samples.checks import finite
+from ._parameters import parameters_of
+from .program import ENDED, RATE, Program, Version
+from .robot import Robot
+from .variables import Variables
+
+log = logging.getLogger("robowidgets")
+
+FASTEST = 200.0
+"""Steps a second."""
+
+
+class Programs:
+    """The programs of one robot, of which one at a time drives it.
+
+    Args:
+        robot: the robot.
+
+    Attributes:
+        variables: values that a person sets while a program runs.
+        current: the program that drives; None before the first one.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self.variables = Variables()
+        self.current: Program | None = None
+        self._known: dict[str, Program] = {}
+        self._watchers: list[Callable[[], None]] = []
+
+    def install(
+        self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
+    ) -> Program:
+        """Run a function as the robot's program; see `robowidgets.feeds.Feed.program`."""
+        if rate is not None and on is not None:
+            raise TypeError("program: expected rate=, steps a second, or on=, a topic; got both")
+        steps = finite("rate", RATE if rate is None else rate, "steps a second")
+        if not 0 < steps <= FASTEST:
+            raise ValueError(f"rate: expected steps a second, above 0 and at most {FASTEST:g}, got {rate!r}")
+        name = str(getattr(function, "name", "")) or name_of(function).rpartition(".")[2]
+        asks_for = parameters_of(function, name, topics)
+        program, before = self._known.get(name), self.current
+        note = ""
+        if before is not None and before.name != name and before.mode != ENDED:
+            note = f"replaces the program {before.name}"
+            log.warning("%s: the program %s %s", self._robot.where, name, note)
+            before.close(f"replaced by the program {name}")
+        if program is None or program.mode == ENDED:
+            state, number = (program.state, program.version.number) if program else (None, 0)
+            program = self._known[name] = Program(name, self._robot, self.variables)
+            if state is not None:
+                program.state = state
+        else:
+            number = program.version.number
+        self.current = program
+        program.replace(Version(function, asks_for, dict(topics), steps, on, number + 1))
+        program.note = note
+        _all.add(program)
+        on_interrupt(_interrupt_all)
+        for on_change in list(self._watchers):
+            on_change()
+        return program
+
+    def watch(self, on_change: Callable[[], None]) -> None:
+        """Call a function whenever another program, or another version, drives."""
+        self._watchers.append(on_change)
+
+    def forget(self, on_change: Callable[[], None]) -> None:
+        """Remove a function that was added by `watch`."""
+        if on_change in self._watchers:
+            self._watchers.remove(on_change)
+
+    def close(self) -> None:
+        """End the program."""
+        if self.current is not None:
+            self.current.close("the robot is closed")
+
+
+_all: WeakSet[Program] = WeakSet()
+
+
+def _interrupt_all() -> None:
+    for program in list(_all):
+        program.interrupt()
+
+
+def _close_all() -> None:
+    for program in list(_all):
+        program.close()
+
+
+# Before the zeros of the watchdog, which registered earlier: no program may drive after them.
+atexit.register(_close_all)

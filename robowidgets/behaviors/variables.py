@@ -1,0 +1,157 @@
+"""Values that a program keeps, and values that a person sets while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ..samples.checks import finite
+
+
+class State(dict[str, Any]):
+    """What a program keeps from step to step, and from version to version: a dictionary, also with attributes."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            hint = f"state.setdefault({name!r}, ...) gives it a first value"
+            raise AttributeError(f"the state has no {name!r} yet: {hint}") from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self[name] = value
+
+    def __delattr__(self, name: str) -> None:
+        self.pop(name, None)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable: its value, and how the page lets a person set it.
+
+    ``first`` is the value in the code; ``low`` and ``high`` are the ends of a slider, None without one.
+    """
+
+    value: bool | float | str
+    first: bool | float | str
+    low: float | None = None
+    high: float | None = None
+    unit: str = ""
+
+
+class Variables:
+    """The variables of a robot's programs: seen live on the page, and set there by hand while a program runs.
+
+    Numbers, switches (True and False) and texts. Any thread may read and set them.
+
+    Example:
+        >>> variables = Variables()
+        >>> variables.slider("near", 0.6, 0.2, 2.0, "m")
+        >>> variables.go = True
+        >>> variables.near
+        0.6
+    """
+
+    def __init__(self) -> None:
+        object.__setattr__(self, "_table", {})
+        object.__setattr__(self, "_watchers", [])
+
+    _table: dict[str, Variable]
+    _watchers: list[Callable[[], None]]
+
+    def slider(self, name: str, value: float, low: float, high: float, unit: str = "") -> None:
+        """Declare a number with a slider. Declared again with the same first value, it keeps what was set meanwhile.
+
+        Args:
+            name: an identifier.
+            value: its first value.
+            low: left end of the slider.
+            high: right end.
+            unit: written behind the number.
+
+        Raises:
+            TypeError: no number. ValueError: not low <= value <= high, or no identifier.
+        """
+        first, least, most = (finite(key, given, unit or "any unit") for key, given in _named(value, low, high))
+        if not least <= first <= most or least == most:
+            raise ValueError(f"{name}: expected low <= value <= high, got {least:g}, {first:g}, {most:g}")
+        known = self._table.get(name)
+        keeps = known is not None and known.first == first and isinstance(known.value, float)
+        now = min(max(float(known.value), least), most) if known is not None and keeps else first
+        self._put(name, Variable(now, first, least, most, unit))
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a variable, as the page does: to a value of its own kind, within the ends of its slider.
+
+        Raises:
+            KeyError: there is none of that name. TypeError, ValueError: no value for it.
+        """
+        known = self._table[name]
+        if isinstance(known.value, bool) != isinstance(value, bool):
+            raise TypeError(f"{name}: expected {'True or False' if isinstance(known.value, bool) else 'a number'}")
+        checked = _checked(name, value)
+        if isinstance(known.value, str) != isinstance(checked, str):
+            raise TypeError(f"{name}: expected {'a text' if isinstance(known.value, str) else 'a number'}")
+        if known.low is not None and known.high is not None and not isinstance(checked, str):
+            checked = min(max(float(checked), known.low), known.high)
+        self._put(name, replace(known, value=checked))
+
+    def watch(self, on_change: Callable[[], None]) -> None:
+        """Call a function whenever a variable changes, from any thread. It must return at once."""
+        self._watchers.append(on_change)
+
+    def forget(self, on_change: Callable[[], None]) -> None:
+        """Remove a function that was added by `watch`."""
+        if on_change in self._watchers:
+            self._watchers.remove(on_change)
+
+    @property
+    def table(self) -> dict[str, Variable]:
+        """All variables, by name."""
+        return dict(self._table)
+
+    def __getattr__(self, name: str) -> Any:
+        known = self._table.get(name)
+        if known is None:
+            names = ", ".join(self._table) or "none yet"
+            raise AttributeError(f"no variable {name!r}: there are {names}; variables.{name} = 0.5 makes one")
+        return known.value
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        checked, known = _checked(name, value), self._table.get(name)
+        if known is None:
+            self._put(name, Variable(checked, checked))
+        else:
+            self._put(name, replace(known, value=checked))
+
+    def __delattr__(self, name: str) -> None:
+        self._table.pop(name, None)
+        self._tell()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict(self._table))
+
+    def __repr__(self) -> str:
+        return f"Variables({', '.join(f'{name}={one.value!r}' for name, one in self.table.items())})"
+
+    def _put(self, name: str, variable: Variable) -> None:
+        if not name.isidentifier() or name.startswith("_") or hasattr(type(self), name):
+            raise ValueError(f"expected a name such as 'near' for a variable, got {name!r}")
+        self._table[name] = variable
+        self._tell()
+
+    def _tell(self) -> None:
+        for on_change in list(self._watchers):
+            on_change()
+
+
+def _named(value: float, low: float, high: float) -> tuple[tuple[str, float], ...]:
+    return ("value", value), ("low", low), ("high", high)
+
+
+def _checked(name: str, value: Any) -> bool | float | str:
+    """A value that a variable may have."""
+    if isinstance(value, (bool, str)):
+        return value
+    return finite(name, value, "any unit")

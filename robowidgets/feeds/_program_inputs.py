@@ -1,0 +1,201 @@
+"""The robot of a feed, as its program sees it: the newest samples, and driving."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from .._core.command_watchdog import PROGRAM
+from ..behaviors.robot import NotReadyError
+from ..kinds import KINDS, Kind
+from ..samples import Touch, TouchState
+from ..samples.touch_tracker import TouchTracker
+from ._sample_reader import SampleReader
+from ._subscription import Target
+from ._topics import Topic
+
+if TYPE_CHECKING:
+    from .feed import Feed
+
+STALE = 0.4
+"""Seconds without a message after which a sample is too old to drive by; for slow topics, twice their period."""
+
+LONGEST = 2.0
+"""Seconds after which every sample is too old, however slow its topic."""
+
+
+class FeedRobot:
+    """The robot of a feed, as its program sees it: see `robowidgets.behaviors.robot.Robot`."""
+
+    def __init__(self, feed: Feed) -> None:
+        self._feed = feed
+
+    @property
+    def where(self) -> str:
+        """See `Robot`."""
+        return self._feed.where
+
+    @property
+    def stopped(self) -> bool:
+        """See `Robot`."""
+        return self._feed.stopped
+
+    def listen(self, wake: Callable[[], None]) -> FeedInputs:
+        """See `Robot`."""
+        return FeedInputs(self._feed, wake)
+
+    def drive(self, linear: float, angular: float) -> str:
+        """See `Robot`."""
+        return self._feed.driver.drive_by_program(linear, angular)
+
+    def halt(self) -> None:
+        """See `Robot`."""
+        watchdog = self._feed.watchdog
+        if watchdog.owes_zero and watchdog.driver in ("", PROGRAM):
+            watchdog.stop()
+
+
+class _Latest:
+    """The newest message of a topic, read as a sample when the program asks for it."""
+
+    def __init__(self, feed: Feed, topic: str, on_message: Callable[[], None]) -> None:
+        self._feed, self.topic, self._on_message = feed, topic, on_message
+        self._reader = SampleReader()
+        self._lock = threading.Lock()
+        self._messages: deque[Any] = deque(maxlen=1)
+        self._times: deque[float] = deque(maxlen=3)
+        self._sample: Any = None
+        self._touches: TouchTracker | None = None
+        self._target: Target = feed.attach(topic, self._put)
+
+    def close(self) -> None:
+        """Take no more messages."""
+        self._feed.detach(self.topic, self._target)
+
+    def read(self, name: str) -> Any:
+        """The newest sample. NotReadyError if there is none, or if it is too old."""
+        with self._lock:
+            messages = list(self._messages)
+            self._messages.clear()
+            times = list(self._times)
+        known = next((topic for topic in self._feed.topics if topic.name == self.topic), None)
+        topic = known or Topic(self.topic, "", None, False, True, None)
+        touched: set[str] = set()
+        for message in messages:
+            try:
+                sample = self._reader.read(message, topic)
+            except (TypeError, ValueError) as error:
+                raise NotReadyError(f"a message of {self.topic} cannot be read: {error}") from None
+            self._sample = sample
+            if isinstance(sample, Touch):
+                touched |= {sensor for sensor, state in sample.touched.items() if state}
+                self._touches = self._touches or TouchTracker()
+                self._touches.apply(sample, time.monotonic_ns())
+        if self._sample is None:
+            raise NotReadyError(self._feed.status_of(self.topic) or f"waiting for {self.topic}")
+        kind = next((kind for kind in KINDS.values() if isinstance(self._sample, kind.sample)), None)
+        if kind is not None and kind.goes_stale:
+            gaps = [later - earlier for earlier, later in pairwise(times)]
+            limit = min(max(STALE, 2 * min(gaps, default=0.0)), LONGEST)
+            if time.monotonic() - times[-1] > limit:
+                raise NotReadyError(self._feed.status_of(self.topic) or f"no {name} comes on {self.topic} any more")
+        return self._touch_of(touched) if self._touches is not None else self._sample
+
+    def _put(self, message: Any) -> None:
+        """Store a message; of touch sensors each one counts. In the transport's thread."""
+        with self._lock:
+            if self._messages.maxlen == 1 and _is_touch(self._feed, self.topic):
+                self._messages = deque(self._messages, maxlen=100)
+            self._messages.append(message)
+            self._times.append(time.monotonic())
+        self._on_message()
+
+    def _touch_of(self, touched: set[str]) -> Touch:
+        """The states of all sensors; one that was touched and released since the last step counts as touched."""
+        assert self._touches is not None
+        states = self._touches.states(time.monotonic_ns())
+        known = {name: None if one.state is TouchState.UNKNOWN else bool(one.state) for name, one in states.items()}
+        return Touch({**known, **dict.fromkeys(touched, True)})
+
+
+def _is_touch(feed: Feed, name: str) -> bool:
+    return any(
+        topic.name == name and topic.widget is not None and KINDS[topic.widget].every_message for topic in feed.topics
+    )
+
+
+class FeedInputs:
+    """The newest samples of a feed that a program asks for: see `robowidgets.behaviors.robot.Inputs`."""
+
+    def __init__(self, feed: Feed, wake: Callable[[], None]) -> None:
+        self._feed, self._wake = feed, wake
+        self._wanted: dict[str, str | None] = {}
+        self._on: str | None = None
+        self._latest: dict[str, _Latest] = {}
+        """By topic."""
+        self._chosen: dict[str, str] = {}
+        """The topic of each parameter."""
+
+    def choose(self, wanted: Mapping[str, str | None], on: str | None) -> None:
+        """See `Inputs`."""
+        self._feed.check_open()
+        self._wanted, self._on, self._chosen = dict(wanted), on, {}
+        self._find()
+        self._prune()
+
+    def take(self) -> dict[str, Any]:
+        """See `Inputs`."""
+        if len(self._chosen) < len(self._wanted):
+            self._find()
+        chosen = dict(self._chosen)
+        for name in self._wanted:
+            if name not in chosen:
+                raise NotReadyError(self._missing(name))
+        return {name: self._latest[topic].read(name) for name, topic in chosen.items()}
+
+    def close(self) -> None:
+        """See `Inputs`."""
+        self._wanted, self._on, self._chosen = {}, None, {}
+        self._prune()
+
+    def _find(self) -> None:
+        """Find the topics that are not chosen yet; they may appear at any time."""
+        for name, topic in self._wanted.items():
+            if name in self._chosen:
+                continue
+            found = [topic] if topic else self._candidates(name)
+            if len(found) == 1:
+                self._attach(found[0])
+                self._chosen[name] = found[0]
+        if self._on is not None:
+            self._attach(self._on)
+
+    def _attach(self, topic: str) -> None:
+        if topic not in self._latest:
+            self._latest[topic] = _Latest(self._feed, topic, lambda: self._wake() if self._on == topic else None)
+
+    def _prune(self) -> None:
+        for topic in [topic for topic in self._latest if topic not in self._chosen.values() and topic != self._on]:
+            self._latest.pop(topic).close()
+
+    def _candidates(self, name: str) -> list[str]:
+        """The topics with a kind of sample; the topic that wakes the program comes before the others."""
+        kind = _kind(name)
+        found = [topic.name for topic in self._feed.topics if topic.widget == kind.name and not topic.commanded]
+        return [self._on] if self._on in found else found
+
+    def _missing(self, name: str) -> str:
+        if self._feed.status:
+            return self._feed.status
+        found = self._candidates(name)
+        if found:
+            return f"{len(found)} topics have a {name}: {', '.join(found)}; name one: program({name}={found[0]!r})"
+        return f"waiting for a topic with {_kind(name).noun}"
+
+
+def _kind(name: str) -> Kind:
+    return next(kind for kind in KINDS.values() if kind.sample_name == name)

@@ -1,0 +1,188 @@
+"""What goes wrong in a program, in a real kernel: the robot, in that other process, logs every command."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from textwrap import indent
+
+import pytest
+
+from ..feeds.kernel import Kernel
+from ..waiting import wait_for
+
+pytestmark = pytest.mark.slow
+
+OPEN = """
+over = False
+feed.close()
+feed = feeds.simulator(hz=20, wander=False)
+from robowidgets.behaviors import Drive
+feed.driving = feeds.Driving(hold=60.0)  # so that no zero of the hold hides a missing one
+"""
+PROGRAM = """
+@feed.program(rate=20)
+def avoid(scan, state):
+{body}
+"""
+GOOD = "    return Drive(0.3)"
+WITHIN = 0.6
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
+    made = Kernel(tmp_path_factory.mktemp("robot") / "heard.txt")
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def kernel(shared: Kernel) -> Kernel:
+    """A kernel whose robot a program drives at 0.3 m/s."""
+    assert shared.run("open the robot", OPEN)["status"] == "ok"
+    run(shared, GOOD)
+    since = time.monotonic()
+    wait_for(lambda: shared.heard_since(since)[-1:] == [0.3], "it drives")
+    return shared
+
+
+def run(kernel: Kernel, body: str, cell: str = "avoid") -> None:
+    reply = kernel.run(cell, PROGRAM.format(body=body))
+    assert reply["status"] == "ok", reply
+
+
+def expect(kernel: Kernel, words: str) -> None:
+    reply = kernel.run("look", f"assert {words!r} in repr(feed.programs.current), repr(feed.programs.current)")
+    assert reply["status"] == "ok", reply
+
+
+def expect_zero(kernel: Kernel, since: float, within: float = WITHIN) -> None:
+    """The robot gets zero in time after a moment, and nothing else afterwards."""
+    wait_for(lambda: 0.0 in kernel.heard_since(since), "the robot gets zero", 5.0)
+    first = next(at for at, linear, _ in kernel.heard if at >= since and linear == 0.0)
+    assert first - since < within
+    time.sleep(0.3)  # six steps, none of which may drive
+    assert {linear for at, linear, _ in kernel.heard if at > first} <= {0.0}
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("    return 1 / 0", "failed: line 3: ZeroDivisionError: division by zero"),
+        ("    raise SystemExit('out')", "failed: line 3: SystemExit: out"),
+        ("    return 0.3", "failed: avoid: TypeError: expected a step to return Drive(linear, angular), or None"),
+        ("    return Drive(float('nan'))", "failed: line 3: ValueError: linear: expected a finite number of m/s"),
+        ("    while not over: pass", "failed: line 3: a step has not returned for half a second, and was abandoned"),
+        ("    while not over: feed.drive(0.3)", "failed: line 3: a step has not returned for half a second"),
+        ("    while not over: time.sleep(0.1)", "failed: line 3: a step has not returned for half a second"),
+        ("    return feed.programs.current.pause()", "paused"),
+        ("    feed.stopped = True", "stop is latched"),
+        ("    return nowhere", "NameError: name 'nowhere' is not defined"),
+    ],
+)
+def test_the_robot_gets_zero_and_the_next_version_runs(kernel: Kernel, body: str, words: str) -> None:
+    since = time.monotonic()
+    run(kernel, body)
+    expect_zero(kernel, since, WITHIN + 0.05)  # a step of the version before comes first
+    expect(kernel, words)
+    run(kernel, "    return Drive(0.1)")
+    kernel.run("allow", "feed.stopped, over = False, True")
+    since = time.monotonic()
+    wait_for(lambda: kernel.heard_since(since)[-3:] == [0.1] * 3, "the next version drives")
+
+
+def test_an_interrupt_between_cells_and_in_one_stops_the_robot(kernel: Kernel) -> None:
+    since = time.monotonic()
+    kernel.manager.interrupt_kernel()
+    expect_zero(kernel, since)
+    expect(kernel, "paused")
+    busy = kernel.start("busy", "avoid.run()\nwhile True: time.sleep(0.01)")
+    wait_for(lambda: kernel.heard[-1][1] == 0.3, "it drives beside a busy cell")
+    since = time.monotonic()
+    kernel.manager.interrupt_kernel()
+    assert kernel.end_of(busy)["ename"] == "KeyboardInterrupt"
+    expect_zero(kernel, since)
+
+
+def test_a_cell_with_a_syntax_error_leaves_the_program_as_it_is(kernel: Kernel) -> None:
+    since = time.monotonic()
+    assert kernel.run("avoid", PROGRAM.format(body="    return Drive(0.1"))["ename"] == "SyntaxError"
+    assert kernel.run("other", "1 / 0")["ename"] == "ZeroDivisionError"
+    assert kernel.run("avoid", PROGRAM.replace("scan", "scn").format(body=GOOD))["ename"] == "TypeError"
+    wait_for(lambda: len(kernel.heard_since(since)) > 5, "the version before goes on")
+    assert set(kernel.heard_since(since)) == {0.3}
+    expect(kernel, "version 1, running")
+
+
+def test_a_hundred_redefinitions_some_in_the_middle_of_a_step_leave_no_gap(kernel: Kernel) -> None:
+    since = time.monotonic()
+    many = "for i in range(100):\n" + indent(PROGRAM.format(body="    time.sleep(0.02); return Drive(0.2)"), "    ")
+    assert kernel.run("many", many + "    time.sleep(0.013)\n")["status"] == "ok"
+    run(kernel, "    return Drive(0.1)")
+    wait_for(lambda: kernel.heard_since(since)[-3:] == [0.1] * 3, "the newest drives")
+    assert 0.0 not in kernel.heard_since(since)
+    count = """
+import threading
+assert avoid.version.number == 102
+assert sum("robowidgets-program" in thread.name for thread in threading.enumerate()) == 1
+"""
+    wait_for(lambda: kernel.run("count", count)["status"] == "ok", "no thread of an old version is left")
+
+
+def test_functions_that_it_calls_may_be_redefined_and_what_it_keeps_survives(kernel: Kernel) -> None:
+    kernel.run("helper", "def wanted(state): return 0.21")
+    run(kernel, "    state.steps = state.get('steps', 0) + 1; return Drive(wanted(state))")
+    wait_for(lambda: kernel.heard[-1][1] == 0.21, "it calls the function")
+    kernel.run("helper", "def wanted(state): return 0.22 if state.steps > 1 else 0.0")
+    wait_for(lambda: kernel.heard[-1][1] == 0.22, "it calls the new one")
+    run(kernel, "    return Drive(0.23 if state.steps > 1 else 0.0)")
+    wait_for(lambda: kernel.heard[-1][1] == 0.23, "the next version has the state")
+
+
+def test_what_lies_beyond_the_limits_is_cut_and_said(kernel: Kernel) -> None:
+    run(kernel, "    return Drive(7.0, 90)")
+    wait_for(lambda: kernel.heard[-1][1:] == (0.5, 1.0), "it is cut")
+    assert kernel.run("look", "assert '7 m/s is cut to 0.5' in feed.drive_status")["status"] == "ok"
+
+
+def test_another_program_takes_the_place_of_the_first(kernel: Kernel) -> None:
+    reply = kernel.run("other", "@feed.program(rate=20)\ndef follow(scan):\n    return Drive(0.1)\n")
+    assert reply["status"] == "ok"
+    since = time.monotonic()
+    wait_for(lambda: len(kernel.heard_since(since)) > 10, "the second one drives")
+    assert set(kernel.heard_since(since)) == {0.1}
+    assert kernel.run("look", "assert avoid.mode == 'ended' and 'follow' in avoid.note, avoid.note")["status"] == "ok"
+
+
+def test_two_robots_have_a_program_each_and_one_that_hangs_harms_only_its_own(kernel: Kernel) -> None:
+    second = """
+robot = feeds.simulator(hz=20, wander=False)
+robot.driving = feeds.Driving(hold=60.0)
+@robot.program(rate=20)
+def hang(scan):
+    while True: robot.drive(0.11)
+"""
+    assert kernel.run("second", second)["status"] == "ok"
+    wait_for(lambda: 0.11 in kernel.heard_since(0.0), "the second robot moves")
+    wait_for(lambda: kernel.heard_since(0.0)[-20:].count(0.3) == 20, "only the first drives on")
+    assert kernel.run("close", "assert 'abandoned' in hang.error; robot.close()")["status"] == "ok"
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "feed.close()",
+        "feed.on_lost('no route', 1.0)",
+        "feed.driving = feeds.Driving(hold=0.5, needs_page=True)",
+        "feed._middleware.unsubscribe('/scan')",
+    ],
+)
+def test_a_robot_that_is_closed_lost_blind_or_unseen_gets_zero(kernel: Kernel, cell: str) -> None:
+    since = time.monotonic()
+    assert kernel.run("fault", cell)["status"] == "ok"
+    expect_zero(kernel, since)
+
+
+def test_the_end_of_the_kernel_leaves_the_robot_at_zero(kernel: Kernel) -> None:
+    kernel.manager.shutdown_kernel()
+    assert kernel.heard[-1][1] == 0.0

@@ -1,0 +1,254 @@
+"""Programs: what a step gets, what becomes of what it returns, and what a person sees and sets."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from robowidgets import SAMPLE, feeds
+from robowidgets.behaviors import Drive
+from robowidgets.feeds import Advert, Feed, FeedError
+from robowidgets.samples import Scan, Speed, Touch
+
+from ..feeds.scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
+from ..waiting import wait_for
+
+BUMPER = Advert("/bumper", "kobuki_msgs/msg/BumperEvent")
+
+
+@pytest.fixture
+def script() -> Scripted:
+    return Scripted(SCAN, ODOM, BUMPER, IMU, CMD_VEL)
+
+
+@pytest.fixture
+def robot(script: Scripted) -> Iterator[Feed]:
+    with Feed(script) as feed:
+        yield feed
+
+
+def test_a_step_gets_what_it_names_and_its_speed_is_sent(robot: Feed, script: Scripted) -> None:
+    got: list[tuple[Any, ...]] = []
+
+    @robot.program(rate=100, imu="/imu")
+    def look(scan, speed, touch, imu, time, state, variables, kept=3):  # type: ignore[no-untyped-def]
+        got.append((scan, speed, touch, imu, time, kept))
+        return Drive(0.2, -0.1)
+
+    messages: dict[str, Any] = {"/scan": scan(1.5), "/odom": twist(0.2), "/bumper": {"bumper": 0, "state": 1}}
+    for topic, message in messages.items():
+        script.listener.on_message(topic, message)
+    wait_for(lambda: look.waiting == "waiting for /imu", "it says what is missing")
+    script.listener.on_message("/imu", {"w": 1.0})
+    wait_for(lambda: script.speeds[:1] == [(0.2, -0.1)], "its speed is sent")
+    assert [type(one) for one in got[0]] == [Scan, Speed, Touch, dict, float, int]
+    assert look(1, 2, 3, 4, 5, 6, 7) == Drive(0.2, -0.1)
+
+
+def test_on_a_topic_there_is_one_step_for_each_message(robot: Feed, script: Scripted) -> None:
+    got: list[float] = []
+
+    @robot.program(on="/scan")
+    def look(scan):  # type: ignore[no-untyped-def]
+        got.append(float(scan.ranges[0]))
+
+    for distance in (1.0, 2.0, 3.0):
+        script.listener.on_message("/scan", scan(distance))
+        wait_for(lambda d=distance: got[-1:] == [d], "it steps")  # type: ignore[misc]
+    assert got == [1.0, 2.0, 3.0]
+    assert look.steps == 3
+
+
+def test_a_bump_between_two_steps_is_not_lost(robot: Feed, script: Scripted) -> None:
+    got: list[Any] = []
+
+    @robot.program(rate=100)
+    def look(touch):  # type: ignore[no-untyped-def]
+        got.append(touch.touched["left"])
+
+    for state in (0, 1, 0):
+        script.listener.on_message("/bumper", {"bumper": 0, "state": state})
+    wait_for(lambda: True in got and got[-1] is False, "the touch is seen once, and then the release")
+
+
+def test_none_keeps_the_speed_and_zero_follows_the_last_scan(robot: Feed, script: Scripted) -> None:
+    returned: list[Any] = [Drive(0.2), None]
+
+    @robot.program(rate=100)
+    def go(scan):  # type: ignore[no-untyped-def]
+        return returned.pop(0) if len(returned) > 1 else None
+
+    until = time.monotonic() + 0.7
+    while time.monotonic() < until:
+        script.listener.on_message("/scan", scan(1.0))
+        time.sleep(0.02)
+    assert len(script.speeds) > 20
+    assert set(script.speeds) == {(0.2, 0.0)}
+    wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "no scan comes any more")
+    assert go.waiting == "no scan comes on /scan any more"
+    assert go.mode == "running"
+
+
+def test_a_hand_outranks_a_program_which_goes_on_after_it(robot: Feed, script: Scripted) -> None:
+    @robot.program(rate=50)
+    def go():  # type: ignore[no-untyped-def]
+        return Drive(0.2)
+
+    wait_for(lambda: (0.2, 0.0) in script.speeds, "it drives")
+    robot.watchdog.take("press")
+    wait_for(lambda: "a hand drives" in go.waiting, "it says who drives")
+    count = len(script.speeds)
+    robot.driver.drive_by_hand(0.1, 0.0, "press")
+    wait_for(lambda: script.speeds[count:], "the hand drives")
+    assert set(script.speeds[count:]) == {(0.1, 0.0)}
+    robot.watchdog.let_go("press")
+    wait_for(lambda: script.speeds[-1] == (0.2, 0.0), "it drives again")
+
+
+def test_paused_it_makes_single_steps(robot: Feed, script: Scripted) -> None:
+    @robot.program(rate=100)
+    def count(state):  # type: ignore[no-untyped-def]
+        state.n = state.get("n", 0) + 1
+        return Drive(state.n / 1000)
+
+    wait_for(lambda: count.steps > 3, "it runs")
+    count.pause()
+    wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "zero is sent")
+    before = count.state.n
+    count.step()
+    wait_for(lambda: script.speeds[-1] == ((before + 1) / 1000, 0.0), "one step drives")
+    wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "its speed ends with the hold")
+    assert (count.mode, count.state.n) == ("paused", before + 1)
+    count.run()
+    wait_for(lambda: count.state.n > before + 3, "it goes on")
+
+
+def test_a_replaced_step_that_comes_back_late_moves_nothing(robot: Feed, script: Scripted) -> None:
+    gate, entered, refused = threading.Event(), threading.Event(), []
+
+    def go():  # type: ignore[no-untyped-def]
+        entered.set()
+        gate.wait(20.0)
+        try:
+            robot.drive(0.4)
+        except FeedError as error:
+            refused.append(str(error))
+        return Drive(0.5)
+
+    robot.program(go)
+    assert entered.wait(20.0)
+
+    def newer():  # type: ignore[no-untyped-def]
+        return Drive(0.1)
+
+    newer.__qualname__ = newer.__name__ = go.__qualname__
+    program = robot.program(newer)
+    wait_for(lambda: script.speeds[-1:] == [(0.1, 0.0)], "the new version drives")
+    gate.set()
+    wait_for(lambda: refused, "the old one comes back")
+    steps = program.steps
+    wait_for(lambda: program.steps > steps + 2, "a few steps later")
+    assert set(script.speeds) == {(0.1, 0.0)}
+    assert program.version.number == 2
+
+
+def test_what_it_prints_is_kept_and_what_others_print_is_not(robot: Feed, capsys: pytest.CaptureFixture[str]) -> None:
+    @robot.program(rate=100)
+    def talk(state):  # type: ignore[no-untyped-def]
+        state.n = state.get("n", 0) + 1
+        if state.n <= 4:
+            sys.stdout.write(f"step {state.n}\n")
+
+    wait_for(lambda: talk.steps > 5, "it runs")
+    sys.stdout.write("from outside\n")
+    assert [text for _, text in talk.prints.lines] == ["step 2", "step 3", "step 4"]
+    assert {"step 4", "from outside"} <= set(capsys.readouterr().out.splitlines())
+
+
+def test_variables_keep_what_was_set_by_hand_until_their_first_value_changes(robot: Feed) -> None:
+    variables = robot.variables
+    variables.slider("near", 0.6, 0.2, 2.0, "m")
+    variables.go = True
+    variables.set("near", 5)
+    assert variables.near == 2.0
+    variables.slider("near", 0.6, 0.2, 1.5, "m")
+    assert variables.near == 1.5
+    variables.slider("near", 0.7, 0.2, 1.5)
+    assert variables.near == 0.7
+    with pytest.raises(TypeError, match="go: expected True or False"):
+        variables.set("go", 1)
+    with pytest.raises(ValueError, match="near: expected a finite number"):
+        variables.set("near", float("nan"))
+    with pytest.raises(AttributeError, match=r"no variable 'far': there are near, go; variables.far = 0.5 makes one"):
+        _ = variables.far
+    with pytest.raises(ValueError, match="expected low <= value <= high, got 1, 3, 2"):
+        variables.slider("wide", 3, 1, 2)
+
+
+@pytest.mark.parametrize(
+    ("define", "error", "words"),
+    [
+        (lambda robot: robot.program(lambda scn: scn), TypeError, "asks for 'scn'; .* did you mean scan"),
+        (lambda robot: robot.program(lambda *a: a), TypeError, "expected parameters with names, such as scan"),
+        (lambda robot: robot.program(3), TypeError, "expected a function that returns a Drive, got 3"),
+        (lambda robot: robot.program(lambda: None, rate=0), ValueError, "rate: expected steps a second, above 0"),
+        (lambda robot: robot.program(lambda: None, rate=1, on="/scan"), TypeError, "got both"),
+        (lambda robot: robot.program(lambda: None, imu="/imu"), TypeError, "no parameter 'imu' for it"),
+    ],
+)
+def test_a_program_that_can_never_run_is_refused(robot: Feed, define: Any, error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        define(robot)
+    assert robot.programs.current is None
+
+
+def test_of_several_scanners_one_must_be_named(script: Scripted) -> None:
+    script = Scripted(SCAN, SCAN._replace(name="/rear"), CMD_VEL)
+    with Feed(script) as robot:
+
+        @robot.program(rate=100)
+        def go(scan):  # type: ignore[no-untyped-def]
+            return Drive(0.1)
+
+        words = "2 topics have a scan: /scan, /rear; name one: program(scan='/scan')"
+        wait_for(lambda: go.waiting == words, "it asks")
+        script.listener.on_message("/rear", scan(1.0))
+        robot.program(go.version.function, rate=100, scan="/rear")
+        script.listener.on_message("/rear", scan(1.0))
+        wait_for(lambda: script.speeds[-1:] == [(0.1, 0.0)], "it drives by the one that was named")
+
+
+def test_the_same_program_runs_on_a_recording_beside_what_was_driven() -> None:
+    with feeds.recording(SAMPLE, speed=4) as robot:
+        view = robot.show()
+
+        @robot.program(rate=20)
+        def avoid(scan, touch, speed):  # type: ignore[no-untyped-def]
+            return Drive(0.2) if scan.distance("front") > 0.6 else Drive(0, 0.8)
+
+        wait_for(lambda: avoid.steps > 3, "it steps")
+        wait_for(lambda: any("your program" in topic.name for topic in robot.topics), "its speeds are listed")
+        assert "/odom" in view.widgets
+        wait_for(lambda: avoid.error == "" and robot.watchdog.sent != (0.0, 0.0), "it drives")
+
+
+def test_a_step_costs_less_than_a_fifth_of_a_millisecond_of_the_processor(robot: Feed, script: Scripted) -> None:
+    took: list[float] = []
+
+    @robot.program(rate=200)
+    def go(scan, variables):  # type: ignore[no-untyped-def]
+        took.append(time.thread_time())
+        return Drive(0.1)
+
+    until = time.monotonic() + 0.5
+    while time.monotonic() < until:
+        script.listener.on_message("/scan", scan(1.0))
+        time.sleep(0.01)
+    steps = sorted(later - earlier for earlier, later in pairwise(took))
+    assert steps[len(steps) // 4] < 0.0002, steps
