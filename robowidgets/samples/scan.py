@@ -171,6 +171,25 @@ class Scan(HasAge):
     def __iter__(self) -> Iterator[Ray]:
         return (self[i] for i in range(len(self)))
 
+    def __sub__(self, other: Scan) -> NDArray[np.float32]:
+        """How much farther each ray goes than in another scan, in metres, shape (R,).
+
+        Each ray counts as in `distance`: 0 where it is too close, inf where it meets nothing, NaN where that is
+        unknown. So the difference is inf where nothing is met any more, -inf where nothing was met before, 0 where
+        nothing is met in both, and NaN where one of them is unknown. Rays are compared by index where both scans have
+        the same angles; else by angle, with the closest ray of the other scan, and NaN where it has none within half
+        a step.
+        """
+        if not isinstance(other, Scan):
+            return NotImplemented
+        now, then = ray_distances(self.ranges, self), ray_distances(other.ranges, other)
+        if len(self) != len(other) or not np.allclose(self.angles, other.angles, rtol=0, atol=ANGLE_ROUNDING):
+            found = indices_at(other, self.angles)
+            # Where no ray points there, the index is -1: the NaN that is appended.
+            then = np.append(then, np.float32(np.nan))[found]
+        with np.errstate(invalid="ignore"):
+            return np.where(now == then, np.float32(0), now - then).astype(np.float32)
+
     def again(
         self,
         ranges: ArrayLike,
@@ -393,6 +412,16 @@ def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32
 def inside(like: Scan, sector: Asked | None) -> NDArray[np.bool_]:
     """Whether each ray of scans with the same angles lies in a sector, shape (R,)."""
     return np.ones(len(like), bool) if sector is None else in_sector(like.angles, to_sector(sector))
+
+
+def indices_at(like: Scan, angles: NDArray[np.float64]) -> NDArray[np.intp]:
+    """The index of the ray that points closest to each angle in radians; -1 more than half a step outside the sweep."""
+    step = abs(like.angle_increment) or 2 * pi
+    turned = (angles - like.angle_min) * (-1 if like.angle_increment < 0 else 1) % (2 * pi)
+    index = np.rint(turned / step)
+    to_first = 2 * pi - turned
+    is_ray = (index < len(like)) & (np.abs(turned - index * step) <= to_first)
+    return np.where(is_ray, index, np.where((to_first <= step / 2) & (len(like) > 0), 0, -1)).astype(np.intp)
 
 
 def distances(

@@ -42,7 +42,7 @@ DOT = 3
 SECONDS = 10
 _TURNS = {"up": 90, "left": 180, "down": -90, "right": 0}
 _READ = """(card) => {
-    const layers = [...card.querySelectorAll(".rw-layer")];
+    const layers = [...card.querySelectorAll(".rw-picture .rw-layer")];
     const { width, height } = layers[0].getBoundingClientRect();
     const background = getComputedStyle(card).backgroundColor;
     return { width, height, background, urls: layers.map((layer) => layer.toDataURL()) };

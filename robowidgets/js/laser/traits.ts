@@ -46,4 +46,10 @@ export interface LaserTraits extends SampleTraits {
   angle_unit: AngleUnit;
   /** Whether the pop-up of the pinned ray shows how its angle is worked out. */
   formula: boolean;
+  /** The frame of a pinned scan; empty without one. */
+  _ghost: DataView;
+  /** How many scans before the one on show; 0: none. */
+  _ghost_ago: number;
+  /** The name of the model of another laser widget; empty: none. */
+  _ghost_of: string;
 }

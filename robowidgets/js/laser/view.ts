@@ -1,5 +1,5 @@
 import { type Surface, watchSize } from "../shared/canvas.ts";
-import { boxWithin, make, makeButton, setText } from "../shared/dom.ts";
+import { boxWithin, make, makeButton, makeIcon, setLabel, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
@@ -9,6 +9,8 @@ import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { ConditionLayer } from "./condition_layer.ts";
 import { watchGestures } from "./gestures.ts";
+import { Ghost } from "./ghost.ts";
+import { GhostLayer } from "./ghost_layer.ts";
 import { GuideLayer } from "./guide_layer.ts";
 import { HighlightLayer } from "./highlight_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
@@ -24,6 +26,9 @@ import { Strip } from "./strip.ts";
 import type { LaserTraits } from "./traits.ts";
 import { stepRange } from "./zoom.ts";
 
+const GHOST =
+  "M6 .5a4.3 4.3 0 0 0-4.3 4.3v6.7l1.5-1.2 1.4 1.2 1.4-1.2 1.4 1.2 1.4-1.2 1.5 1.2V4.800A4.300 4.300 0 0 0 6 .5z";
+
 /** One view of a laser widget: it wires the card, the layers, the legend and the gestures together. */
 export class LaserView implements Host {
   readonly model: Model<LaserTraits>;
@@ -38,6 +43,8 @@ export class LaserView implements Host {
   readonly #empty = make("div", "rw-empty");
   readonly #range = make("span", "rw-range");
   readonly #fit: HTMLButtonElement;
+  readonly #pin: HTMLButtonElement;
+  readonly #ghost: Ghost;
   readonly #tell: () => void;
   #strip: { view: Strip; end: AbortController } | null = null;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
@@ -55,8 +62,10 @@ export class LaserView implements Host {
     picture.role = "application";
     this.#scene = new Scene(model, picture);
     this.#legend = new Legend(footer, model, signal);
+    this.#ghost = new Ghost(model, stream, this.redraw, signal);
     this.#layers = [
       new GuideLayer(model, this.#scene.measure),
+      new GhostLayer(this.#ghost),
       new ConditionLayer(stream),
       new ReadingLayer(model),
       new ShapeLayer(this),
@@ -70,7 +79,9 @@ export class LaserView implements Host {
     const closer = makeButton("rw-zoom", "Zoom in (+)", () => this.onZoom(-1), signal, "+");
     const farther = makeButton("rw-zoom", "Zoom out (\u2212)", () => this.onZoom(1), signal, "\u2212");
     this.#fit = makeButton("rw-fit", "Fit the view to readings", () => this.#onFit(), signal, "Fit");
-    this.card.addControls(farther, this.#range, closer, this.#fit);
+    this.#pin = makeButton("rw-pin", "", () => this.#ghost.toggle(), signal);
+    this.#pin.append(makeIcon(GHOST));
+    this.card.addControls(farther, this.#range, closer, this.#fit, this.#pin);
 
     stream.listen(this.redraw, signal);
     onChange(model, [...SETTINGS, "index_view", ...this.#layers.flatMap(({ traits }) => traits)], this.redraw, signal);
@@ -131,12 +142,15 @@ export class LaserView implements Host {
     setText(this.#range, scan ? toShortMetres(this.#viewRange) : "");
     this.#fit.ariaPressed = String(this.model.get("view_range") === "data");
     for (const layer of [...this.#layers].reverse()) layer.place?.(this.stage);
-    this.#drawStrip();
+    const hasGhost = this.#ghost.isSet;
+    this.#pin.ariaPressed = String(hasGhost);
+    setLabel(this.#pin, hasGhost ? "Remove the ghost (g)" : "Keep this scan as a ghost to compare with (g)");
+    this.#drawStrip(hasGhost);
   }
 
-  /** Draws the index view, if there is one; makes and removes it as the trait says. */
-  #drawStrip(): void {
-    if (this.model.get("index_view") === (this.#strip !== null)) {
+  /** Draws the index view: while the trait asks for it, and below a ghost, whose difference it shows. */
+  #drawStrip(hasGhost: boolean): void {
+    if ((this.model.get("index_view") || hasGhost) === (this.#strip !== null)) {
       this.#strip?.view.draw();
     } else if (this.#strip) {
       this.#strip.end.abort();

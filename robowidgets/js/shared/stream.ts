@@ -139,6 +139,17 @@ export class Stream<F extends Frame> {
     return this.#history.moments.map(({ about, bytes }) => ({ about, sequence: sequenceOf(bytes) }));
   }
 
+  /** The bytes of the frame to draw; null before the first. */
+  get bytes(): DataView | null {
+    return this.#shownBytes();
+  }
+
+  /** The frame that came so many samples before the one to draw, or the next older one; null where none is kept. */
+  before(count: number): DataView | null {
+    const last = (this.shown?.sequence ?? NaN) - count;
+    return this.#history.moments.filter(({ bytes }) => sequenceOf(bytes) <= last).at(-1)?.bytes ?? null;
+  }
+
   toggle(): void {
     const paused = !this.paused;
     setTraits(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });

@@ -1,7 +1,7 @@
 import { on, onAbort } from "./events.ts";
 
 /** Variables `--rw-...` of the stylesheet, with values for light and dark. */
-const NAMES = ["ink", "muted", "line", "guide", "area", "reading", "pointer", "own", "touch", "mono"] as const;
+const NAMES = ["ink", "muted", "line", "guide", "ghost", "area", "reading", "pointer", "own", "touch", "mono"] as const;
 
 /** The colours and fonts of the picture. */
 export type Theme = Record<(typeof NAMES)[number] | "background" | "font", string> & { dark: boolean };

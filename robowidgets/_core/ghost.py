@@ -1,0 +1,67 @@
+"""The scan that a laser widget keeps in the background, to compare the live one with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import traitlets
+
+from ..samples import Scan
+from .robot_widget import FRAME_HEADER
+from .traits import bytes_trait
+
+
+class HasGhost(traitlets.HasTraits):
+    """A laser widget with a scan to compare with: pinned, some scans ago, or that of another widget."""
+
+    _ghost = bytes_trait()
+    """The frame of the pinned scan; empty without one. Python and the view write it."""
+    _ghost_ago = traitlets.Int(0, min=0, help="How many scans before the one on show; 0: none.").tag(sync=True)
+    _ghost_of = traitlets.Unicode(help="The model of another laser widget; empty: none.").tag(sync=True)
+
+    _ghost_widget: HasGhost | None = None
+
+    @property
+    def ghost(self) -> Any:
+        """What the scan on show is compared with: gray dots under it, and the difference in the index view.
+
+        Settable: a `Scan`, such as ``laser.scan``, stays as it is. A whole number is the scan so many before the one
+        on show. Another laser widget is the scan that it shows. None: no ghost. The view pins scans, too.
+
+        Raises:
+            TypeError: it is none of these. ValueError: a number below 1, or the widget itself.
+        """
+        if self._ghost_of:
+            return self._ghost_widget
+        if self._ghost_ago:
+            return self._ghost_ago
+        return self._unpack(self._ghost) if self._ghost else None  # type: ignore[attr-defined]  # of the widget
+
+    @ghost.setter
+    def ghost(self, value: Any) -> None:
+        frame, ago, other = b"", 0, None
+        if isinstance(value, Scan):
+            frame = self._frame_to_keep(value)
+        elif isinstance(value, HasGhost):
+            if value is self:
+                raise ValueError("ghost: expected another laser widget, got this one")
+            other = value
+        elif isinstance(value, int) and not isinstance(value, bool):
+            if value < 1:
+                raise ValueError(f"ghost: expected how many scans ago, 1 or more, got {value}")
+            ago = value
+        elif value is not None:
+            raise TypeError(
+                f"ghost: expected a Scan, how many scans ago, another laser widget or None, got {repr(value)[:60]}"
+            )
+        self._ghost_widget = other
+        with self.hold_trait_notifications():
+            self._ghost, self._ghost_ago = frame, ago
+            self._ghost_of = "" if other is None else other.model_id  # type: ignore[attr-defined]  # of the widget
+
+    def _frame_to_keep(self, scan: Scan) -> bytes:
+        """A frame of a scan; with the number of the newest one if it is that, so that the page knows its age."""
+        widget: Any = self
+        number = float(widget._sequence) if scan is widget._newest else 0.0
+        head = FRAME_HEADER.pack(number, float("nan"), scan.stamp_ns or 0, scan._arrived)
+        return head + bytes(widget._pack(scan))

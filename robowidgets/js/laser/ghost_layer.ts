@@ -1,0 +1,153 @@
+import { write } from "../shared/canvas.ts";
+import { toFixed } from "../shared/format.ts";
+import type { Theme } from "../shared/theme.ts";
+import { difference, distanceOf, largest, matchRays } from "./difference.ts";
+import type { Ghost } from "./ghost.ts";
+import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
+import { toPixel } from "./projection.ts";
+import { angleOf, READING, type Scan } from "./scan.ts";
+
+/** Radius of a dot in pixels. */
+const DOT = 1;
+/** Pixels; a shorter difference is not seen. */
+const SHORT = 3;
+
+/** The scan that the one on show is compared with: gray dots under it, and the difference over the index. */
+export class GhostLayer implements Layer {
+  readonly traits = ["_ghost", "_ghost_ago"] as const;
+  readonly #ghost: Ghost;
+
+  constructor(ghost: Ghost) {
+    this.#ghost = ghost;
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    const { scan } = this.#ghost;
+    if (!scan) return {};
+    return { ghost: (context, stage, theme) => drawGhost(context, stage, scan, theme) };
+  }
+
+  strip(): Partial<Record<Depth, StripPainter>> {
+    const then = this.#ghost.scan;
+    if (!then) return {};
+    const { words } = this.#ghost;
+    return {
+      ghost: (context, strip, theme) => {
+        if (strip.scan) drawDifference(context, strip, strip.scan, then, theme);
+      },
+      words: (context, strip, theme) => {
+        if (strip.scan) drawWords(context, strip, strip.scan, difference(strip.scan, then), words, theme);
+      },
+    };
+  }
+
+  onKey({ key }: KeyboardEvent): boolean {
+    if (key !== "g") return false;
+    this.#ghost.toggle();
+    return true;
+  }
+}
+
+function drawGhost(context: CanvasRenderingContext2D, { projection, occupied }: Stage, scan: Scan, theme: Theme): void {
+  context.fillStyle = theme.ghost;
+  context.beginPath();
+  for (let i = 0; i < scan.count; i++) {
+    const range = scan.ranges[i] as number;
+    if (scan.kinds[i] !== READING || range > projection.viewRange) continue;
+    const { x, y } = toPixel(projection, range, angleOf(scan, i));
+    context.moveTo(x + DOT, y);
+    context.arc(x, y, DOT, 0, 2 * Math.PI);
+    occupied.mark(x, y);
+  }
+  context.fill();
+}
+
+/** Dots of the other scan at the same rays, and a line from each to that of now. */
+function drawDifference(
+  context: CanvasRenderingContext2D,
+  { viewRange, xOf, yOf }: StripStage,
+  now: Scan,
+  then: Scan,
+  theme: Theme,
+): void {
+  const match = matchRays(now, then);
+  const seen = (scan: Scan, index: number) => {
+    const metres = index < 0 ? NaN : distanceOf(scan, index);
+    return metres <= viewRange ? yOf(metres) : NaN;
+  };
+  context.beginPath();
+  const dots: [number, number][] = [];
+  for (let i = 0; i < now.count; i++) {
+    const [x, a, b] = [xOf(i), seen(now, i), seen(then, match(i))];
+    if (Number.isNaN(b)) continue;
+    dots.push([x, b]);
+    if (Math.abs(a - b) < SHORT || Number.isNaN(a)) continue;
+    context.moveTo(x, a);
+    context.lineTo(x, b);
+  }
+  context.globalAlpha = 0.25;
+  context.strokeStyle = theme.ghost;
+  // Of neighbours without gaps, which would make stripes.
+  context.lineWidth = Math.max(1, 1.2 * (xOf(1) - xOf(0)));
+  context.stroke();
+  context.globalAlpha = 1;
+  context.fillStyle = theme.ghost;
+  for (const [x, y] of dots) context.fillRect(x - DOT, y - DOT, 2 * DOT, 2 * DOT);
+}
+
+/** "−0.32 m at [568]", of the largest difference. */
+export function largestWords(differences: Float32Array): string {
+  const index = largest(differences);
+  const value = differences[index] ?? 0;
+  return index < 0 ? "" : `${value > 0 ? "+" : ""}${toFixed(value, 2)} m at [${index}]`;
+}
+
+/** Under the strip: what is gray, and the largest difference, which is marked in the plot. */
+function drawWords(
+  context: CanvasRenderingContext2D,
+  { box, size, viewRange, xOf, yOf }: StripStage,
+  now: Scan,
+  differences: Float32Array,
+  source: string,
+  theme: Theme,
+): void {
+  const index = largest(differences);
+  if (index >= 0) {
+    const metres = distanceOf(now, index);
+    const [top, bottom] = [metres, metres - (differences[index] as number)]
+      .map((one) => yOf(Math.min(viewRange, one)))
+      .sort((a, b) => a - b) as [number, number];
+    const x = xOf(index);
+    context.fillStyle = theme.ink;
+    context.fillRect(x - 0.75, top, 1.5, bottom - top);
+    for (const y of [top, bottom]) context.fillRect(x - 3.5, y - 0.75, 7, 1.5);
+  }
+  const most = largestWords(differences);
+  const font = `11px ${theme.font}`;
+  context.font = font;
+  const parts: [string, string][][] = [
+    [
+      ["\u25a0 ", theme.reading],
+      ["now  ", theme.muted],
+      ["\u25cf ", theme.ghost],
+      [source, theme.muted],
+      [most && " \u00b7 largest ", theme.muted],
+      [most, theme.ink],
+    ],
+    [
+      ["\u25cf ", theme.ghost],
+      [source, theme.muted],
+      [most && " \u00b7 ", theme.muted],
+      [most, theme.ink],
+    ],
+    [[most || source, theme.ink]],
+  ];
+  const widthOf = (texts: [string, string][]) => context.measureText(texts.map(([text]) => text).join("")).width;
+  // The words at the ends stand beside it.
+  const texts = parts.find((one) => widthOf(one) <= box.width - 130) ?? [];
+  let x = box.x + box.width / 2 - widthOf(texts) / 2;
+  for (const [text, color] of texts) {
+    write(context, text, x, size.height - 8, color, font, "left");
+    x += context.measureText(text).width;
+  }
+}
