@@ -16,7 +16,8 @@ import robowidgets
 from robowidgets import SAMPLE, LaserWidget, Scan
 from robowidgets._core.pacer import pacer
 
-from .chromium import shoot
+from . import firefox
+from .chromium import SCREENSHOTS, shoot
 
 HOSTILE = "</script><img src=x onerror=alert(1)><script>alert(2)</script>"
 MARKS = [(12.0, 12.5, HOSTILE), (16.5, 16.5, "turn")]
@@ -184,3 +185,27 @@ def test_a_browser_that_cannot_unpack_says_so_over_the_first_samples(offline: Ca
     expect(text).to_contain_text("10.300 s  /scan")
     page = offline(file, java_script_enabled=False)
     expect(page.locator(".rw-page-text")).to_contain_text("This page has not started")
+
+
+@pytest.mark.skipif(firefox.found() is None, reason="Firefox is not installed: apt-get install firefox-esr")
+def test_a_page_plays_in_firefox(file: Path, tmp_path: Path) -> None:
+    with firefox.running(tmp_path) as browser:
+        browser.open(file)
+        nearest = 'return document.querySelector(".rw-laser .rw-nearest")?.textContent'
+        browser.wait(nearest)
+        browser.wait('return document.querySelector(".rw-scanogram")?.textContent.includes("97 scans")')
+        assert browser.run('return document.querySelector("h1").textContent') == HOSTILE
+        assert browser.run("return document.images.length") == 0
+        browser.run('document.querySelector(".rw-play-speed").value = "10"')
+        browser.run('document.querySelector(".rw-play-speed").dispatchEvent(new Event("change"))')
+        browser.run('document.querySelector(".rw-play").click()')
+        browser.wait('return document.querySelector(".rw-play-now").textContent === "20.00"')
+        with robowidgets.open(SAMPLE) as recording:
+            moment = recording.at("/scan", 20.0 - 1e-6)
+        assert moment
+        near = moment.sample.nearest()
+        assert f"nearest {near.range:.2f} m" in browser.wait(nearest)
+        assert f"[{near.index}]" in browser.run(nearest)
+        # What the page has loaded beside itself.
+        assert browser.run("return performance.getEntriesByType('resource').map((entry) => entry.name)") == []
+        browser.shoot(SCREENSHOTS / "to-html-firefox.png")
