@@ -42,7 +42,7 @@ class PlayerWidget(anywidget.AnyWidget):
     _targets = traitlets.List(traitlets.Unicode()).tag(sync=True)
     _pauses = traitlets.List(traitlets.Float()).tag(sync=True)
     _followers = traitlets.List(traitlets.Unicode()).tag(sync=True)
-    _first = traitlets.Dict().tag(sync=True, echo_update=False)
+    _first = traitlets.List(traitlets.Dict()).tag(sync=True, echo_update=False)
     _start = traitlets.Float(None, allow_none=True, help="Seconds since the epoch; None: no date.").tag(sync=True)
     _status = traitlets.Unicode().tag(sync=True)
     _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)

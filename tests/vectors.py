@@ -172,7 +172,7 @@ def _segment() -> tuple[bytes, dict[str, Any]]:
     scans = [(0.0, sweeps.scan(sweeps.START_NS, [1.0, 2.0])), (0.5, sweeps.scan(sweeps.START_NS + 1, [1.5, inf]))]
     with tempfile.TemporaryDirectory() as folder:
         player = robowidgets.open(sweeps.write(Path(folder) / "scans", scans)).show()
-        first = player.bar.get_state()["_first"]
+        first = player.bar.get_state()["_first"][0]
         player.close()
     (track,), (abouts,) = first["tracks"], first["abouts"]
     assert len(abouts) == 1

@@ -45,6 +45,10 @@ _SMALL = 1 / 3
 """Part of a scanner's range: a picture whose readings fill less is fitted to them."""
 
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
+HELD_BYTES, HELD_SEGMENTS = 200_000, 30
+"""About the bytes, and the most segments, of a recording in the state of a player, which a saved notebook holds. The
+page gets them at once, and the others from a thread."""
+
 _VIEWER = "660px"
 """Minimum width: Rerun hides its time in less."""
 
@@ -188,10 +192,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.recording.close()
 
     def _make_bar(self, note: str) -> PlayerWidget:
-        """The bar. Its state contains the first segment, which so needs no kernel to be shown."""
+        """The bar. Its state contains the first segments, so that they play without a kernel in a saved notebook."""
         seconds = _first_look(self.recording, self.views)
-        index = int(seconds // SEGMENT)
-        packed = segment([view.track for view in self.views], index)
         start_ns = self.recording.start_ns or 0
         return PlayerWidget(
             duration=self.recording.duration,
@@ -202,13 +204,24 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             _followers=[self.scanogram.model_id] if self.scanogram else [],
             _start=start_ns / 1e9 if has_date(start_ns) else None,
             _note=note,
-            _first={
+            _first=list(self._first_segments(int(seconds // SEGMENT))),
+        )
+
+    def _first_segments(self, index: int) -> Iterator[dict[str, Any]]:
+        """The segments from a number on, as many as a notebook holds, in the form of the page."""
+        tracks, size, first = [view.track for view in self.views], 0, index
+        while True:
+            packed = segment(tracks, index)
+            yield {
                 "segment": index,
                 "drop": [],
                 "abouts": [abouts for abouts, _ in packed],
                 "tracks": [raw for _, raw in packed],
-            },
-        )
+            }
+            size += sum(len(raw) for _, raw in packed)
+            index += 1
+            if size >= HELD_BYTES or index * SEGMENT > self.recording.duration or index - first >= HELD_SEGMENTS:
+                return
 
     @property
     def left_out(self) -> tuple[Any, ...]:

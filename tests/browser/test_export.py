@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -74,7 +75,12 @@ def lacks_a_kernel(page: Page) -> None:
         expect(empty).to_have_text("no kernel in this page")
     player, chip = page.locator(".rw-player"), page.locator(".rw-scanogram-chip:visible")
     player.locator("input").press("End")
-    expect(player.locator(".rw-play-words")).to_have_text("no kernel in this page")
+    expect(player.locator(".rw-play-words")).to_have_text(re.compile(r"no kernel in this page: it has 0 to \d+ s"))
+    player.locator(".rw-play-speed").select_option("10")
+    player.locator(".rw-play").click()
+    expect(player.locator(".rw-play-now")).not_to_have_text("58.00")
+    expect(player.locator(".rw-play")).to_have_attribute("title", "Play (space)")
+    expect(player.locator(".rw-play-words")).to_have_text("")
     for _ in range(9):
         page.locator(".rw-scanogram").first.get_by_role("button", name="Zoom in (+)").click()
     expect(chip).to_have_text("no finer detail: no kernel in this page")

@@ -110,7 +110,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
     marks: [],
     _segment: 1,
     _begin: 0,
-    _first: {},
+    _first: [],
     _pauses: [],
     ...values,
   });

@@ -2,7 +2,7 @@ import { make, makeButton, makeIcon, mount, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toClock, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
-import { lacksKernel, type Model, NO_KERNEL, setTraits } from "../shared/model.ts";
+import { type Model, NO_KERNEL, setTraits } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
@@ -146,8 +146,9 @@ export class PlayerBar {
       this.#play.ariaLabel = this.#play.title;
     }
     this.#loop.ariaPressed = String(this.#model.get("loop"));
-    const waiting = lacksKernel(this.#model) ? NO_KERNEL : "waiting for the kernel";
-    setText(this.#words, this.#model.get("_status") || (waits ? waiting : ""));
+    const { held } = this.#playback;
+    const part = held && `${NO_KERNEL}: it has ${toFixed(held[0], 0)} to ${toFixed(held[1], 0)} s`;
+    setText(this.#words, this.#model.get("_status") || (waits ? (part ?? "waiting for the kernel") : ""));
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(begin, duration);

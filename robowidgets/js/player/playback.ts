@@ -2,7 +2,7 @@ import type { Pointing, ScanogramTraits, Span } from "../scanogram/traits.ts";
 import { toBytes } from "../shared/bytes.ts";
 import { onAbort } from "../shared/events.ts";
 import { markBeside } from "../shared/marks.ts";
-import { type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { SampleTraits } from "../shared/traits.ts";
 import { Prefetcher } from "./prefetch.ts";
@@ -66,8 +66,7 @@ export class Playback {
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
     onChange(model, ["speed", "loop", "selection", "marks", "_status"], () => this.#changed(), signal);
     onMessage(model, (message: Message, buffers) => this.#onMessage(message, buffers), signal);
-    const first = model.get("_first");
-    if (first.tracks) this.#onMessage(first, first.tracks);
+    for (const first of model.get("_first")) this.#onMessage(first, first.tracks);
     moved.then((found) => {
       this.#moved = found;
       for (const follower of found.followers) this.#follow(follower, signal);
@@ -104,11 +103,21 @@ export class Playback {
     return this.#model.get("playing");
   }
 
-  /** The span that is played: the selection while it is looped, else all. */
+  /** The span that is played: the selection while it is looped, else all; without a kernel what the page has of it. */
   get span(): [number, number] {
     const chosen = this.#model.get("selection");
-    const [start, end] = chosen && this.#model.get("loop") ? chosen : [this.begin, this.duration];
-    return [this.#within(start), this.#within(end)];
+    const [start, end] = (chosen && this.#model.get("loop") ? chosen : [this.begin, this.duration]).map((time) =>
+      this.#within(time),
+    ) as Span;
+    const [first, last] = this.held ?? [start, end];
+    // A selection of which the page has nothing is replaced by what it has.
+    return start < last && end > first ? [Math.max(start, first), Math.min(end, last)] : [first, last];
+  }
+
+  /** The span that the page has, where nothing more will come; else null. */
+  get held(): Span | null {
+    const held = lacksKernel(this.#model) ? this.#segments.span : null;
+    return held && [this.#within(held[0]), this.#within(held[1])];
   }
 
   /** Calls back on every change of the player, until the signal aborts. */

@@ -16,6 +16,8 @@ export interface Track {
 }
 
 const ROW = 3;
+/** Seconds; a time at the end of a segment belongs to the next one. */
+const JUST_BEFORE = 1e-6;
 
 /** Reads the frames of a track; docs/frames.md has the layout. */
 export function decodeFrames(bytes: DataView): TimedFrame[] {
@@ -46,6 +48,13 @@ export class Segments {
 
   drop(indices: number[]): void {
     for (const index of indices) this.#tracks.delete(index);
+  }
+
+  /** From the start of the first segment to just before the end of the last; null without any. */
+  get span(): [number, number] | null {
+    const numbers = [...this.#tracks.keys()];
+    if (!numbers.length) return null;
+    return [Math.min(...numbers) * this.#seconds, (Math.max(...numbers) + 1) * this.#seconds - JUST_BEFORE];
   }
 
   has(time: number): boolean {

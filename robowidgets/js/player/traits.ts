@@ -19,8 +19,8 @@ export interface PlayerTraits {
   _pauses: number[];
   /** Names of the models of the widgets that show the time itself. */
   _followers: string[];
-  /** The segment that a page shows first. */
-  _first: Partial<SegmentMessage>;
+  /** The segments that a page shows first; a notebook without a kernel holds no others. */
+  _first: SegmentMessage[];
   /** Seconds since the epoch. */
   _start: number | null;
   /** Why the recording can be read no further; else empty. */

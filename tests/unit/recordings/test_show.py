@@ -232,8 +232,11 @@ def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
     assert player.bar._pauses == [2.0, 2.0, 0.0]
 
 
-def test_the_first_look_is_in_the_state_of_the_bar(player: Player) -> None:
-    first = player.bar._first
+def test_the_first_segments_are_in_the_state_of_the_bar(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
+    numbers = [held["segment"] for held in player.bar._first]
+    assert numbers == list(range(int(player.duration) + 1))
+    monkeypatch.setattr("robowidgets.player.player.HELD_BYTES", 0)
+    (first,) = player._first_segments(0)
     assert first["segment"] == int(player.time)
     assert [len(track) for track in first["tracks"]] == [
         len(raw) for _, raw in segment([view.track for view in player.views], 0)
@@ -301,7 +304,9 @@ def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch)
         assert player.children[0].value == "⚠ /&lt;b&gt;: &lt;script&gt;"
 
 
-def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path) -> None:
+def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Else the bad scan is among what a notebook holds.
+    monkeypatch.setattr("robowidgets.player.player.HELD_BYTES", 0)
     with shown(robot.write(tmp_path / "drive", bad_scan_at=40), scanogram=False) as player:
         told = player.children[0]
         assert (told.value, told.layout.display) == ("", "none")
