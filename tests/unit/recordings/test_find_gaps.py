@@ -82,5 +82,5 @@ class TestTopics:
 
     def test_of_nothing_at_all_are_refused(self, tmp_path: Path) -> None:
         recording = robowidgets.open(topics.write(tmp_path / "x", {}))
-        with pytest.raises(UnknownTopicError, match="x has neither"):
+        with pytest.raises(UnknownTopicError, match="x has no laser scans and no measured speeds"):
             recording.find(conditions.gap(1))
