@@ -6,10 +6,12 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+import pytest
 from playwright.sync_api import Locator, expect
 
 from .chromium import shoot
 from .laser import FAN, SETUP, Picture, Place, eventually, layers, locate
+from .notebook import CellError, Notebook
 from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
@@ -27,7 +29,7 @@ NO_CLIPBOARD = """() => {
 }"""
 
 
-def drag(nb: PlainPage, card: Locator, *points: tuple[float, float], up: bool = True) -> None:
+def drag(nb: PlainPage | Notebook, card: Locator, *points: tuple[float, float], up: bool = True) -> None:
     """Press at the first of some points of the picture, and move over the others."""
     box = card.locator(".rw-picture").bounding_box()
     assert box
@@ -243,3 +245,37 @@ def test_a_sector_runs_across_the_seam_of_any_scanner(plain_page: Callable[..., 
         says(card, "ranges[350:] + ranges[:21]" if step > 0 else "ranges[340:] + ranges[:11]", "2.00 m")
         drag(nb, card, *arc(place, 3.0, 170, 200))
         says(card, "ranges[170:201]" if step > 0 else "ranges[160:191]", "2.00 m")
+
+
+def test_in_a_busy_notebook_a_drag_becomes_code_that_runs_in_the_next_cell(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([FIRST, "import time\nwhile True:\n    time.sleep(0.1)"], run=False)
+    nb.run(0)
+    card = nb.widget(0).locator(".rw-card")
+    place = locate(card)
+    nb.start(1)
+    nb.page.evaluate(CLIPBOARD)
+    drag(nb, card, *arc(place, 3.0, 2, 38))
+    says(card, "ranges[9:14]", "1.68 m")
+    keys = nb.page.keyboard
+    keys.press("Enter")
+    keys.type("door")
+    keys.press("Enter")
+    expect(chip(card)).to_have_attribute("aria-label", "sector door")
+    keys.press("c")
+    eventually(lambda: nb.page.evaluate("() => copied.length"), 1)
+    # Keys were the field's and the picture's, not the notebook's.
+    expect(nb.page.locator(".jp-Notebook .jp-Cell")).to_have_count(2)
+    expect(nb.page.locator(".jp-Notebook.jp-mod-editMode")).to_have_count(0)
+    nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(1)
+    code = nb.page.evaluate("() => copied[0]")
+    assert run_new(nb, f"scan = laser.scan\nprint({code})") == "1.68\n"
+    assert run_new(nb, "print(laser.distance('door'), laser.selection.slice)") == "1.68 slice(9, 14, None)\n"
+
+
+def run_new(nb: Notebook, source: str) -> str:
+    """Run a new cell; what it prints."""
+    index = nb.append(source)
+    nb.run(index)
+    return nb.text(index)
