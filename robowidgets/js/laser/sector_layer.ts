@@ -83,6 +83,7 @@ export class SectorLayer implements Layer {
           for (const angle of [sector.start, sector.end]) {
             const { x, y } = pointAt(stage.projection, rimOf(stage), angle);
             stage.occupied.mark(x, y);
+            stage.edges.push(angle);
           }
         }
       },
