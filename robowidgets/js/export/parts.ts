@@ -11,7 +11,9 @@ export function findParts(kind: string): HTMLElement[] {
 
 /** Inflates a part: a uint32 with the length of a JSON text, that text, and bytes; deflated, in base64. */
 export async function readPart<F>(element: HTMLElement): Promise<Part<F>> {
-  const packed = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
+  const letters = atob(element.textContent);
+  const packed = new Uint8Array(letters.length);
+  for (let i = 0; i < packed.length; i++) packed[i] = letters.charCodeAt(i);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const all = await new Response(stream).arrayBuffer();
   const length = new DataView(all).getUint32(0, true);
