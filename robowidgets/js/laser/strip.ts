@@ -87,7 +87,8 @@ export class Strip {
     };
     const { index, metres } = fromStrip(axes, clientX - left, clientY - top);
     const perPixel = projection.viewRange / projection.radius;
-    const [least, most] = [INNER * perPixel, projection.viewRange - RIM * perPixel];
+    const rim = Math.min(sweep.maxRange, projection.viewRange);
+    const [least, most] = [INNER * perPixel, rim - RIM * perPixel];
     return toPixel(projection, Math.min(most, Math.max(least, metres)), angleOf(sweep, index));
   }
 }
