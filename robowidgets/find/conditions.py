@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from math import inf
+from math import degrees, inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -306,7 +306,8 @@ class _NearestBelow(Condition):
         self._sector = None if sector is None else to_sector(sector)
         self._where = ""
         if self._sector is not None:
-            angles = f"between {self._sector.start:g} and {self._sector.end:g} rad"
+            start, end = (f"{degrees(angle):.4g}°" for angle in (self._sector.start, self._sector.end))
+            angles = f"between {start} and {end}"
             self._where = f" in {sector}" if isinstance(sector, str) else f" {angles}"
         self._topic = topic
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Locator, expect
 
 from .chromium import shoot
 from .laser import LIGHT, SETUP, Picture, locate
+from .notebook import Notebook
 from .plain_page import PlainPage
+from .test_laser_live import BUSY
 
 DRIVE = """
 import time
@@ -137,3 +139,37 @@ def test_what_was_found_stands_in_rows_that_lead_there(plain_page: Callable[...,
     expect(rows.nth(2)).to_have_attribute("aria-current", "true")
     expect(rows.nth(2)).to_contain_text(f"[{indices[2]}]")
     shoot(nb.output(0), "found-rows")
+
+
+def test_in_the_middle_of_an_endless_loop(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([SETUP + "laser.update(**fan())\nlaser"])
+    card = nb.widget(0).locator(".rw-card")
+    nb.python('laser.watch(lambda scan: scan.distance(("-5deg", "5deg")) < 1, name="wall")')
+    name, said = card.locator(".rw-lamp"), card.locator(".rw-lamps")
+    expect(name).to_have_attribute("data-rw-state", "false")
+    loop = nb.append(BUSY.format(stop="busy-watch-seen"))
+    nb.start(loop)
+    for state in ("true", "false", "true"):
+        expect(name).to_have_attribute("data-rw-state", state, timeout=20_000)
+    # The changes are stepped through, and scans compared, without the kernel.
+    card.get_by_role("button", name="wall: the change before").click()
+    frozen = said.inner_text()
+    expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
+    card.locator(".rw-picture").press("g")
+    strip = card.locator(".rw-strip")
+    expect(strip).to_be_visible()
+    strip.hover(position={"x": 46 + 9.5 / 19 * (width_of(card) - 68), "y": 60})
+    expect(card.locator(".rw-popup:visible")).to_contain_text("ranges[9]")
+    assert said.inner_text() == frozen
+    card.locator(".rw-picture").press("Space")
+    expect(name).to_have_attribute("data-rw-state", "true", timeout=20_000)
+    (nb.lab.files / "busy-watch-seen").touch()
+    nb.wait(loop)
+    # A lamp is not older than its scan: nothing is known when no more come.
+    expect(name).to_have_attribute("data-rw-state", "unknown", timeout=15_000)
+    expect(said).to_contain_text("unknown")
+
+
+def width_of(card: Locator) -> float:
+    """Pixels of the index view."""
+    return float(card.locator(".rw-strip").evaluate("(strip) => strip.clientWidth"))

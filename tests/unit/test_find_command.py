@@ -43,8 +43,8 @@ def test_what_has_no_use_or_no_sense_is_refused(
 @pytest.mark.parametrize(
     ("sector", "where"),
     [
-        (["-30deg", "30deg"], "between -0.523599 and 0.523599 rad"),
-        (["-0.5", "7.5deg"], "between -0.5 and 0.1309 rad"),
+        (["-30deg", "30deg"], "between -30° and 30°"),
+        (["-0.5", "7.5deg"], "between -28.65° and 7.5°"),
         (["back"], "in back"),
     ],
 )

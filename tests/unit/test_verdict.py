@@ -169,16 +169,17 @@ class TestMoment:
 
 
 class TestFound:
-    def test_the_same_function_is_found_in_a_recording_with_what_was_met(self) -> None:
+    @pytest.mark.parametrize(("sector", "limit"), [("front", 0.2), ("left", 0.4)])
+    def test_the_same_function_is_found_in_a_recording_with_what_was_met(self, sector: str, limit: float) -> None:
         with robowidgets.open(robowidgets.SAMPLE) as recording:
-            function = recording.find(lambda scan: scan.distance("front") < 0.2)
-            ready_made = recording.find(conditions.nearest_below(0.2, "front"))
+            function = recording.find(lambda scan: scan.distance(sector) < limit)
+            ready_made = recording.find(conditions.nearest_below(limit, sector))
             assert list(function) == list(ready_made)
             assert len(ready_made) > 1
             for span in ready_made:
                 scans = recording.scans().between(span.start, span.end)
-                assert span.nearest == pytest.approx(scans.distances("front").min())
-                near = [moment.sample.nearest("front") for moment in scans]
+                assert span.nearest == pytest.approx(scans.distances(sector).min())
+                near = [moment.sample.nearest(sector) for moment in scans]
                 assert (span.index, span.angle) in [(ray.index, pytest.approx(ray.angle)) for ray in near if ray]
 
     def test_only_conditions_on_distances_met_anything(self) -> None:
