@@ -94,6 +94,7 @@ class LaserWidget(HasGhost, HasSectors, DrawsShapes):
         pins: indices of rays by name, each drawn with its name.
         angle_unit: in which all angles are shown, "deg" or "rad". The view writes it too.
         formula: whether the pop-up of the pinned ray shows how its angle is worked out. The view writes it too.
+        free_space: whether the ground shows what the scanner has seen to be free.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
@@ -141,6 +142,7 @@ class LaserWidget(HasGhost, HasSectors, DrawsShapes):
     angle_offset = Angle(0.0, help="Radians added to every angle, within ±2 pi.").tag(sync=True)
     marks = traitlets.List(traitlets.Enum(_MARKS), list(_MARKS), help="Marks that are drawn.").tag(sync=True)
     color_by_intensity = Flag(False, help="Whether intensities colour the dots.").tag(sync=True)
+    free_space = Flag(False, help="Whether the ground shows what the scanner has seen to be free.").tag(sync=True)
     index_view = Flag(False, help="Whether distance over index stands below the picture.").tag(sync=True)
     angle_unit = traitlets.Enum(("deg", "rad"), "deg", help="Unit of all angles. Python and the view write it.").tag(
         sync=True

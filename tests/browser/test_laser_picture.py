@@ -7,11 +7,14 @@ from collections.abc import Callable
 
 from playwright.sync_api import Locator, expect
 
+from .chromium import shoot
 from .laser import DARK, FAN, LIGHT, SETUP, Picture, eventually, layers, listen, locate, words
 from .notebook import Notebook
 from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
+SEEN = (43, 51, 59)
+"""Free space in the dark."""
 CIRCLE = [(2 + 0.05 * i, 20.0 * i) for i in range(18)]
 
 
@@ -179,3 +182,19 @@ def test_colours_follow_theme_and_intensities_and_every_size_is_sharp(plain_page
         picture = Picture(card)
         [(x, _)] = [dot for dot in picture.dots(colour) if dot[1] < picture.height - 30]  # the scale is below
         assert (x < picture.width / 2) is is_left, "the least is dark, the most is bright"
+
+
+def test_free_space_is_cut_out_of_the_area_when_asked_for(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST], theme="dark")
+    nb.resize(700)
+    card = card_of(nb)
+    place = locate(card, colour=DARK["reading"])
+    free, taken = place.at(1.2, 35), place.at(2.5, -35)
+    assert {Picture(card).colour(*free), Picture(card).colour(*taken)} == {DARK["area"]}
+    nb.python("laser.free_space = True")
+    eventually(lambda: Picture(card).colour(*free), SEEN)
+    assert Picture(card).colour(*taken) == DARK["area"], "behind a reading nobody knows"
+    shoot(card, "free-space-dark")
+    nb.python("laser.update(**fan({i: nan for i in range(10, 15)} | {5: inf}))")
+    eventually(lambda: Picture(card).colour(*free), DARK["area"])
+    eventually(lambda: Picture(card).colour(*place.at(2.5, -40)), SEEN)

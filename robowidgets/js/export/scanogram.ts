@@ -93,10 +93,9 @@ export class ScanogramMaker {
     const codes = new Uint16Array(scans.length * this.#rows).fill(0xffff);
     const sweep = toSweep(this.#facts);
     for (const [i, { ranges }] of scans.entries()) {
-      for (let ray = 0; ray < ranges.length; ray++) {
+      for (const [ray, range] of ranges.entries()) {
         const place = i * this.#rows + Math.floor(ray / this.#rayStep);
-        const code = toCode(ranges[ray] as number, sweep);
-        if (code < (codes[place] as number)) codes[place] = code;
+        codes[place] = Math.min(codes[place] as number, toCode(range, sweep));
       }
     }
     this.#seen.set(message.segment, { times: scans.map(({ time }) => time), codes });

@@ -1,4 +1,5 @@
 import { type AngleUnit, toAngle } from "../shared/format.ts";
+import { ticks } from "../shared/ticks.ts";
 import { type Box, type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
 import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "./scan.ts";
 
@@ -11,15 +12,11 @@ export function arcDistances(asked: number[], count: number | null, viewRange: n
   return arcs.filter((distance) => distance <= viewRange * (1 + 1e-9));
 }
 
-const MOST_ARCS = 6;
+const USUAL_ARCS = 4;
 
 function divide(count: number | null, whole: number): number[] {
-  if (count !== null) return Array.from({ length: count }, (_, i) => (whole * (i + 1)) / count);
-  const power = Math.floor(Math.log10(whole / MOST_ARCS));
-  const steps = [1, 2, 5, 10].map((digit) => Number(`${digit}e${power}`));
-  const step = steps.find((one) => one * MOST_ARCS >= whole * (1 - 1e-9)) ?? whole;
-  // Digits and a power, as a person writes them: 3 times 0.1 is not 0.3.
-  return Array.from({ length: Math.floor(whole / step + 1e-9) }, (_, i) => Number(((i + 1) * step).toPrecision(12)));
+  if (count === null) return ticks(0, whole, USUAL_ARCS).slice(1);
+  return Array.from({ length: count }, (_, i) => (whole * (i + 1)) / count);
 }
 
 /** How many radial lines there may be where nobody says how many. */
@@ -225,7 +222,6 @@ const LEFT_OF_FORWARD = 0.24;
  *
  * @param lines angles of the radial lines
  * @param covered parts of the picture that something covers
- * @param edges angles of lines that stand out, which a label leaves for another place
  */
 export function arcLabels(
   projection: Projection,
@@ -235,7 +231,6 @@ export function arcLabels(
   occupied: Occupancy,
   covered: Box[],
   previous: ArcLabel[],
-  edges: number[] = [],
 ): ArcLabel[] {
   const placed: ArcLabel[] = [];
   const { centerX, centerY } = projection;
@@ -263,15 +258,13 @@ export function arcLabels(
       isFullCircle(sweep) || to - from < 2 * needed || (angle - from > needed && to - angle > needed);
     const isClear = (angle: number) =>
       lines.every((line) => Math.abs(Math.sin((angle - line) / 2)) * 2 * pixels > width / 3);
-    const isOffEdges = (angle: number) =>
-      edges.every((edge) => Math.abs(Math.sin((angle - edge) / 2)) * 2 * pixels > width / 2 + 3);
     const free = (label: ArcLabel) =>
       occupied.count(label.box) === 0 &&
       ![robot, ...covered, ...placed.map(({ box }) => box)].some((box) => overlaps(label.box, box));
     const within = angles.filter(inSweep);
     const stay = before && inSweep(before.angle) ? [before.angle] : [];
-    const candidates = [...stay, ...within.filter(isClear), ...within];
-    const found = [...candidates.filter(isOffEdges), ...candidates].map(toLabel).find(free);
+    const candidates = [...stay, ...within.filter(isClear), ...within].map(toLabel);
+    const found = candidates.find(free);
     if (found) placed.push(found);
   }
   return placed;

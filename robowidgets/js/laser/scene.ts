@@ -42,7 +42,6 @@ export class Scene {
       occupied: new Occupancy(1, 1),
       labels: [],
       covered: [],
-      edges: [],
     };
   }
 
@@ -77,7 +76,7 @@ export class Scene {
       this.#lowerKey = key;
     }
     const occupied = new Occupancy(size.width, size.height);
-    this.stage = { scan, sweep, projection, size, box, occupied, labels: [], covered, edges: [] };
+    this.stage = { scan, sweep, projection, size, box, occupied, labels: [], covered };
 
     const painters = layers.map((layer) => layer.painters());
     if (!isSame) this.#paint(this.#lower.begin(size), LOWER, painters, theme);

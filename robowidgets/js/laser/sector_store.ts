@@ -30,10 +30,7 @@ export class SectorStore {
 
   get picked(): Named | null {
     const { name, start, end, ...limits } = this.#model.get("_selection");
-    if (name !== undefined) {
-      const sector = Object.hasOwn(this.kept, name) ? this.kept[name] : undefined;
-      return sector ? { name, sector } : null;
-    }
+    if (name !== undefined) return this.kept[name] ? { name, sector: this.kept[name] } : null;
     return start === undefined || end === undefined ? null : { name: "", sector: { start, end, ...limits } };
   }
 

@@ -14,7 +14,7 @@ export interface Placed {
 
 /** What the program drew on the scan on show. */
 export class ShapeLayer implements Layer {
-  readonly traits = [] as const;
+  readonly traits = ["angle_unit"] as const;
   readonly #host: Host;
   readonly #labels = new ShapeLabels();
   /** What was said of the newest sample, and when that came, in milliseconds of the page's clock. */
@@ -78,7 +78,7 @@ export class ShapeLayer implements Layer {
       const lines =
         shape.kind === "text"
           ? [shape.text ?? ""]
-          : [shape.name, describeShape(shape, places, stage.projection.viewRange)];
+          : [shape.name, describeShape(shape, places, stage.projection.viewRange, this.#host.model.get("angle_unit"))];
       return [{ shape, path, lines: lines.filter(Boolean) }];
     });
     this.#labels.draw(context, stage, labels, theme);

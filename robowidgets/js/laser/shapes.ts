@@ -1,4 +1,4 @@
-import { decimalsFor, toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts";
+import { type AngleUnit, decimalsFor, toAngle, toFixed, toMany, toMetres } from "../shared/format.ts";
 import type { Shape, Spot } from "../shared/traits.ts";
 import { type Point, type Projection, toPixel } from "./projection.ts";
 import { angleOf, READING, type Scan } from "./scan.ts";
@@ -47,12 +47,12 @@ export function isCircle({ start = 0, end = TURN }: Shape): boolean {
  *
  * @param reach metres of the picture, which set the decimals
  */
-export function describeShape(shape: Shape, places: Metres[], reach: number): string {
+export function describeShape(shape: Shape, places: Metres[], reach: number, unit: AngleUnit = "deg"): string {
   const [first, second] = places as [Metres, Metres];
   switch (shape.kind) {
     case "line":
       return places.length === 2
-        ? `${toMetres(distanceTo(first, second), reach)} \u00B7 ${toDegrees(headingOf(first, second))}`
+        ? `${toMetres(distanceTo(first, second), reach)} \u00B7 ${toAngle(headingOf(first, second), unit)}`
         : "";
     case "points":
       return places.length === 1 ? toMetres(Math.hypot(...first), reach) : toMany(places.length, "point");
@@ -60,7 +60,7 @@ export function describeShape(shape: Shape, places: Metres[], reach: number): st
       return toMetres(shape.radius ?? 0, reach);
     case "pose": {
       const [x, y] = first.map((part) => toFixed(part, decimalsFor(reach)));
-      return `x\u00A0${x} y\u00A0${y} \u00B7 ${toDegrees(shape.yaw ?? 0)}`;
+      return `x\u00A0${x} y\u00A0${y} \u00B7 ${toAngle(shape.yaw ?? 0, unit)}`;
     }
     default:
       return "";

@@ -1,3 +1,4 @@
+import { ticks } from "../shared/ticks.ts";
 import type { Box } from "./projection.ts";
 
 /** Pixels between two indices on the axis; fewer in a narrow strip. */
@@ -45,18 +46,6 @@ export function fromStrip(
   return { index, metres: Math.min(viewRange, Math.max(0, metres)) };
 }
 
-/** The multiples of 1, 2 or 5 times a power of ten from 0 to a number, as near as can be to so many steps. */
-function multiples(last: number, count: number): number[] {
-  const power = Math.floor(Math.log10(last / count));
-  const digit = last / count / 10 ** power;
-  // The limits are geometric means, as those of d3-array, which is larger than all that the strip needs.
-  const step = Number(
-    `${digit >= Math.sqrt(50) ? 10 : digit >= Math.sqrt(10) ? 5 : digit >= Math.SQRT2 ? 2 : 1}e${power}`,
-  );
-  const steps = last > 0 ? Math.floor(last / step + 1e-9) : 0;
-  return Array.from({ length: steps + 1 }, (_, i) => Number((i * step || 0).toPrecision(12)));
-}
-
 /** Indices with round numbers, from [0] to the last, none too close to another. */
 export function indexTicks({ box, count }: StripAxes): number[] {
   if (count < 1) return [];
@@ -64,13 +53,13 @@ export function indexTicks({ box, count }: StripAxes): number[] {
   const most = Math.max(1, Math.floor(box.width / (isNarrow ? APART.narrow : APART.wide)));
   const last = count - 1;
   const perPixel = count / box.width;
-  const round = multiples(last, most).filter((index) => Number.isInteger(index) && last - index >= CLEAR * perPixel);
+  const round = ticks(0, last, most).filter((index) => Number.isInteger(index) && last - index >= CLEAR * perPixel);
   return [...new Set([0, ...round, last])].filter((index) => index === 0 || index >= CLEAR * perPixel);
 }
 
 /** Round metres, without 0, so many that their texts keep apart, and at least one. */
 export function metreTicks({ box, viewRange }: StripAxes): number[] {
-  const choices = [4, 3, 2, 1].map((count) => multiples(viewRange, count).filter((metres) => metres > 0));
+  const choices = [4, 3, 2, 1].map((count) => ticks(0, viewRange, count).filter((metres) => metres > 0));
   const isFree = ([first = 0, second = Infinity]: number[]) => ((second - first) / viewRange) * box.height >= ROW;
   const found = choices.filter(({ length }) => length > 0);
   return found.find(isFree) ?? found.at(-1) ?? [];

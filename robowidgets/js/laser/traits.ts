@@ -34,6 +34,7 @@ export interface LaserTraits extends SampleTraits {
   marks: string[];
   color_by_intensity: boolean;
   index_view: boolean;
+  free_space: boolean;
   /** Indices of rays. */
   hovered: number | null;
   pinned: number | null;

@@ -8,6 +8,7 @@ import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { ConditionLayer } from "./condition_layer.ts";
+import { FreeLayer } from "./free_layer.ts";
 import { watchGestures } from "./gestures.ts";
 import { Ghost } from "./ghost.ts";
 import { GhostLayer } from "./ghost_layer.ts";
@@ -64,6 +65,7 @@ export class LaserView implements Host {
     this.#legend = new Legend(footer, model, signal);
     this.#ghost = new Ghost(model, stream, this.redraw, signal);
     this.#layers = [
+      new FreeLayer(model, stream),
       new GuideLayer(model, this.#scene.measure),
       new GhostLayer(this.#ghost),
       new ConditionLayer(stream),

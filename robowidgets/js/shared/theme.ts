@@ -1,7 +1,20 @@
 import { on, onAbort } from "./events.ts";
 
 /** Variables `--rw-...` of the stylesheet, with values for light and dark. */
-const NAMES = ["ink", "muted", "line", "guide", "ghost", "area", "reading", "pointer", "own", "touch", "mono"] as const;
+const NAMES = [
+  "ink",
+  "muted",
+  "line",
+  "guide",
+  "ghost",
+  "area",
+  "seen",
+  "reading",
+  "pointer",
+  "own",
+  "touch",
+  "mono",
+] as const;
 
 /** The colours and fonts of the picture. */
 export type Theme = Record<(typeof NAMES)[number] | "background" | "font", string> & { dark: boolean };
@@ -15,8 +28,8 @@ function isDark(): boolean {
   const { body, documentElement: root } = document;
   const jupyter = body.dataset.jpThemeLight;
   if (jupyter) return jupyter === "false";
-  // VS Code's, Colab's and marimo's.
-  const theme = body.dataset.vscodeThemeKind || root.getAttribute("theme") || body.dataset.theme;
+  // VS Code's and Colab's.
+  const theme = body.dataset.vscodeThemeKind || root.getAttribute("theme");
   return theme ? /dark|^vscode-high-contrast$/.test(theme) : prefersDark().matches;
 }
 
@@ -51,14 +64,7 @@ function toHex(element: HTMLElement, color: string): string {
 /** Calls back when the host switches between light and dark, or the system forces colours. */
 export function watchTheme(callback: () => void, signal: AbortSignal): void {
   const observer = new MutationObserver(callback);
-  const attributes = [
-    "data-jp-theme-light",
-    "data-jp-theme-name",
-    "data-vscode-theme-kind",
-    "data-theme",
-    "theme",
-    "class",
-  ];
+  const attributes = ["data-jp-theme-light", "data-jp-theme-name", "data-vscode-theme-kind", "theme", "class"];
   for (const element of [document.body, document.documentElement]) {
     observer.observe(element, { attributes: true, attributeFilter: attributes });
   }

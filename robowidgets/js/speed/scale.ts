@@ -1,4 +1,4 @@
-import { ticks } from "d3-array";
+import { ticks } from "../shared/ticks.ts";
 import type { Limits } from "./traits.ts";
 
 /** The speeds at the lower and the upper end of a track. */
