@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import columns, feeds, leaks, measure, memory, player, recordings, stopping, table
+from . import columns, feeds, leaks, measure, memory, pages, player, recordings, stopping, table
 from .rivals import NAMES
 from .stage import Stage, open_stage, versions
 
@@ -42,6 +42,8 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   (`hold`, half a second), `feed.stop()`, the release of a pad, `feed.close()`, the kernel's interrupt, its shutdown. A
   zero after which something moves again does not count. ros2 is a stand-in that waits and wakes as rclpy does, and its
   robot is in the kernel's process.
+- A page in a file, of a minute of such a recording, is opened from disk; it counts from there to the first frame with
+  the numbers of the laser, and with the scanogram, which the page makes of all scans.
 - A player shows a recording whose scans carry their numbers, and its page reads them back. A click on scanogram or
   slider counts from its event to the end of the frame that shows the new moment; a bare round trip is one message of a
   widget that only answers, from page to kernel and back, in the same page, in turn with the clicks; to the end of the
@@ -188,11 +190,14 @@ def player_parts(stage: Stage, repeats: int, seconds: float, *, quick: bool) -> 
     """What is said of the player."""
     print("player", flush=True)
     found = player.compare(stage, 20_000, repeats, 3 if quick else 15, 2 * seconds)
+    opened, played = pages.compare(stage, repeats, 2 * seconds)
     return [
         "\n## The player, from a click to the new moment\n",
         table.waits(found.waits),
         "\n## The player at 10 times speed\n",
-        table.plays(found.plays),
+        table.plays({**found.plays, "plays in a page in a file": played}),
+        "\n## A minute of 1040 rays at 40 Hz, as a page in a file\n",
+        table.opened(opened),
     ]
 
 

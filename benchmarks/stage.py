@@ -165,6 +165,17 @@ class Stage:
             page.close()
             self.lab.end_sessions()
 
+    @contextmanager
+    def open_file(self, file: Path, script: str) -> Iterator[Any]:
+        """A page with a file from disk, in which a script runs before all others."""
+        page = self._context.new_page()
+        page.add_init_script(script)
+        try:
+            page.goto(file.as_uri())
+            yield page
+        finally:
+            page.close()
+
 
 @contextmanager
 def open_stage() -> Iterator[Stage]:

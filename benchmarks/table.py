@@ -11,6 +11,7 @@ from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
 from .leaks import LIMIT, NAMES, Leak
 from .measure import Endurance, Four
+from .pages import Opened
 from .player import FRAMED, ROUND_TRIP, Playing, Waiting
 from .recordings import Reading
 from .stopping import Stopped
@@ -168,6 +169,11 @@ def plays(kinds: Mapping[str, Playing]) -> str:
     """Playing, beside the frames of a page where nothing plays."""
     body = [[name, *map(say, vars(one).values())] for name, one in kinds.items()]
     return markdown(["", "animation frames per s", "painted per s", "seconds of the recording per s"], body)
+
+
+def opened(page: Opened) -> str:
+    """A page in a file, from opening it."""
+    return markdown(["MB", "laser, ms", "scanogram, ms"], [[say(page.size), say(page.laser), say(page.scanogram)]])
 
 
 def readings(files: Mapping[str, Reading]) -> str:

@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ._together import together
 from .drive_widget import DriveWidget
 from .laser_widget import LaserWidget
 from .samples import Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity
@@ -54,6 +55,7 @@ __all__ = [
     "conditions",
     "feeds",
     "simulator",
+    "together",
 ]
 
 _LATER = {"Recording": ".recording", "RecordingError": ".recordings", "open": ".recording"}

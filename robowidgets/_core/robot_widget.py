@@ -10,6 +10,7 @@ import weakref
 from collections import deque
 from collections.abc import Iterable
 from typing import Any, Generic, TypeVar
+from uuid import uuid4
 
 import traitlets
 
@@ -87,6 +88,9 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     frame_traits: tuple[str, ...] = ()
     """Names of the traits on which its frames depend, besides the sample."""
 
+    _together = traitlets.Unicode(help="Name of the group that is frozen and stepped together; empty: alone.").tag(
+        sync=True, echo_update=False
+    )
     _frame = bytes_trait(echo_update=False)
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
@@ -99,6 +103,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
 
     def __init__(self, **kwargs: Any) -> None:
         self._process = os.getpid()
+        self._group: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()
         self._newest: S | None = None
         self._newest_about: dict[str, Any] = {}
         self._png_error = ""
@@ -434,6 +439,10 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
             self._freeze()
         elif self._held:
             self._held = b""
+        # A page that freezes a widget freezes the others itself, at the moment that it shows.
+        if "paused" not in self._property_lock:
+            for other in list(self._group):
+                other.paused = self.paused
 
     def _freeze(self) -> None:
         """Keep the shown sample; when a person freezes the picture, the page does so itself."""
@@ -449,6 +458,14 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
             number, *_ = FRAME_HEADER.unpack_from(self._held)
             texts = (about for first, about in reversed(self._abouts) if first <= number)
             self._frozen_meta = next(texts, self._about)
+
+
+def freeze_together(widgets: Iterable[RobotWidget[Any]]) -> None:
+    """Freeze, release and step these widgets together from now on, in the page and in Python."""
+    group = weakref.WeakSet(widgets)
+    name = uuid4().hex
+    for widget in group:
+        widget._group, widget._together = group, name
 
 
 _made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import ipywidgets
 
 from .._core.coalesced_call import CoalescedCall
+from .._core.robot_widget import freeze_together
 from .._layout import WIDE, columns
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..stop_widget import StopWidget
@@ -103,6 +104,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
                 self.feed.disconnect(choice.command, widget.command)
             widget.close()
         self._shown = shown
+        freeze_together(shown.values())
         old, self._columns.children = self._columns.children, columns(list(self._shown.values()))
         for column in old:
             column.close()

@@ -421,7 +421,8 @@ class _Gap(Condition):
         found = [topic.name for topic in shown if KINDS[topic.widget or ""].goes_stale and not topic.commanded]
         if found:
             return found
-        there = f"{search.recording.path.name} has neither laser scans nor measured speeds"
+        steady = [f"no {'measured ' * kind.commands}{kind.noun}" for kind in KINDS.values() if kind.goes_stale]
+        there = f"{search.recording.path.name} has {' and '.join(steady)}"
         if not shown:
             raise UnknownTopicError(there)
         raise UnnamedTopicError(there, [topic.name for topic in shown], None)

@@ -18,6 +18,7 @@ import traitlets
 
 from .._core.cells import close_all, take_the_place
 from .._core.output_file import checked_output
+from .._core.robot_widget import freeze_together
 from .._core.time_traits import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, columns
@@ -105,6 +106,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._problems = ipywidgets.HTML()
         for view in self.views:
             view.widget.has_rate, view.widget.driven_by_player, view.widget.history = False, True, 0
+        freeze_together(view.widget for view in self.views)
         moves = recording.duration and self.views
         scanned = next((choice.topic for choice in shown if choice.kind.name == LASER.name), "") if moves else ""
         beside = [name for choice in shown for name in choice.topics]

@@ -6,15 +6,18 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+import pytest
 from playwright.sync_api import Locator, expect
 
 from .chromium import shoot
-from .laser import FAN, SETUP, Picture, Place, eventually, layers, locate
+from .laser import FAN, SETUP, Picture, Place, eventually, locate
+from .notebook import CellError, Notebook
 from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
 RIM = 4.0
 """Metres: range_max of the fan."""
+POINTER = (37, 99, 235)
 CLIPBOARD = """() => {
     window.copied = [];
     Object.defineProperty(navigator, "clipboard", {
@@ -27,7 +30,7 @@ NO_CLIPBOARD = """() => {
 }"""
 
 
-def drag(nb: PlainPage, card: Locator, *points: tuple[float, float], up: bool = True) -> None:
+def drag(nb: PlainPage | Notebook, card: Locator, *points: tuple[float, float], up: bool = True) -> None:
     """Press at the first of some points of the picture, and move over the others."""
     box = card.locator(".rw-picture").bounding_box()
     assert box
@@ -63,7 +66,7 @@ def opened(plain_page: Callable[..., PlainPage], width: int = 700, **more: Any) 
 
 def test_a_drag_makes_a_sector_with_a_name_and_code_that_gives_its_number(plain_page: Callable[..., PlainPage]) -> None:
     nb, card, place = opened(plain_page)
-    plain = layers(card)
+    assert Picture(card).count(POINTER) == 0
     expect(chip(card)).to_have_count(0)
     drag(nb, card, *arc(place, 3.0, 2, 38))
     says(card, "ranges[9:14]", "1.68 m")
@@ -109,7 +112,7 @@ def test_a_drag_makes_a_sector_with_a_name_and_code_that_gives_its_number(plain_
     chip(card).get_by_text("Remove").click()
     eventually(lambda: nb.python("print(dict(laser.sectors))"), "{}\n")
     nb.page.mouse.move(5, 5)
-    eventually(lambda: layers(card) == plain, True)
+    eventually(lambda: Picture(card).count(POINTER), 0)
 
 
 def test_edges_move_and_escape_puts_back_what_was_also_while_frozen(plain_page: Callable[..., PlainPage]) -> None:
@@ -156,6 +159,7 @@ def test_keys_make_move_keep_walk_and_remove_sectors(plain_page: Callable[..., P
     keys.press("Enter")
     eventually(lambda: nb.python("list(laser.sectors)"), "['sector 1']")
     nb.python("laser.sectors['right'] = ('-90deg', '-60deg'); laser.selection = None")
+    expect(chip(card)).to_have_count(0)
     for expected in ("right", "sector 1"):
         keys.press("Shift+Tab")
         expect(live).to_have_text(re.compile(f"^{expected}, "))
@@ -188,9 +192,15 @@ def test_rays_are_typed_and_what_names_none_is_said(plain_page: Callable[..., Pl
     says(card, "ranges[16:19]", "1.82 m")
     eventually(lambda: nb.python("laser.selection.slice"), "slice(16, 19, None)")
     nb.python("laser.selection = None; laser.highlight('ranges[2:6]'); laser.pins = {'door': 3}")
-    lit = layers(card)
-    nb.python("laser.highlight(None)")
-    eventually(lambda: layers(card) != lit, True)
+    eventually(lambda: Picture(card).colour(*place.at(RIM, -50)), POINTER)
+    eventually(lambda: POINTER in Picture(card).around(*ring(place.at(*FAN[3]))), True)
+    nb.python("laser.highlight(None); laser.pins = {}")
+    eventually(lambda: Picture(card).count(POINTER), 0)
+
+
+def ring(middle: tuple[float, float]) -> tuple[float, float]:
+    """A point of the ring round a pinned reading."""
+    return middle[0] - 6, middle[1]
 
 
 def test_code_is_copied_by_hand_where_there_is_no_clipboard(plain_page: Callable[..., PlainPage]) -> None:
@@ -243,3 +253,37 @@ def test_a_sector_runs_across_the_seam_of_any_scanner(plain_page: Callable[..., 
         says(card, "ranges[350:] + ranges[:21]" if step > 0 else "ranges[340:] + ranges[:11]", "2.00 m")
         drag(nb, card, *arc(place, 3.0, 170, 200))
         says(card, "ranges[170:201]" if step > 0 else "ranges[160:191]", "2.00 m")
+
+
+def test_in_a_busy_notebook_a_drag_becomes_code_that_runs_in_the_next_cell(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([FIRST, "import time\nwhile True:\n    time.sleep(0.1)"], run=False)
+    nb.run(0)
+    card = nb.widget(0).locator(".rw-card")
+    place = locate(card)
+    nb.start(1)
+    nb.page.evaluate(CLIPBOARD)
+    drag(nb, card, *arc(place, 3.0, 2, 38))
+    says(card, "ranges[9:14]", "1.68 m")
+    keys = nb.page.keyboard
+    keys.press("Enter")
+    keys.type("door")
+    keys.press("Enter")
+    expect(chip(card)).to_have_attribute("aria-label", "sector door")
+    keys.press("c")
+    eventually(lambda: nb.page.evaluate("() => copied.length"), 1)
+    # Keys were the field's and the picture's, not the notebook's.
+    expect(nb.page.locator(".jp-Notebook .jp-Cell")).to_have_count(2)
+    expect(nb.page.locator(".jp-Notebook.jp-mod-editMode")).to_have_count(0)
+    nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(1)
+    code = nb.page.evaluate("() => copied[0]")
+    assert run_new(nb, f"scan = laser.scan\nprint({code})") == "1.68\n"
+    assert run_new(nb, "print(laser.distance('door'), laser.selection.slice)") == "1.68 slice(9, 14, None)\n"
+
+
+def run_new(nb: Notebook, source: str) -> str:
+    """Run a new cell; what it prints."""
+    index = nb.append(source)
+    nb.run(index)
+    return nb.text(index)

@@ -21,6 +21,18 @@ for (const name of NAMES) {
   });
 }
 
+function toBase85(bytes: Uint8Array): string {
+  const digits = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;,=>?@^_`{|}~";
+  const missing = (4 - (bytes.length % 4)) % 4;
+  const padded = Buffer.concat([bytes, Buffer.alloc(missing)]);
+  let text = "";
+  for (let at = 0; at < padded.length; at += 4) {
+    const number = padded.readUInt32BE(at);
+    for (let power = 4; power >= 0; power--) text += digits[Math.floor(number / 85 ** power) % 85];
+  }
+  return text.slice(0, text.length - missing);
+}
+
 /** An element of a page with a packed segment, as Python writes it. */
 async function partOf(number: number, times: number[], size = 8): Promise<HTMLElement> {
   const rows = times.map((time, i) => new Uint8Array(new Float64Array([time, 0, size * (i + 1)]).buffer));
@@ -30,10 +42,10 @@ async function partOf(number: number, times: number[], size = 8): Promise<HTMLEl
   const all = [new Uint8Array(new Uint32Array([text.length]).buffer), text, Uint8Array.from(sorted)];
   const blob = new Blob([...all, new Uint8Array(size * times.length)]);
   const packed = await new Response(blob.stream().pipeThrough(new CompressionStream("deflate"))).arrayBuffer();
-  return { textContent: Buffer.from(packed).toString("base64") } as HTMLElement;
+  return { textContent: toBase85(new Uint8Array(packed)) } as HTMLElement;
 }
 
-test("a part is a JSON text and bytes, deflated, in base64", async () => {
+test("a part is a JSON text and bytes, deflated, in base85", async () => {
   const { facts, bytes } = await readPart<{ segment: number }>(await partOf(3, [30]));
   assert.equal(facts.segment, 3);
   assert.equal(bytes.length, 24 + 8);

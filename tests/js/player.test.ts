@@ -68,18 +68,22 @@ test("steps go from frame to frame, past segments with none, and say where somet
 });
 
 interface Seen {
+  on: Record<string, () => void>;
   state: Record<string, unknown>;
   host: Moved["targets"][number];
 }
 
 function host(): Seen {
   const seen: Seen = {
+    on: {},
     state: {},
     host: {
       get: (name: string) => seen.state[name] as never,
       set_state: (state) => Object.assign(seen.state, state),
-      on: () => {},
-      off: () => {},
+      set: (name: string, value: unknown) => void Object.assign(seen.state, { [name]: value }),
+      save_changes: () => {},
+      on: ((event: string, callback: () => void) => Object.assign(seen.on, { [event]: callback })) as never,
+      off: (event: string) => void delete seen.on[event],
     },
   };
   return seen;
@@ -115,7 +119,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
     ...values,
   });
   Object.assign(fake, { send: (content: unknown) => sent.push(content) });
-  const { state, host: target } = host();
+  const { state, host: target, on } = host();
   const controller = new AbortController();
   const follower = new FakeModel({ time: 0, selection: null });
   Object.assign(follower, { set_state: (state: Record<string, unknown>) => follower.receive(state) });
@@ -133,7 +137,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
     frame = undefined;
     call?.();
   };
-  return { fake, follower, playback, state, sent, give, pass, end: () => controller.abort() };
+  return { fake, follower, playback, state, on, sent, give, pass, end: () => controller.abort() };
 }
 
 test("what is old is told with its age, whether it is new on show or not", async () => {
@@ -317,6 +321,33 @@ test("every widget shows the moment of what a person points at, and its ray, unt
   follower.set("_pointed", { time: 0.5, ray: null });
   pass(100);
   assert.equal(playback.shown, playback.time, "playing goes on under the pointer");
+  end();
+});
+
+test("a step moves frozen widgets from the moment at which they are frozen, and they stay frozen", async () => {
+  const { fake, playback, state, on, sent, give, end } = await play({ time: 1.5 }, [0, 1]);
+  const freeze = (paused: boolean) => {
+    state.paused = paused;
+    on["change:paused"]?.();
+  };
+  const held = () => (state._held as DataView | undefined)?.getUint8(8);
+  freeze(true);
+  playback.seek(0.5);
+  assert.deepEqual([held(), playback.time], [undefined, 0.5], "what only seeks leaves them");
+  playback.step(-1);
+  assert.deepEqual([held(), playback.time, state._held === state._frame], [42, 1, true]);
+  playback.step(1);
+  playback.step(1);
+  assert.deepEqual(sent.at(-1), { step: [1.5, 1] }, "where the page lacks the next sample Python finds it");
+  const before = state._held;
+  fake.tell({ seek: 2.5 });
+  assert.equal(state._held, before, "until its segment is there");
+  give(2);
+  assert.notEqual(state._held, before);
+  assert.equal(state._held, state._frame);
+  freeze(false);
+  playback.step(-1);
+  assert.deepEqual([playback.time, state._held === state._frame], [2, false]);
   end();
 });
 

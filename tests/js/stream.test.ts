@@ -340,3 +340,52 @@ test("what is said later of the newest sample stays with it, and with no other",
   assert.equal(stream.about.frame_id, "a, later");
   end();
 });
+
+/** A frame that arrived at a second of Python's clock. */
+function arrived(seconds: number): DataView {
+  const bytes = frame(seconds * 10);
+  bytes.setFloat64(24, seconds, true);
+  return bytes;
+}
+
+test("widgets of a group freeze and step to the same moment, and are released together", () => {
+  const group = { history: 30, _together: "robot" };
+  const [laser, speed, alone] = [open(group), open(group), open({ history: 30, _together: "" })];
+  for (const second of [1, 2, 3]) laser.fake.receive({ _frame: arrived(second) });
+  for (const second of [0.9, 1.8, 2.2, 2.9, 3.1]) speed.fake.receive({ _frame: arrived(second) });
+  alone.fake.receive({ _frame: arrived(1) });
+  const shown = () => [laser.stream.shown?.arrived, speed.stream.shown?.arrived];
+  laser.stream.toggle();
+  assert.deepEqual([speed.stream.paused, alone.stream.paused, shown()], [true, false, [3, 3.1]]);
+  laser.fake.receive({ _frame: arrived(4) });
+  speed.fake.receive({ _frame: arrived(4) });
+  assert.deepEqual(shown(), [3, 3.1]);
+  for (const expected of [
+    [2, 1.8],
+    [1, 0.9],
+    [1, 0.9],
+  ]) {
+    laser.stream.step(-1);
+    assert.deepEqual(shown(), expected);
+  }
+  speed.stream.seek(2);
+  assert.deepEqual(shown(), [2, 2.2], "any of them steps all");
+  speed.stream.toggle();
+  assert.deepEqual([laser.stream.paused, shown()], [false, [4, 4]]);
+  for (const { end } of [laser, speed, alone]) end();
+});
+
+test("a group steps back as far as each of it remembers, and one whose view ended is in it no more", () => {
+  const [laser, speed] = [open({ history: 30, _together: "a" }), open({ history: 0.1, _together: "a" })];
+  for (const second of [1, 2, 3]) laser.fake.receive({ _frame: arrived(second) });
+  for (const second of [1.1, 1.9, 2.5]) speed.fake.receive({ _frame: arrived(second) });
+  laser.stream.toggle();
+  laser.stream.seek(0);
+  assert.deepEqual([laser.stream.shown?.arrived, speed.stream.shown?.arrived], [2, 1.9]);
+  speed.end();
+  laser.stream.seek(0);
+  assert.equal(laser.stream.shown?.arrived, 1);
+  laser.stream.toggle();
+  assert.equal(speed.stream.paused, true);
+  laser.end();
+});

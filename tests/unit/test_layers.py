@@ -22,7 +22,7 @@ LAYERS = (
     "player in_rerun export",
     "find feeds",
     "recordings",
-    "*_widget _widget_choice _layout",
+    "*_widget _widget_choice _layout _together",
     "behaviors",
     "scanogram",
     "kinds poses shapes simulator",

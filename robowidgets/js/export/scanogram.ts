@@ -93,9 +93,10 @@ export class ScanogramMaker {
     const codes = new Uint16Array(scans.length * this.#rows).fill(0xffff);
     const sweep = toSweep(this.#facts);
     for (const [i, { ranges }] of scans.entries()) {
-      for (const [ray, range] of ranges.entries()) {
+      for (let ray = 0; ray < ranges.length; ray++) {
         const place = i * this.#rows + Math.floor(ray / this.#rayStep);
-        codes[place] = Math.min(codes[place] as number, toCode(range, sweep));
+        const code = toCode(ranges[ray] as number, sweep);
+        if (code < (codes[place] as number)) codes[place] = code;
       }
     }
     this.#seen.set(message.segment, { times: scans.map(({ time }) => time), codes });

@@ -61,11 +61,11 @@ export class GuideLayer implements Layer {
   }
 
   #drawArcLabels(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
-    const { scan, projection, sweep, occupied, labels, covered } = stage;
+    const { scan, projection, sweep, occupied, labels, covered, edges } = stage;
     if (!scan) return;
     labels.push(...this.#labelBoxes);
     const lines = this.#rays.map((index) => angleOf(sweep, index));
-    this.#arcLabels = arcLabels(projection, sweep, this.#arcs, lines, occupied, covered, this.#arcLabels);
+    this.#arcLabels = arcLabels(projection, sweep, this.#arcs, lines, occupied, covered, this.#arcLabels, edges);
     labels.push(...this.#arcLabels.map(({ box }) => box));
     drawArcLabels(context, this.#arcLabels, theme);
   }

@@ -222,6 +222,7 @@ const LEFT_OF_FORWARD = 0.24;
  *
  * @param lines angles of the radial lines
  * @param covered parts of the picture that something covers
+ * @param edges angles of lines that stand out, which a label leaves for another place
  */
 export function arcLabels(
   projection: Projection,
@@ -231,6 +232,7 @@ export function arcLabels(
   occupied: Occupancy,
   covered: Box[],
   previous: ArcLabel[],
+  edges: number[] = [],
 ): ArcLabel[] {
   const placed: ArcLabel[] = [];
   const { centerX, centerY } = projection;
@@ -258,13 +260,15 @@ export function arcLabels(
       isFullCircle(sweep) || to - from < 2 * needed || (angle - from > needed && to - angle > needed);
     const isClear = (angle: number) =>
       lines.every((line) => Math.abs(Math.sin((angle - line) / 2)) * 2 * pixels > width / 3);
+    const isOffEdges = (angle: number) =>
+      edges.every((edge) => Math.abs(Math.sin((angle - edge) / 2)) * 2 * pixels > width / 2 + 3);
     const free = (label: ArcLabel) =>
       occupied.count(label.box) === 0 &&
       ![robot, ...covered, ...placed.map(({ box }) => box)].some((box) => overlaps(label.box, box));
     const within = angles.filter(inSweep);
     const stay = before && inSweep(before.angle) ? [before.angle] : [];
-    const candidates = [...stay, ...within.filter(isClear), ...within].map(toLabel);
-    const found = candidates.find(free);
+    const candidates = [...stay, ...within.filter(isClear), ...within];
+    const found = [...candidates.filter(isOffEdges), ...candidates].map(toLabel).find(free);
     if (found) placed.push(found);
   }
   return placed;

@@ -1,8 +1,9 @@
 import type { Model } from "../shared/model.ts";
 import { drawName, fillWedge, rimOf, strokeArc } from "./draw_sector.ts";
-import type { Depth, Layer, Painter, Stage } from "./layer.ts";
+import type { Depth, Layer, Painter, Stage, StripPainter } from "./layer.ts";
 import { angleOf } from "./scan.ts";
-import type { Sector } from "./sector.ts";
+import { type Sector, stretchesOf } from "./sector.ts";
+import { fillStretch } from "./strip_sector.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /** Rays that a program has lit. */
@@ -32,6 +33,18 @@ export class HighlightLayer implements Layer {
         const [widest] = this.#wedges(stage).sort((a, b) => b.end - b.start - (a.end - a.start));
         const place = widest && text ? drawName(context, stage, widest, [text], theme.pointer, theme) : null;
         if (place) stage.covered.push(place.box);
+      },
+    };
+  }
+
+  strip(): Partial<Record<Depth, StripPainter>> {
+    const { stretches, sector } = this.#model.get("_highlight");
+    if (!stretches && !sector) return {};
+    return {
+      fills: (context, strip, theme) => {
+        const found = sector && strip.scan ? stretchesOf(strip.scan, sector) : (stretches ?? []);
+        const fill = { color: theme.pointer, opacity: 0.11 };
+        for (const stretch of found) fillStretch(context, strip, stretch, fill);
       },
     };
   }

@@ -44,6 +44,8 @@ export interface Stage {
   labels: Box[];
   /** Boxes of elements that stand over the picture. A layer adds those of its own. */
   covered: Box[];
+  /** Angles of lines from the scanner to the rim that stand out. A layer adds those of its own. */
+  edges: number[];
 }
 
 export type Painter = (context: CanvasRenderingContext2D, stage: Stage, theme: Theme) => void;

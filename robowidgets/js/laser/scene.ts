@@ -42,6 +42,7 @@ export class Scene {
       occupied: new Occupancy(1, 1),
       labels: [],
       covered: [],
+      edges: [],
     };
   }
 
@@ -76,7 +77,7 @@ export class Scene {
       this.#lowerKey = key;
     }
     const occupied = new Occupancy(size.width, size.height);
-    this.stage = { scan, sweep, projection, size, box, occupied, labels: [], covered };
+    this.stage = { scan, sweep, projection, size, box, occupied, labels: [], covered, edges: [] };
 
     const painters = layers.map((layer) => layer.painters());
     if (!isSame) this.#paint(this.#lower.begin(size), LOWER, painters, theme);

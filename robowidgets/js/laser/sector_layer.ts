@@ -1,8 +1,5 @@
-import { READING_MS, throttle } from "../shared/schedule.ts";
 import type { Theme } from "../shared/theme.ts";
-import { Chip } from "./chip.ts";
-import { leadTo, placeChip } from "./chip_place.ts";
-import { type Form, toCode } from "./code.ts";
+import { leadTo } from "./chip_place.ts";
 import {
   drawEdges,
   drawHandles,
@@ -14,18 +11,17 @@ import {
   rimOf,
 } from "./draw_sector.ts";
 import type { Depth, Drag, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
-import { type Box, holds, type Point, toPixel } from "./projection.ts";
-import { angleOf, indexAt, READING, type Scan } from "./scan.ts";
-import { isIn, parseRays, sectorOf } from "./sector.ts";
+import { holds, type Point, toPixel } from "./projection.ts";
+import { angleOf, indexAt, READING } from "./scan.ts";
+import { isIn } from "./sector.ts";
+import { SectorChip } from "./sector_chip.ts";
 import { SectorDrags } from "./sector_drag.ts";
 import { onSectorKey } from "./sector_keys.ts";
 import { SectorNumbers } from "./sector_numbers.ts";
 import { type Edge, type Named, raysAt, SectorStore, sectorTo, withEdge } from "./sector_store.ts";
-import { describeSector, sayOf, toLines } from "./sector_words.ts";
+import { toLines } from "./sector_words.ts";
 import { sectorStrip } from "./strip_sector.ts";
 
-/** A picture narrower than this has the chip below it. Pixels. */
-const NARROW = 480;
 /** Pixels in which a drag by touch starts at the rim, and within which a mouse takes a rim or a handle. */
 const TOUCH_RIM = 28;
 const RIM = 8;
@@ -39,13 +35,10 @@ export class SectorLayer implements Layer {
   readonly #host: Host;
   readonly #numbers = new SectorNumbers();
   readonly #drags: SectorDrags;
-  readonly #tell: () => void;
-  #chip: Chip | null = null;
-  #chipBox: Box | null = null;
+  readonly #chip: SectorChip;
   #edge: Edge | null = null;
   #undo: (() => void) | null = null;
   #names = new Map<string, NamePlace>();
-  #chipKey = "";
 
   constructor(host: Host) {
     this.#host = host;
@@ -56,12 +49,7 @@ export class SectorLayer implements Layer {
       this.say();
     };
     this.#drags = new SectorDrags(this.store, () => host.stage, onDragged);
-    const tell = () => {
-      const { picked } = this.store;
-      const { scan, size, projection } = host.stage;
-      if (picked && scan) this.#chip?.show(this.#describe(picked, scan, projection.viewRange), size.width < NARROW);
-    };
-    this.#tell = throttle(tell, READING_MS, host.signal);
+    this.#chip = new SectorChip(host, this.store, this.#numbers, this);
   }
 
   painters(): Partial<Record<Depth, Painter>> {
@@ -83,6 +71,7 @@ export class SectorLayer implements Layer {
           for (const angle of [sector.start, sector.end]) {
             const { x, y } = pointAt(stage.projection, rimOf(stage), angle);
             stage.occupied.mark(x, y);
+            stage.edges.push(angle);
           }
         }
       },
@@ -97,7 +86,7 @@ export class SectorLayer implements Layer {
         for (const one of all) {
           drawHandles(context, stage, one.sector, isPicked(one), isPicked(one) ? this.#edge : null, theme);
         }
-        if (picked && this.#chipBox) leadTo(context, stage, picked.sector, this.#chipBox, theme);
+        if (picked && this.#chip.box) leadTo(context, stage, picked.sector, this.#chip.box, theme);
       },
     };
   }
@@ -112,31 +101,7 @@ export class SectorLayer implements Layer {
   }
 
   place(stage: Stage): void {
-    const { picked } = this.store;
-    const { scan, size, projection } = stage;
-    if (!picked || !scan) {
-      this.#chip?.hide();
-      this.#chip = null;
-      this.#chipBox = null;
-      this.#chipKey = "";
-      return;
-    }
-    this.#chip ??= this.#makeChip();
-    const isBelow = size.width < NARROW;
-    const key = JSON.stringify([picked, isBelow]);
-    // Its numbers follow a drag at once, and a live scan as fast as a person reads.
-    if (key !== this.#chipKey) this.#chip.show(this.#describe(picked, scan, projection.viewRange), isBelow);
-    else this.#tell();
-    this.#chipKey = key;
-    if (isBelow) this.#chipBox = null;
-    else {
-      const before = this.#chipBox;
-      this.#chipBox = placeChip(this.#chip.size, stage, picked.sector, this.#chipBox);
-      this.#chip.place(this.#chipBox);
-      stage.covered.push(this.#chipBox);
-      // The line to it was drawn before its place was known.
-      if (before?.x !== this.#chipBox.x || before.y !== this.#chipBox.y) this.#host.redraw();
-    }
+    this.#chip.place(stage);
   }
 
   onHover(point: Point | null): boolean {
@@ -213,7 +178,7 @@ export class SectorLayer implements Layer {
     const taken = Object.keys(this.store.kept);
     let number = 1;
     while (taken.includes(`sector ${number}`)) number++;
-    this.#chip?.askName(this.store.picked?.name || `sector ${number}`);
+    this.#chip.askName(this.store.picked?.name || `sector ${number}`);
   }
 
   /** Undoes the change of an edge, else deselects; returns false where there is nothing to undo. */
@@ -224,6 +189,12 @@ export class SectorLayer implements Layer {
     this.#leaveEdge();
     this.#host.card.say([]);
     return true;
+  }
+
+  deselect(): void {
+    this.#leaveEdge();
+    this.store.pick(null);
+    this.#host.card.picture.focus({ preventScroll: true });
   }
 
   remove(): void {
@@ -245,14 +216,12 @@ export class SectorLayer implements Layer {
   }
 
   copy(): void {
-    this.#chip?.copy();
+    this.#chip.copy();
   }
 
   /** Has a screen reader say the picked sector. */
   say(): void {
-    const { picked } = this.store;
-    const scan = this.#host.stream.shown;
-    if (picked && scan) this.#host.card.say(sayOf(this.#describe(picked, scan, this.#host.stage.projection.viewRange)));
+    this.#host.card.say(this.#chip.words);
   }
 
   #handleAt(point: Point, reach: number): { named: Named; edge: Edge } | null {
@@ -285,12 +254,6 @@ export class SectorLayer implements Layer {
   #leaveEdge(): void {
     this.#edge = null;
     this.#host.redraw();
-  }
-
-  #describe(named: Named, scan: Scan, reach: number) {
-    const { stretches, measured } = this.#numbers.look(scan, named.sector);
-    const state = this.#numbers.stateOf(named.name);
-    return describeSector(named, scan, stretches, measured, state, reach, this.#host.model.get("angle_unit"));
   }
 
   /** A ring round the nearest reading of the picked sector. */
@@ -330,47 +293,5 @@ export class SectorLayer implements Layer {
       this.#names.set(named.name, place);
       stage.covered.push(place.box);
     }
-  }
-
-  #makeChip(): Chip {
-    const actions = {
-      toCode: (form: Form) => {
-        const { picked } = this.store;
-        const offset = this.#host.model.get("angle_offset");
-        return picked ? toCode(picked.sector, form, this.#host.stage.sweep, offset) : "";
-      },
-      say: (words: string[]) => this.#host.card.say(words),
-      onName: (name: string) => {
-        this.store.keep(name);
-        this.say();
-      },
-      onRemove: () => this.remove(),
-      onClose: () => {
-        this.#leaveEdge();
-        this.store.pick(null);
-        this.#host.card.picture.focus({ preventScroll: true });
-      },
-      onType: (text: string) => this.#type(text),
-    };
-    return new Chip(this.#host.card.picture, actions, this.#host.signal);
-  }
-
-  #type(text: string): string {
-    const scan = this.#host.stream.shown;
-    const { picked } = this.store;
-    if (!scan || !picked) return "";
-    const stretches = parseRays(text, scan.count);
-    if (!stretches) return "expected a slice, as ranges[240:300]";
-    const [[first, stop] = [0, 0]] = stretches;
-    if (!stop) return `no such ray: this scan has ${scan.count}`;
-    let last = stop - 1;
-    for (const [from, to] of stretches.slice(1)) {
-      // On over the seam.
-      if (from !== 0 || last !== scan.count - 1) return "these rays are not one sector";
-      last += to;
-    }
-    this.store.put({ ...picked, sector: { ...picked.sector, ...sectorOf(scan, first, last) } });
-    this.say();
-    return "";
   }
 }

@@ -30,7 +30,10 @@ export class SectorStore {
 
   get picked(): Named | null {
     const { name, start, end, ...limits } = this.#model.get("_selection");
-    if (name !== undefined) return this.kept[name] ? { name, sector: this.kept[name] } : null;
+    if (name !== undefined) {
+      const sector = Object.hasOwn(this.kept, name) ? this.kept[name] : undefined;
+      return sector ? { name, sector } : null;
+    }
     return start === undefined || end === undefined ? null : { name: "", sector: { start, end, ...limits } };
   }
 

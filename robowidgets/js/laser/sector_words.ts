@@ -1,7 +1,7 @@
 import { type AngleUnit, toAngle, toMetres } from "../shared/format.ts";
 import type { ChipTexts } from "./chip.ts";
-import { READING, type Scan } from "./scan.ts";
-import { type Measured, type State, type Stretch, toExpression } from "./sector.ts";
+import { READING, type Scan, type Sweep } from "./scan.ts";
+import { type Measured, parseRays, type Sector, type State, type Stretch, sectorOf, toExpression } from "./sector.ts";
 import type { Named } from "./sector_store.ts";
 
 /** Metres to the nearest thing, or what there is in place of a number. */
@@ -47,4 +47,19 @@ export function describeSector(
 export function sayOf(texts: ChipTexts): string[] {
   const { name, state, expression, distance, nearest, index, valid } = texts;
   return [name, state, expression, `${nearest} ${index} ${distance}`, valid];
+}
+
+/** The sector of the rays that a text names, or what is wrong with it. */
+export function sectorOfText(sweep: Sweep, text: string): Sector | string {
+  const stretches = parseRays(text, sweep.count);
+  if (!stretches) return "expected a slice, as ranges[240:300]";
+  const [[first, stop] = [0, 0]] = stretches;
+  if (!stop) return `no such ray: this scan has ${sweep.count}`;
+  let last = stop - 1;
+  for (const [from, to] of stretches.slice(1)) {
+    // On across the seam.
+    if (from !== 0 || last !== sweep.count - 1) return "these rays are not one sector";
+    last += to;
+  }
+  return sectorOf(sweep, first, last);
 }

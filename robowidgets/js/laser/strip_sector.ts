@@ -46,7 +46,7 @@ function endsOf({ xOf }: StripStage, [start, stop]: Stretch): [number, number] {
   return [xOf(start - 0.5), xOf(stop - 0.5)];
 }
 
-function fillStretch(
+export function fillStretch(
   context: Context,
   strip: StripStage,
   stretch: Stretch,

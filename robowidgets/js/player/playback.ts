@@ -10,7 +10,7 @@ import { decodeFrames, Segments, type Track } from "./segments.ts";
 import type { PlayerTraits, SegmentMessage } from "./traits.ts";
 
 /** A widget's model in its host. `set_state` acts like a message of the kernel: the kernel is sent nothing. */
-export interface Host<T> extends Pick<Model<T>, "get" | "on" | "off"> {
+export interface Host<T> extends Pick<Model<T>, "get" | "set" | "save_changes" | "on" | "off"> {
   set_state(state: Partial<T>): void;
   /** The state that the kernel sent, while the host applies it. */
   _state_lock?: Record<string, unknown> | null;
@@ -49,6 +49,10 @@ export class Playback {
   #time: number;
   /** What a person points at; all widgets show its moment until the pointer leaves. */
   #pointed: Pointing["_pointed"] = null;
+  /** The moment at which the widgets are frozen; null: they are not. */
+  #frozenAt: number | null = null;
+  /** Whether a step is to move frozen widgets, too, once the page has its segment. */
+  #steps = false;
   /** Index of the ray that the laser shows because a person points at it on the scanogram. */
   #ray: number | null = null;
   #last = 0;
@@ -70,6 +74,7 @@ export class Playback {
     moved.then((found) => {
       this.#moved = found;
       for (const follower of found.followers) this.#follow(follower, signal);
+      for (const target of found.targets) this.#watchFreezing(target, signal);
       // Another page may have segments; this one has none.
       model.send({ have: "nothing" });
       this.#show();
@@ -158,10 +163,12 @@ export class Playback {
   /** Steps to the next or previous frame of the first widget: a laser, if there is one. */
   step(direction: -1 | 1): void {
     if (this.playing) setTraits(this.#model, { playing: false });
-    const to = this.#segments.neighbour(0, this.#time, direction, this.duration);
+    const from = this.#frozenAt ?? this.#time;
+    const to = this.#segments.neighbour(0, from, direction, this.duration);
+    this.#steps = this.#frozenAt !== null;
     if (to !== null) this.seek(to);
     // Across a long silence only Python knows the next sample; it answers with a seek.
-    else this.#model.send({ step: [this.#time, direction] });
+    else this.#model.send({ step: [from, direction] });
   }
 
   /** To the start of the next mark, or of the one before. */
@@ -244,11 +251,35 @@ export class Playback {
       }
       target.set_state(state);
     }
+    if (frames && this.#steps) this.#holdFrozen(frames.map(({ frame }) => frame.bytes));
     this.#showRay();
     for (const follower of this.#moved.followers) {
       if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
     }
     this.#changed();
+  }
+
+  /** Frozen widgets are at one moment, from which steps go on. */
+  #watchFreezing(target: Host<Target>, signal: AbortSignal): void {
+    const onPaused = () => {
+      const isFrozen = this.#moved.targets.some((other) => other.get("paused"));
+      this.#frozenAt = isFrozen ? (this.#frozenAt ?? this.shown) : null;
+    };
+    onPaused();
+    target.on("change:paused", onPaused);
+    onAbort(signal, () => target.off("change:paused", onPaused));
+  }
+
+  /** A step of frozen widgets: all of them show the moment, and stay frozen. */
+  #holdFrozen(frames: DataView[]): void {
+    this.#steps = false;
+    this.#frozenAt = this.#time;
+    for (const [i, target] of this.#moved.targets.entries()) {
+      const bytes = frames[i];
+      if (!bytes || !target.get("paused")) continue;
+      target.set("_held", bytes);
+      target.save_changes();
+    }
   }
 
   /** The ring on the scanogram and the ring on the laser are the same ray. */

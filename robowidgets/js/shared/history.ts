@@ -19,6 +19,8 @@ const MOST_BYTES = 8e6;
  */
 export class History {
   readonly moments: Moment[] = [];
+  /** Whether older samples than the first were there. */
+  hasDropped = false;
   /** Number of samples when it was held, and the time. */
   #held: { count: number; at: number } | null = null;
 
@@ -42,7 +44,10 @@ export class History {
 
   #trim(seconds: number): void {
     const { moments } = this;
-    while (moments.length > 1 && this.#isFull(seconds, 0, moments[0]?.at ?? NaN)) moments.shift();
+    while (moments.length > 1 && this.#isFull(seconds, 0, moments[0]?.at ?? NaN)) {
+      moments.shift();
+      this.hasDropped = true;
+    }
   }
 
   /** Whether the samples from an index on exceed the capacity, counted since a time. */

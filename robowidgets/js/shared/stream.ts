@@ -1,8 +1,10 @@
 import { copyOf, type Reader, toBytes } from "./bytes.ts";
 import { onAbort } from "./events.ts";
-import { History } from "./history.ts";
+import { History, type Moment } from "./history.ts";
 import { type Model, onChange, setTraits } from "./model.ts";
 import { throttle } from "./schedule.ts";
+import { firstWhere } from "./search.ts";
+import { join, type Member, othersOf } from "./together.ts";
 import type { About, SampleTraits } from "./traits.ts";
 
 /** The header of a frame, as far as the page uses it. */
@@ -23,6 +25,11 @@ export function readHead(reader: Reader): Frame {
 
 function sequenceOf(bytes: DataView | null): number {
   return bytes?.getFloat64(0, true) ?? 0;
+}
+
+/** Seconds of Python's monotonic clock at which a sample arrived. */
+function arrivalOf(bytes: DataView): number {
+  return bytes.getFloat64(24, true);
 }
 
 /** Position of the frozen sample in the history. */
@@ -49,7 +56,7 @@ const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));
  * Freezing happens in the page, so that it works while a cell runs. The frozen bytes are a trait, so that a reload, a
  * second view and a saved notebook show them.
  */
-export class Stream<F extends Frame> {
+export class Stream<F extends Frame> implements Member {
   readonly #model: Model<SampleTraits>;
   readonly #decode: (bytes: DataView) => F;
   readonly #history = new History();
@@ -87,6 +94,16 @@ export class Stream<F extends Frame> {
     onChange(model, ["_held"], () => this.#tell(), signal);
     onChange(model, ["_about"], () => this.#onAbout(), signal);
     onAbort(signal, () => clearTimeout(this.#stale));
+    join(this, signal);
+  }
+
+  get group(): string {
+    return this.#model.get("_together");
+  }
+
+  get oldest(): number {
+    const [first] = this.#history.moments;
+    return first && this.#history.hasDropped ? arrivalOf(first.bytes) : -Infinity;
   }
 
   get paused(): boolean {
@@ -150,9 +167,19 @@ export class Stream<F extends Frame> {
     return this.#history.moments.filter(({ bytes }) => sequenceOf(bytes) <= last).at(-1)?.bytes ?? null;
   }
 
+  /** Freezes the picture, or releases it, with the others of its view. */
   toggle(): void {
-    const paused = !this.paused;
-    setTraits(this.#model, { _held: (paused && this.#history.moments.at(-1)?.bytes) || NOTHING, paused });
+    const all = [this, ...othersOf(this)];
+    if (this.paused) for (const one of all) one.release();
+    else for (const one of all) one.freeze();
+  }
+
+  freeze(): void {
+    if (!this.paused) setTraits(this.#model, { _held: this.#history.moments.at(-1)?.bytes || NOTHING, paused: true });
+  }
+
+  release(): void {
+    if (this.paused) setTraits(this.#model, { _held: NOTHING, paused: false });
   }
 
   /** Shows the next or the previous sample of the history; returns false when there is nothing to step through. */
@@ -163,13 +190,31 @@ export class Stream<F extends Frame> {
     return true;
   }
 
-  /** Shows a sample of the history; an index beyond an end is clamped. */
+  /**
+   * Shows a sample of the history, and the others of its view at its moment; an index beyond an end is clamped, also
+   * beyond what the others have kept.
+   */
   seek(index: number): void {
     const { moments } = this.#history;
-    const moment = moments[Math.min(moments.length - 1, Math.max(0, index))];
+    const others = othersOf(this);
+    const oldest = Math.max(...others.map((other) => other.oldest));
+    const first = firstWhere(moments, ({ bytes }) => arrivalOf(bytes) >= oldest);
+    const moment = moments[Math.min(moments.length - 1, Math.max(0, first, index))];
     if (!moment || !this.paused) return;
+    this.#hold(moment);
+    for (const other of others) other.showAt(arrivalOf(moment.bytes));
+  }
+
+  showAt(arrived: number): void {
+    const { moments } = this.#history;
+    const next = firstWhere(moments, ({ bytes }) => arrivalOf(bytes) > arrived);
+    const moment = moments[Math.max(0, next - 1)];
+    if (moment && this.paused && this.#seconds) this.#hold(moment);
+  }
+
+  #hold({ bytes }: Moment): void {
     this.stepped = true;
-    this.#model.set("_held", moment.bytes);
+    this.#model.set("_held", bytes);
     this.#save();
   }
 

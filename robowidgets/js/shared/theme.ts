@@ -28,8 +28,8 @@ function isDark(): boolean {
   const { body, documentElement: root } = document;
   const jupyter = body.dataset.jpThemeLight;
   if (jupyter) return jupyter === "false";
-  // VS Code's and Colab's.
-  const theme = body.dataset.vscodeThemeKind || root.getAttribute("theme");
+  // VS Code's, Colab's and marimo's.
+  const theme = body.dataset.vscodeThemeKind || root.getAttribute("theme") || body.dataset.theme;
   return theme ? /dark|^vscode-high-contrast$/.test(theme) : prefersDark().matches;
 }
 
@@ -64,7 +64,14 @@ function toHex(element: HTMLElement, color: string): string {
 /** Calls back when the host switches between light and dark, or the system forces colours. */
 export function watchTheme(callback: () => void, signal: AbortSignal): void {
   const observer = new MutationObserver(callback);
-  const attributes = ["data-jp-theme-light", "data-jp-theme-name", "data-vscode-theme-kind", "theme", "class"];
+  const attributes = [
+    "data-jp-theme-light",
+    "data-jp-theme-name",
+    "data-vscode-theme-kind",
+    "data-theme",
+    "theme",
+    "class",
+  ];
   for (const element of [document.body, document.documentElement]) {
     observer.observe(element, { attributes: true, attributeFilter: attributes });
   }

@@ -16,6 +16,8 @@ export interface CardTraits extends NamedTraits {
 /** Of a widget that shows the newest of many samples. */
 export interface SampleTraits extends CardTraits {
   paused: boolean;
+  /** Name of the group of widgets that are frozen and stepped together; empty: alone. */
+  _together: string;
   /** Seconds for which samples are kept. */
   history: number;
   /** The frozen frame; empty when none is. */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import robowidgets
 from robowidgets import RecordingError, conditions
 from robowidgets.find._predicate import Function
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
+from robowidgets.kinds import KINDS, LASER
 from robowidgets.messages.definitions import definitions
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.spans import Span, Spans
@@ -140,11 +142,15 @@ class TestReadyMade:
         assert [span[:2] for span in recording.find(~conditions.touched())] == [(0, 3)]
         assert len(recording.find(conditions.touched())) == 0
 
-    def test_a_gap_of_nothing_is_refused_with_words(self, tmp_path: Path) -> None:
+    def test_a_gap_of_nothing_is_refused_by_the_names_of_all_that_it_looked_for(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         recording = robowidgets.open(hazards.write(tmp_path / "x", {0.0: True, 2.0: True}))
-        with pytest.raises(
-            UnknownTopicError, match="x has neither laser scans nor measured speeds: name the topic, as in topic="
-        ):
+        there = "x has no laser scans and no measured speeds"
+        with pytest.raises(UnknownTopicError, match=f"{there}: name the topic, as in topic="):
+            recording.find(conditions.gap(1))
+        monkeypatch.setitem(KINDS, "battery", replace(LASER, name="battery", noun="voltages"))
+        with pytest.raises(UnknownTopicError, match=f"{there} and no voltages: name the topic, as in topic="):
             recording.find(conditions.gap(1))
 
     def test_joined(self, drive: robowidgets.Recording) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import zlib
-from base64 import b64decode
+from base64 import b85decode
 from pathlib import Path
 
 import pytest
@@ -17,7 +17,7 @@ from robowidgets._core.page_file import SentFrames
 
 def parts(path: Path, kind: str) -> list[bytes]:
     found = re.findall(rf'data-part="{kind}">([^<]*)<', path.read_text(encoding="utf-8"))
-    return [zlib.decompress(b64decode(part)) for part in found]
+    return [zlib.decompress(b85decode(part.replace(",", "<"))) for part in found]
 
 
 def test_a_page_of_a_widget_has_its_settings_and_its_history(tmp_path: Path) -> None:

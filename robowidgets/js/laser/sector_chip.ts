@@ -1,0 +1,128 @@
+import { READING_MS, throttle } from "../shared/schedule.ts";
+import { Chip, type ChipTexts } from "./chip.ts";
+import { placeChip } from "./chip_place.ts";
+import { type Form, toCode } from "./code.ts";
+import type { Host, Stage } from "./layer.ts";
+import type { Box } from "./projection.ts";
+import type { SectorNumbers } from "./sector_numbers.ts";
+import type { Named, SectorStore } from "./sector_store.ts";
+import { describeSector, sayOf, sectorOfText } from "./sector_words.ts";
+
+/** A picture narrower than this has the chip below it. Pixels. */
+const NARROW = 480;
+
+/** What the chip leaves to the layer. */
+interface Owner {
+  say(): void;
+  remove(): void;
+  deselect(): void;
+}
+
+/** The chip of the picked sector: there is none without one. */
+export class SectorChip {
+  /** Where it stands in the picture; null where it is not in it. */
+  box: Box | null = null;
+  readonly #host: Host;
+  readonly #store: SectorStore;
+  readonly #numbers: SectorNumbers;
+  readonly #owner: Owner;
+  readonly #tell: () => void;
+  #chip: Chip | null = null;
+  #key = "";
+
+  constructor(host: Host, store: SectorStore, numbers: SectorNumbers, owner: Owner) {
+    this.#host = host;
+    this.#store = store;
+    this.#numbers = numbers;
+    this.#owner = owner;
+    this.#tell = throttle(() => this.#show(), READING_MS, host.signal);
+  }
+
+  place(stage: Stage): void {
+    const { picked } = this.#store;
+    if (!picked || !stage.scan) {
+      this.#chip?.hide();
+      this.#chip = null;
+      this.box = null;
+      this.#key = "";
+      return;
+    }
+    this.#chip ??= this.#make();
+    const isBelow = stage.size.width < NARROW;
+    const key = JSON.stringify([picked, isBelow]);
+    // Its numbers follow a drag at once, and a live scan as fast as a person reads.
+    if (key === this.#key) this.#tell();
+    else this.#show();
+    this.#key = key;
+    const before = this.box;
+    this.box = isBelow ? null : placeChip(this.#chip.size, stage, picked.sector, before);
+    if (!this.box) return;
+    this.#chip.place(this.box);
+    stage.covered.push(this.box);
+    // The line to it was drawn before its place was known.
+    if (before?.x !== this.box.x || before.y !== this.box.y) this.#host.redraw();
+  }
+
+  askName(proposal: string): void {
+    this.#chip?.askName(proposal);
+  }
+
+  copy(): void {
+    this.#chip?.copy();
+  }
+
+  /** What a screen reader says of the picked sector. */
+  get words(): string[] {
+    const texts = this.#texts;
+    return texts ? sayOf(texts) : [];
+  }
+
+  get #texts(): ChipTexts | null {
+    const { picked } = this.#store;
+    const scan = this.#host.stream.shown;
+    return picked && scan ? this.#describe(picked, scan) : null;
+  }
+
+  #describe(picked: Named, scan: NonNullable<Stage["scan"]>): ChipTexts {
+    const { stretches, measured } = this.#numbers.look(scan, picked.sector);
+    const state = this.#numbers.stateOf(picked.name);
+    const { viewRange } = this.#host.stage.projection;
+    return describeSector(picked, scan, stretches, measured, state, viewRange, this.#host.model.get("angle_unit"));
+  }
+
+  #show(): void {
+    const texts = this.#texts;
+    if (texts) this.#chip?.show(texts, this.#host.stage.size.width < NARROW);
+  }
+
+  #make(): Chip {
+    const { card, model, signal } = this.#host;
+    const actions = {
+      toCode: (form: Form) => {
+        const { picked } = this.#store;
+        return picked ? toCode(picked.sector, form, this.#host.stage.sweep, model.get("angle_offset")) : "";
+      },
+      say: (words: string[]) => card.say(words),
+      onName: (name: string) => {
+        this.#store.keep(name);
+        this.#owner.say();
+      },
+      onRemove: () => this.#owner.remove(),
+      onClose: () => this.#owner.deselect(),
+      onType: (text: string) => this.#type(text),
+    };
+    return new Chip(card.picture, actions, signal);
+  }
+
+  /** Selects the rays that a text names; returns what is wrong with it, or "". */
+  #type(text: string): string {
+    const scan = this.#host.stream.shown;
+    const { picked } = this.#store;
+    if (!scan || !picked) return "";
+    const found = sectorOfText(scan, text);
+    if (typeof found === "string") return found;
+    this.#store.put({ ...picked, sector: { ...picked.sector, ...found } });
+    this.#owner.say();
+    return "";
+  }
+}

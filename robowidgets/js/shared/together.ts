@@ -1,0 +1,31 @@
+import { onAbort } from "./events.ts";
+
+/** A widget that is frozen, released and stepped with the others of its view. */
+export interface Member {
+  /** The group; empty: the widget stands alone. */
+  readonly group: string;
+  /** Arrival of the oldest sample it can step back to; -Infinity when it has dropped none. */
+  readonly oldest: number;
+  freeze(): void;
+  release(): void;
+  /** Shows what was the newest sample at a moment. */
+  showAt(arrived: number): void;
+}
+
+const KEY: unique symbol = Symbol.for("robowidgets together") as never;
+
+/** All members of the page: the scripts of different widgets meet nowhere but here. */
+const page = globalThis as { [KEY]?: Set<Member> };
+
+/** Enters a member until the signal aborts. */
+export function join(member: Member, signal: AbortSignal): void {
+  page[KEY] ??= new Set();
+  page[KEY].add(member);
+  onAbort(signal, () => page[KEY]?.delete(member));
+}
+
+/** The other members of a member's group. */
+export function othersOf(member: Member): Member[] {
+  if (!member.group) return [];
+  return [...(page[KEY] ?? [])].filter((other) => other !== member && other.group === member.group);
+}

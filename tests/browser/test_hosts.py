@@ -1,0 +1,129 @@
+"""Hosts other than JupyterLab show the widgets, answer a pointer, and are dark with them: marimo and Voila."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.error import URLError
+from urllib.request import urlopen
+
+import nbformat
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from ..unit.waiting import wait_for
+from .chromium import SCREENSHOTS
+
+CELLS = (
+    "import robowidgets\nrecording = robowidgets.open(robowidgets.SAMPLE)",
+    'laser = robowidgets.LaserWidget(title="/scan")\nlaser.update(recording.at("/scan", 24.1))\nlaser',
+    "scanogram = recording.scanogram()\nscanogram",
+)
+SHOW = "player = recording.show()\nplayer"
+MARIMO = """import marimo
+app = marimo.App(width="full")
+
+
+@app.cell
+def _():
+    import robowidgets
+    recording = robowidgets.open(robowidgets.SAMPLE)
+    laser = robowidgets.LaserWidget(title="/scan")
+    laser.update(recording.at("/scan", 24.1))
+    laser
+    return (recording,)
+
+
+@app.cell
+def _(recording):
+    scanogram = recording.scanogram()
+    scanogram
+    return (scanogram,)
+"""
+
+
+@contextmanager
+def serving(folder: Path, command: Callable[[int], list[str]]) -> Iterator[str]:
+    """The address of a host that is started on a free port, and ended."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    environment = {**os.environ, "HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
+    with (folder / "log").open("w") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-m", *command(port)], cwd=folder, env=environment, stdout=log, stderr=subprocess.STDOUT
+        )
+    url = f"http://127.0.0.1:{port}"
+
+    def answers() -> bool:
+        try:
+            urlopen(url, timeout=30).close()
+        except URLError:
+            return False
+        return True
+
+    try:
+        wait_for(answers, f"{command(port)[0]} answered", seconds=60)
+        yield url
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+def shows(page: Page, theme: str) -> None:
+    """Check what a person sees and does on a laser and a scanogram."""
+    laser: Locator = page.locator(".rw-laser").first
+    expect(laser.locator(".rw-nearest")).to_contain_text("0.16 m", timeout=60_000)
+    expect(laser).to_have_attribute("data-rw-theme", theme)
+    laser.get_by_role("button", name="Zoom in (+)").click()
+    expect(laser.locator(".rw-range")).to_have_text("5 m")
+    laser.locator(".rw-freeze").click()
+    expect(laser.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
+    scanogram = page.locator(".rw-scanogram").first
+    scanogram.locator(".rw-picture").hover(position={"x": 300, "y": 100})
+    expect(scanogram.locator(".rw-popup:visible")).to_contain_text("ranges[")
+    assert "waiting" not in page.locator("body").inner_text()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_marimo_shows_each_widget_and_is_dark_with_it(browser: Browser, tmp_path: Path, theme: str) -> None:
+    pytest.importorskip("marimo")
+    (tmp_path / "robot.py").write_text(MARIMO)
+    (tmp_path / "pyproject.toml").write_text(f'[tool.marimo.display]\ntheme = "{theme}"\n')
+    other = "light" if theme == "dark" else "dark"
+    run = ["marimo", "run", "robot.py", "--headless", "--no-token", "--host=127.0.0.1"]
+    with serving(tmp_path, lambda port: [*run, f"--port={port}"]) as url:
+        # The system has the other theme: that of the page counts.
+        context = browser.new_context(color_scheme=other)  # type: ignore[arg-type]
+        page = context.new_page()
+        page.goto(url)
+        shows(page, theme)
+        page.screenshot(path=SCREENSHOTS / f"marimo-{theme}.png", full_page=True)
+        context.close()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_voila_shows_widgets_and_recordings_and_is_dark_with_them(browser: Browser, tmp_path: Path, theme: str) -> None:
+    pytest.importorskip("voila")
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    cells = [nbformat.v4.new_code_cell(source) for source in (*CELLS, SHOW)]
+    notebook = nbformat.v4.new_notebook(cells=cells, metadata={"kernelspec": kernel})
+    nbformat.write(notebook, tmp_path / "robot.ipynb")
+    run = ["voila", "robot.ipynb", "--no-browser", "--Voila.ip=127.0.0.1", f"--theme={theme}"]
+    with serving(tmp_path, lambda port: [*run, f"--port={port}"]) as url:
+        context = browser.new_context()
+        page = context.new_page()
+        page.set_viewport_size({"width": 1280, "height": 720})
+        page.goto(url)
+        shows(page, theme)
+        player = page.locator(".rw-player")
+        player.locator("input").press("End")
+        expect(player.locator(".rw-play-now")).to_have_text("58.00")
+        expect(player).to_have_attribute("data-rw-theme", theme)
+        page.screenshot(path=SCREENSHOTS / f"voila-{theme}.png", full_page=True)
+        context.close()
