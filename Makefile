@@ -89,13 +89,15 @@ bench: setup build
 	.venv/bin/pip install --quiet --group bench
 	.venv/bin/python -m benchmarks
 
-# Draws the pictures of the documentation anew; look at them before you commit them.
+# Draws the pictures, and writes the pages, of the documentation anew; look at them before you commit them.
 pictures: setup build
 	scripts/chromium.sh
 	$(PYTEST) tests/browser/test_gallery.py
 	mkdir -p docs/images
 	for picture in tests/screenshots/gallery-*@2x.png; do \
 	  name=$${picture##*/gallery-}; cp "$$picture" "docs/images/$${name%@2x.png}.png"; done
+	mkdir -p docs/pages
+	for page in tests/screenshots/gallery-*.html; do cp "$$page" "docs/pages/$${page##*/gallery-}"; done
 
 clean:
 	rm -rf .venv .venv-floor .venv-newest $(JS)/node_modules tests/browser/node_modules robowidgets/static

@@ -25,7 +25,7 @@ from ._overview import whole_drive
 if TYPE_CHECKING:
     from .player import Player
 
-SEGMENT_BYTES = 1_000_000
+SEGMENT_BYTES = 400_000
 """About as many bytes of frames make a segment of a page: few enough to unpack between two pictures."""
 
 LONGEST_SEGMENT = 60.0

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Literal
 
 import pytest
+from playwright.sync_api import Browser
 
-from .chromium import shoot
+import robowidgets
+from robowidgets import conditions
+
+from .chromium import SCREENSHOTS, shoot
 from .notebook import Notebook
 
 WIDGETS = """
@@ -100,3 +105,36 @@ def test_pictures_of_the_drive_pad(notebook: Callable[..., Notebook], theme: Lit
     card.locator(".rw-words", has_text="driving").wait_for()
     nb.page.wait_for_function("() => /^0[.]3/.test(document.querySelector('.rw-readout-value').textContent)")
     shoot(card, f"gallery-drive-{theme}")
+
+
+LARGEST_PAGE = 2_000_000
+
+
+@pytest.fixture(scope="module")
+def files() -> list[Path]:
+    """The pages in files of the gallery."""
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        bumps = recording.find(conditions.touched())
+        note = "Center and right touch at once. The nearest reading is 0.15 m away, to the right of the middle."
+        ends = {"start": bumps[0].start - 5, "end": bumps[0].start + 5}
+        path = SCREENSHOTS / "gallery-bump.html"
+        part = recording.to_html(path, **ends, marks=bumps, title="The first bump", note=note)
+        whole = recording.to_html(SCREENSHOTS / "gallery-drive.html", marks=bumps, title="A drive through a flat")
+    return [part, whole]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_pictures_of_pages(browser: Browser, files: list[Path], theme: Literal["light", "dark"]) -> None:
+    assert all(file.stat().st_size <= LARGEST_PAGE for file in files)
+    context = browser.new_context(
+        color_scheme=theme, device_scale_factor=2, offline=True, viewport={"width": 1180, "height": 760}
+    )
+    shown = context.new_page()
+    shown.goto(files[0].as_uri())
+    shown.locator(".rw-player .rw-slider").focus()
+    shown.keyboard.press("n")
+    shown.evaluate("document.activeElement.blur()")
+    shown.locator(".rw-scanogram", has_text="100 scans").wait_for()
+    shown.locator(".rw-touch", has_text="touched").wait_for()
+    shoot(shown.locator("body"), f"gallery-page-{theme}")
+    context.close()
