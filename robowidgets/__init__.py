@@ -17,7 +17,7 @@ from .speed_widget import SpeedWidget
 from .touch_widget import TouchWidget
 
 if TYPE_CHECKING:
-    from . import feeds, simulator
+    from . import feeds, lessons, simulator
     from .find import conditions
     from .recording import Recording
     from .recording import open as open
@@ -54,6 +54,7 @@ __all__ = [
     "Validity",
     "conditions",
     "feeds",
+    "lessons",
     "simulator",
     "together",
 ]
@@ -62,8 +63,8 @@ _LATER = {"Recording": ".recording", "RecordingError": ".recordings", "open": ".
 
 
 def __getattr__(name: str) -> Any:
-    """Feeds, recordings and the simulator are imported when they are first used: a widget needs none of them."""
-    if name in ("feeds", "simulator"):
+    """Feeds, lessons, recordings and the simulator are imported when first used: a widget needs none of them."""
+    if name in ("feeds", "lessons", "simulator"):
         return import_module(f".{name}", __name__)
     if name == "conditions":
         return import_module(".find.conditions", __name__)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import threading
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +12,8 @@ from typing import Any
 import nbformat
 import pytest
 from nbclient import NotebookClient
+
+from robowidgets import lessons
 
 from .conftest import ROOT
 from .unit.waiting import wait_for
@@ -68,6 +71,28 @@ def test_a_notebook_runs_from_top_to_bottom(file: Path, tmp_path: Path, monkeypa
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     assert [output.text for output in outputs if output.get("name") == "stderr"] == []
     assert [output for output in outputs if WIDGET in output.get("data", {})], f"{file.name} shows no widget"
+
+
+LESSON = ROOT / "notebooks" / "from_picture_to_code.ipynb"
+TASKS = {cell.id: cell.source for cell in read(LESSON).cells if re.fullmatch(r"(task|solution)-\d", cell.id)}
+FOLDED = re.compile(r"<details><summary>Solution</summary>\n\n```python\n(.*)```\n\n</details>", re.DOTALL)
+
+
+@pytest.mark.parametrize("number", range(1, 6))
+def test_a_task_of_the_lesson_is_wrong_as_it_stands_and_right_with_its_solution(number: int) -> None:
+    task = TASKS[f"task-{number}"]
+    folded = re.fullmatch(
+        r"<details><summary>Solution</summary>\n\n```python\n(.*)```\n\n</details>",
+        TASKS[f"solution-{number}"],
+        re.DOTALL,
+    )
+    assert folded
+    function, check, result = re.split(r"\n(?=result)", task)
+    assert result == "result"
+    for answer, is_right in ((function, False), (folded[1], True)):
+        names: dict[str, Any] = {"lessons": lessons}
+        exec(f"{answer}\n{check}", names)
+        assert bool(names["result"]) is is_right, names["result"]
 
 
 def test_the_lesson_of_the_pad_stands_when_its_first_cell_is_run_again() -> None:

@@ -23,7 +23,7 @@ LAYERS = (
     "find feeds",
     "recordings",
     "*_widget _widget_choice _layout _together",
-    "behaviors",
+    "behaviors lessons",
     "scanogram",
     "kinds poses shapes simulator",
     "repair",

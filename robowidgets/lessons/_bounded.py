@@ -1,0 +1,102 @@
+"""Calls of a function that may hang, raise, or return what it should not."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+from .._core.user_function import error_in, line_of
+
+LIMIT_S = 2.0
+"""Seconds that one call may take."""
+
+
+class WrongError(Exception):
+    """What is wrong with an answer, in words for the person who wrote it."""
+
+
+class BrokenError(WrongError):
+    """The function gives no answer at all, so that there is no use in trying other cases."""
+
+
+class _GivenUpError(BaseException):
+    """Ends a function that has taken too long. No Exception, which the function may catch."""
+
+
+def call(function: Callable[..., Any], sample: Any) -> Any:
+    """What a function returns for a sample.
+
+    The function runs in a thread of its own. One that is given up is ended at its next line of Python; one that waits
+    inside of a library stays until it returns.
+
+    Raises:
+        BrokenError: it raised, it returned None, or it took too long.
+    """
+    returned: list[Any] = []
+    raised: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            returned.append(function(sample))
+        except _GivenUpError:
+            pass
+        except BaseException as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=run, name="lesson", daemon=True)
+    thread.start()
+    thread.join(LIMIT_S)
+    if thread.is_alive():
+        frame = sys._current_frames().get(thread.ident or 0)
+        where = line_of(function, reversed(list(traceback.walk_stack(frame)))) if frame else ""
+        _give_up(thread)
+        raise BrokenError(f"it did not return within {LIMIT_S:g} s{where}: does a loop in it never end?")
+    if raised:
+        raise BrokenError(f"it raised an error, {error_in(raised[0])}") from None
+    if not returned or returned[0] is None:
+        raise BrokenError("it returned None: does it end with a return, on every way through it?")
+    return returned[0]
+
+
+def _give_up(thread: threading.Thread) -> None:
+    """Raise an error in another thread, which else would take the processor from all others."""
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident or 0), ctypes.py_object(_GivenUpError))
+    thread.join(0.5)
+
+
+def number(answer: Any, what: str) -> float:
+    """An answer as a float; WrongError where it is none."""
+    try:
+        if isinstance(answer, (str, bytes, bool)):
+            raise TypeError
+        return float(answer)
+    except (TypeError, ValueError):
+        raise WrongError(f"it returned {_short(answer)}: expected a number, the {what}") from None
+
+
+def yes_or_no(answer: Any) -> bool:
+    """An answer as True or False, NumPy's too; WrongError where it is neither."""
+    try:
+        if answer in (True, False):
+            return bool(answer)
+    except (TypeError, ValueError):  # an array has no truth of its own
+        pass
+    raise WrongError(f"it returned {_short(answer)}: expected True or False")
+
+
+def pair(answer: Any, what: str) -> tuple[float, float]:
+    """An answer as two floats; WrongError where it is no pair."""
+    try:
+        first, second = answer
+    except (TypeError, ValueError):
+        raise WrongError(f"it returned {_short(answer)}: expected two numbers, {what}") from None
+    return number(first, what), number(second, what)
+
+
+def _short(answer: Any) -> str:
+    text = repr(answer)
+    return f"{text[:60]}…" if len(text) > 60 else text

@@ -1,0 +1,98 @@
+"""The check of an answer to a task."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ._bounded import BrokenError, WrongError
+from ._tasks import TASKS, Case
+
+
+class Result:
+    """What the check of an answer found; true when the answer is right, and printed in plain words.
+
+    Args:
+        name: of the task.
+        wrong: a line for each case that is wrong; a function that gives no answer is tried no further.
+        right: the number of cases that are right.
+        cases: the number of all cases.
+        sample: the first scan, or touch, on which it was wrong; None when all is right.
+    """
+
+    def __init__(self, name: str, wrong: Sequence[str], right: int, cases: int, sample: Any = None) -> None:
+        self.name = name
+        self.wrong = tuple(wrong)
+        self.right = right
+        self.cases = cases
+        self.sample = sample
+
+    def __bool__(self) -> bool:
+        return not self.wrong
+
+    def __repr__(self) -> str:
+        if not self.wrong:
+            return f"{self.name}: right in all {self.cases} cases. Well done!"
+        head = f"{self.name}: right in {self.right} of {self.cases} cases. Still wrong:"
+        return "\n".join((head, *(f"  - {line}" for line in self.wrong)))
+
+
+def check(function: Callable[..., Any]) -> Result:
+    """Check the answer to a task: a function, whose name is that of the task.
+
+    It never raises what the function raises, and gives up a function that does not return.
+
+    Args:
+        function: ``nearest_on_the_left(scan)``, ``fits_through(scan)``, ``stop_at_wall(scan)``,
+            ``bumper_reflex(touch)`` or ``slow_in_doorway(scan)``; the lesson tells what each returns.
+
+    Raises:
+        TypeError: it is no function.
+        ValueError: no task has its name.
+
+    Example:
+        >>> from robowidgets import lessons
+        >>> def nearest_on_the_left(scan):
+        ...     return scan.distance("left")
+        >>> lessons.check(nearest_on_the_left)
+        nearest_on_the_left: right in all 5 cases. Well done!
+    """
+    if not callable(function):
+        raise TypeError(f"check: expected the function that answers a task, without brackets, got {function!r}")
+    name = getattr(function, "__name__", "")
+    cases = _cases(name)
+    right, wrong = 0, []
+    sample = None
+    for case in cases:
+        error = _error_of(case, function)
+        if error is None:
+            right += 1
+            continue
+        wrong.append(f"{case.title}: {error}")
+        sample = case.sample if sample is None else sample
+        if isinstance(error, BrokenError):
+            break
+    return Result(name, wrong, right, len(cases), sample)
+
+
+def example(name: str) -> Any:
+    """A scan, or a touch, as a task gives them to its answer, for looking at it.
+
+    Raises:
+        ValueError: no task has this name.
+    """
+    return _cases(name)[0].sample
+
+
+def _error_of(case: Case, function: Callable[..., Any]) -> WrongError | None:
+    try:
+        case.judge(function)
+    except WrongError as error:
+        return error
+    return None
+
+
+def _cases(name: str) -> Sequence[Case]:
+    if name not in TASKS:
+        raise ValueError(f"check: no task is called {name!r}; the tasks are {', '.join(TASKS)}")
+    return TASKS[name]()

@@ -1,0 +1,244 @@
+"""The five tasks: the cases on which an answer is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import inf, isnan, nan, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..samples import Scan, Touch, TouchMode
+from ..simulator import Robot, Scanner, World
+from ._bounded import WrongError, call, number, pair, yes_or_no
+
+Answer = Callable[..., Any]
+
+_STEP_S = 0.1
+_EXACT_M = 0.02
+
+
+class Case(NamedTuple):
+    """One case of a task: its title, a sample to look at, and what raises `WrongError` for a wrong answer."""
+
+    title: str
+    sample: Any
+    judge: Callable[[Answer], None]
+
+
+# -- nearest on the left -----------------------------------------------------------------------------------------------
+
+
+def nearest_on_the_left() -> Sequence[Case]:
+    """Metres to the nearest thing in the quarter of the circle on the left."""
+    hall = Robot(World.rooms(), (-3.0, -0.8, 0.6), seed=3).scan()
+    near_right = Robot(World.rooms(), (1.6, 0.4, 1.57), seed=4).scan()
+    circle = Robot(World.rooms(), (4.6, -2.0, 0.0), scanner=Scanner(360, 2 * pi), seed=5).scan()
+    zeros = replace(hall, ranges=np.where(np.arange(len(hall)) % 3 == 0, np.float32(0), hall.ranges))
+    free = Robot(World([(2.0, -4.0, 2.0, 1.5)]), seed=6).scan()
+    return [
+        _nearest("a hall", hall),
+        _nearest("something near on the right", near_right, 'look on the left alone: scan.distance("left")'),
+        _nearest(
+            "a scanner that counts clockwise",
+            _clockwise(circle),
+            "its left has other indices: ask for angles, not for a slice",
+        ),
+        _nearest("a scanner that sends 0.0 for nothing", zeros, "0.0 is its code for nothing seen, and no distance"),
+        _nearest("nothing on the left", free, "the least of nothing is inf: there is room"),
+    ]
+
+
+def _nearest(title: str, scan: Scan, hint: str = "") -> Case:
+    expected, ray = scan.distance("left"), scan.nearest("left")
+
+    def judge(answer: Answer) -> None:
+        given = number(call(answer, scan), "distance in metres")
+        if given == expected or abs(given - expected) <= _EXACT_M:
+            return
+        what = f"it is {expected:.2f} m, at ranges[{ray.index}]" if ray else "nothing is met there, which is inf"
+        raise WrongError(f"you returned {given:.4g}; {what}" + (f". {_capital(hint)}" if hint else ""))
+
+    return Case(title, scan, judge)
+
+
+def _clockwise(scan: Scan) -> Scan:
+    """The same picture by a scanner that counts the other way."""
+    return Scan(
+        scan.ranges[::-1],
+        angle_min=float(scan.angles[-1]),
+        angle_increment=-scan.angle_increment,
+        range_min=scan.range_min,
+        range_max=scan.range_max,
+        frame_id=scan.frame_id,
+    )
+
+
+# -- a gap of 0.6 m ----------------------------------------------------------------------------------------------------
+
+
+def fits_through() -> Sequence[Case]:
+    """Whether the wall that stands 1 m ahead has a gap of at least 0.6 m."""
+    widths = {
+        "a gap of 0.9 m": (0.9, 0.0),
+        "a gap of 0.4 m": (0.4, 0.0),
+        "a gap of 0.75 m, to the right": (0.75, -0.4),
+        "a gap of 0.5 m, to the left": (0.5, 0.5),
+        "no gap": (0.0, 0.0),
+    }
+    return [_gap(title, *gap) for title, gap in widths.items()]
+
+
+def _gap(title: str, width: float, centre: float) -> Case:
+    right, left = centre - width / 2, centre + width / 2
+    posts = [(1.0, -2.0, 1.0, right), (1.0, left, 1.0, 2.0)] if width else [(1.0, -2.0, 1.0, 2.0)]
+    scan = Robot(World([*posts, (3.0, -4.0, 3.0, 4.0)]), seed=7).scan()
+
+    def judge(answer: Answer) -> None:
+        if yes_or_no(call(answer, scan)) != (width >= 0.6):
+            says = "True, and the robot would get stuck" if width < 0.6 else "False, and the robot would fit"
+            raise WrongError(f"you returned {says}. How far apart are the readings on both sides of the gap?")
+
+    return Case(title, scan, judge)
+
+
+# -- stop at 0.4 m -----------------------------------------------------------------------------------------------------
+
+
+def stop_at_wall() -> Sequence[Case]:
+    """The speed forward, for each scan, with which the robot comes to rest 0.4 m from the wall ahead."""
+    ahead = (2.5, -3.0, 2.5, 3.0)
+    beside = (-1.0, 0.26, 2.5, 0.26)
+    covered = Robot(World([ahead]), seed=8).scan()
+    covered = replace(covered, ranges=np.full(len(covered), nan, np.float32))
+
+    def blind(answer: Answer) -> None:
+        speed = number(call(answer, covered), "speed forward in m/s")
+        if not speed <= 0:
+            raise WrongError(
+                f"you returned {speed:.4g} m/s, and the robot drives blind. Drive while the distance is greater than "
+                "a limit: no comparison with NaN is true"
+            )
+
+    return [
+        _stop("a wall ahead", World([ahead]), 2.5),
+        _stop(
+            "a wall ahead and one close beside", World([ahead, beside]), 2.5,
+            'the wall beside is in "front", a quarter of the circle: take a narrower sector',
+        ),
+        Case("a covered scanner, which sends NaN alone", covered, blind),
+    ]  # fmt: skip
+
+
+def _stop(title: str, world: World, wall: float, hint: str = "") -> Case:
+    def judge(answer: Answer) -> None:
+        robot = Robot(world, seed=9)
+        while robot.time < 25:
+            robot.drive(number(call(answer, robot.scan()), "speed forward in m/s"), 0.0)
+            robot.step(_STEP_S)
+            if any(robot.touch().touched.values()):
+                raise WrongError(f"it hit the wall at {robot.time:.1f} s. Slow down earlier")
+        left, speed = wall - robot.pose.x, robot.speed().linear[0]
+        if abs(speed) > 0.02:
+            raise WrongError(f"after 25 s it still drives with {speed:.2f} m/s, {left:.2f} m from the wall")
+        if not 0.35 <= left <= 0.45:
+            short = left > 0.45
+            why = hint if short and hint else "it needs a few centimetres to stop" if not short else "drive closer"
+            raise WrongError(f"it stands {left:.2f} m from the wall, not 0.35 to 0.45 m: {why}")
+
+    return Case(title, Robot(world, seed=9).scan(), judge)
+
+
+# -- bumper reflex -----------------------------------------------------------------------------------------------------
+
+
+def bumper_reflex() -> Sequence[Case]:
+    """Speed forward and turn: on while free, back from a touch and away from its side, none where nothing is known."""
+
+    def free(linear: float, turn: float) -> str:
+        return "" if linear > 0 and turn == 0 else "nothing is touched: drive forward, and do not turn"
+
+    def left(linear: float, turn: float) -> str:
+        return "" if linear < 0 and turn < 0 else "back up and turn right: the turn is below 0 (clockwise)"
+
+    def right(linear: float, turn: float) -> str:
+        return "" if linear < 0 and turn > 0 else "back up and turn left: the turn is above 0 (counter-clockwise)"
+
+    def centre(linear: float, _turn: float) -> str:
+        return "" if linear < 0 else "back up: the speed forward is below 0"
+
+    def unknown(linear: float, turn: float) -> str:
+        return "" if linear == turn == 0 else "None is no False: stand still while a bumper is unknown"
+
+    return [
+        _reflex("nothing touched", (False, False, False), free),
+        _reflex("the left one touched", (True, False, False), left),
+        _reflex("the right one touched", (False, False, True), right),
+        _reflex("the center one touched", (False, True, False), centre),
+        _reflex("all unknown", (None, None, None), unknown),
+    ]
+
+
+def _reflex(title: str, states: tuple[bool | None, ...], rule: Callable[[float, float], str]) -> Case:
+    sensors = ("left", "center", "right")
+    touch = Touch(dict(zip(sensors, states, strict=True)), TouchMode.LEVEL, sensors)
+
+    def judge(answer: Answer) -> None:
+        linear, turn = pair(call(answer, touch), "speed forward and turn")
+        wrong = rule(linear, turn)
+        if wrong or isnan(linear) or isnan(turn):
+            raise WrongError(f"you returned {linear:g} m/s and {turn:g} rad/s; {wrong}")
+
+    return Case(title, touch, judge)
+
+
+# -- slow in a doorway -------------------------------------------------------------------------------------------------
+
+
+def slow_in_doorway() -> Sequence[Case]:
+    """The speed forward: 0.5 m/s in the open, 0.2 m/s where something is near on both sides."""
+    room = [(-4.0, 2.0, 4.0, 2.0), (-4.0, -2.0, 4.0, -2.0)]
+    # Two faces of a wall, and its ends: a wall without thickness is invisible from the doorway.
+    faces = [(x, side * 0.5, x, side * 2.0) for x in (-0.05, 0.05) for side in (-1, 1)]
+    door = [*faces, (-0.05, -0.5, 0.05, -0.5), (-0.05, 0.5, 0.05, 0.5)]
+    beside = [(-4.0, 0.4, 4.0, 0.4)]
+    return [
+        _doorway("through a door", World([*room, *door]), has_door=True),
+        _doorway("along a wall on the left", World([*room, *beside]), has_door=False),
+    ]
+
+
+def _doorway(title: str, world: World, *, has_door: bool) -> Case:
+    at_door = Robot(world, (0.0, 0.0, 0.0), seed=10).scan()
+
+    def judge(answer: Answer) -> None:
+        robot = Robot(world, (-3.0, 0.0, 0.0), seed=10)
+        fastest_inside, slowest_outside = 0.0, inf
+        while robot.pose.x < 2.5:
+            if robot.time > 40:
+                raise WrongError(f"after 40 s it is no farther than {robot.pose.x + 3:.1f} m of 5.5 m: drive on")
+            robot.drive(number(call(answer, robot.scan()), "speed forward in m/s"), 0.0)
+            robot.step(_STEP_S)
+            x, speed = robot.pose.x, robot.speed().linear[0]
+            if has_door and abs(x) < 0.05:
+                fastest_inside = max(fastest_inside, speed)
+            if (abs(x) > 1.0 or not has_door) and robot.time > 1.0:
+                slowest_outside = min(slowest_outside, speed)
+        if fastest_inside > 0.25:
+            raise WrongError(f"it drives through the door with {fastest_inside:.2f} m/s: 0.2 m/s is asked for")
+        if slowest_outside < 0.4:
+            where = "in the open" if has_door else "beside a single wall"
+            raise WrongError(f"{where} it drives with {slowest_outside:.2f} m/s: 0.5 m/s is asked for")
+
+    return Case(title, at_door, judge)
+
+
+TASKS: dict[str, Callable[[], Sequence[Case]]] = {
+    task.__name__: task for task in (nearest_on_the_left, fits_through, stop_at_wall, bumper_reflex, slow_in_doorway)
+}
+"""By the name that the answer has, in the order of the lesson."""
+
+
+def _capital(hint: str) -> str:
+    return hint[:1].upper() + hint[1:]

@@ -1,0 +1,133 @@
+"""The checks of the tasks: a right answer passes, and a wrong one is told what is still wrong."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robowidgets import Scan, Touch, lessons
+from robowidgets.lessons import _bounded
+from tests.unit.waiting import wait_for
+
+NAMES = ["nearest_on_the_left", "fits_through", "stop_at_wall", "bumper_reflex", "slow_in_doorway"]
+
+
+def check(name: str, answer: Callable[[Any], Any]) -> lessons.Result:
+    """The check of an answer under the name of a task."""
+
+    def named(sample: Any) -> Any:
+        return answer(sample)
+
+    named.__name__ = name
+    return lessons.check(named)
+
+
+class TestWrongAnswers:
+    @pytest.mark.parametrize("name", NAMES)
+    def test_none_is_told_once_with_what_is_probably_missing(self, name: str) -> None:
+        result = check(name, lambda _sample: None)
+        assert not result
+        assert len(result.wrong) == 1
+        assert result.wrong[0].endswith("it returned None: does it end with a return, on every way through it?")
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_an_error_is_told_once_with_its_line_and_not_raised(self, name: str) -> None:
+        (line,) = check(name, lambda _sample: 1 / 0).wrong
+        assert "it raised an error, line " in line
+        assert line.endswith("ZeroDivisionError: division by zero")
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_what_never_returns_is_given_up_and_ended(self, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(_bounded, "LIMIT_S", 0.2)
+
+        def forever(_sample: Any) -> float:
+            while True:
+                pass
+
+        start = time.monotonic()
+        (line,) = check(name, forever).wrong
+        assert time.monotonic() - start < 5
+        assert "it did not return within 0.2 s" in line
+        wait_for(lambda: all(t.name != "lesson" for t in threading.enumerate()), "no thread is left at work")
+
+    @pytest.mark.parametrize("name", NAMES)
+    @pytest.mark.parametrize("answer", ["0.4", [], {}, np.zeros(3), object()])
+    def test_what_is_no_answer_is_told_with_what_was_expected(self, name: str, answer: Any) -> None:
+        for line in check(name, lambda _sample: answer).wrong:
+            assert "it returned " in line
+            assert "expected " in line
+
+    def test_what_exits_or_interrupts_itself_is_an_error_too(self) -> None:
+        def leave(_sample: Any) -> float:
+            raise SystemExit(3)
+
+        (line,) = check("fits_through", leave).wrong
+        assert "SystemExit" in line
+
+    @pytest.mark.parametrize(
+        ("name", "answer", "said"),
+        [
+            ("nearest_on_the_left", lambda scan: scan.ranges.min(), "you returned nan; it is "),
+            ("nearest_on_the_left", lambda scan: scan.distance(), "Look on the left alone"),
+            (
+                "nearest_on_the_left",
+                lambda scan: float(np.nanmin(scan.ranges[len(scan) * 2 // 3 : len(scan) * 5 // 6], initial=np.inf)),
+                "ask for angles, not for a slice",
+            ),
+            ("fits_through", lambda _scan: True, "you returned True, and the robot would get stuck"),
+            ("fits_through", lambda _scan: False, "you returned False, and the robot would fit"),
+            ("stop_at_wall", lambda _scan: 0.3, "it hit the wall at "),
+            ("stop_at_wall", lambda scan: 0.3 * (scan.distance("front") > 0.4), "take a narrower sector"),
+            ("stop_at_wall", lambda scan: 0 if scan.distance((-0.3, 0.3)) < 0.4 else 0.3, "no comparison with NaN"),
+            ("stop_at_wall", lambda _scan: 0.05, "after 25 s it still drives with 0.05 m/s"),
+            ("stop_at_wall", lambda _scan: 0, "not 0.35 to 0.45 m: drive closer"),
+            ("bumper_reflex", lambda _touch: (0.3, 0.0), "back up and turn right"),
+            ("bumper_reflex", lambda touch: (-0.3 * any(touch.touched.values()), 0.0), "drive forward"),
+            ("bumper_reflex", lambda touch: (-0.3 if any(touch.touched.values()) else 0.3, 0), "None is no False"),
+            ("slow_in_doorway", lambda _scan: 0.5, "it drives through the door with 0.50 m/s"),
+            ("slow_in_doorway", lambda _scan: 0.2, "in the open it drives with 0.20 m/s"),
+            ("slow_in_doorway", lambda scan: 0.2 if scan.distance() < 0.8 else 0.5, "beside a single wall"),
+            ("slow_in_doorway", lambda _scan: 0.0, "after 40 s it is no farther than 0.0 m of 5.5 m"),
+        ],
+    )  # fmt: skip
+    def test_a_usual_mistake_is_told_apart(self, name: str, answer: Callable[[Any], Any], said: str) -> None:
+        result = check(name, answer)
+        assert not result
+        assert any(said in line for line in result.wrong), result
+        assert result.sample is not None
+
+
+class TestResult:
+    def test_a_right_answer_is_true_and_says_so(self) -> None:
+        result = check("nearest_on_the_left", lambda scan: scan.distance("left"))
+        assert result
+        assert (result.wrong, result.sample) == ((), None)
+        assert repr(result) == "nearest_on_the_left: right in all 5 cases. Well done!"
+
+    def test_a_wrong_one_has_a_line_for_each_case_and_the_first_scan(self) -> None:
+        result = check("fits_through", lambda _scan: True)
+        head, *lines = repr(result).splitlines()
+        assert head == "fits_through: right in 2 of 5 cases. Still wrong:"
+        assert [line[:4] for line in lines] == ["  - "] * 3
+        assert isinstance(result.sample, Scan)
+
+    def test_a_task_is_found_by_the_name_of_the_function(self) -> None:
+        with pytest.raises(ValueError, match="no task is called 'stop'; the tasks are nearest_on_the"):
+            check("stop", lambda _scan: 0.0)
+        with pytest.raises(TypeError, match=r"expected the function that answers a task, without brackets, got 0\.4"):
+            lessons.check(0.4)  # type: ignore[arg-type]
+
+    def test_an_example_is_what_the_answer_gets(self) -> None:
+        assert isinstance(lessons.example("stop_at_wall"), Scan)
+        assert isinstance(lessons.example("bumper_reflex"), Touch)
+        with pytest.raises(ValueError, match="no task is called 'none'"):
+            lessons.example("none")
+
+    def test_what_a_function_prints_is_seen(self, capsys: pytest.CaptureFixture[str]) -> None:
+        check("bumper_reflex", lambda touch: print(touch.sensors))  # noqa: T201
+        assert "('left', 'center', 'right')" in capsys.readouterr().out
