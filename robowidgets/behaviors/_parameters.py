@@ -26,7 +26,7 @@ def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, 
         raise TypeError(f"program: expected a function that returns a Drive, got {function!r}")
     samples = [kind.sample_name for kind in KINDS.values()]
     given = (*samples, *GIVEN)
-    asked = _asked(function, name, (*given, *topics))
+    asked = asked_by(function, name, (*given, *topics))
     for one in asked:
         if one not in (*given, *topics):
             near = difflib.get_close_matches(one, given, n=1)
@@ -41,7 +41,8 @@ def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, 
     return tuple(asked)
 
 
-def _asked(function: Callable[..., Any], name: str, known: tuple[str, ...]) -> list[str]:
+def asked_by(function: Callable[..., Any], name: str, known: tuple[str, ...]) -> list[str]:
+    """The parameters of a function that are known, or have no default."""
     if hasattr(function, "asks_for"):
         return list(function.asks_for)
     asked = []

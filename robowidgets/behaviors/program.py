@@ -291,7 +291,7 @@ class Program:
         try:
             drive = _drive_of(version.function(**values), self.returned)
         except BaseException as raised:  # not even a SystemExit may end the thread without a word
-            line = line_of(version.function, traceback.walk_tb(raised.__traceback__)).removeprefix(", ")
+            line = line_of(_code_of(version.function), traceback.walk_tb(raised.__traceback__)).removeprefix(", ")
             error = f"{line or self.name}: {type(raised).__name__}: {raised}"
             if self._thread is me:
                 log.exception("program %s: %s", self.name, error)
@@ -340,7 +340,9 @@ class Program:
                 seen = steps
                 is_hung = looks >= HUNG and self._in_step
                 waiting = self.waiting if time.monotonic() - self._waiting_since > PATIENCE else ""
-                where = line_of(self.version.function, frames_of(thread)).removeprefix(", ") if is_hung else ""
+                where = (
+                    line_of(_code_of(self.version.function), frames_of(thread)).removeprefix(", ") if is_hung else ""
+                )
             if self._interrupted:
                 self._interrupted = False
                 note = "paused, because the kernel was interrupted"
@@ -352,6 +354,11 @@ class Program:
                 self._end(FAILED, error=error)
             elif waiting:
                 self._log(f"program {self.name}: {waiting}")
+
+
+def _code_of(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function of the user that runs: of a state machine, one of many."""
+    return getattr(function, "current", function)
 
 
 def _drive_of(result: Any, before: Drive) -> Drive:

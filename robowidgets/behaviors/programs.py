@@ -12,6 +12,7 @@ from .._core.cells import on_interrupt
 from .._core.user_function import name_of
 from ..samples.checks import finite
 from ._parameters import parameters_of
+from .machine import Machine
 from .program import ENDED, RATE, Program, Version
 from .robot import Robot
 from .variables import Variables
@@ -49,6 +50,8 @@ class Programs:
         steps = finite("rate", RATE if rate is None else rate, "steps a second")
         if not 0 < steps <= FASTEST:
             raise ValueError(f"rate: expected steps a second, above 0 and at most {FASTEST:g}, got {rate!r}")
+        if isinstance(function, type):
+            function = Machine(function)
         name = str(getattr(function, "name", "")) or name_of(function).rpartition(".")[2]
         asks_for = parameters_of(function, name, topics)
         program, before = self._known.get(name), self.current
@@ -64,6 +67,8 @@ class Programs:
                 program.state = state
         else:
             number = program.version.number
+        if program is not None and isinstance(function, Machine) and isinstance(program.version.function, Machine):
+            function.adopt(program.version.function)
         self.current = program
         program.replace(Version(function, asks_for, dict(topics), steps, on, number + 1))
         program.note = note

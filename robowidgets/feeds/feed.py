@@ -274,7 +274,8 @@ class Feed:
         missing or old, the robot is stopped.
 
         Args:
-            function: the function; without it, `program` returns a decorator.
+            function: the function, or a class that describes a state machine, see `robowidgets.behaviors.Machine`;
+                without it, `program` returns a decorator.
             rate: steps a second, at most 200; 10 without `on`.
             on: a topic; there is one step for each of its messages, the newest if they come too fast.
             **topics: for a parameter, the topic that it is read from: ``scan="/base_scan"``. A parameter of any other

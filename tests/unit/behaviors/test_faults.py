@@ -183,6 +183,34 @@ def test_a_robot_that_is_closed_lost_blind_or_unseen_gets_zero(kernel: Kernel, c
     expect_zero(kernel, since)
 
 
+MACHINE = """
+@feed.program(rate=20)
+class Walker:
+    def slow(): return Drive({slow})
+    def fast(): return Drive(0.2)
+    moves = "slow -> fast on hurry", "fast -> slow on {back}"
+"""
+
+
+def test_a_state_machine_is_rewritten_and_its_events_redefined_while_it_runs(kernel: Kernel) -> None:
+    kernel.run("event", "def hurry(): return False\ndef calm(): return False")
+    assert kernel.run("walker", MACHINE.format(slow=0.1, back="calm"))["status"] == "ok"
+    wait_for(lambda: kernel.heard[-1][1] == 0.1, "its first state drives")
+    kernel.run("event", "def hurry(): return True\ndef calm(): return False")
+    wait_for(lambda: kernel.heard[-1][1] == 0.2, "the new event is true")
+    assert kernel.run("walker", MACHINE.format(slow=0.1, back="clm"))["ename"] == "TypeError"
+    assert kernel.run("walker", MACHINE.format(slow=0.15, back="calm"))["status"] == "ok"
+    since = time.monotonic()
+    wait_for(lambda: len(kernel.heard_since(since)) > 5, "the new version drives")
+    assert set(kernel.heard_since(since)) == {0.2}  # its active state stayed
+    kernel.run("event", "def hurry(): return False\ndef calm(): return True")
+    wait_for(lambda: kernel.heard[-1][1] == 0.15, "it goes back into the state of the new version")
+    kernel.run("event", "def calm(): return nowhere")
+    kernel.run("event", "def hurry(): return nowhere")
+    wait_for(lambda: kernel.heard[-1][1] == 0.0, "an event raises")
+    expect(kernel, "NameError: name 'nowhere' is not defined")
+
+
 def test_the_end_of_the_kernel_leaves_the_robot_at_zero(kernel: Kernel) -> None:
     kernel.manager.shutdown_kernel()
     assert kernel.heard[-1][1] == 0.0

@@ -1,0 +1,162 @@
+"""The outline of a state machine: its states, nested machines and moves, read from a class."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+ACTIONS = ("entry", "running", "exit")
+DONE = "done"
+"""The event that is true when the nested machines of a state are in a state that no move leaves."""
+
+_MOVE = re.compile(r"(\w+|\*)\s*->\s*(\w+)(?:\s+on\s+(\w+)|\s+after\s+([\w.]+)(?:\s+s)?|\s+at\s+once)")
+_FORMS = "'state -> state on event', 'state -> state after 0.5', 'state -> state at once', '* -> state on event'"
+
+
+@dataclass(frozen=True)
+class Move:
+    """A transition: on an event, after some seconds (a number, or the name of one), or, with neither, at once.
+
+    ``source`` is ``*`` for any state of the machine.
+    """
+
+    source: str
+    target: str
+    event: str | None
+    after: str | None
+
+    def __str__(self) -> str:
+        why = f" on {self.event}" if self.event else f" after {self.after}" if self.after else " at once"
+        return f"{self.source} -> {self.target}{why}"
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A state: its actions, and the machines that run side by side while it is active."""
+
+    name: str
+    path: str
+    actions: Mapping[str, Callable[..., Any]]
+    machines: tuple[Outline, ...] = ()
+
+    def nodes(self) -> Iterator[Node]:
+        """The state and all states within."""
+        yield self
+        for machine in self.machines:
+            for state in machine.states.values():
+                yield from state.nodes()
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A machine: its states, the first of which is the initial one, and its moves, those from any state first."""
+
+    path: str
+    states: Mapping[str, Node]
+    moves: tuple[Move, ...]
+    scopes: tuple[Mapping[str, Any], ...]
+
+    @property
+    def initial(self) -> str:
+        """The name of the first state."""
+        return next(iter(self.states))
+
+    def look_up(self, name: str) -> Any:
+        """What a name stands for in the classes around, or in the notebook, now. LookupError for nothing."""
+        for scope in self.scopes:
+            if name in scope:
+                return _plain(scope[name])
+        raise LookupError(name)
+
+    def is_last(self, state: str) -> bool:
+        """Whether no move leaves a state, other than those from any state."""
+        return all(move.source != state for move in self.moves)
+
+
+def outline_of(cls: type) -> Node:
+    """The root state of the machine that a class describes.
+
+    Raises:
+        TypeError, ValueError: something in it is no state, no action or no move; the text says what.
+    """
+    module = vars(sys.modules[cls.__module__])
+    node = _node(cls.__name__, cls, cls.__name__, (module,))
+    if not node.machines:
+        raise TypeError(f"class {cls.__name__}: expected moves between its states, as {_FORMS}")
+    return node
+
+
+def _node(name: str, value: Any, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Node:
+    value = _plain(value)
+    if value is None:
+        return Node(name, path, {})
+    if not isinstance(value, type):
+        if not callable(value):
+            raise TypeError(f"state {path}: expected a function, a class or None, got {value!r}")
+        return Node(name, path, {"running": value})
+    body = vars(value)
+    actions = {action: _plain(body[action]) for action in ACTIONS if action in body}
+    if "moves" in body:
+        return Node(name, path, actions, (_machine(value, path, scopes),))
+    inner = {key: part for key, part in body.items() if isinstance(part, type)}
+    for key, part in inner.items():
+        if "moves" not in vars(part):
+            raise TypeError(f"class {path}.{key}: expected moves, as in each of several machines side by side")
+    if not actions and not inner:
+        raise TypeError(f"class {path}: expected entry, running, exit, or states and moves")
+    machines = tuple(_machine(part, f"{path}.{key}", (body, *scopes)) for key, part in inner.items())
+    return Node(name, path, actions, machines)
+
+
+def _machine(cls: type, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Outline:
+    body = vars(cls)
+    given = body["moves"]
+    lines = given.split("\n") if isinstance(given, str) else list(given)
+    moves = [_move(line, path) for line in lines if line.split("#")[0].strip()]
+    if not moves:
+        raise ValueError(f"moves of {path}: expected at least one, as {_FORMS}")
+    names = dict.fromkeys(name for move in moves for name in (move.source, move.target) if name != "*")
+    missing = [name for name in names if name not in body]
+    if missing:
+        near = difflib.get_close_matches(missing[0], [key for key in body if not key.startswith("_")], n=1)
+        hint = f"; did you mean {near[0]}?" if near else f"; {missing[0]} = None makes one without actions"
+        raise TypeError(f"moves of {path}: no state {missing[0]!r} in its class{hint}")
+    ordered = [key for key in body if key in names]
+    outline = Outline(
+        path,
+        {name: _node(name, body[name], f"{path}.{name}", (body, *scopes)) for name in ordered},
+        tuple(sorted(moves, key=lambda move: move.source != "*")),
+        (body, *scopes),
+    )
+    for move in moves:
+        _check(outline, move)
+    return outline
+
+
+def _move(line: str, path: str) -> Move:
+    text = line.split("#")[0].strip()
+    found = _MOVE.fullmatch(text)
+    if not found:
+        raise ValueError(f"moves of {path}: expected {_FORMS}; got {text!r}")
+    return Move(found[1], found[2], found[3], found[4])
+
+
+def _check(outline: Outline, move: Move) -> None:
+    """TypeError unless the event of a move is there."""
+    if move.event is None or move.event == DONE:
+        return
+    try:
+        event = outline.look_up(move.event)
+    except LookupError:
+        where = f"in class {outline.path}, around it, or in the notebook"
+        raise TypeError(f"{move}: no event {move.event!r} {where}") from None
+    if not callable(event) and not hasattr(event, "judge"):
+        raise TypeError(f"{move}: expected a function or a condition as event, got {event!r}")
+
+
+def _plain(value: Any) -> Any:
+    return value.__func__ if isinstance(value, (staticmethod, classmethod)) else value

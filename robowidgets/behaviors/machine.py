@@ -1,0 +1,266 @@
+"""State machines: programs whose behaviour depends on the state that they are in."""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..kinds import KINDS
+from ..samples.checks import finite
+from ._outline import DONE, Move, Node, Outline, outline_of
+from ._parameters import asked_by
+from .drive import Drive
+from .robot import GIVEN
+
+log = logging.getLogger("robowidgets")
+
+ROUNDS = 20
+"""Moves at once in one step, after which they are taken to go round for ever."""
+
+KEPT = 100
+"""Moves that are kept in `Machine.fired`."""
+
+SINCE = "since"
+
+
+class Fired(NamedTuple):
+    """A move that was made: seconds, the machine, both states, and why."""
+
+    time: float
+    machine: str
+    source: str
+    target: str
+    why: str
+
+
+class Machine:
+    """A state machine, as the function of a program: each step judges events, moves, and runs the active states.
+
+    A class describes it. Its ``moves`` name states and events, which are members of the class. A state is a function,
+    which runs at each step while it is active; a class with ``entry``, ``running``, ``exit``, or a machine of its own;
+    or None. A class without moves runs the machines in it side by side. An event is a function that returns True or
+    False, or a condition of `robowidgets.conditions`; it may also be a member of a class around, or stand in the
+    notebook, where it may be redefined. The event ``done`` is true when the machines in a state have come to an end.
+
+    Per step, each machine makes one move on an event or after a time, of an outer machine before those within, and
+    after it those at once. Functions take the parameters of a program, and ``since``, the seconds in their state. The
+    last `Drive` that one of them returns is the speed; without one the speed stays.
+
+    Args:
+        cls: the class.
+
+    Attributes:
+        fired: the last moves, oldest first.
+        judged: what the events said when they were judged last, by machine and name.
+        note: what a new version could not keep; empty if it kept all.
+        current: the function that runs now, or ran last.
+
+    Raises:
+        TypeError, ValueError: the class describes no machine; the text says why.
+
+    Example:
+        >>> class Escapement:
+        ...     tick = tock = None
+        ...     moves = "tick -> tock after 0.5", "tock -> tick after 0.5"
+        >>> machine = Machine(Escapement)
+        >>> for time in (0.0, 0.6):
+        ...     machine(time=time)
+        >>> machine.active
+        ('tock',)
+    """
+
+    def __init__(self, cls: type) -> None:
+        self.name = cls.__name__
+        self.root = outline_of(cls)
+        self.fired: deque[Fired] = deque(maxlen=KEPT)
+        self.judged: dict[tuple[str, str], bool] = {}
+        self.note = ""
+        self.current: Callable[..., Any] = self.__call__
+        self.asks_for = _asked_for(self.root)
+        self._states: dict[str, tuple[str, float]] = {}
+        """By path of a machine: its active state, and the time at which it was entered."""
+        self._is_whole = False
+        """Whether the active states are known down to the leaves: not at first, nor after an error."""
+        self._is_new = True
+        self._before: Machine | None = None
+        """The version whose states are taken over at the first step: until then it may still make moves."""
+        self._values: dict[str, Any] = {}
+        self._drive: Drive | None = None
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        """The paths of the active states below the root, outer ones first."""
+        if self._before is not None:
+            return self._before.active
+        start = len(self.root.path) + 1
+        return tuple(node.path[start:] for node, _ in self._active_nodes(self.root))
+
+    def adopt(self, before: Machine) -> None:
+        """Go on in the states of another version that still exist; where one is gone, in the initial state."""
+        self._before = before
+
+    def __call__(self, **values: Any) -> Drive | None:
+        """Make a step; returns the speed, None to keep it."""
+        self._values, self._drive = values, None
+        now: float = values["time"]
+        if self._before is not None:
+            before, self._before = self._before, None
+            self._states, self.fired, self._is_new = dict(before._states), before.fired, before._is_new
+        if not self._is_whole:
+            if self._is_new:
+                self._act(self.root, "entry", now)
+            self._resume(self.root, now)
+        self._is_whole = self._is_new = False
+        self._step(self.root, now)
+        self._act(self.root, "running", 0.0)
+        for node, entered in list(self._active_nodes(self.root)):
+            self._act(node, "running", now - entered)
+        self._is_whole = True
+        return self._drive
+
+    # -- within --------------------------------------------------------------------------------------------------------
+
+    def _active_nodes(self, node: Node) -> Iterator[tuple[Node, float]]:
+        for machine in node.machines:
+            if machine.path in self._states:
+                name, entered = self._states[machine.path]
+                if name in machine.states:
+                    yield machine.states[name], entered
+                    yield from self._active_nodes(machine.states[name])
+
+    def _resume(self, node: Node, now: float) -> None:
+        """Enter the initial state of each machine without an active state."""
+        for machine in node.machines:
+            known = self._states.get(machine.path)
+            if known is None or known[0] not in machine.states:
+                if known is not None:
+                    self.note = f"the state {known[0]} is gone: {machine.initial} takes over"
+                    log.warning("program %s: %s", self.name, self.note)
+                self._enter(machine, machine.initial, now)
+                self._settle(machine, now)
+            else:
+                self._resume(machine.states[known[0]], now)
+
+    def _step(self, node: Node, now: float) -> None:
+        for machine in node.machines:
+            name, entered = self._states[machine.path]
+            move = self._find_move(machine, name, now - entered)
+            if move is None:
+                self._step(machine.states[name], now)
+                continue
+            self._make(machine, move, now)
+            self._settle(machine, now)
+
+    def _settle(self, machine: Outline, now: float) -> None:
+        """Make the moves at once."""
+        for _ in range(ROUNDS):
+            name = self._states[machine.path][0]
+            at_once = (move for move in machine.moves if move.source == name and move.event is move.after is None)
+            if (move := next(at_once, None)) is None:
+                return
+            self._make(machine, move, now)
+        raise RuntimeError(f"the moves of {machine.path} go round at once, last {move}")
+
+    def _find_move(self, machine: Outline, name: str, since: float) -> Move | None:
+        """The first move that a machine can make now. All events are judged, so that all may be shown."""
+        found = None
+        for move in machine.moves:
+            if move.source == name or (move.source == "*" and move.target != name):
+                holds = self._holds(machine, move, machine.states[name], since)
+                found = move if holds and found is None else found
+        return found
+
+    def _holds(self, machine: Outline, move: Move, node: Node, since: float) -> bool:
+        if move.after is not None:
+            return since >= self._seconds(machine, move)
+        if move.event is None:
+            return True
+        if move.event == DONE:
+            holds = bool(node.machines) and all(m.is_last(self._states[m.path][0]) for m in node.machines)
+        else:
+            holds = self._judge(machine.look_up(move.event), move.event, since)
+        self.judged[machine.path, move.event] = holds
+        return holds
+
+    def _judge(self, event: Any, name: str, since: float) -> bool:
+        if hasattr(event, "judge"):
+            return event.judge(SimpleNamespace(**self._values)).value is True
+        result = self._call(event, since)
+        if isinstance(result, (bool, np.bool_)) or result is None:
+            return bool(result)
+        raise TypeError(f"the event {name} returned {result!r}: expected True or False")
+
+    def _seconds(self, machine: Outline, move: Move) -> float:
+        after = str(move.after)
+        try:
+            return float(after)
+        except ValueError:
+            variables = self._values["variables"]
+            value = getattr(variables, after) if after in variables else machine.look_up(after)
+            return finite(f"{move}", value, "seconds")
+
+    def _make(self, machine: Outline, move: Move, now: float) -> None:
+        source, _ = self._states[machine.path]
+        self._leave(machine, now)
+        self.fired.append(Fired(now, machine.path, source, move.target, str(move).partition(f"{move.target} ")[2]))
+        self._enter(machine, move.target, now)
+
+    def _enter(self, machine: Outline, name: str, now: float) -> None:
+        self._states[machine.path] = name, now
+        node = machine.states[name]
+        self._act(node, "entry", 0.0)
+        for inner in node.machines:
+            self._enter(inner, inner.initial, now)
+            self._settle(inner, now)
+
+    def _leave(self, machine: Outline, now: float) -> None:
+        name, entered = self._states[machine.path]
+        node = machine.states[name]
+        for inner in node.machines:
+            self._leave(inner, now)
+        self._act(node, "exit", now - entered)
+        del self._states[machine.path]
+
+    def _act(self, node: Node, action: str, since: float) -> None:
+        function = node.actions.get(action)
+        if function is None:
+            return
+        result = self._call(function, since)
+        if isinstance(result, Drive):
+            self._drive = result
+        elif result is not None:
+            raise TypeError(f"{node.path} returned {result!r}: expected a Drive, or None to keep the speed")
+
+    def _call(self, function: Callable[..., Any], since: float) -> Any:
+        self.current = function
+        values = {**self._values, SINCE: since}
+        return function(**{name: values[name] for name in _parameters(function)})
+
+
+_KNOWN = (*(kind.sample_name for kind in KINDS.values()), *GIVEN, SINCE)
+
+
+@lru_cache(maxsize=500)
+def _parameters(function: Callable[..., Any]) -> tuple[str, ...]:
+    return tuple(asked_by(function, getattr(function, "__name__", "an action"), _KNOWN))
+
+
+def _asked_for(root: Node) -> list[str]:
+    """What all functions of a machine ask for, and the time and the variables, which moves need."""
+    asked: dict[str, None] = dict.fromkeys(("time", "variables"))
+    for node in root.nodes():
+        for action in node.actions.values():
+            asked.update(dict.fromkeys(_parameters(action)))
+        for machine in node.machines:
+            for name in dict.fromkeys(move.event for move in machine.moves):
+                if name is not None and name != DONE:
+                    event = machine.look_up(name)
+                    asked.update(dict.fromkeys(event.reads if hasattr(event, "judge") else _parameters(event)))
+    asked.pop(SINCE, None)
+    return list(asked)

@@ -1,0 +1,64 @@
+"""Programs on the simulated robot, as fast as it can."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+from ..samples.checks import finite
+from ..simulator import Robot
+from ._parameters import parameters_of
+from .drive import STANDSTILL, Drive
+from .machine import Machine
+from .program import RATE
+from .variables import State, Variables
+
+
+class Step(NamedTuple):
+    """One step of a simulated program: seconds, the speed in force, and the active states of a machine."""
+
+    time: float
+    drive: Drive
+    active: tuple[str, ...]
+
+
+def simulate(
+    program: Callable[..., Any], robot: Robot, seconds: float, *, rate: float = RATE, variables: Variables | None = None
+) -> Iterator[Step]:
+    """Have a program drive a simulated robot in simulated time, for tests of programs.
+
+    Errors of the program are raised. Between two steps the caller may set variables, and look at the robot.
+
+    Args:
+        program: a function or a class, as `robowidgets.feeds.Feed.program` takes it.
+        robot: the robot.
+        seconds: of simulated time.
+        rate: steps a second.
+        variables: the variables of the program.
+
+    Returns:
+        An iterator over the steps.
+
+    Raises:
+        TypeError, ValueError: as `program` of a feed.
+
+    Example:
+        >>> from robowidgets.simulator import Robot, World
+        >>> robot = Robot(World.rooms(), seed=1)
+        >>> steps = list(simulate(lambda: Drive(0.2), robot, 2.0))
+        >>> round(robot.speed().linear[0], 1)
+        0.2
+    """
+    function = Machine(program) if isinstance(program, type) else program
+    asks_for = parameters_of(function, getattr(function, "__name__", "program"), {})
+    period = 1 / finite("rate", rate, "steps a second")
+    own = {"state": State(), "variables": Variables() if variables is None else variables}
+    start, drive = robot.time, STANDSTILL
+    while (now := robot.time - start) < seconds:
+        samples = {"scan": robot.scan, "speed": robot.speed, "touch": robot.touch}
+        values = {name: samples[name]() if name in samples else own.get(name, now) for name in asks_for}
+        result = function(**values)
+        drive = drive if result is None else result
+        robot.drive(drive.linear, drive.angular)
+        robot.step(period)
+        yield Step(now, drive, function.active if isinstance(function, Machine) else ())

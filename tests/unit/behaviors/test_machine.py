@@ -1,0 +1,278 @@
+"""State machines: which state is active, what it does, and what a new version keeps. All in simulated time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from robowidgets import conditions
+from robowidgets.behaviors import Drive, Machine, Variables
+from robowidgets.behaviors.variables import State
+from robowidgets.feeds import Feed
+from robowidgets.samples import Scan
+
+from ..feeds.scripted import CMD_VEL, Scripted
+from ..waiting import wait_for
+
+# ruff: noqa: N801, N805
+
+
+class Run:
+    """A machine and its steps."""
+
+    def __init__(self, cls: type) -> None:
+        self.machine = Machine(cls)
+        self.variables = Variables()
+        self.state = State(log=[])
+
+    def at(self, time: float, **values: Any) -> tuple[str, ...]:
+        """Make a step; returns the active states."""
+        known = {"time": time, "variables": self.variables, "state": self.state, **values}
+        self.drive = self.machine(**{name: known[name] for name in self.machine.asks_for})
+        return self.machine.active
+
+
+def test_moves_after_a_time_at_once_on_an_event_and_from_any_state() -> None:
+    class Walker:
+        def halted(variables):
+            return variables.halt
+
+        forward = pause = halt = turn = None
+        moves = """
+            forward -> pause after 0.5   # seconds
+            pause -> turn at once
+            turn -> forward after wait
+            * -> halt on halted
+        """
+
+    run = Run(Walker)
+    run.variables.halt, run.variables.wait = False, 1.0
+    assert [run.at(t)[0] for t in (0.0, 0.4, 0.5, 0.6, 1.5)] == ["forward", "forward", "turn", "turn", "forward"]
+    run.variables.halt = True
+    assert run.at(1.6) == run.at(9.0) == ("halt",)
+    assert [(m.source, m.target, m.why) for m in run.machine.fired] == [
+        ("forward", "pause", "after 0.5"),
+        ("pause", "turn", "at once"),
+        ("turn", "forward", "after wait"),
+        ("forward", "halt", "on halted"),
+    ]
+
+
+def test_entry_running_and_exit_run_outer_states_first_and_inner_ones_are_left_first() -> None:
+    def note(word: str) -> Any:
+        return lambda state: state.log.append(word)
+
+    class Walker:
+        class a:
+            entry, running, exit = note("enter a"), note("a"), note("leave a")
+
+            class inner:
+                entry, running, exit = note("enter inner"), note("inner"), note("leave inner")
+
+            rest = None
+            moves = "inner -> rest after 9"
+
+        b = note("b")
+        moves = "a -> b after 1"
+
+    run = Run(Walker)
+    run.at(0.0)
+    run.at(1.0)
+    assert run.state.log == ["enter a", "enter inner", "a", "inner", "leave inner", "leave a", "b"]
+
+
+def test_machines_run_side_by_side_and_done_waits_for_all() -> None:
+    class Walker:
+        class both:
+            class one:
+                a = b = None
+                moves = "a -> b after 1"
+
+            class two:
+                c = d = None
+                moves = "c -> d after 2"
+
+        after = None
+        moves = "both -> after on done"
+
+    run = Run(Walker)
+    assert run.at(0.0) == ("both", "both.one.a", "both.two.c")
+    assert run.at(1.0) == ("both", "both.one.b", "both.two.c")
+    assert run.at(2.0) == ("both", "both.one.b", "both.two.d")
+    assert run.at(2.1) == ("after",)
+
+
+def test_the_last_speed_that_a_state_returns_is_sent_and_none_keeps_it() -> None:
+    class Walker:
+        def running():
+            return Drive(0.1)
+
+        class a:
+            def running():
+                return None
+
+        def b(since):
+            return Drive(since)
+
+        moves = "a -> b after 1"
+
+    run = Run(Walker)
+    run.at(0.0)
+    assert run.drive == Drive(0.1)
+    run.at(1.0)
+    run.at(1.5)
+    assert run.drive == Drive(0.5)
+
+
+def test_a_condition_may_be_an_event() -> None:
+    class Walker:
+        near = conditions.nearest_below(0.5)
+        forward = stop = None
+        moves = "forward -> stop on near"
+
+    run = Run(Walker)
+    assert run.machine.asks_for == ["time", "variables", "scan"]
+    assert run.at(0.0, scan=Scan([1.0], 0.0, 0.1, 0.1, 9.0)) == ("forward",)
+    assert run.at(0.1, scan=Scan([0.4], 0.0, 0.1, 0.1, 9.0)) == ("stop",)
+    assert run.machine.judged == {("Walker", "near"): True}
+
+
+def test_a_new_version_keeps_what_is_active_and_still_exists() -> None:
+    class Walker:
+        forward = None
+
+        class avoid:
+            stop = turn = None
+            moves = "stop -> turn after 1"
+
+        moves = "forward -> avoid after 1"
+
+    entered: list[str] = []
+
+    class Newer:
+        forward = None
+
+        class avoid:
+            def entry():
+                entered.append("avoid")
+
+            turn = wait = None
+            moves = "turn -> wait after 3"
+
+        moves = "forward -> avoid after 1"
+
+    Newer.__name__ = "Walker"
+
+    class Newest:
+        forward = rest = None
+        moves = "forward -> rest after 1"
+
+    Newest.__name__ = "Walker"
+    run = Run(Walker)
+    assert [run.at(t) for t in (0.0, 1.0, 2.0)][-1] == ("avoid", "avoid.turn")
+    for cls, time, active in ((Newer, 3.0, ("avoid", "avoid.turn")), (Newest, 3.5, ("forward",))):
+        machine = Machine(cls)
+        machine.adopt(run.machine)
+        run.machine = machine
+        assert run.at(time) == active
+        if cls is Newer:
+            assert machine.note == ""
+            assert run.at(4.9) == ("avoid", "avoid.turn")
+            assert run.at(5.0) == ("avoid", "avoid.wait")
+    assert entered == []
+    assert run.machine.note == "the state avoid is gone: forward takes over"
+
+
+def test_after_an_error_it_goes_on_in_its_states() -> None:
+    class Walker:
+        a = None
+
+        class b:
+            def entry(variables):
+                return 1 / variables.x
+
+            c = d = None
+            moves = "c -> d after 1"
+
+        moves = "a -> b after 1"
+
+    run = Run(Walker)
+    run.variables.x = 0
+    run.at(0.0)
+    with pytest.raises(ZeroDivisionError):
+        run.at(1.0)
+    assert run.at(1.1) == ("b", "b.c")
+    assert run.at(2.1) == ("b", "b.d")
+
+
+@pytest.mark.parametrize(
+    ("members", "error", "words"),
+    [
+        (
+            {"moves": "a -> b on"},
+            ValueError,
+            r"moves of Walker: expected 'state -> state on event', .*; got 'a -> b on'",
+        ),
+        ({"a": None, "moves": "a -> b"}, ValueError, "got 'a -> b'"),
+        ({"a": None, "turn": None, "moves": "a -> trun after 1"}, TypeError, "no state 'trun' .*did you mean turn?"),
+        ({"a": None, "b": None, "moves": "a -> b on near"}, TypeError, "no event 'near' in class Walker, around it"),
+        ({"a": 3, "b": None, "moves": "a -> b after 1"}, TypeError, "state Walker.a: expected a function, a class"),
+        ({"a": None, "b": None, "x": 1, "moves": "a -> b on x"}, TypeError, "expected a function or a condition"),
+        ({"a": None}, TypeError, "class Walker: expected"),
+        ({"moves": " "}, ValueError, "expected at least one"),
+        ({"a": lambda scn: scn, "b": None, "moves": "a -> b after 1"}, TypeError, "asks for 'scn'"),
+    ],
+)
+def test_a_class_that_describes_no_machine_is_refused(
+    members: dict[str, Any], error: type[Exception], words: str
+) -> None:
+    cls = type("Walker", (), {"__module__": __name__, **members})
+    with Feed(Scripted(CMD_VEL)) as robot:
+        with pytest.raises(error, match=words):
+            robot.program(cls)
+        assert robot.programs.current is None
+
+
+def test_moves_that_go_round_at_once_and_events_that_are_neither_true_nor_false_are_errors() -> None:
+    class Round:
+        a = b = None
+        moves = "a -> b at once", "b -> a at once"
+
+    with pytest.raises(RuntimeError, match="the moves of Round go round at once"):
+        Run(Round).at(0.0)
+
+    class Odd:
+        def near():
+            return 0.3
+
+        a = b = None
+        moves = "a -> b on near"
+
+    with pytest.raises(TypeError, match=r"the event near returned 0\.3: expected True or False"):
+        Run(Odd).at(0.0)
+
+
+def test_a_machine_drives_a_feed_names_the_line_of_an_error_and_goes_on_in_its_next_version() -> None:
+    class Walker:
+        def forward(variables):
+            return Drive(0.2 / variables.x)
+
+        back = None
+        moves = "forward -> back after 99"
+
+    with Feed(script := Scripted(CMD_VEL)) as robot:
+        robot.variables.x = 1
+        program = robot.program(Walker, rate=100)
+        wait_for(lambda: script.speeds[-1:] == [(0.2, 0.0)], "it drives")
+        robot.variables.x = 0
+        wait_for(lambda: program.mode == "failed", "it raises")
+        assert (
+            program.error
+            == f"line {Walker.forward.__code__.co_firstlineno + 1}: ZeroDivisionError: float division by zero"
+        )
+        wait_for(lambda: script.speeds[-1:] == [(0.0, 0.0)], "zero is sent")
+        robot.variables.x = 2
+        assert robot.program(Walker, rate=100) is program
+        wait_for(lambda: script.speeds[-1:] == [(0.1, 0.0)], "it drives on")
+        assert program.version.function.active == ("forward",)
