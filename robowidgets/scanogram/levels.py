@@ -51,13 +51,13 @@ class Levels:
         self._first = 0 if 4 * sweep.ray_count * count <= min(FEW, budget) else FIRST
         while 4 * sweep.ray_count * (count >> self._first) > budget:
             self._first += 1
-        self._kept: dict[str, list[Codes]] = {}
+        self._pixel, self._kept = "", list[Codes]()
         self._levels(NEAREST)
 
     @property
     def last(self) -> int:
         """The coarsest level."""
-        return self._first + len(self._kept[NEAREST]) - 1
+        return self._first + len(self._kept) - 1
 
     def codes(self, level: int, start: int, stop: int, pixel: str = NEAREST) -> Codes:
         """The codes of the cells ``start`` to ``stop - 1`` of a level: shape (stop - start, rays)."""
@@ -67,9 +67,8 @@ class Levels:
         return folded(self._encode(self.scans.read(start * size, stop * size)), size, pixel)
 
     def _levels(self, pixel: str) -> list[Codes]:
-        """The levels that are kept; those of medians are made when they are first wanted."""
-        levels = self._kept.get(pixel)
-        if levels is None:
+        """The levels that are kept: of nearest or of median ones, whichever was wanted last."""
+        if pixel != self._pixel:
             count = -(-len(self.scans.times_ns) // (1 << self._first))
             first = np.empty((count, self.sweep.ray_count), np.uint16)
             at = 0
@@ -81,12 +80,12 @@ class Levels:
                 size *= 2
                 # The median of two is no median of them all: fold medians from the first level.
                 levels.append(fold(levels[-1], 2) if pixel == NEAREST else folded(first, size, pixel))
-            self._kept[pixel] = levels
-        return levels
+            self._pixel, self._kept = pixel, levels
+        return self._kept
 
     def _cells(self, pixel: str) -> Iterator[Codes]:
         """The cells of the first level that is kept; the codes are counted meanwhile, the first time."""
-        size, counted = 1 << self._first, bool(self._kept)
+        size, counted = 1 << self._first, bool(self._pixel)
         rest = np.empty((0, self.sweep.ray_count), np.uint16)
         for ranges in self.scans.chunks():
             codes = self._encode(ranges)
