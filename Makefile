@@ -1,6 +1,6 @@
 # Everything from a bare checkout: `make demo` shows the widgets, `make test` checks all of it.
 # Needs Python 3.10 or later. Node comes from PyPI into .venv; nothing is installed outside the checkout,
-# but for a missing Chromium, ROS 1 or venv module on Debian as root.
+# but for a missing Chromium, Firefox, ROS 1 or venv module on Debian as root.
 
 SHELL := bash
 PYTHON ?= python3
@@ -82,6 +82,7 @@ test-wheel: setup
 
 test-browser: setup build $(EXPORT_MODULES)
 	scripts/chromium.sh
+	scripts/firefox.sh
 	$(PYTEST) --numprocesses 2 --dist worksteal tests/browser
 
 bench: setup build

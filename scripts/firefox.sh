@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+# Sees to a Firefox, in which exported pages are tested too; where it cannot be installed, these tests are skipped.
+set -euo pipefail
+for name in firefox-esr firefox; do
+  command -v "$name" >/dev/null && exit 0
+done
+scripts/apt.sh "Firefox" firefox-esr || echo "The tests in Firefox are skipped." >&2
