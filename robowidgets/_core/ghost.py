@@ -49,6 +49,8 @@ class HasGhost(traitlets.HasTraits):
         elif isinstance(value, int) and not isinstance(value, bool):
             if value < 1:
                 raise ValueError(f"ghost: expected how many scans ago, 1 or more, got {value}")
+            if self.driven_by_player:  # type: ignore[attr-defined]  # of the widget
+                raise ValueError("ghost: a player keeps no earlier scans; set a scan, such as recording.at(...).sample")
             ago = value
         elif value is not None:
             raise TypeError(

@@ -117,17 +117,19 @@ class Judge:
             return newest, self._lamps
         if self._shot is not None and self._shot.version > sent and not self._widget._packs_now:
             return self._shot, self._lamps
-        entered, now = self._entered, time.monotonic()
-        if entered is None or now - entered <= PATIENCE:
-            pacer.mark_at(self._widget, now + PATIENCE)
+        is_late = self.is_late
+        pacer.mark_at(self._widget, time.monotonic() + (SLOW if is_late else PATIENCE))
+        if not is_late:
             return None, []
-        pacer.mark_at(self._widget, now + SLOW)
         return newest, [self._unknown(watch) for watch in self.watches.values()]
 
     @property
     def is_late(self) -> bool:
-        """Whether the judgement of one sample takes longer than a picture waits for it."""
-        return self._entered is not None and time.monotonic() - self._entered > PATIENCE
+        """Whether the judgement of one sample takes longer than a picture waits for it, or will never come."""
+        if self._thread is None or not self._thread.is_alive():
+            return True
+        entered = self._entered
+        return entered is not None and time.monotonic() - entered > PATIENCE
 
     def _restart(self, gone: Watch | None) -> None:
         """Judge the newest sample again, in another thread if this one is in a function that is not wanted any more."""

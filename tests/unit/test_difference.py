@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import robowidgets
 from robowidgets import LaserWidget, Scan
 from robowidgets.samples.scan import indices_at
 
@@ -110,3 +111,14 @@ class TestGhost:
         with pytest.raises(ValueError, match="another laser widget, got this one"):
             laser.ghost = laser
         laser.close()
+
+    def test_the_player_of_a_recording_keeps_no_earlier_scans(self) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording:
+            scan_before = recording.scans()[0].sample
+            player = recording.show("/scan")
+            widget = player.views[0].widget
+            with pytest.raises(ValueError, match="a player keeps no earlier scans; set a scan"):
+                widget.ghost = 10
+            widget.ghost = scan_before
+            assert widget.ghost.ranges.tolist() == pytest.approx(scan_before.ranges.tolist(), nan_ok=True)
+            player.close()

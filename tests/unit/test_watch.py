@@ -123,6 +123,22 @@ class TestLamp:
         with pytest.raises(RuntimeError, match="broken: switched off, line"):
             watch.wait()
 
+    @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+    def test_that_can_be_judged_no_more_holds_no_picture_back(
+        self, laser: LaserWidget, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        page = Page(laser)
+
+        def fail(_shown: Any) -> Any:
+            raise MemoryError
+
+        monkeypatch.setattr(laser, "_to_judge", fail, raising=True)
+        laser.watch(conditions.nearest_below(0.5), name="wall")
+        for number in (1, 2):
+            show(laser, 0.4)
+            wait_for(lambda number=number: sequence(page.state) == number, "the scan is shown")
+            assert lamp(page)["state"] == "unknown"
+
     def test_is_in_a_notebook_that_is_saved_after_the_cell(self, laser: LaserWidget) -> None:
         laser.watch(conditions.nearest_below(0.5), name="wall")
         show(laser, 0.4)
