@@ -125,9 +125,7 @@ class Judge:
 
     @property
     def is_late(self) -> bool:
-        """Whether the judgement of one sample takes longer than a picture waits for it, or will never come."""
-        if self._thread is None or not self._thread.is_alive():
-            return True
+        """Whether the judgement of one sample takes longer than a picture waits for it."""
         entered = self._entered
         return entered is not None and time.monotonic() - entered > PATIENCE
 

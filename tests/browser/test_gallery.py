@@ -14,6 +14,7 @@ from robowidgets import conditions
 
 from .chromium import SCREENSHOTS, shoot
 from .notebook import Notebook
+from .plain_page import PlainPage
 
 WIDGETS = """
 import robowidgets
@@ -83,6 +84,39 @@ def test_pictures_of_what_was_found(notebook: Callable[..., Notebook], theme: Li
     drive = nb.output(0).locator(".rw-scanogram")
     drive.locator(".rw-scanogram-chip").wait_for(state="hidden")
     shoot(nb.widget(0), f"gallery-find-{theme}")
+
+
+CONDITIONS = """
+import time
+import robowidgets
+from robowidgets import LaserWidget, Sector, conditions
+
+recording = robowidgets.open(robowidgets.SAMPLE)
+bump = recording.find(conditions.touched())[0]
+laser = LaserWidget(title="/scan", view_range=3.5)
+laser.sectors["ahead"] = Sector("-50deg", "0deg", near=0.5)
+laser.watch(conditions.nearest_below(0.5, laser.sectors["ahead"]), name="table")
+laser.watch(lambda scan: scan.distance("left") < 0.4, name="wall on the left")
+laser
+"""
+APPROACH = """
+for moment in recording.samples("/scan", bump.start - 2.5, bump.start - 0.35):
+    laser.update(moment.sample)
+    time.sleep(0.1)
+laser.ghost = 8
+"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_pictures_of_conditions(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([CONDITIONS, APPROACH], scale=2, theme=theme, run=False)
+    nb.run(0)
+    nb.resize(680)
+    nb.run(1)
+    card = nb.widget(0).locator(".rw-card")
+    card.locator(".rw-lamp[data-rw-state='true']").wait_for()
+    card.locator(".rw-freeze").click()
+    shoot(card, f"gallery-conditions-{theme}")
 
 
 PAD = """
