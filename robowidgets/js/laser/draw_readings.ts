@@ -1,4 +1,4 @@
-import { write } from "../shared/canvas.ts";
+import { write, writeOver } from "../shared/canvas.ts";
 import { toShortMetres } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import { arcFont } from "./draw_area.ts";
@@ -162,16 +162,8 @@ export function drawBeyond(
 
 /** The distance at each arc, with a halo. */
 export function drawArcLabels(context: CanvasRenderingContext2D, labels: ArcLabel[], theme: Theme): void {
-  context.font = arcFont(theme);
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.lineJoin = "round";
   for (const { distance, box } of labels) {
     const [x, y] = [box.x + box.width / 2, box.y + box.height / 2 + 0.5];
-    context.lineWidth = 4;
-    context.strokeStyle = theme.area;
-    context.strokeText(toShortMetres(distance), x, y);
-    context.fillStyle = theme.muted;
-    context.fillText(toShortMetres(distance), x, y);
+    writeOver(context, toShortMetres(distance), x, y, theme.muted, arcFont(theme), "center", theme.area);
   }
 }

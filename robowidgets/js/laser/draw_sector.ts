@@ -1,4 +1,4 @@
-import { write } from "../shared/canvas.ts";
+import { writeOver } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import { overlaps } from "./guides.ts";
 import type { Stage } from "./layer.ts";
@@ -195,16 +195,9 @@ export function drawName(
   }
   if (!place) return null;
   const { x: left, y: top, width } = place.box;
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.lineJoin = "round";
   for (const [i, line] of lines.slice(0, place.at[0]).entries()) {
     const [x, y] = [left + width / 2, top + 1 + (i + 0.5) * LINE];
-    context.font = fontOf(i, theme);
-    context.lineWidth = HALO;
-    context.strokeStyle = theme.area;
-    context.strokeText(line, x, y);
-    write(context, line, x, y, i ? theme.muted : color, fontOf(i, theme), "center");
+    writeOver(context, line, x, y, i ? theme.muted : color, fontOf(i, theme), "center", theme.area);
   }
   return place;
 }

@@ -1,4 +1,4 @@
-import { write } from "../shared/canvas.ts";
+import { writeOver } from "../shared/canvas.ts";
 import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { overlaps } from "./guides.ts";
@@ -87,11 +87,5 @@ function drawName(
   );
   if (!box) return;
   covered.push(box);
-  context.lineJoin = "round";
-  context.lineWidth = 4;
-  context.strokeStyle = theme.area;
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.strokeText(name, box.x + width / 2, box.y + HEIGHT / 2);
-  write(context, name, box.x + width / 2, box.y + HEIGHT / 2, theme.pointer, font, "center");
+  writeOver(context, name, box.x + width / 2, box.y + HEIGHT / 2, theme.pointer, font, "center", theme.area);
 }

@@ -1,3 +1,4 @@
+import { writeOver } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
 import { overlaps } from "./guides.ts";
@@ -110,16 +111,8 @@ function widthOf(context: CanvasRenderingContext2D, text: string, line: number, 
 }
 
 function write(context: CanvasRenderingContext2D, box: Box, lines: string[], shape: Shape, theme: Theme): void {
-  context.textAlign = "left";
-  context.textBaseline = "middle";
-  context.lineJoin = "round";
-  context.lineWidth = 4;
-  context.strokeStyle = theme.area;
-  context.fillStyle = shape.color ?? theme.own;
   for (const [i, line] of lines.entries()) {
-    context.font = fontOf(i, theme);
     const y = box.y + LINE * (i + 0.5);
-    context.strokeText(line, box.x, y);
-    context.fillText(line, box.x, y);
+    writeOver(context, line, box.x, y, shape.color ?? theme.own, fontOf(i, theme), "left", theme.area);
   }
 }

@@ -59,6 +59,29 @@ export function write(
   context.fillText(text, x, y);
 }
 
+const HALO = 4;
+
+/** Writes text as `write` does, with a halo that keeps it apart from lines below it. */
+export function writeOver(
+  context: CanvasRenderingContext2D,
+  text: string,
+  x: number,
+  y: number,
+  color: string,
+  font: string,
+  align: CanvasTextAlign,
+  halo: string,
+): void {
+  context.font = font;
+  context.textAlign = align;
+  context.textBaseline = "middle";
+  context.lineJoin = "round";
+  context.lineWidth = HALO;
+  context.strokeStyle = halo;
+  context.strokeText(text, x, y);
+  write(context, text, x, y, color, font, align);
+}
+
 /**
  * Calls back with the size of an element now, and whenever the size or the pixel ratio changes.
  *
