@@ -93,10 +93,11 @@ bench: setup build
 # Draws the pictures, and writes the pages, of the documentation anew; look at them before you commit them.
 pictures: setup build
 	scripts/chromium.sh
-	$(PYTEST) tests/browser/test_gallery.py
+	PICTURES=1 $(PYTEST) tests/browser/test_gallery.py
 	mkdir -p docs/images
 	for picture in tests/screenshots/gallery-*@2x.png; do \
 	  name=$${picture##*/gallery-}; cp "$$picture" "docs/images/$${name%@2x.png}.png"; done
+	cp tests/screenshots/gallery-drag-to-code.webp docs/images/drag-to-code.webp
 	mkdir -p docs/pages
 	for page in tests/screenshots/gallery-*.html; do cp "$$page" "docs/pages/$${page##*/gallery-}"; done
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable
+<<<<<<< HEAD
 from pathlib import Path
 from typing import Literal
 
@@ -13,6 +16,16 @@ import robowidgets
 from robowidgets import conditions
 
 from .chromium import SCREENSHOTS, shoot
+=======
+from math import cos, radians, sin
+from typing import Literal
+
+import pytest
+from playwright.sync_api import FloatRect, expect
+
+from .chromium import shoot
+from .moving_picture import MovingPicture
+>>>>>>> 95fcb1c (Show in the README how a dragged arc becomes code that runs)
 from .notebook import Notebook
 from .plain_page import PlainPage
 
@@ -141,6 +154,7 @@ def test_pictures_of_the_drive_pad(notebook: Callable[..., Notebook], theme: Lit
     shoot(card, f"gallery-drive-{theme}")
 
 
+<<<<<<< HEAD
 LARGEST_PAGE = 2_000_000
 
 
@@ -172,3 +186,68 @@ def test_pictures_of_pages(browser: Browser, files: list[Path], theme: Literal["
     shown.locator(".rw-touch", has_text="touched").wait_for()
     shoot(shown.locator("body"), f"gallery-page-{theme}")
     context.close()
+=======
+ROOM = """
+from robowidgets import LaserWidget
+from robowidgets.simulator import Robot, World
+robot = Robot(World.rooms(), pose=(-1.0, -2.2, 3.0), seed=1)
+laser = LaserWidget(title="/scan")
+laser.update(robot.scan())
+laser.layout.width = "620px"
+"""
+ARC = """(picture) => {
+    const { left, top, width, height } = picture.getBoundingClientRect();
+    return [left + width / 2, top + height * 0.57, height * 0.3];
+}"""
+
+
+@pytest.mark.skipif("PICTURES" not in os.environ, reason="takes a minute: only for `make pictures`")
+def test_a_moving_picture_of_a_drag_that_becomes_code(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([ROOM, "laser", "scan = laser.scan\n"], run=False, scale=2, width=760, height=1000)
+    nb.run(0)
+    nb.run(1)
+    card = nb.widget(1).locator(".rw-card")
+    shown, cell = nb.output(1), nb.page.locator(".jp-Cell").nth(2)
+    nb.page.locator(".jp-Cell").nth(1).evaluate("(cell) => cell.scrollIntoView()")
+    start, end = shown.bounding_box(), cell.bounding_box()
+    assert start
+    assert end
+    clip = FloatRect(x=end["x"], y=start["y"] - 6, width=646, height=end["y"] + end["height"] + 58 - start["y"])
+    film = MovingPicture(nb.page, clip)
+    x, y, radius = card.locator(".rw-picture").evaluate(ARC)
+
+    def on_arc(degrees: float) -> tuple[float, float]:
+        return x + radius * cos(radians(degrees + 90)), y - radius * sin(radians(degrees + 90))
+
+    film.take(600)
+    film.move(*on_arc(-25))
+    nb.page.mouse.down()
+    for i in range(11):
+        film.jump(*on_arc(-25 + 55 * i / 10))
+    nb.page.mouse.up()
+    film.take(900)
+    copy = card.locator(".rw-copy").last
+    box = copy.bounding_box()
+    assert box
+    film.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    nb.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    copy.click()
+    expect(copy).to_have_text("Copied")
+    film.take(900)
+    field = cell.locator(".cm-content")
+    box = field.bounding_box()
+    assert box
+    film.move(box["x"] + 200, box["y"] + box["height"] - 12)
+    field.click()
+    nb.page.keyboard.press("Control+End")
+    film.take(400)
+    nb.page.keyboard.press("Control+V")
+    expect(field).to_contain_text("scan.distance((")
+    film.take(900)
+    nb.page.keyboard.press("Control+Enter")
+    result = cell.locator(".jp-OutputArea-output")
+    expect(result).to_have_text(re.compile(r"^\d\.\d+$"))
+    assert card.locator(".rw-chip-distance").inner_text() == f"{float(result.inner_text()):.2f} m"
+    film.take(2500)
+    film.save("gallery-drag-to-code")
+>>>>>>> 95fcb1c (Show in the README how a dragged arc becomes code that runs)
