@@ -5,27 +5,18 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable
-<<<<<<< HEAD
+from math import cos, radians, sin
 from pathlib import Path
 from typing import Literal
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, FloatRect, expect
 
 import robowidgets
 from robowidgets import conditions
 
 from .chromium import SCREENSHOTS, shoot
-=======
-from math import cos, radians, sin
-from typing import Literal
-
-import pytest
-from playwright.sync_api import FloatRect, expect
-
-from .chromium import shoot
 from .moving_picture import MovingPicture
->>>>>>> 95fcb1c (Show in the README how a dragged arc becomes code that runs)
 from .notebook import Notebook
 from .plain_page import PlainPage
 
@@ -154,7 +145,6 @@ def test_pictures_of_the_drive_pad(notebook: Callable[..., Notebook], theme: Lit
     shoot(card, f"gallery-drive-{theme}")
 
 
-<<<<<<< HEAD
 LARGEST_PAGE = 2_000_000
 
 
@@ -186,7 +176,8 @@ def test_pictures_of_pages(browser: Browser, files: list[Path], theme: Literal["
     shown.locator(".rw-touch", has_text="touched").wait_for()
     shoot(shown.locator("body"), f"gallery-page-{theme}")
     context.close()
-=======
+
+
 ROOM = """
 from robowidgets import LaserWidget
 from robowidgets.simulator import Robot, World
@@ -250,4 +241,3 @@ def test_a_moving_picture_of_a_drag_that_becomes_code(notebook: Callable[..., No
     assert card.locator(".rw-chip-distance").inner_text() == f"{float(result.inner_text()):.2f} m"
     film.take(2500)
     film.save("gallery-drag-to-code")
->>>>>>> 95fcb1c (Show in the README how a dragged arc becomes code that runs)
