@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import columns, feeds, leaks, measure, memory, pages, player, recordings, stopping, table
+from . import columns, feeds, hour, leaks, measure, memory, pages, player, recordings, stopping, table
 from .rivals import NAMES
 from .stage import Stage, open_stage, versions
 
@@ -76,6 +76,9 @@ def main() -> None:
     parser.add_argument("--recordings", action="store_true", help="recordings only; writes nothing")
     parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
     parser.add_argument("--leaks", action="store_true", help="what views leave in the page only; writes nothing")
+    parser.add_argument(
+        "--hour", nargs="?", type=float, const=60.0, metavar="MINUTES", help="a robot for an hour only; writes nothing"
+    )
     parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="libraries; writes nothing")
     options = parser.parse_args()
     repeats, seconds, long = (1, 1.0, 6.0) if options.quick else (3, 3.0, 60.0)
@@ -96,6 +99,10 @@ def main() -> None:
     if options.leaks:
         with open_stage() as stage:
             print("\n".join(leak_parts(stage, quick=options.quick)))
+        return
+    if options.hour:
+        with open_stage() as stage:
+            print(table.hour(hour.run(stage, options.hour)))
         return
     names = {name: measure.facts(name)["NAME"] for name in options.only}
 

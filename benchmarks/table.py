@@ -9,6 +9,7 @@ from statistics import median
 from .columns import Decoding, Whole
 from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
+from .hour import Hour
 from .leaks import LIMIT, NAMES, Leak
 from .measure import Endurance, Four
 from .pages import Opened
@@ -184,6 +185,20 @@ def readings(files: Mapping[str, Reading]) -> str:
         opened = [say(r.open_ours), say(r.open_theirs), f"{r.open_ours / r.open_theirs:.2f}"]
         body.append([name, *opened, say(r.rate_ours), say(r.rate_theirs), f"{r.rate_theirs / r.rate_ours:.2f}"])
     return markdown(head, body)
+
+
+def hour(found: Hour) -> str:
+    """What page and kernel keep in the first and in the last third of the run, and how soon a page shows the newest."""
+    heads = ["", "seconds", "nodes", "listeners", "page's heap, MB", "kernel, MB"]
+    body = [
+        [name, say(one.seconds), say(one.nodes), say(one.listeners), say(one.page / 1e6), say(one.kernel / 1e6)]
+        for name, one in zip(("first third", "last third"), found.ends, strict=True)
+    ]
+    seen = (
+        f"\nHidden for {found.hidden:.0f} s, the page showed the newest {found.late:.0f} ms after it was seen again; "
+        f"that sample was {found.age:.0f} ms old. In the second after, samples were {found.usual_age:.0f} ms old."
+    )
+    return markdown(heads, body) + "\n" + seen
 
 
 def leaks(found: Mapping[str, Leak]) -> str:
