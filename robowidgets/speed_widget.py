@@ -12,7 +12,7 @@ import traitlets
 
 from ._core.base_widget import bundle, refuse_unnamed
 from ._core.limit_traits import AxisLimits, Limits, Pair, is_past, unit_of
-from ._core.robot_widget import FRAME_HEADER, RobotWidget
+from ._core.robot_widget import FRAME_HEADER, LONGEST_HISTORY, RobotWidget
 from ._core.traits import Flag
 from .messages import to_speed
 from .samples import AXES, Speed
@@ -78,6 +78,8 @@ class SpeedWidget(RobotWidget[Reading]):
         planar: whether only linear x, linear y and angular z are shown. The view writes it too.
         bars: "commanded" where `update` is given what was asked for, and nothing is measured: bars, legend and header
             tell it from a measured speed; else "measured".
+        over_time: seconds of each axis that are shown as lines below the bars, 0 (none) to 600; at most those of
+            `history`.
         hold_peaks: whether the least and the greatest speed since the last reset are marked.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
@@ -118,6 +120,9 @@ class SpeedWidget(RobotWidget[Reading]):
     bars = traitlets.Enum(("measured", "commanded"), "measured", help="What `update` is given, and the bars show.").tag(
         sync=True
     )
+    over_time = traitlets.Float(
+        0.0, help="Seconds of each axis that are shown below the bars, 0 (none) to 600. Python and the view write it."
+    ).tag(sync=True)
     hold_peaks = Flag(False, help="Whether least and greatest speeds are marked.").tag(sync=True)
     _resets = traitlets.Int(0, help="How often the peaks were reset. Python and the view write it.").tag(sync=True)
 
@@ -125,6 +130,15 @@ class SpeedWidget(RobotWidget[Reading]):
         self._reading = Reading()
         self._errors: dict[str, str] = {}
         super().__init__(**kwargs)
+
+    @traitlets.validate("over_time")
+    def _within_history(self, proposal: Any) -> float:
+        seconds = float(proposal["value"])
+        if not 0 <= seconds <= LONGEST_HISTORY:
+            raise traitlets.TraitError(
+                f"over_time: expected seconds from 0 (none) to {LONGEST_HISTORY}, got {seconds!r}"
+            )
+        return seconds
 
     def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a measured speed in the next animation frame.

@@ -362,3 +362,12 @@ def test_a_widget_prints_the_speeds_on_show() -> None:
     speed.command(linear=(0, 0, 0))
     assert repr(speed) == "<SpeedWidget /odom: measured linear.x 0.50 m/s, angular.z -0.25 rad/s; commanded at rest>"
     speed.close()
+
+
+class TestOverTime:
+    def test_is_seconds_from_none_to_the_longest_history(self) -> None:
+        assert SpeedWidget().over_time == 0
+        assert SpeedWidget(over_time=10).over_time == 10.0
+        for wrong in (-1, 601, float("nan")):
+            with pytest.raises(TraitError, match=r"over_time: expected seconds from 0 \(none\) to 600, got"):
+                SpeedWidget(over_time=wrong)

@@ -60,6 +60,8 @@ export class Stream<F extends Frame> implements Member {
   readonly #model: Model<SampleTraits>;
   readonly #decode: (bytes: DataView) => F;
   readonly #history = new History();
+  /** Of the samples of the history, as far as they were asked for. */
+  readonly #frames = new WeakMap<DataView, F>();
   readonly #save: () => void;
   readonly #listeners = new Set<() => void>();
   #heldHere: DataView | null = null;
@@ -149,6 +151,17 @@ export class Stream<F extends Frame> implements Member {
     // A frame frozen by Python, or found at page load, is not one of the history's own objects: compare sequences.
     const index = own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
     return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
+  }
+
+  /** The samples of the history with their times of arrival, oldest first, up to the one on show. */
+  get upToShown(): { at: number; frame: F }[] {
+    const { moments } = this.#history;
+    const shown = moments.slice(0, (this.place?.index ?? moments.length - 1) + 1);
+    return shown.map(({ at, bytes }) => {
+      const frame = this.#frames.get(bytes) ?? this.#decode(bytes);
+      this.#frames.set(bytes, frame);
+      return { at, frame };
+    });
   }
 
   /** What is said of the samples of the history, oldest first, each with its sequence number. */

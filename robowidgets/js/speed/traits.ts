@@ -13,6 +13,8 @@ export interface SpeedTraits extends SampleTraits {
   hold_peaks: boolean;
   command_title: string;
   bars: "measured" | "commanded";
+  /** Seconds that are shown below the bars; 0: none. */
+  over_time: number;
   /** How often the peaks were reset. */
   _resets: number;
 }

@@ -7,7 +7,7 @@ import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { GROUPS } from "./axes.ts";
 import type { Column } from "./column.ts";
-import { type AxisFacts, type Fastest, toFacts, toFastest } from "./facts.ts";
+import { type AxisFacts, type Fastest, type GroupFacts, toFacts, toFastest } from "./facts.ts";
 import type { Speeds } from "./frame.ts";
 import { watchGestures } from "./gestures.ts";
 import { GroupView } from "./group.ts";
@@ -15,6 +15,8 @@ import { Legend } from "./legend.ts";
 import { Popup } from "./popup.ts";
 import { toClearance } from "./scale.ts";
 import { describeAxis, summarize, toSentence } from "./text.ts";
+import { toTimeLines } from "./time_lines.ts";
+import { TimeLinesView } from "./time_lines_view.ts";
 import type { SpeedTraits } from "./traits.ts";
 
 const SETTINGS = [
@@ -26,8 +28,13 @@ const SETTINGS = [
   "_resets",
   "command_title",
   "bars",
+  "over_time",
 ] as const;
+/** Seconds that the button shows. */
+const USUAL_SECONDS = 10;
 const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";
+
+const LINE = "M1 1h1.4v8.6H11V11H1z M3.4 7.2l2.2-3 2 1.8L10 2.4l.9.8-3.1 4.6-2-1.8-1.4 2z";
 
 /** One view of a speed widget: it wires the card, the groups of bars, the legend, the pop-up and the gestures. */
 export class SpeedView {
@@ -38,6 +45,10 @@ export class SpeedView {
   readonly #empty = make("div", "rw-empty");
   readonly #planar: HTMLButtonElement;
   readonly #reset: HTMLButtonElement;
+  readonly #overTime: HTMLButtonElement;
+  readonly #signal: AbortSignal;
+  /** Made when it is asked for. */
+  #lines: TimeLinesView | null = null;
   readonly #legend: Legend;
   readonly #popup: Popup;
   readonly #redraw: () => void;
@@ -71,14 +82,18 @@ export class SpeedView {
     );
     this.#reset = makeButton("rw-reset", "Reset the peaks", () => this.#onReset(), signal);
     this.#reset.append(makeIcon(RESET), make("span", "rw-word", "Peaks"));
-    this.#card.addControls(this.#reset, this.#planar);
+    this.#signal = signal;
+    const onOverTime = () => setTraits(model, { over_time: model.get("over_time") ? 0 : USUAL_SECONDS });
+    this.#overTime = makeButton("", "Over time: the last seconds of each axis", onOverTime, signal);
+    this.#overTime.append(makeIcon(LINE));
+    this.#card.addControls(this.#reset, this.#overTime, this.#planar);
     stream.listen(this.#redraw, signal);
     onChange(model, SETTINGS, this.#redraw, signal);
     watchGestures(picture, this, signal);
     offerPng(
       this.#card,
       model,
-      watchSize(picture, () => this.#draw(), signal),
+      watchSize(picture, ({ ratio }) => this.#draw(ratio), signal),
       signal,
     );
   }
@@ -121,7 +136,7 @@ export class SpeedView {
     setTraits(this.#model, { _resets: this.#model.get("_resets") + 1 });
   }
 
-  #draw(): void {
+  #draw(ratio?: number): void {
     const [model, speeds] = [this.#model, this.#stream.shown];
     const planar = model.get("planar");
     // Hide the old peaks at once; Python sends new ones when it has handled the reset.
@@ -151,7 +166,24 @@ export class SpeedView {
       const facts = groups[g];
       if (facts) view.update(facts, clearance);
     }
+    this.#drawOverTime(groups, ratio);
     this.#drawPopup(shown);
+  }
+
+  #drawOverTime(groups: GroupFacts[], ratio?: number): void {
+    const seconds = this.#model.get("over_time");
+    this.#overTime.ariaPressed = String(seconds > 0);
+    if (seconds && !this.#lines) {
+      this.#lines = new TimeLinesView(this.#redraw, this.#signal);
+      this.#card.picture.after(this.#lines.root);
+    }
+    if (this.#lines) this.#lines.root.hidden = !seconds;
+    if (!seconds || !this.#lines) return;
+    const { paused, rate, upToShown } = this.#stream;
+    // Samples that are picked from a recording come at no time of their own.
+    const isLive = !Number.isNaN(rate);
+    const end = paused ? "frozen" : isLive ? "now" : "no live speeds";
+    this.#lines.draw(toTimeLines(isLive ? upToShown : [], groups, seconds), seconds, end, this.#card.theme, ratio);
   }
 
   #layOut(planar: boolean): void {

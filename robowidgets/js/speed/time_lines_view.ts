@@ -1,0 +1,145 @@
+import { Layer, type Surface, watchSize, write } from "../shared/canvas.ts";
+import { make } from "../shared/dom.ts";
+import { on } from "../shared/events.ts";
+import { toFixed } from "../shared/format.ts";
+import type { Theme } from "../shared/theme.ts";
+import { type Point, pointAt, type TimeLine, toRuns } from "./time_lines.ts";
+
+const ROW = 44;
+const FOOT = 18;
+/** Pixels left and right of the lines, for names and numbers. */
+const [NAMES, NUMBERS] = [40, 62];
+
+/** The last seconds of each axis below the bars: measured and commanded, limits, and the spans past them. */
+export class TimeLinesView {
+  readonly root = make("div", "rw-over-time");
+  readonly #layer: Layer;
+  readonly #redraw: () => void;
+  #size: Surface = { width: 0, height: 0, ratio: 1 };
+  #pointer: number | null = null;
+
+  constructor(redraw: () => void, signal: AbortSignal) {
+    this.#redraw = redraw;
+    this.root.role = "img";
+    this.#layer = new Layer(this.root);
+    const onMove = (x: number | null) => {
+      this.#pointer = x;
+      redraw();
+    };
+    on(this.root, "pointermove", (event) => onMove(event.clientX - this.root.getBoundingClientRect().left), signal);
+    on(this.root, "pointerleave", () => onMove(null), signal);
+    const onSize = (size: Surface) => {
+      this.#size = size;
+      this.#redraw();
+    };
+    watchSize(this.root, onSize, signal);
+  }
+
+  /** @param end what stands at the right end: "now" */
+  draw(lines: TimeLine[], seconds: number, end: string, theme: Theme, ratio?: number): void {
+    this.root.style.height = `${lines.length * ROW + FOOT}px`;
+    const names = lines.map(({ facts }) => facts.axis.name).join(", ");
+    this.root.ariaLabel = `the last ${seconds} s of ${names}`;
+    const size = { ...this.#size, ratio: ratio ?? this.#size.ratio };
+    if (!size.width) return;
+    const context = this.#layer.begin(size);
+    const width = Math.max(1, size.width - NAMES - NUMBERS);
+    const toX = (at: number) => NAMES + width * (1 + at / (1000 * seconds));
+    const inside = this.#pointer !== null && this.#pointer >= NAMES && this.#pointer <= NAMES + width;
+    const pointed = inside ? (((this.#pointer as number) - NAMES) / width - 1) * 1000 * seconds : null;
+    for (const [row, line] of lines.entries()) {
+      drawRow(context, line, { top: row * ROW + 4, height: ROW - 8, left: NAMES, width }, toX, pointed, theme);
+    }
+    const y = lines.length * ROW + FOOT / 2 - 1;
+    const font = `11px ${theme.font}`;
+    write(context, `\u2212${toFixed(seconds, 0)} s`, NAMES, y, theme.muted, font, "left");
+    write(context, end, NAMES + width, y, theme.muted, font, "right");
+    if (pointed === null) return;
+    const x = toX(pointed);
+    context.fillStyle = theme.ink;
+    context.fillRect(Math.round(x), 0, 1, lines.length * ROW);
+    const text = `${toFixed(pointed / 1000, 1)} s`;
+    write(context, text, Math.min(NAMES + width - 50, Math.max(NAMES + 60, x)), y, theme.ink, font, "center");
+  }
+}
+
+interface Band {
+  top: number;
+  height: number;
+  left: number;
+  width: number;
+}
+
+function drawRow(
+  context: CanvasRenderingContext2D,
+  { facts, measured, commanded, over }: TimeLine,
+  { top, height, left, width }: Band,
+  toX: (at: number) => number,
+  pointed: number | null,
+  theme: Theme,
+): void {
+  const { axis, scale, limits, decimals } = facts;
+  const reach = scale.high - scale.low;
+  const toY = (value: number) => top + height * (1 - Math.min(1, Math.max(0, (value - scale.low) / reach)));
+  const font = `11px ${theme.font}`;
+  context.fillStyle = theme.area;
+  context.fillRect(left, top, width, height);
+  write(context, axis.word || axis.letter, left - 8, top + height / 2, theme.muted, font, "right");
+  context.globalAlpha = 0.18;
+  context.fillStyle = theme.reading;
+  for (const [start, end] of over) context.fillRect(toX(start), top, Math.max(1, toX(end) - toX(start)), height);
+  context.globalAlpha = 1;
+  context.fillStyle = theme.line;
+  context.fillRect(left, Math.round(toY(0)), width, 1);
+  context.setLineDash([3, 3]);
+  for (const limit of limits ?? []) {
+    const y = Math.round(toY(limit)) + 0.5;
+    stroke(context, theme.muted, 1, () => {
+      context.moveTo(left, y);
+      context.lineTo(left + width, y);
+    });
+  }
+  context.setLineDash([]);
+  drawRuns(context, commanded, toX, toY, theme.ink, 1, true);
+  drawRuns(context, measured, toX, toY, theme.pointer, 1.75, false);
+  for (const [start, end] of over) {
+    const part = measured.filter(({ at }) => at >= start && at <= end);
+    drawRuns(context, part, toX, toY, theme.reading, 1.75, false);
+  }
+  const shown = pointAt(measured.some(({ value }) => !Number.isNaN(value)) ? measured : commanded, pointed ?? 0);
+  if (!shown) return;
+  const isPast = over.some(([start, end]) => shown.at >= start && shown.at <= end);
+  const color = isPast ? theme.reading : theme.ink;
+  const text = Number.isNaN(shown.value) ? "\u2014" : toFixed(shown.value, decimals);
+  write(context, text, left + width + 8, top + height / 2, color, `600 12px ${theme.font}`, "left");
+}
+
+/** Lines through runs of points; a command holds until the next, and is drawn as steps. */
+function drawRuns(
+  context: CanvasRenderingContext2D,
+  points: Point[],
+  toX: (at: number) => number,
+  toY: (value: number) => number,
+  color: string,
+  width: number,
+  isStepped: boolean,
+): void {
+  stroke(context, color, width, () => {
+    for (const run of toRuns(points)) {
+      for (const [i, { at, value }] of run.entries()) {
+        if (i === 0) context.moveTo(toX(at), toY(value));
+        else if (isStepped) context.lineTo(toX(at), toY(run[i - 1]?.value ?? value));
+        context.lineTo(toX(at), toY(value));
+      }
+    }
+  });
+}
+
+function stroke(context: CanvasRenderingContext2D, color: string, width: number, path: () => void): void {
+  context.beginPath();
+  path();
+  context.strokeStyle = color;
+  context.lineWidth = width;
+  context.lineJoin = "round";
+  context.stroke();
+}
