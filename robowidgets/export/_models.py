@@ -60,7 +60,7 @@ class Models:
         if name in _BUILT_IN and vars(owner)["_esm"] == bundle(name)[0]:
             return name
         script = str(widget._esm)
-        key = search(r'Symbol\.for\("(robowidgets \w+)"\)', script)
+        key = search(r'export default globalThis\[Symbol\.for\("(robowidgets \w+)"\)\]', script)
         if key is None:
             raise ValueError(
                 f"{type(widget).__name__}: its script is not one that robowidgets/js/build.mjs builds, so it cannot be "

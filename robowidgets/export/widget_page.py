@@ -36,7 +36,10 @@ def write(widget: Any, path: Path, title: str, note: str) -> Path:
     sent = widget.sent_frames()
     start, end = (sent[0][0], sent[-1][0]) if sent else (0.0, 0.0)
     began = time.time() - time.monotonic() + start
-    frames = [_TimedFrame(arrived - start, about, _without_rate(frame)) for arrived, about, frame in sent]
+    frames = [
+        _TimedFrame(arrived - start, _with_own_verdicts(about, frame), _without_rate(frame))
+        for arrived, about, frame in sent
+    ]
     moves = len(frames) > 1
     still = {"_source": {}, "_silence": 0.0, "history": 0}
     models = Models()
@@ -78,3 +81,11 @@ def _without_rate(frame: bytes) -> bytes:
     """A frame as of a recording: one with a rate would turn pale when nothing follows."""
     sequence, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
     return FRAME_HEADER.pack(sequence, nan, stamp_ns, arrived) + frame[FRAME_HEADER.size :]
+
+
+def _with_own_verdicts(about: dict[str, Any], frame: bytes) -> dict[str, Any]:
+    """The texts on a sample, without the lamps of an earlier one."""
+    sequence, *_ = FRAME_HEADER.unpack_from(frame)
+    if about.get("judged", sequence) == sequence:
+        return about
+    return {name: value for name, value in about.items() if name not in ("judged", "lamps")}

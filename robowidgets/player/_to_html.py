@@ -18,6 +18,7 @@ from ..export.html import MADE, Heading, Models, Page, segment, shown
 from ..kinds import LASER
 from ..recordings import RecordingData
 from ..recordings.times import has_date
+from ..repair import RecordingError
 from ..scanogram_widget import ScanogramWidget
 from ._frames import TimedFrame, Track
 from ._overview import whole_drive
@@ -65,6 +66,8 @@ def page_of(player: Player, wanted: Wanted, scanogram: bool | None = None) -> It
         ValueError: a stretch that is not in the recording. TypeError: no number. RecordingError: it holds nothing that
             a widget shows.
     """
+    if not player.views:
+        raise RecordingError(f"{player.recording.path.name}: no topic for a page: no widget shows any")
     with ExitStack() as stack:
         recording = stack.enter_context(RecordingData(player.recording.path))
         start, end = _stretch(recording, wanted)

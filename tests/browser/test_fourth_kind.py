@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Browser, expect
+
+import robowidgets
 
 from ..fourth_kind import drive, number_widget
 from ..fourth_kind.number import added
@@ -35,3 +37,15 @@ def test_a_number_is_shown_and_played(plain_page: Callable[..., PlainPage], tmp_
     nb.python("player.playing = True")
     expect(value).to_have_text("1.5099999904632568 m")
     nb.python("player.close()")
+
+
+def test_a_page_in_a_file_plays_it_by_its_own_front_end(browser: Browser, tmp_path: Path) -> None:
+    with robowidgets.open(drive.write(tmp_path / "drive")) as recording:
+        file = recording.to_html(tmp_path / "page.html", topics=["/sonar"])
+    page = browser.new_page()
+    page.goto(file.as_uri())
+    value = page.locator(".rw-number-value")
+    expect(value).to_have_text("2 m")
+    page.locator(".rw-play").click()
+    expect(value).to_have_text("1.5099999904632568 m")
+    page.close()

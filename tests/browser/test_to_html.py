@@ -169,12 +169,12 @@ def test_a_page_of_a_widget_plays_its_history(offline: Callable[..., Page], tmp_
     laser.close()
     expect(page.locator(".rw-laser .rw-nearest")).to_contain_text("nearest 3.00 m")
     expect(page.locator(".rw-laser .rw-popup:visible .rw-popup-expression")).to_have_text("ranges[1]")
-    shoot(page.locator("body"), "to-html-widget")
     page.locator(".rw-player .rw-slider").focus()
     page.keyboard.press(",")
     expect(page.locator(".rw-laser .rw-nearest")).to_contain_text("nearest 2.00 m")
     page.keyboard.press(",")
     expect(page.locator(".rw-laser .rw-nearest")).to_contain_text("nearest 1.00 m")
+    shoot(page.locator("body"), "to-html-widget")
 
 
 def test_a_browser_that_cannot_unpack_says_so_over_the_first_samples(offline: Callable[..., Page], file: Path) -> None:

@@ -19,7 +19,7 @@ from robowidgets._core import output_file
 from robowidgets.export import html
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.files import open_source
-from robowidgets.repair import Source
+from robowidgets.repair import RecordingError, Source
 from robowidgets.repair.write import write
 
 from .recordings import robot, sweeps
@@ -176,3 +176,19 @@ def test_a_page_of_what_a_player_shows_has_its_settings(path: Path, tmp_path: Pa
     assert b"before" not in page
     assert b'"time":1.0' in page
     assert b'"_begin":0.5' in page
+
+
+def test_a_recording_that_no_widget_shows_makes_no_page(data: Path, tmp_path: Path) -> None:
+    text = "jazzy_mcap_no_laser: no topic for a page: no widget shows any"
+    with robowidgets.open(data / "odd" / "jazzy_mcap_no_laser") as recording, pytest.raises(RecordingError, match=text):
+        recording.to_html(tmp_path / "a.html")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_scans_with_other_rays_now_and_then_make_a_page(tmp_path: Path) -> None:
+    scans = [(i / 10, sweeps.scan(sweeps.START_NS, [1.0] * (20 + i % 3), increment=3 / (20 + i % 3))) for i in range(9)]
+    with robowidgets.open(sweeps.write(tmp_path / "scans", scans)) as recording:
+        (page,) = parts(recording.to_html(tmp_path / "a.html").read_text(encoding="utf-8"), "page")
+    # The page cannot make the picture of these, so it has it.
+    assert b'"scanogram":null' in page
+    assert b'"cells"' in page

@@ -24,6 +24,9 @@ interface PageFacts {
   name: string;
 }
 
+/** Milliseconds for which a page waits for a script of a widget. */
+const PATIENCE_MS = 10_000;
+
 export type Widgets = Record<string, () => Script>;
 
 /** Builds the page from its parts. */
@@ -32,6 +35,7 @@ export async function start(widgets: Widgets): Promise<void> {
   if (!place || !element) throw new Error("this page is not whole");
   const { facts, bytes } = await readPart<PageFacts>(element);
   const models = toModels(facts, bytes);
+  await haveRun(Object.values(facts.keys));
   const scripts = new Map<string, Script>();
   for (const { id, widget } of facts.models) scripts.set(id, scriptOf(widget, facts, widgets));
   // All models are there before the first is initialised: a player moves the others.
@@ -60,6 +64,14 @@ function toModels(facts: PageFacts, bytes: Uint8Array<ArrayBuffer>): Map<string,
   const models = new Map<string, PageModel>();
   for (const [id, state] of states) models.set(id, new PageModel({ ...state, _css: css }, models));
   return models;
+}
+
+/** Waits for scripts, which run in any order and leave what they make under these keys. */
+async function haveRun(keys: string[]): Promise<void> {
+  const until = performance.now() + PATIENCE_MS;
+  while (!keys.every((key) => Symbol.for(key) in globalThis) && performance.now() < until) {
+    await new Promise((resume) => setTimeout(resume));
+  }
 }
 
 function scriptOf(widget: string, { keys }: PageFacts, widgets: Widgets): Script {

@@ -4,7 +4,7 @@ import { onAbort } from "../shared/events.ts";
 import { markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
-import type { SampleTraits } from "../shared/traits.ts";
+import type { About, SampleTraits } from "../shared/traits.ts";
 import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Track } from "./segments.ts";
 import type { PlayerTraits, SegmentMessage } from "./traits.ts";
@@ -241,7 +241,8 @@ export class Playback {
       if (!target || (!isNew && this.#ages[i] === age)) continue;
       this.#shown[i] = frame;
       this.#ages[i] = age;
-      const state: Partial<Target> = { _about: { ...track.abouts[frame.about], ...(age && { age }) } };
+      const about: About = { ...track.abouts[frame.about], ...(age && { age }) };
+      const state: Partial<Target> = { _about: about };
       if (isNew) {
         const shown = toBytes(target.get("_frame"));
         // Count up, so that a frozen widget shows the number of frames since.
@@ -249,6 +250,8 @@ export class Playback {
         frame.bytes.setFloat64(0, number, true);
         state._frame = frame.bytes;
       }
+      // The verdicts in a history are those of its frames, which have new numbers.
+      if (about.judged !== undefined) about.judged = frame.bytes.getFloat64(0, true);
       target.set_state(state);
     }
     if (frames && this.#steps) this.#holdFrozen(frames.map(({ frame }) => frame.bytes));
