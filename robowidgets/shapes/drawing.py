@@ -55,6 +55,11 @@ class Drawn(NamedTuple):
     ends: float | None
     """Time of the monotonic clock at which it goes."""
 
+    @property
+    def places(self) -> int:
+        """How many places its shapes have."""
+        return sum(len(shape.form["at"]) for shape in self.shapes)
+
     def forms(self, name: str, shapes: tuple[Shape, ...], now: float) -> list[dict[str, Any]]:
         """The shapes as the page reads them, with the seconds that they have left."""
         left = {} if self.ends is None else {"left": self.ends - now}
@@ -69,6 +74,7 @@ class DrawsShapes(RobotWidget[Scan]):
 
     def __init__(self, **kwargs: Any) -> None:
         self._drawn: dict[str, Drawn] = {}
+        self._places = 0
         self._expiry = _Expiry(self)
         super().__init__(**kwargs)
 
@@ -171,25 +177,31 @@ class DrawsShapes(RobotWidget[Scan]):
         return Drawn(() if function else _shapes(name, shape), function, color, ends)
 
     def _keep(self, name: str, drawn: Drawn | None) -> None:
-        after = {other: one for other, one in self._drawn.items() if other != name}
+        """Take a drawing under its name, in the place of the one before."""
+        before = self._drawn.get(name)
         if drawn is not None:
-            after[name] = drawn
-            if len(after) > MOST_NAMES:
+            if before is None and len(self._drawn) >= MOST_NAMES:
                 raise ValueError(f"draw({name!r}): expected at most {MOST_NAMES} names; draw(name, None) removes one")
-            places = sum(len(shape.form["at"]) for one in after.values() for shape in one.shapes)
+            places = self._places + drawn.places - (before.places if before else 0)
             if places > MOST_PLACES:
                 raise ValueError(
                     f"draw({name!r}): expected at most {MOST_PLACES:,} places in all shapes, got {places:,}"
                 )
-        self._drawn, self._changed = after, True
-        self._expiry.plan(one.ends for one in after.values())
+            self._drawn[name], self._places = drawn, places
+        elif before is not None:
+            self._forget(name)
+        self._changed = True
+        if (drawn and drawn.ends) or (before and before.ends):
+            self._expiry.plan(one.ends for one in self._drawn.values())
 
     def _drop(self, now: float) -> None:
         """Forget shapes whose time is over."""
-        left = {name: one for name, one in self._drawn.items() if one.ends is None or one.ends > now}
-        if len(left) < len(self._drawn):
-            self._drawn = left
+        for name in [name for name, one in self._drawn.items() if one.ends is not None and one.ends <= now]:
+            self._forget(name)
             self._changed = True
+
+    def _forget(self, name: str) -> None:
+        self._places -= self._drawn.pop(name).places
 
     def close(self) -> None:
         """Remove the widget from the page."""

@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { pathOf } from "../../robowidgets/js/laser/draw_shape.ts";
 import { overlaps } from "../../robowidgets/js/laser/guides.ts";
-import { placesFor } from "../../robowidgets/js/laser/shape_labels.ts";
+import type { Box, Point } from "../../robowidgets/js/laser/projection.ts";
+import { boxAt, PLACES } from "../../robowidgets/js/laser/shape_labels.ts";
 import {
   arcPlaces,
   describeShape,
@@ -75,11 +76,13 @@ test("a shape goes at once when its time is over", () => {
 
 test("words stand beside a shape and never on it", () => {
   const path = Array.from({ length: 30 }, (_, i) => ({ x: 100 + 4 * i, y: 200 }));
-  for (const box of placesFor(path, 60, 30).slice(0, 4)) {
-    const isAcross = box.y < 200 && box.y + box.height > 200;
-    assert.ok(isAcross || !path.some(({ x, y }) => overlaps(box, { x, y, width: 0, height: 0 })));
-  }
-  assert.deepEqual(placesFor([], 60, 30), [], "nothing of it is in view");
+  const boxes = Array.from({ length: PLACES }, (_, place) => boxAt(path, 60, 30, place) as Box);
+  const off = boxes.filter((box) => !path.some(({ x, y }) => overlaps(box, { x, y, width: 0, height: 0 })));
+  assert.ok(off.length >= 0.7 * PLACES);
+  assert.ok(new Set(boxes.map(({ x, y }) => `${x},${y}`)).size > 0.9 * PLACES);
+  assert.equal(boxAt([], 60, 30, 0), null, "nothing of it is in view");
+  const [middle] = path.slice(15) as [Point];
+  assert.deepEqual(boxAt([middle], 60, 30, 0, true), { x: middle.x - 30, y: 185, width: 60, height: 30 }, "a text");
 });
 
 test("what lies beyond the view is no part of the picture", () => {

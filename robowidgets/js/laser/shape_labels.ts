@@ -19,6 +19,18 @@ const GAPS = [8, 18, 30];
 const ROBOT = 10;
 /** Where along a shape its words may stand, best first. */
 const ALONG = [0.5, 0.3, 0.7, 0.1, 0.9];
+/** On which side of it: to the right and downwards, best first. */
+const SIDES = [
+  [1, 0],
+  [-1, 0],
+  [0, -1],
+  [0, 1],
+  [1, -1],
+  [-1, -1],
+  [1, 1],
+  [-1, 1],
+];
+export const PLACES = GAPS.length * ALONG.length * SIDES.length;
 
 /** The words of shapes, each in a place of its own. They keep their places as long as these are free. */
 export class ShapeLabels {
@@ -47,49 +59,38 @@ export class ShapeLabels {
   ): { box: Box; place: number; lines: string[] } | null {
     const { centerX, centerY } = stage.projection;
     const robot = { x: centerX - ROBOT, y: centerY - ROBOT, width: 2 * ROBOT, height: 2 * ROBOT };
+    const taken = [robot, ...stage.labels, ...stage.covered];
     const free = (box: Box) =>
-      isWithin(box, stage.box) &&
-      stage.occupied.count(box) === 0 &&
-      ![robot, ...stage.labels, ...stage.covered].some((other) => overlaps(box, other, 2));
+      isWithin(box, stage.box) && !taken.some((other) => overlaps(box, other, 2)) && stage.occupied.count(box) === 0;
     for (let count = lines.length; count > 0; count--) {
       const shown = lines.slice(0, count);
       const width = Math.max(...shown.map((line, i) => widthOf(context, line, i, theme)));
-      const beside = placesFor(path, width, LINE * count);
-      // A text stands on the place that the program has chosen, if it can.
-      const boxes = shape.kind === "text" ? [...onPlace(path, width), ...beside] : beside;
-      const order = before === undefined ? boxes.keys() : [before, ...boxes.keys()];
-      for (const place of order) {
-        const box = boxes[place];
-        if (box && free(box)) return { box, place, lines: shown };
+      const box = (place: number) => boxAt(path, width, LINE * count, place, shape.kind === "text");
+      for (let place = -1; place < PLACES; place++) {
+        // First where it stood before.
+        const at = place < 0 ? before : place;
+        const tried = at === undefined ? null : box(at);
+        if (tried && free(tried)) return { box: tried, place: at as number, lines: shown };
       }
     }
     return null;
   }
 }
 
-function onPlace(path: Point[], width: number): Box[] {
-  return path.map(({ x, y }) => ({ x: x - width / 2, y: y - LINE / 2, width, height: LINE }));
-}
-
-/** Boxes beside a shape, best first. */
-export function placesFor(path: Point[], width: number, height: number): Box[] {
-  const points = ALONG.flatMap((part) => path[Math.round(part * (path.length - 1))] ?? []);
-  return GAPS.flatMap((gap) => points.flatMap((point) => boxesAt(point, gap, width, height)));
-}
-
-function boxesAt({ x, y }: Point, gap: number, width: number, height: number): Box[] {
-  const [left, right] = [x - gap - width, x + gap];
-  const [above, below] = [y - gap - height, y + gap];
-  return [
-    { x: right, y: y - height / 2 },
-    { x: left, y: y - height / 2 },
-    { x: x - width / 2, y: above },
-    { x: x - width / 2, y: below },
-    { x: right, y: above },
-    { x: left, y: above },
-    { x: right, y: below },
-    { x: left, y: below },
-  ].map((corner) => ({ ...corner, width, height }));
+/**
+ * A box for words beside a shape, `PLACES` of them, best first; null where nothing of it is in view. A text stands on
+ * the place that the program has chosen, if it can.
+ */
+export function boxAt(path: Point[], width: number, height: number, place: number, isText = false): Box | null {
+  const perGap = ALONG.length * SIDES.length;
+  const part = ALONG[Math.floor(place / SIDES.length) % ALONG.length] as number;
+  const gap = GAPS[Math.floor(place / perGap)] as number;
+  const point = path[Math.round(part * (path.length - 1))];
+  if (!point) return null;
+  const [right, down] = isText && place === 0 ? [0, 0] : (SIDES[place % SIDES.length] as [number, number]);
+  const x = point.x + (right > 0 ? gap : right < 0 ? -gap - width : -width / 2);
+  const y = point.y + (down > 0 ? gap : down < 0 ? -gap - height : -height / 2);
+  return { x, y, width, height };
 }
 
 function isWithin(inner: Box, outer: Box): boolean {

@@ -3,6 +3,7 @@ import type { Theme } from "../shared/theme.ts";
 import type { About, Shape } from "../shared/traits.ts";
 import { drawShape, pathOf } from "./draw_shape.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
+import type { Point } from "./projection.ts";
 import { ShapeLabels } from "./shape_labels.ts";
 import { describeShape, lasting, type Metres, placesOf, untilNext } from "./shapes.ts";
 
@@ -19,6 +20,8 @@ export class ShapeLayer implements Layer {
   readonly #labels = new ShapeLabels();
   /** What was said of the newest sample, and when that came, in milliseconds of the page's clock. */
   #newest: { about: About; at: number } | null = null;
+  /** What was drawn last, with points of the picture along it. */
+  #drawn: (Placed & { path: Point[] })[] = [];
   #timer: ReturnType<typeof setTimeout> | undefined;
   readonly #painters: Partial<Record<Depth, Painter>> = {
     shapes: (context, stage, theme) => this.#drawShapes(context, stage, theme),
@@ -62,19 +65,21 @@ export class ShapeLayer implements Layer {
   }
 
   #drawShapes(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
+    this.#drawn = [];
     for (const { shape, places } of this.#placed(stage)) {
       drawShape(context, stage.projection, shape, places, theme);
-      for (const { x, y } of pathOf(stage.projection, shape, places)) stage.occupied.mark(x, y);
+      const path = pathOf(stage.projection, shape, places);
+      for (const { x, y } of path) stage.occupied.mark(x, y);
+      this.#drawn.push({ shape, places, path });
     }
   }
 
   #drawLabels(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
     const named = new Set<string>();
-    const labels = this.#placed(stage).flatMap(({ shape, places }) => {
+    const labels = this.#drawn.flatMap(({ shape, places, path }) => {
       const isFirst = !named.has(shape.name);
       named.add(shape.name);
       if (shape.kind !== "text" && !isFirst) return [];
-      const path = pathOf(stage.projection, shape, places);
       const lines =
         shape.kind === "text"
           ? [shape.text ?? ""]
