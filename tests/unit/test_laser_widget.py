@@ -349,6 +349,32 @@ class TestUpdate:
             "problems": (("1 intensities for 3 rays: not used", "the driver should send one for each, or none"),),
         }
 
+    def test_a_rate_that_falls_below_half_is_said_and_goes_when_it_recovers(
+        self, laser: LaserWidget, page: Page
+    ) -> None:
+        laser._meter._rates.extend([10.0] * 20 + [4.0] * 3)
+        laser.update(**MESSAGE)
+        pacer.flush()
+        ((what, remedy),) = page.state["_about"]["problems"]
+        assert what == "scans come at less than half of their usual 10 Hz"
+        assert remedy.startswith("is the network slow")
+        laser._meter._rates.append(9.0)
+        laser.update(**MESSAGE)
+        pacer.flush()
+        assert "problems" not in page.state["_about"]
+
+    def test_why_there_is_no_reading_is_apart_and_a_frozen_scan_has_the_same_problems(
+        self, laser: LaserWidget, page: Page
+    ) -> None:
+        laser.update(**MESSAGE | {"ranges": [nan, nan, nan]}, scan_time=-1.0)
+        pacer.flush()
+        assert page.state["_about"]["empty"][0] == "no readings: all 3 rays say NaN, no measurement"
+        assert [what for what, _ in page.state["_about"]["problems"]] == ["scan_time is -1 s: not used"]
+        live = laser.scan.problems()
+        laser.paused = True
+        assert laser.scan.problems() == live
+        assert len(live) == 2
+
     def test_a_stamp_that_no_clock_can_say_is_no_stamp(self, laser: LaserWidget) -> None:
         laser.update(MESSAGE | {"header": {"stamp": {"sec": 10**30, "nanosec": 0}, "frame_id": ""}})
         assert FRAME_HEADER.unpack_from(laser.get_state()["_frame"])[2] == 0
