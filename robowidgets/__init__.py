@@ -19,6 +19,7 @@ from .touch_widget import TouchWidget
 if TYPE_CHECKING:
     from . import feeds, lessons, simulator
     from .find import conditions
+    from .program_widget import ProgramWidget
     from .recording import Recording
     from .recording import open as open
     from .recordings import RecordingError
@@ -38,6 +39,7 @@ __all__ = [
     "Points",
     "Polygon",
     "Pose",
+    "ProgramWidget",
     "Ray",
     "Recording",
     "RecordingError",
@@ -59,7 +61,12 @@ __all__ = [
     "together",
 ]
 
-_LATER = {"Recording": ".recording", "RecordingError": ".recordings", "open": ".recording"}
+_LATER = {
+    "ProgramWidget": ".program_widget",
+    "Recording": ".recording",
+    "RecordingError": ".recordings",
+    "open": ".recording",
+}
 
 
 def __getattr__(name: str) -> Any:

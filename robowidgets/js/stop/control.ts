@@ -100,7 +100,7 @@ export class StopControl {
 
   /** Stops the robot. Nobody can drive until `allow`. */
   stop(): void {
-    this.#post("stop");
+    this.send({ act: "stop" });
     if (this.told.stopped) return;
     this.#turn("asking");
     this.#wait(ANSWER_MS, () => this.#interrupt());
@@ -109,7 +109,7 @@ export class StopControl {
   /** Releases the latch. */
   allow(): void {
     this.#turn("");
-    this.#post("allow");
+    this.send({ act: "allow" });
   }
 
   #onAnswer({ beat, token, refused }: Answer): void {
@@ -141,7 +141,7 @@ export class StopControl {
     if (this.#isAnswered || performance.now() - this.#beatAt > LOST_MS) {
       this.#beatAt = performance.now();
       this.#isAnswered = false;
-      this.#post("beat");
+      this.send({ act: "beat" });
     }
     this.#tell();
   }
@@ -167,9 +167,10 @@ export class StopControl {
     this.#tell();
   }
 
-  #post(act: "stop" | "allow" | "beat"): void {
+  /** Sends a message with the newest token, which tells Python how old the message is. */
+  send(message: object): void {
     try {
-      this.#model.send({ act, press: this.#name, token: this.#token });
+      this.#model.send({ ...message, press: this.#name, token: this.#token });
     } catch {
       // The kernel of this widget is gone. Its missing answers are handled elsewhere.
     }

@@ -1,0 +1,50 @@
+import { toFixed } from "../shared/format.ts";
+import type { Told } from "../stop/traits.ts";
+import type { Program, Variable } from "./traits.ts";
+
+/** The state of running, as a word. */
+export function toMode(told: Told, program: Program): string {
+  if (told.stopped) return "stopped";
+  return program.mode === "running" && program.waiting ? "waiting" : program.mode;
+}
+
+/** What a step returned, as Python code. */
+export function toCode([linear, angular]: [number, number]): string {
+  return `Drive(${toPython(linear)}, ${toPython(angular)})`;
+}
+
+function toPython(value: number): string {
+  const text = String(Math.round(value * 1000) / 1000);
+  return Number.isInteger(Number(text)) ? `${text}.0` : text;
+}
+
+/** The line under the facts: the error, why the program waits, or what happened to it; and whether it is an error. */
+export function toNotice(told: Told, program: Program): { text: string; isError: boolean } {
+  const error = told.error || program.error;
+  if (error) return { text: error, isError: true };
+  if (told.stopped) return { text: "Zero until you press Run.", isError: false };
+  const isSilent = program.mode !== "running" || program.prints.length === 0;
+  return { text: program.waiting || (isSilent ? program.note : ""), isError: false };
+}
+
+/** A variable's value with as many decimals as its slider tells apart. */
+export function toValue({ value, low, high }: Variable): string {
+  if (typeof value !== "number") return String(value);
+  if (low === null || high === null) return String(Math.round(value * 1e6) / 1e6);
+  return toFixed(value, decimalsOf(high - low));
+}
+
+/** The step of a slider: about a hundredth of its range, a power of ten. */
+export function toStep(low: number, high: number): number {
+  return 10 ** -decimalsOf(high - low);
+}
+
+function decimalsOf(range: number): number {
+  return Math.max(0, Math.round(2 - Math.log10(range)));
+}
+
+/** The left end and width of a bar from zero to a value, in percent of a track from -limit to limit. */
+export function toBar(value: number, limit: number): { left: number; width: number } {
+  const share = Math.max(-1, Math.min(1, value / limit)) * 50;
+  return { left: 50 + Math.min(0, share), width: Math.abs(share) };
+}

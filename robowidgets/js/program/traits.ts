@@ -1,0 +1,45 @@
+import type { NamedTraits } from "../shared/traits.ts";
+import type { Told } from "../stop/traits.ts";
+
+export interface ProgramTraits extends NamedTraits {
+  _state: ProgramTold;
+}
+
+/** State of the robot's driver and of its program, as Python sends it. */
+export interface ProgramTold extends Told {
+  program: Program | null;
+  variables: Variable[];
+}
+
+/** State of a program. */
+export interface Program {
+  name: string;
+  version: number;
+  mode: "running" | "paused" | "failed" | "ended";
+  /** Why it does not step or drive, though it runs; empty if it does. */
+  waiting: string;
+  error: string;
+  note: string;
+  /** Steps a second. */
+  rate: number;
+  step_ms: number;
+  /** Seconds since the version is in force. */
+  since: number;
+  /** What the last step returned, m/s and rad/s. */
+  speed: [number, number];
+  limits: [number, number];
+  /** The active states of a state machine. */
+  active: string;
+  /** Seconds and text of the last lines, oldest first. */
+  prints: [number, string][];
+}
+
+/** A value that a person may set; with ends where it has a slider. */
+export interface Variable {
+  name: string;
+  value: number | boolean | string;
+  first: number | boolean | string;
+  low: number | null;
+  high: number | null;
+  unit: string;
+}

@@ -1,0 +1,163 @@
+import { make, makeButton, mount, setLabel, setText } from "../shared/dom.ts";
+import { on } from "../shared/events.ts";
+import { toFixed } from "../shared/format.ts";
+import type { Model } from "../shared/model.ts";
+import { perAnimationFrame } from "../shared/schedule.ts";
+import { applyTheme, watchTheme } from "../shared/theme.ts";
+import { StopButtons } from "../stop/buttons.ts";
+import { StopControl } from "../stop/control.ts";
+import { toDriverText } from "../stop/text.ts";
+import { toBar, toCode, toMode, toNotice } from "./text.ts";
+import type { Program, ProgramTraits } from "./traits.ts";
+import { VariableRows } from "./variables.ts";
+
+/** A program: what it does, its variables, its prints or its error, and Stop. */
+export class ProgramView {
+  readonly #model: Model<ProgramTraits>;
+  readonly #control: StopControl;
+  readonly #buttons: StopButtons;
+  readonly #variables: VariableRows;
+  readonly #root = make("div", "rw-card rw-program");
+  readonly #name = make("span", "rw-title");
+  readonly #version = make("span", "rw-version");
+  readonly #mode = make("span", "rw-program-mode");
+  readonly #run: HTMLButtonElement;
+  readonly #step: HTMLButtonElement;
+  readonly #facts = [make("b", ""), make("b", ""), make("b", "")];
+  readonly #active = make("div", "rw-program-active");
+  readonly #code = make("code", "rw-program-code");
+  readonly #axes = [new Axis("linear", "m/s"), new Axis("angular", "rad/s")];
+  readonly #prints = make("div", "rw-prints");
+  readonly #hint = make("div", "rw-hint");
+
+  constructor(model: Model<ProgramTraits>, element: HTMLElement, signal: AbortSignal) {
+    this.#model = model;
+    const redraw = perAnimationFrame(() => this.#draw(), signal);
+    this.#control = new StopControl(model, crypto.randomUUID().slice(0, 8), redraw, signal);
+    this.#buttons = new StopButtons(this.#root, this.#control, signal);
+    this.#variables = new VariableRows((name, value) => this.#control.send({ program: "set", name, value }), signal);
+    this.#run = makeButton("rw-program-run", "Run", () => this.#onRun(), signal);
+    this.#step = makeButton(
+      "rw-program-step",
+      "Make one step",
+      () => this.#control.send({ program: "step" }),
+      signal,
+      "Step",
+    );
+    on(window, "keydown", ({ key }) => key === "Escape" && this.#variables.cancel(), signal, { capture: true });
+    this.#build();
+    mount(element, this.#root, signal);
+    watchTheme(redraw, signal);
+    this.#draw();
+  }
+
+  get #program(): Program | null {
+    return this.#model.get("_state").program;
+  }
+
+  #build(): void {
+    const controls = make("div", "rw-controls");
+    controls.append(this.#run, this.#step);
+    const header = make("div", "rw-header");
+    header.append(this.#name, this.#version, this.#mode, controls);
+    const facts = make("div", "rw-program-facts");
+    for (const [i, unit] of [" Hz", " ms a step", " s in force"].entries()) {
+      const fact = make("span", "");
+      fact.append(this.#facts[i] ?? "", unit);
+      facts.append(fact);
+    }
+    const returns = make("div", "rw-program-returns");
+    returns.append(make("span", "", "returns"), this.#code);
+    const axes = make("div", "rw-program-axes");
+    axes.append(...this.#axes.map(({ root }) => root));
+    const driving = make("div", "rw-program-driving");
+    driving.append(facts, this.#active, returns, axes);
+    this.#prints.role = "status";
+    const stop = make("div", "rw-program-stop");
+    stop.append(this.#buttons.stop, this.#hint);
+    this.#root.append(header, driving, this.#variables.root, this.#prints, stop);
+  }
+
+  #onRun(): void {
+    const isRunning = this.#isRunning;
+    if (!isRunning && this.#control.told.stopped) this.#control.allow();
+    this.#control.send({ program: isRunning ? "pause" : "run" });
+  }
+
+  get #isRunning(): boolean {
+    return this.#program?.mode === "running" && !this.#control.told.stopped;
+  }
+
+  #draw(): void {
+    applyTheme(this.#root);
+    this.#buttons.update();
+    const told = this.#model.get("_state");
+    const program = this.#program;
+    const mode = program ? toMode(told, program) : "";
+    this.#root.dataset.mode = mode || "none";
+    setText(this.#name, program?.name ?? "no program yet");
+    setText(this.#version, program ? `v${program.version}` : "");
+    setText(this.#mode, mode);
+    const [verb, label] = this.#isRunning
+      ? ["Pause", "Pause, and stop the robot"]
+      : ["Run", "Run, and let programs drive"];
+    setText(this.#run, verb);
+    setLabel(this.#run, label);
+    const isOver = !program || program.mode === "ended";
+    this.#run.disabled = isOver;
+    this.#step.disabled = isOver || this.#isRunning || told.stopped;
+    const numbers = program ? [program.rate.toFixed(1), program.step_ms.toFixed(2), String(program.since)] : [];
+    for (const [i, fact] of this.#facts.entries()) setText(fact, numbers[i] ?? "\u2013");
+    setText(this.#active, program?.active ?? "");
+    const speed = told.stopped ? ([0, 0] as [number, number]) : (program?.speed ?? [0, 0]);
+    setText(this.#code, program ? toCode(speed) : "\u2013");
+    for (const [i, axis] of this.#axes.entries()) axis.update(speed[i] ?? 0, program?.limits[i] ?? 1);
+    this.#variables.update(told.variables ?? []);
+    this.#drawPrints(program);
+    const { text, hint, kind } = toDriverText(this.#control);
+    setText(this.#hint, [text, hint].filter(Boolean).join(" \u00b7 "));
+    this.#hint.dataset.kind = kind;
+  }
+
+  /** The last three lines; the error, or why it does not drive, in their place. */
+  #drawPrints(program: Program | null): void {
+    const notice = program ? toNotice(this.#model.get("_state"), program) : { text: "", isError: false };
+    const lines = notice.text ? [] : (program?.prints ?? []);
+    this.#prints.dataset.kind = notice.isError ? "error" : notice.text ? "notice" : "prints";
+    const rows = lines.map(([seconds, text]) => [seconds.toFixed(2), text] as const);
+    const shown = notice.text ? ([["", notice.text]] as const) : rows;
+    const words = shown.map((row) => row.join("\t")).join("\n");
+    if (words === this.#prints.dataset.words) return;
+    this.#prints.dataset.words = words;
+    this.#prints.replaceChildren(
+      ...shown.map(([time, text]) => {
+        const line = make("div", "rw-print");
+        if (time) line.append(make("span", "rw-print-time", time));
+        line.append(make("span", "rw-print-text", text));
+        return line;
+      }),
+    );
+  }
+}
+
+/** One number of the speed, and its bar from zero. */
+class Axis {
+  readonly root = make("div", "rw-program-axis");
+  readonly #value = make("b", "");
+  readonly #bar = make("i", "rw-program-bar");
+
+  constructor(name: string, unit: string) {
+    const value = make("div", "rw-program-value");
+    value.append(this.#value, ` ${unit}`);
+    const track = make("div", "rw-program-track");
+    track.append(this.#bar);
+    this.root.append(make("span", "", name), value, track);
+  }
+
+  update(value: number, limit: number): void {
+    setText(this.#value, toFixed(value, 2));
+    const { left, width } = toBar(value, limit);
+    this.#bar.style.left = `${left}%`;
+    this.#bar.style.width = `${width}%`;
+  }
+}

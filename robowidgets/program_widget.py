@@ -1,0 +1,144 @@
+"""The program of a robot on the page: what it does, its variables, and Stop."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from ._core.base_widget import bundle
+from ._core.driving_widget import DrivingWidget
+from ._core.pacer import pacer
+from .behaviors.machine import Machine
+from .behaviors.program import Program
+from .behaviors.programs import Programs
+
+INTERVAL = 0.1
+"""Seconds between two looks at a running program, at least: a person reads no faster."""
+
+
+class ProgramWidget(DrivingWidget):
+    """The program that drives a robot: its version, rate and speed, its variables, its last prints and error, and Stop.
+
+    It shows each program that drives the robot from now on. Run, Pause and Step act on it; Stop is latched, and Run
+    releases it. The page sets the robot's variables by sliders, switches and numbers. While the widget is on the page,
+    what the program prints is shown there alone.
+
+    Args:
+        robot: a feed.
+
+    Raises:
+        TypeError: something else.
+
+    Example:
+        >>> from robowidgets import feeds
+        >>> with feeds.simulator(wander=False) as robot:
+        ...     widget = ProgramWidget(robot)
+        >>> widget.program is None
+        True
+    """
+
+    _esm, _css = bundle("program_widget")
+
+    def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
+        """Take the feed as a positional argument."""
+        return super().__new__(cls, **kwargs)
+
+    def __init__(self, robot: Any, **kwargs: Any) -> None:
+        programs = getattr(robot, "programs", None)
+        if not isinstance(programs, Programs):
+            raise TypeError(f"ProgramWidget(): expected a feed, got {robot!r}")
+        self._programs = programs
+        self._shown: Program | None = None
+        self._marked_at = 0.0
+        super().__init__(**kwargs)
+        self._attach(robot.watchdog, robot)
+        programs.watch(self._on_program)
+        programs.variables.watch(self._on_step)
+        self._on_program()
+
+    @property
+    def program(self) -> Program | None:
+        """The program on show; None before the first one."""
+        return self._programs.current
+
+    def close(self) -> None:
+        """Remove the widget from the page; the program goes on."""
+        if "_programs" in vars(self):
+            self._programs.forget(self._on_program)
+            self._programs.variables.forget(self._on_step)
+            self._show(None)
+        super().close()
+
+    def _on_program(self) -> None:
+        self._show(self._programs.current)
+        pacer.mark(self)
+
+    def _show(self, program: Program | None) -> None:
+        before, self._shown = self._shown, program
+        if before is program:
+            return
+        if before is not None:
+            before.forget(self._on_step)
+            before.has_view = False
+        if program is not None:
+            program.watch(self._on_step)
+            program.has_view = True
+
+    def _on_step(self) -> None:
+        """Have the pacer send the state, at most ten times a second. In the thread of the program."""
+        now = time.monotonic()
+        if now - self._marked_at >= INTERVAL:
+            self._marked_at = now
+            pacer.mark(self)
+        else:
+            pacer.mark_at(self, self._marked_at + INTERVAL)
+
+    def _compose(self) -> dict[str, Any]:
+        return {**super()._compose(), "program": self._program_state(), "variables": self._variables()}
+
+    def _program_state(self) -> dict[str, Any] | None:
+        program = self._shown
+        if program is None:
+            return None
+        function, feed = program.version.function, self._feed
+        driving: Any = None if feed is None else feed.driving
+        return {
+            "name": program.name,
+            "version": program.version.number,
+            "mode": program.mode,
+            "waiting": program.waiting,
+            "error": program.error,
+            "note": program.note,
+            "rate": 0.0 if program.waiting else round(program.rate, 1),
+            "step_ms": round(1000 * program.step_time, 2),
+            "since": round(program.since),
+            "speed": (program.returned.linear, program.returned.angular),
+            "limits": (0.5, 1.0) if driving is None else (driving.max_linear, driving.max_angular),
+            "active": " + ".join(function.active) if isinstance(function, Machine) else "",
+            "prints": [(round(seconds, 2), text) for seconds, text in program.prints.lines],
+        }
+
+    def _variables(self) -> list[dict[str, Any]]:
+        return [{"name": name, **vars(one)} for name, one in self._programs.variables.table.items()]
+
+    def _on_page(self, widget: Any, content: Any, buffers: Any) -> None:
+        """Handle a message of the page, in the main thread or a subshell's. It does not wait."""
+        if not isinstance(content, dict) or "program" not in content:
+            super()._on_page(widget, content, buffers)
+            return
+        act, program = content["program"], self._shown
+        if act == "pause" and program is not None:
+            program.pause()
+        elif type(content.get("token")) is not int or not self._tokens.is_fresh(content["token"]):
+            self.send({"refused": content.get("press")})  # a busy kernel delayed it: its sender may have left since
+        elif act == "set":
+            self._set(content.get("name"), content.get("value"))
+        elif act in ("run", "step") and program is not None:
+            (program.run if act == "run" else program.step)()
+        pacer.mark(self)
+
+    def _set(self, name: Any, value: Any) -> None:
+        try:
+            self._programs.variables.set(name, value)
+        except (KeyError, TypeError, ValueError) as error:
+            self._log_once(f"the page could not set a variable: {type(error).__name__}: {error}")

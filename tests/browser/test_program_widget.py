@@ -1,0 +1,120 @@
+"""A program on the page: what it does, its variables, its prints and its error, Run, Step and Stop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from ..unit.waiting import wait_for
+from .chromium import shoot
+from .plain_page import PlainPage
+
+OPEN = """
+from robowidgets import ProgramWidget, feeds
+from robowidgets.behaviors import Drive
+robot = feeds.simulator(wander=False, hz=20)
+robot.variables.slider("f_vel", 0.25, 0.0, 0.5, "m/s")
+robot.variables.slider("near", 0.55, 0.2, 2.0, "m")
+robot.variables.go = True
+robot.variables.turns = 3
+widget = ProgramWidget(robot)
+widget
+"""
+AVOID = """
+@robot.program(rate=20)
+def avoid(scan, state, variables):
+    state.n = state.get("n", 0) + 1
+    if state.n % 5 == 0 and state.n < 40:
+        print(f"near {scan.distance('front'):.2f} m [{state.n}] <b>&amp;</b>")
+    return Drive(variables.f_vel if variables.go else 0, -0.3)
+"""
+FAILS = """
+@robot.program(rate=20)
+def avoid(scan):
+    return Drive(0.1 / 0)
+"""
+MACHINE = """
+@robot.program(rate=20)
+class walker:
+    def forward(): return Drive(0.2)
+    class avoid:
+        def stop(): return Drive()
+        def turn(): return Drive(0, 0.5)
+        moves = "stop -> turn after 0.4", "turn -> stop after 0.4"
+    moves = "forward -> avoid after 0.1"
+"""
+
+
+def button(widget: Locator, name: str) -> Locator:
+    return widget.get_by_role("button", name=name, exact=True)
+
+
+def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([OPEN, AVOID, FAILS, MACHINE])
+    widget = nb.widget(0)
+
+    def told(expression: str) -> str:
+        return nb.python(f"print({expression})").strip()
+
+    expect(widget.locator(".rw-title")).to_have_text("walker")
+    expect(widget.locator(".rw-program-active")).to_contain_text("avoid + avoid.")
+    nb.run(1)
+    expect(widget.locator(".rw-title")).to_have_text("avoid")
+    expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.25, -0.3)")
+    expect(widget.locator(".rw-print-text").first).to_contain_text("<b>&amp;</b>")
+    shoot(widget.locator(".rw-program"), "program-running")
+
+    slider = widget.get_by_role("slider", name="f_vel")
+    slider.focus()
+    slider.press("End")
+    expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.5, -0.3)")
+    widget.get_by_role("switch", name="go").uncheck()
+    expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.0, -0.3)")
+    turns = widget.get_by_role("spinbutton", name="turns")
+    turns.press("ControlOrMeta+a")
+    turns.press_sequentially("7")
+    turns.press("Enter")
+    wait_for(lambda: told("robot.variables.turns, robot.variables.go") == "7.0 False", "they are set")
+
+    slider.press("Escape")
+    expect(widget.locator(".rw-program-mode")).to_have_text("stopped")
+    expect(widget.locator(".rw-stop-word")).to_have_text("Stopped")
+    expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.0, 0.0)")
+    shoot(widget.locator(".rw-program"), "program-stopped")
+    assert told("robot.stopped") == "True"
+    button(widget, "Run, and let programs drive").click()
+    expect(widget.locator(".rw-program-mode")).to_have_text("running")
+    button(widget, "Pause, and stop the robot").click()
+    expect(widget.locator(".rw-program-mode")).to_have_text("paused")
+    steps = int(told("avoid.steps"))
+    button(widget, "Make one step").click()
+    wait_for(lambda: int(told("avoid.steps")) == steps + 1, "one step is made")
+
+    nb.run(2)
+    expect(widget.locator(".rw-prints")).to_have_text("line 4: ZeroDivisionError: float division by zero")
+    expect(widget.locator(".rw-program-mode")).to_have_text("failed")
+    assert told("robot.watchdog.sent") == "(0.0, 0.0)"
+    shoot(widget.locator(".rw-program"), "program-failed")
+    stop = widget.locator(".rw-stop").bounding_box()
+    card = widget.locator(".rw-program").bounding_box()
+    assert stop
+    assert card
+    assert stop["height"] >= 42
+    assert stop["width"] >= card["width"] - 28
+    nb.python("robot.close()")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_a_program_looks_well_on_a_narrow_page(
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]
+) -> None:
+    nb = plain_page([OPEN, AVOID], width=400, scale=2, theme=theme)
+    widget = nb.widget(0)
+    expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.25, -0.3)")
+    expect(widget.locator(".rw-print-text")).to_have_count(3)
+    assert widget.locator(".rw-program").evaluate("card => card.scrollWidth <= card.clientWidth")
+    shoot(widget.locator(".rw-program"), f"program-narrow-{theme}")
+    nb.python("robot.close()")

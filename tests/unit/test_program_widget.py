@@ -1,0 +1,139 @@
+"""`ProgramWidget`: what the page is told of a program, and what it may ask for."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from robowidgets import ProgramWidget
+from robowidgets.behaviors import Drive
+from robowidgets.feeds import Feed
+
+from .feeds.scripted import CMD_VEL, SCAN, Scripted
+from .pages import Page
+from .waiting import wait_for
+
+
+@pytest.fixture
+def robot() -> Iterator[Feed]:
+    with Feed(Scripted(SCAN, CMD_VEL)) as opened:
+        yield opened
+
+
+@pytest.fixture
+def widget(robot: Feed) -> Iterator[ProgramWidget]:
+    made = ProgramWidget(robot)
+    yield made
+    made.close()
+
+
+def hear(widget: ProgramWidget, **content: Any) -> None:
+    """A message of the page, with a new token unless it has one."""
+    widget._handle_custom_msg({"press": "view", "token": widget._tokens.issue(), **content}, [])
+
+
+def test_it_tells_what_the_program_does_and_follows_the_next_one(robot: Feed, widget: ProgramWidget) -> None:
+    page = Page(widget)
+    assert page.state["_state"]["program"] is None
+
+    @robot.program(rate=50)
+    def go():  # type: ignore[no-untyped-def]
+        sys.stdout.write("on its way\n")
+        return Drive(0.2, 0.1)
+
+    wait_for(lambda: (page.state["_state"]["program"] or {}).get("speed") == (0.2, 0.1), "its speed is told")
+    told = page.state["_state"]["program"]
+    assert (told["name"], told["version"], told["mode"], told["limits"]) == ("go", 1, "running", (0.5, 1.0))
+    wait_for(lambda: page.state["_state"]["program"]["prints"][-1][1] == "on its way", "its prints are told")
+
+    @robot.program(rate=50)
+    def fail():  # type: ignore[no-untyped-def]
+        raise RuntimeError("no")
+
+    wait_for(lambda: "RuntimeError: no" in page.state["_state"]["program"]["error"], "the error of the next is told")
+    assert page.state["_state"]["program"]["name"] == "fail"
+    assert not go.has_view
+
+
+def test_prints_go_to_the_cell_where_no_widget_shows_them(robot: Feed, capsys: pytest.CaptureFixture[str]) -> None:
+    widget = ProgramWidget(robot)
+
+    @robot.program(rate=50)
+    def talk(variables):  # type: ignore[no-untyped-def]
+        sys.stdout.write(f"{variables.word}\n")
+
+    robot.variables.word = "first"
+    talk.run()
+    wait_for(lambda: talk.prints.lines, "it prints")
+    robot.variables.word = "between"
+    steps = talk.steps
+    wait_for(lambda: talk.steps > steps + 2, "it goes on")
+    widget.close()
+    robot.variables.word = "last"
+    wait_for(lambda: talk.prints.lines[-1][1] == "last", "it prints again")
+    talk.pause()
+    printed = capsys.readouterr().out
+    assert "last" in printed
+    assert "first" not in printed
+
+
+def test_the_page_pauses_steps_runs_and_sets_variables(robot: Feed, widget: ProgramWidget) -> None:
+    robot.variables.slider("near", 0.6, 0.2, 2.0)
+
+    @robot.program(rate=50)
+    def go():  # type: ignore[no-untyped-def]
+        return Drive(0.2)
+
+    hear(widget, program="set", name="near", value=9)
+    assert robot.variables.near == 2.0
+    hear(widget, program="pause", token=None)
+    assert go.mode == "paused"
+    steps = go.steps
+    hear(widget, program="step")
+    wait_for(lambda: go.steps == steps + 1, "one step is made")
+    hear(widget, act="stop")
+    assert robot.stopped
+    hear(widget, act="allow")
+    wait_for(lambda: go._thread is None, "the single step is over")
+    hear(widget, program="run")
+    wait_for(lambda: go.mode == "running" and go.steps > steps + 2, "it runs")
+
+
+@pytest.mark.parametrize("token", [0, None, "1", 10**9])
+def test_what_a_busy_kernel_delayed_starts_and_sets_nothing(robot: Feed, widget: ProgramWidget, token: Any) -> None:
+    robot.variables.go = False
+
+    @robot.program(rate=50)
+    def go():  # type: ignore[no-untyped-def]
+        return Drive(0.2)
+
+    go.pause()
+    steps = go.steps
+    for content in ({"program": "run"}, {"program": "step"}, {"program": "set", "name": "go", "value": True}):
+        hear(widget, token=token, **content)
+    assert (go.mode, go.steps, robot.variables.go) == ("paused", steps, False)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"program": "set", "name": "none", "value": 1},
+        {"program": "set", "name": "near", "value": "1"},
+        {"program": "set", "name": ["near"], "value": 1},
+        {"program": "set", "name": "near", "value": None},
+        {"program": "fly"},
+        {"program": {}},
+    ],
+)
+def test_what_makes_no_sense_changes_nothing(robot: Feed, widget: ProgramWidget, content: dict[str, Any]) -> None:
+    robot.variables.near = 0.6
+    hear(widget, **content)
+    assert robot.variables.near == 0.6
+
+
+def test_it_takes_a_feed_alone() -> None:
+    with pytest.raises(TypeError, match=r"ProgramWidget\(\): expected a feed, got 3"):
+        ProgramWidget(3)
