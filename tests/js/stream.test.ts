@@ -387,5 +387,15 @@ test("a group steps back as far as each of it remembers, and one whose view ende
   assert.equal(laser.stream.shown?.arrived, 1);
   laser.stream.toggle();
   assert.equal(speed.stream.paused, true);
+  const forgetful = open({ history: 0, _together: "a" });
+  for (const second of [1, 2, 3]) forgetful.fake.receive({ _frame: arrived(second) });
+  laser.stream.toggle();
+  laser.stream.seek(0);
+  assert.deepEqual(
+    [laser.stream.shown?.arrived, forgetful.stream.shown?.arrived],
+    [1, 3],
+    "one without a history stays",
+  );
+  forgetful.end();
   laser.end();
 });

@@ -105,7 +105,8 @@ export class Stream<F extends Frame> implements Member {
 
   get oldest(): number {
     const [first] = this.#history.moments;
-    return first && this.#history.hasDropped ? arrivalOf(first.bytes) : -Infinity;
+    // Without a history it follows no steps.
+    return first && this.#seconds && this.#history.hasDropped ? arrivalOf(first.bytes) : -Infinity;
   }
 
   get paused(): boolean {
