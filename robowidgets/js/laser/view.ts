@@ -145,6 +145,7 @@ export class LaserView implements Host {
     this.#fit.ariaPressed = String(this.model.get("view_range") === "data");
     for (const layer of [...this.#layers].reverse()) layer.place?.(this.stage);
     const hasGhost = this.#ghost.isSet;
+    this.#pin.hidden = !hasGhost && !this.model.get("index_view");
     this.#pin.ariaPressed = String(hasGhost);
     setLabel(this.#pin, hasGhost ? "Remove the ghost (g)" : "Keep this scan as a ghost to compare with (g)");
     this.#drawStrip(hasGhost);
