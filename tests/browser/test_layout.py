@@ -60,7 +60,7 @@ ROOM = """(card) => {
     return {
         card: box(card).height,
         host: box(card.parentElement).height,
-        below: box(card).bottom - box(footer).bottom,
+        below: box(card).bottom - box(footer.hidden ? picture : footer).bottom,
         hidden: card.scrollHeight - card.clientHeight,
         picture: box(picture).height,
         rest: box(header).height + box(footer).height,

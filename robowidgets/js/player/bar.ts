@@ -64,8 +64,8 @@ export class PlayerBar {
     on(this.#list.toggle, "click", () => this.#draw(), signal);
     this.#walk.append(
       this.#list.toggle,
-      makeButton("rw-step", "To the mark before (p)", toMark(-1), signal, "\u2039\u00a0p"),
-      makeButton("rw-step", "To the next mark (n)", toMark(1), signal, "n\u00a0\u203a"),
+      makeButton("rw-step", "To the mark before (p)", toMark(-1), signal, "p"),
+      makeButton("rw-step", "To the next mark (n)", toMark(1), signal, "n"),
     );
     const end = [this.#words, this.#walk, this.#speed, this.#loop, this.#note, this.#list.rows];
     this.#root.append(back, this.#play, forth, this.#moment, track, ...end);
