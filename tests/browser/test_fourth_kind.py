@@ -47,5 +47,6 @@ def test_a_page_in_a_file_plays_it_by_its_own_front_end(browser: Browser, tmp_pa
     value = page.locator(".rw-number-value")
     expect(value).to_have_text("2 m")
     page.locator(".rw-play").click()
-    expect(value).to_have_text("1.5099999904632568 m")
+    # It lasts five seconds.
+    expect(value).to_have_text("1.5099999904632568 m", timeout=15_000)
     page.close()

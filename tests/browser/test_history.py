@@ -218,7 +218,9 @@ def test_silence_and_the_words_of_a_feed_are_told(plain_page: Callable[..., Plai
     nb = plain_page([TWENTY])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")
-    facts, notice, empty, silence = (card.locator(f".rw-{name}") for name in ("facts", "notice-text", "empty", "silence"))
+    facts, notice, empty, silence = (
+        card.locator(f".rw-{name}") for name in ("facts", "notice-text", "empty", "silence")
+    )
     nb.python(
         "laser._source = {'topic': '/scan', 'type': 'sensor_msgs/msg/LaserScan', 'status': 'waiting for <b>/scan'}"
     )

@@ -56,7 +56,7 @@ def test_a_shape_goes_at_its_time_in_the_page_and_stays_on_a_frozen_picture(
     nb.python("laser.update(**fan()); laser.draw('frozen', Line((1, -1), (1, 1)), lifetime=5)")
     eventually(lambda: drawn(card) > 100, True)
     card.locator(".rw-freeze").click()
-    nb.python("laser.draw('frozen', None); laser.update(**fan())")
+    nb.python("laser.update(**fan()); laser.draw('frozen', None)")  # of the next scan, not of the one that is frozen
     expect(card.locator(".rw-number")).to_have_text("1")
     assert drawn(card) > 100, "it was drawn on the scan that is on show"
     card.locator(".rw-freeze").click()

@@ -58,7 +58,7 @@ export class PlayerBar {
     this.#clock.append(this.#date, this.#timeOfDay);
     this.#moment.append(this.#time, this.#duration, this.#clock);
     const track = make("div", "rw-play-line");
-    track.append(this.#marks, this.#slider);
+    track.append(this.#marks, this.#slider, this.#words);
     const toMark = (direction: -1 | 1) => () => playback.toMark(direction);
     this.#list = new MarkList((time) => playback.seek(time), signal);
     on(this.#list.toggle, "click", () => this.#draw(), signal);
@@ -67,7 +67,7 @@ export class PlayerBar {
       makeButton("rw-step", "To the mark before (p)", toMark(-1), signal, "p"),
       makeButton("rw-step", "To the next mark (n)", toMark(1), signal, "n"),
     );
-    const end = [this.#words, this.#walk, this.#speed, this.#loop, this.#note, this.#list.rows];
+    const end = [this.#walk, this.#speed, this.#loop, this.#note, this.#list.rows];
     this.#root.append(back, this.#play, forth, this.#moment, track, ...end);
     this.#root.tabIndex = -1;
     on(this.#root, "keydown", (event) => this.#onKey(event), signal);

@@ -84,7 +84,7 @@ export class SpeedView {
     this.#reset.append(makeIcon(RESET), make("span", "rw-word", "Peaks"));
     this.#signal = signal;
     const onOverTime = () => setTraits(model, { over_time: model.get("over_time") ? 0 : USUAL_SECONDS });
-    this.#overTime = makeButton("", "Over time: the last seconds of each axis", onOverTime, signal);
+    this.#overTime = makeButton("rw-lines", "Over time: the last seconds of each axis", onOverTime, signal);
     this.#overTime.append(makeIcon(LINE));
     this.#card.addControls(this.#reset, this.#overTime, this.#planar);
     stream.listen(this.#redraw, signal);
