@@ -15,6 +15,7 @@ _FORMATS = {
     b"\x1f\x8b": "gzip data",
     b"PK\x03\x04": "a zip archive",
     b"\x89HDF": "an HDF5 file",
+    b"version https://git-lfs": "a pointer of Git LFS, not the file; `git lfs pull` in the checkout fetches it",
 }
 
 

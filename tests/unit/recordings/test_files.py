@@ -102,6 +102,9 @@ def test_a_path_may_be_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         open(7)  # type: ignore[arg-type]
 
 
+LFS_POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
+
+
 @pytest.mark.parametrize(
     ("name", "content", "text"),
     [
@@ -121,6 +124,7 @@ def test_a_path_may_be_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         ("drive.mcap", b"It rained.\n", "drive.mcap: expected an MCAP file, got text that starts with 'It rained.'"),
         ("drive.db3", b"It rained.\n", "drive.db3: expected a rosbag2 database (.db3), got text"),
         ("drive.bag", b"", "drive.bag: the file is empty (0 bytes)"),
+        *((f"drive{suffix}", LFS_POINTER, "got a pointer of Git LFS") for suffix in (".bag", ".mcap", ".db3", ".log")),
     ],
 )
 def test_a_file_that_is_no_recording_is_named_for_what_it_is(
