@@ -17,6 +17,8 @@ import pytest
 from .conftest import ROOT
 
 WIDGETS = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("*_widget.ts"))
+PAGES = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("export_*.ts"))
+"""The scripts of pages that play without a kernel."""
 # Script and style together, compressed as a server sends them.
 LARGEST_FRONT_END = 40_000
 LARGEST_SAMPLE = 1_000_000
@@ -72,7 +74,7 @@ def test_the_wheel_holds_the_widgets_front_end(package: Path) -> None:
     for name in WIDGETS:
         assert "export" in (package / "static" / f"{name}.js").read_text()
         assert ".rw-" in (package / "static" / f"{name}.css").read_text()
-    assert {file.stem for file in (package / "static").iterdir()} == set(WIDGETS)
+    assert {file.stem for file in (package / "static").iterdir()} == {*WIDGETS, *PAGES}
 
 
 @pytest.mark.parametrize("name", WIDGETS)
@@ -86,7 +88,7 @@ def test_a_build_makes_sure_of_the_front_end_of_every_widget() -> None:
     ensured = re.search(r"ensured-targets = \[(.*?)\]", (ROOT / "pyproject.toml").read_text(), re.DOTALL)
     assert ensured
     named = re.findall(r'"robowidgets/static/(.+?)"', ensured[1])
-    assert sorted(named) == sorted(f"{name}.{kind}" for name in WIDGETS for kind in ("js", "css"))
+    assert sorted(named) == sorted(f"{name}.{kind}" for name in (*WIDGETS, *PAGES) for kind in ("js", "css"))
 
 
 def test_the_front_end_asks_the_web_for_nothing(package: Path) -> None:
