@@ -22,8 +22,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         0 when it is done; 1 when it could not be done, 2 for ``repair``, after one line on stderr that says why.
         ``find`` is as grep: 1 when nothing was found, 2 when it could not look. ``doctor`` is as diff: 1 when it found
-        problems, 2 when it could not look. Arguments that make no sense exit
-        with 2.
+        problems, 2 when it could not look. Arguments that make no sense exit with 2.
     """
     arguments = _parser().parse_args(_questions.readable(sys.argv[1:] if argv is None else argv))
     try:
@@ -115,17 +114,13 @@ def _parser() -> argparse.ArgumentParser:
 
     demo = commands.add_parser("demo", help="open a tour in JupyterLab", description="Open a tour in JupyterLab.")
     demo.set_defaults(do=_demo)
-    of_file = "a .bag, .db3, .mcap, a rosbag2 folder, or a CARMEN log (.log, .clf, gzipped too)"
     show = commands.add_parser(
         "open", help="open a recording in JupyterLab", description="Open a recording in JupyterLab."
     )
-    show.add_argument("file", type=Path, metavar="FILE", help=of_file)
     show.set_defaults(do=_open)
     info = commands.add_parser(
         "info", help="print what a recording holds", description="Print the topics, types, counts and rates."
     )
-    info.add_argument("file", type=Path, metavar="FILE", help=of_file)
-    info.add_argument("--json", action="store_true", help="print it as JSON")
     info.set_defaults(do=_info)
     find = commands.add_parser(
         "find",
@@ -133,7 +128,6 @@ def _parser() -> argparse.ArgumentParser:
         description="Print from when to when conditions held, in seconds from the start of the recording.",
         epilog="Exits with 0 when something was found, 1 when nothing was, 2 when it could not look.",
     )
-    find.add_argument("file", type=Path, metavar="FILE", help=of_file)
     _questions.add_find(find)
     find.set_defaults(do=_find, failed=2)
 
@@ -143,8 +137,6 @@ def _parser() -> argparse.ArgumentParser:
         description="Check the scans of a recording (rays, angles, limits, frames), its rates, and its topics.",
         epilog="Exits with 0 when all is well, 1 when there are problems, 2 when it could not look.",
     )
-    doctor.add_argument("file", type=Path, metavar="FILE", help=of_file)
-    doctor.add_argument("--json", action="store_true", help="print it as JSON")
     doctor.set_defaults(do=_doctor, failed=2)
 
     mend = commands.add_parser(
@@ -153,7 +145,6 @@ def _parser() -> argparse.ArgumentParser:
         description="Write all that can be read of a recording, by a clock that never goes back, as an MCAP file.",
         epilog="Exits with 0 when the file was written, 2 when it could not be.",
     )
-    mend.add_argument("file", type=Path, metavar="FILE", help=of_file)
     mend.add_argument(
         "--output", type=Path, metavar="OUT.mcap", help="where to write it (default: FILE_repaired.mcap beside FILE)"
     )
@@ -166,10 +157,14 @@ def _parser() -> argparse.ArgumentParser:
         description="Write a recording, or a stretch of it, as one HTML file that plays without a kernel or the web.",
         epilog="Exits with 0 when the file was written, 2 when it could not be.",
     )
-    page.add_argument("file", type=Path, metavar="FILE", help=of_file)
     _pages.add_export(page)
     page.set_defaults(do=_export, failed=2)
 
+    of_file = "a .bag, .db3, .mcap, a rosbag2 folder, or a CARMEN log (.log, .clf, gzipped too)"
+    for command in (show, info, find, doctor, mend, page):
+        command.add_argument("file", type=Path, metavar="FILE", help=of_file)
+    for command in (info, doctor):
+        command.add_argument("--json", action="store_true", help="print it as JSON")
     for command in (demo, show):
         command.add_argument(
             "--folder",
