@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import hypot, isfinite
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from ..messages.fields import stamp_ns
 
@@ -59,8 +59,3 @@ def _transform(stamped: Any, time_ns: int, position: Any, orientation: Any, **fl
         raise ValueError(f"{child!r} in {parent!r} is at no pose: {x}, {y}, {z}, a turn of {length}")
     # ROS 1 wrote the names of frames with a leading slash, or without.
     return Transform(parent.lstrip("/"), child.lstrip("/"), time_ns, stamp_ns(stamped) or 0, pose, **flags)
-
-
-# The names that recordings use.
-Joint: TypeAlias = Transform
-joints_of = transforms_of
