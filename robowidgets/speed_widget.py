@@ -12,8 +12,8 @@ import traitlets
 
 from ._core.base_widget import bundle, refuse_unnamed
 from ._core.limit_traits import AxisLimits, Limits, Pair, is_past, unit_of
-from ._core.robot_widget import FRAME_HEADER, LONGEST_HISTORY, RobotWidget
-from ._core.traits import Flag
+from ._core.robot_widget import FRAME_HEADER, RobotWidget
+from ._core.traits import Flag, HistorySeconds
 from .messages import to_speed
 from .samples import AXES, Speed
 
@@ -120,7 +120,7 @@ class SpeedWidget(RobotWidget[Reading]):
     bars = traitlets.Enum(("measured", "commanded"), "measured", help="What `update` is given, and the bars show.").tag(
         sync=True
     )
-    over_time = traitlets.Float(
+    over_time = HistorySeconds(
         0.0, help="Seconds of each axis that are shown below the bars, 0 (none) to 600. Python and the view write it."
     ).tag(sync=True)
     hold_peaks = Flag(False, help="Whether least and greatest speeds are marked.").tag(sync=True)
@@ -130,15 +130,6 @@ class SpeedWidget(RobotWidget[Reading]):
         self._reading = Reading()
         self._errors: dict[str, str] = {}
         super().__init__(**kwargs)
-
-    @traitlets.validate("over_time")
-    def _within_history(self, proposal: Any) -> float:
-        seconds = float(proposal["value"])
-        if not 0 <= seconds <= LONGEST_HISTORY:
-            raise traitlets.TraitError(
-                f"over_time: expected seconds from 0 (none) to {LONGEST_HISTORY}, got {seconds!r}"
-            )
-        return seconds
 
     def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
         """Show a measured speed in the next animation frame.

@@ -24,7 +24,7 @@ from .platform_fixes import message_padding
 from .png import SavesPng
 from .rate import RateMeter
 from .short_traceback import shortened
-from .traits import Flag, bytes_trait
+from .traits import Flag, HistorySeconds, bytes_trait
 from .watching import JudgesConditions
 
 FRAME_HEADER = struct.Struct("<ddqd")
@@ -34,9 +34,6 @@ time of arrival in seconds of Python's monotonic clock, which only Python reads.
 SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
 """Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
 where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
-
-LONGEST_HISTORY = 600
-"""Seconds of the longest history; a recording holds more."""
 
 MOST_ABOUTS = 12_000
 """Number of texts on samples that are kept: one for each sample that the page keeps."""
@@ -64,8 +61,9 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
 
     footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
     paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
-    history = traitlets.Float(
+    history = HistorySeconds(
         30.0,
+        why="; the page keeps 20 samples for each of them",
         help="Seconds for which the page keeps samples to step back through, 0 (none) to 600; 20 a second and 8 MB at "
         "most.",
     ).tag(sync=True)
@@ -415,16 +413,6 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
         if self.goes_stale and self.has_rate and age > self._longest_silence():
             return self._source.get("status", "") or f"no new {self.sample_name} for {age:.1f} s"
         return ""
-
-    @traitlets.validate("history")
-    def _kept(self, proposal: Any) -> float:
-        seconds = float(proposal["value"])
-        if not 0 <= seconds <= LONGEST_HISTORY:
-            raise traitlets.TraitError(
-                f"history: expected seconds from 0 (none) to {LONGEST_HISTORY}, got {seconds!r}; "
-                "the page keeps 20 samples for each of them"
-            )
-        return seconds
 
     @traitlets.validate("paused")
     def _before_paused(self, proposal: Any) -> Any:

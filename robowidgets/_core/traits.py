@@ -10,6 +10,9 @@ import traitlets
 
 from ..samples.checks import in_radians
 
+LONGEST_HISTORY = 600
+"""Seconds of the longest history; a recording holds more."""
+
 _MOST_ANGLES = 360
 
 
@@ -20,6 +23,27 @@ class Flag(traitlets.Bool[Any, Any]):
         """The flag as Python's own."""
         flag: bool = super().validate(obj, bool(value) if isinstance(value, np.bool_) else value)
         return flag
+
+
+class HistorySeconds(traitlets.Float[Any, Any]):
+    """Seconds of earlier samples, from 0 (none) to 600.
+
+    Args:
+        why: what an error says after the value that came.
+    """
+
+    def __init__(self, default: float, *, why: str = "", **more: Any) -> None:
+        super().__init__(default, **more)
+        self._why = why
+
+    def validate(self, obj: Any, value: Any) -> float:
+        """The seconds; TraitError if there are too many."""
+        seconds = float(super().validate(obj, value))
+        if not 0 <= seconds <= LONGEST_HISTORY:
+            raise traitlets.TraitError(
+                f"{self.name}: expected seconds from 0 (none) to {LONGEST_HISTORY}, got {seconds!r}{self._why}"
+            )
+        return seconds
 
 
 class Angle(traitlets.TraitType[Any, Any]):

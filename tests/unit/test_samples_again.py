@@ -11,19 +11,23 @@ from robowidgets.samples import Problem
 ODD = (Problem("odd", "even"),)
 
 
-@pytest.fixture
-def scan() -> Scan:
+def scan_of(ranges: list[float], intensities: list[int], stamp_ns: int) -> Scan:
     return Scan(
-        [1.0, 2.0, np.inf],
+        ranges,
         -0.5,
         0.5,
         0.1,
         30.0,
-        intensities=[1, 2, 3],
-        stamp_ns=5,
+        intensities=intensities,
+        stamp_ns=stamp_ns,
         frame_id="laser",
         header_problems=ODD,
     )
+
+
+@pytest.fixture
+def scan() -> Scan:
+    return scan_of([1.0, 2.0, np.inf], [1, 2, 3], 5)
 
 
 def sent(*values: float) -> np.ndarray:
@@ -32,17 +36,7 @@ def sent(*values: float) -> np.ndarray:
 
 def test_only_what_is_given_differs(scan: Scan) -> None:
     after = scan.again(sent(3.0, np.nan, 0.05), sent(4, 5, 6), 7)
-    whole = Scan(
-        [3.0, np.nan, 0.05],
-        -0.5,
-        0.5,
-        0.1,
-        30.0,
-        intensities=[4, 5, 6],
-        stamp_ns=7,
-        frame_id="laser",
-        header_problems=ODD,
-    )
+    whole = scan_of([3.0, np.nan, 0.05], [4, 5, 6], 7)
     assert repr(after) == repr(whole)
     assert after.validity.tolist() == whole.validity.tolist()
     assert after.nearest() == whole.nearest()
