@@ -35,7 +35,7 @@ const LONGEST_NAME = 40;
 
 /** The numbers of the picked sector, its code and its name. */
 export class Chip {
-  readonly element = make("div", "rw-chip rw-over");
+  readonly element = make("div", "rw-floating rw-chip rw-over");
   readonly #expression = makeField("rw-chip-expression", "rays as a slice, such as ranges[240:300]");
   readonly #error = make("div", "rw-chip-error");
   readonly #texts: HTMLElement[] = [];

@@ -1,4 +1,4 @@
-import { write, writeOver } from "../shared/canvas.ts";
+import { write } from "../shared/canvas.ts";
 import { toShortMetres } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import { arcFont } from "./draw_area.ts";
@@ -164,6 +164,6 @@ export function drawBeyond(
 export function drawArcLabels(context: CanvasRenderingContext2D, labels: ArcLabel[], theme: Theme): void {
   for (const { distance, box } of labels) {
     const [x, y] = [box.x + box.width / 2, box.y + box.height / 2 + 0.5];
-    writeOver(context, toShortMetres(distance), x, y, theme.muted, arcFont(theme), "center", theme.area);
+    write(context, toShortMetres(distance), x, y, theme.muted, arcFont(theme), "center", theme.area);
   }
 }

@@ -1,4 +1,4 @@
-import { writeOver } from "../shared/canvas.ts";
+import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import { overlaps } from "./guides.ts";
 import type { Stage } from "./layer.ts";
@@ -197,7 +197,7 @@ export function drawName(
   const { x: left, y: top, width } = place.box;
   for (const [i, line] of lines.slice(0, place.at[0]).entries()) {
     const [x, y] = [left + width / 2, top + 1 + (i + 0.5) * LINE];
-    writeOver(context, line, x, y, i ? theme.muted : color, fontOf(i, theme), "center", theme.area);
+    write(context, line, x, y, i ? theme.muted : color, fontOf(i, theme), "center", theme.area);
   }
   return place;
 }

@@ -1,4 +1,4 @@
-import { writeOver } from "../shared/canvas.ts";
+import { write } from "../shared/canvas.ts";
 import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { overlaps } from "./guides.ts";
@@ -87,5 +87,5 @@ function drawName(
   );
   if (!box) return;
   covered.push(box);
-  writeOver(context, name, box.x + width / 2, box.y + HEIGHT / 2, theme.pointer, font, "center", theme.area);
+  write(context, name, box.x + width / 2, box.y + HEIGHT / 2, theme.pointer, font, "center", theme.area);
 }

@@ -55,25 +55,15 @@ export class PointerLayer implements Layer {
 
   painters(): Partial<Record<Depth, Painter>> {
     return {
-      pointer: (context, stage, theme) => {
-        const { scan } = stage;
-        if (!scan) return;
-        for (const index of this.#indices) {
-          if (index !== null && index < scan.count) drawPointer(context, stage, scan, index, theme);
-        }
-      },
+      pointer: (context, stage, theme) =>
+        this.#each(stage.scan, (scan, index) => drawPointer(context, stage, scan, index, theme)),
     };
   }
 
   strip(): Partial<Record<Depth, StripPainter>> {
     return {
-      pointer: (context, strip, theme) => {
-        const { scan } = strip;
-        if (!scan) return;
-        for (const index of this.#indices) {
-          if (index !== null && index < scan.count) drawStripPointer(context, strip, scan, index, theme);
-        }
-      },
+      pointer: (context, strip, theme) =>
+        this.#each(strip.scan, (scan, index) => drawStripPointer(context, strip, scan, index, theme)),
     };
   }
 
@@ -158,6 +148,10 @@ export class PointerLayer implements Layer {
   get #indices(): [number | null, number | null] {
     const [pinned, hovered] = [this.#host.model.get("pinned"), this.#host.model.get("hovered")];
     return [pinned, hovered === pinned ? null : hovered];
+  }
+
+  #each(scan: Scan | null, draw: (scan: Scan, index: number) => void): void {
+    for (const index of this.#indices) if (scan && index !== null && index < scan.count) draw(scan, index);
   }
 
   #indexAt(point: Point): number {

@@ -7,7 +7,7 @@ const ROWS = ["rw-popup-expression", "rw-popup-distance rw-popup-angle", "rw-pop
 
 /** The pop-up that names one ray. */
 export class Popup {
-  readonly element = make("div", "rw-popup");
+  readonly element = make("div", "rw-floating rw-popup");
   /** One for each of the words, row by row. */
   readonly #places: HTMLElement[] = [];
 

@@ -1,4 +1,4 @@
-import { writeOver } from "../shared/canvas.ts";
+import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
 import { overlaps } from "./guides.ts";
@@ -45,7 +45,7 @@ export class ShapeLabels {
       if (!found) continue;
       this.#before.set(key, found.place);
       stage.labels.push(found.box);
-      write(context, found.box, found.lines, label.shape, theme);
+      writeLabel(context, found.box, found.lines, label.shape, theme);
     }
   }
 
@@ -111,9 +111,9 @@ function widthOf(context: CanvasRenderingContext2D, text: string, line: number, 
   return context.measureText(text).width;
 }
 
-function write(context: CanvasRenderingContext2D, box: Box, lines: string[], shape: Shape, theme: Theme): void {
+function writeLabel(context: CanvasRenderingContext2D, box: Box, lines: string[], shape: Shape, theme: Theme): void {
   for (const [i, line] of lines.entries()) {
     const y = box.y + LINE * (i + 0.5);
-    writeOver(context, line, box.x, y, shape.color ?? theme.own, fontOf(i, theme), "left", theme.area);
+    write(context, line, box.x, y, shape.color ?? theme.own, fontOf(i, theme), "left", theme.area);
   }
 }

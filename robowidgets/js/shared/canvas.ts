@@ -42,7 +42,9 @@ export class Layer {
   }
 }
 
-/** Writes text, vertically centred at y. */
+const HALO = 4;
+
+/** Writes text, vertically centred at y; with a halo of some colour, which keeps it apart from lines below it. */
 export function write(
   context: CanvasRenderingContext2D,
   text: string,
@@ -51,35 +53,19 @@ export function write(
   color: string,
   font: string,
   align: CanvasTextAlign,
+  halo = "",
 ): void {
   context.font = font;
+  context.textAlign = align;
+  context.textBaseline = "middle";
+  if (halo) {
+    context.lineJoin = "round";
+    context.lineWidth = HALO;
+    context.strokeStyle = halo;
+    context.strokeText(text, x, y);
+  }
   context.fillStyle = color;
-  context.textAlign = align;
-  context.textBaseline = "middle";
   context.fillText(text, x, y);
-}
-
-const HALO = 4;
-
-/** Writes text as `write` does, with a halo that keeps it apart from lines below it. */
-export function writeOver(
-  context: CanvasRenderingContext2D,
-  text: string,
-  x: number,
-  y: number,
-  color: string,
-  font: string,
-  align: CanvasTextAlign,
-  halo: string,
-): void {
-  context.font = font;
-  context.textAlign = align;
-  context.textBaseline = "middle";
-  context.lineJoin = "round";
-  context.lineWidth = HALO;
-  context.strokeStyle = halo;
-  context.strokeText(text, x, y);
-  write(context, text, x, y, color, font, align);
 }
 
 /**

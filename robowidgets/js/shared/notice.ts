@@ -14,7 +14,12 @@ export class Notice {
 
   constructor(signal: AbortSignal) {
     this.#text.role = "status";
-    this.#more = makeButton("rw-more", "Show or hide the remedies", () => this.#unfold(!this.#isOpen), signal);
+    this.#more = makeButton(
+      "rw-unfold rw-more",
+      "Show or hide the remedies",
+      () => this.#unfold(!this.#isOpen),
+      signal,
+    );
     this.#more.ariaLabel = null;
     setText(this.#more, "What to do");
     this.element.append(this.#text, this.#more, this.#remedies);

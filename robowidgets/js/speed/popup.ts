@@ -6,7 +6,7 @@ const MARGIN = 4;
 
 /** The pop-up with the exact values of one axis. */
 export class Popup {
-  readonly #root = make("div", "rw-popup");
+  readonly #root = make("div", "rw-floating rw-popup");
   readonly #expression = make("span", "rw-popup-expression rw-index");
   readonly #direction = make("span", "rw-popup-side");
   readonly #value = make("div", "rw-popup-distance");
