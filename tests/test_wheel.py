@@ -19,8 +19,11 @@ from .conftest import ROOT
 WIDGETS = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("*_widget.ts"))
 PAGES = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("export_*.ts"))
 """The scripts of pages that play without a kernel."""
-# Script and style together, compressed as a server sends them.
-LARGEST_FRONT_END = 40_000
+# Script and style together, compressed as a server sends them. The laser has more to show than the others. What only a
+# program begins (shapes, pins, lamps' rays, free space, the index view, ghosts) is 6 kB of it and 5 ms once per page: a
+# second script for that would copy most of what both parts share, and its layers would miss the first picture.
+LARGEST_FRONT_END = {"laser_widget": 46_000}
+LARGEST_OTHER = 40_000
 LARGEST_SAMPLE = 1_000_000
 RECORDINGS = (".bag", ".mcap", ".db3")
 # Names of XML namespaces, which nothing ever fetches.
@@ -80,7 +83,7 @@ def test_the_wheel_holds_the_widgets_front_end(package: Path) -> None:
 @pytest.mark.parametrize("name", WIDGETS)
 def test_script_and_style_of_a_widget_are_small(package: Path, name: str) -> None:
     parts = [package / "static" / f"{name}.{kind}" for kind in ("js", "css")]
-    assert sum(len(gzip.compress(part.read_bytes())) for part in parts) <= LARGEST_FRONT_END
+    assert sum(len(gzip.compress(part.read_bytes())) for part in parts) <= LARGEST_FRONT_END.get(name, LARGEST_OTHER)
 
 
 def test_a_build_makes_sure_of_the_front_end_of_every_widget() -> None:

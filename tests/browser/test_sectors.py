@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from .chromium import shoot
-from .laser import FAN, SETUP, Picture, Place, eventually, locate
+from .laser import FAN, SETUP, Picture, Place, eventually, listen, locate, placed_words, words
 from .notebook import CellError, Notebook
 from .plain_page import PlainPage
 
@@ -168,11 +168,51 @@ def test_keys_make_move_keep_walk_and_remove_sectors(plain_page: Callable[..., P
     says(card, "ranges[7:18]", "1.64 m")
     keys.press("Escape")  # undoes the edge
     says(card, "ranges[7:19]", "1.64 m")
+    name = chip(card).locator(".rw-chip-name")
+    chip(card).get_by_text("Rename").click()
+    name.fill("right")
+    name.press("Enter")  # would replace the other
+    expect(chip(card).locator(".rw-chip-error")).to_have_text("there is a sector right already")
+    assert nb.python("sorted(laser.sectors)") == "['right', 'sector 1']"
+    name.press("Escape")
+    expect(chip(card).locator(".rw-chip-error")).to_be_empty()
     keys.press("Delete")
     eventually(lambda: nb.python("list(laser.sectors)"), "['right']")
+    nb.python("laser.pins = {'door': 3, 'same door': 3, 'gone': 99}")
+    for expected in ("right", "door", "same door"):
+        keys.press("Tab")
+        expect(live).to_have_text(re.compile(f"^{expected}, "))
+    expect(chip(card)).to_have_count(0)
+    eventually(lambda: nb.python("laser.pinned"), "3")
     keys.press("Tab")
-    keys.press("Tab")
+    eventually(lambda: nb.python("laser.pinned is None"), "True")
     assert not picture.evaluate("(picture) => document.activeElement === picture"), "focus gets out"
+
+
+def test_labels_under_the_chip_give_way(plain_page: Callable[..., PlainPage]) -> None:
+    scan = "ranges=np.full(271, 2.0), angle_min=np.radians(-135), angle_increment=np.radians(1)"
+    nb = plain_page([f"{SETUP}\nlaser.update({scan}, range_min=0.1, range_max=4.0)\nlaser"])
+    card = nb.widget(0).locator(".rw-card")
+    listen(nb.page)
+    nb.resize(560)
+    eventually(lambda: "[135]" in words(card), True)
+    every = words(card)
+
+    def under() -> list[str]:
+        box, picture = chip(card).bounding_box(), card.locator(".rw-picture").bounding_box()
+        assert box
+        assert picture
+        left, top = box["x"] - picture["x"], box["y"] - picture["y"]
+        inside = lambda x, y: left < x < left + box["width"] and top < y < top + box["height"]  # noqa: E731
+        return [text for text, x, y in placed_words(card) if inside(x, y)]
+
+    nb.python("laser.selection = ('-120deg', '-100deg')")
+    expect(chip(card)).to_be_visible()
+    eventually(under, [])
+    shoot(card, "chip-over-labels")
+    assert words(card) < every, "the corner has a label"
+    nb.python("laser.selection = None")
+    eventually(lambda: words(card), every)
 
 
 def test_rays_are_typed_and_what_names_none_is_said(plain_page: Callable[..., PlainPage]) -> None:

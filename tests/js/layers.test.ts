@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { watchGestures } from "../../robowidgets/js/laser/gestures.ts";
+import { walk, watchGestures } from "../../robowidgets/js/laser/gestures.ts";
 import type { Drag, Layer } from "../../robowidgets/js/laser/layer.ts";
 
 /** An element with a place in the page, and the events that a person makes on it. */
@@ -133,4 +133,30 @@ test("a finger that a layer takes does not scroll the page; without moving it is
   assert.ok(start());
   send("pointerup", 110, 60, touch);
   assert.deepEqual(told, ["cancel", "click"]);
+});
+
+test("Tab picks the stops of all layers from the top one down, Shift and Tab go back, and beyond the last it leads out", () => {
+  const layerOf = (...names: string[]) => {
+    const stops = {
+      names,
+      picked: "",
+      pick(name: string) {
+        this.picked = name;
+      },
+    };
+    return { stops };
+  };
+  const [sectors, none, pins] = [layerOf("front", "left"), {}, layerOf("door")];
+  const picked = (isBack: boolean) => {
+    const goesOn = walk([sectors, none, pins], isBack);
+    return [goesOn, sectors.stops.picked, pins.stops.picked];
+  };
+  assert.deepEqual(picked(false), [true, "front", ""]);
+  assert.deepEqual(picked(false), [true, "left", ""]);
+  assert.deepEqual(picked(false), [true, "", "door"]);
+  assert.deepEqual(picked(true), [true, "left", ""]);
+  assert.deepEqual(picked(false), [true, "", "door"]);
+  assert.deepEqual(picked(false), [false, "", ""]);
+  assert.deepEqual(picked(true), [true, "", "door"]);
+  assert.equal(walk([{}], false), false);
 });

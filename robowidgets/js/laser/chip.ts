@@ -24,7 +24,8 @@ export interface ChipTexts {
 export interface ChipActions {
   toCode(form: Form): string;
   say(words: string[]): void;
-  onName(name: string): void;
+  /** Returns what is wrong with the name, or "". */
+  onName(name: string): string;
   onRemove(): void;
   onClose(): void;
   /** Returns what is wrong with the text, or "". */
@@ -78,8 +79,9 @@ export class Chip {
     this.#buttons.append(this.#copy.button, this.#form, this.#name, this.#remove);
     const keep = () => {
       const name = this.#nameField.value.trim();
-      if (name) actions.onName(name);
-      this.#endNaming();
+      const error = name && actions.onName(name);
+      if (error) setText(this.#error, error);
+      else this.#endNaming();
     };
     this.#naming.append(this.#nameField, makeButton("", "Keep it", keep, signal, "Keep"));
     this.#nameField.maxLength = LONGEST_NAME;
@@ -162,6 +164,7 @@ export class Chip {
 
   #endNaming(): void {
     if (this.#naming.hidden) return;
+    setText(this.#error, "");
     this.#naming.hidden = true;
     this.#buttons.hidden = false;
     this.#leave(this.#nameField);

@@ -11,7 +11,11 @@ const MARGIN = 10;
 /** Cost by which another corner must be better, so that a chip does not jump. */
 const STAY = 200;
 
-/** The corner of the picture for a chip: off the sector that it speaks of, readings and labels, and near the sector. */
+/**
+ * The corner of the picture for a chip: off the sector that it speaks of, readings and labels, and near the sector.
+ *
+ * @param before where it stands, one of the boxes that the stage has as covered
+ */
 export function placeChip(size: Size, stage: Stage, sector: Sector, before: Box | null): Box {
   const { box, occupied, labels, covered, projection } = stage;
   const [left, top] = [box.x + MARGIN, box.y + MARGIN];
@@ -27,7 +31,7 @@ export function placeChip(size: Size, stage: Stage, sector: Sector, before: Box 
   const cost = (place: Box) =>
     400 * wedge.filter((point) => holds(place, point)).length +
     1e5 * handles.filter((point) => holds(place, point)).length +
-    1e4 * covered.filter((other) => overlaps(place, other)).length +
+    1e4 * covered.filter((other) => other !== before && overlaps(place, other)).length +
     60 * labels.filter((label) => overlaps(place, label)).length +
     12 * occupied.count(place) +
     Math.hypot(place.x + size.width / 2 - middle.x, place.y + size.height / 2 - middle.y);

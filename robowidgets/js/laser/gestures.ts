@@ -58,6 +58,7 @@ export function watchGestures(
     if (!isPlain(event) && !event.getModifierState?.("AltGraph")) return;
     const direction = ZOOM[event.key];
     if (event.key === "Escape" && presses.cancel()) event.preventDefault();
+    else if (event.key === "Tab" && event.target === element && walk(fromTop, event.shiftKey)) event.preventDefault();
     else if (fromTop.some((layer) => layer.onKey?.(event))) event.preventDefault();
     else if (direction) {
       zoom.onZoom(direction);
@@ -77,6 +78,17 @@ export function watchGestures(
     return zoom.canZoom(direction);
   };
   watchWheel(element, onWheel, signal);
+}
+
+/** Picks the next or the previous stop; returns false beyond the last, where Tab leads to the controls of the card. */
+export function walk(layers: Pick<Layer, "stops">[], isBack: boolean): boolean {
+  const all = layers.flatMap(({ stops }) => stops?.names.map((name) => ({ stops, name })) ?? []);
+  if (isBack) all.reverse();
+  const at = all.findIndex(({ stops, name }) => stops.picked === name);
+  const next = all[at + 1];
+  if (at >= 0 && all[at]?.stops !== next?.stops) all[at]?.stops.pick("");
+  next?.stops.pick(next.name);
+  return next !== undefined;
 }
 
 /** A press that a layer has taken. */

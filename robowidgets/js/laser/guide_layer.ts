@@ -3,7 +3,16 @@ import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { angleFont, arcFont, drawArea, drawGuides, drawRayLabels, drawRobot, indexFont } from "./draw_area.ts";
 import { drawArcLabels } from "./draw_readings.ts";
-import { type ArcLabel, arcDistances, arcLabels, type RayLabel, rayIndices, rayLabels, thinLabels } from "./guides.ts";
+import {
+  type ArcLabel,
+  arcDistances,
+  arcLabels,
+  overlaps,
+  type RayLabel,
+  rayIndices,
+  rayLabels,
+  thinLabels,
+} from "./guides.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
 import { type Box, rimBox } from "./projection.ts";
 import { angleOf, type Sweep } from "./scan.ts";
@@ -47,13 +56,15 @@ export class GuideLayer implements Layer {
     return this.#rayLabels;
   }
 
-  #drawGuides(context: CanvasRenderingContext2D, { scan, projection, sweep }: Stage, theme: Theme): void {
+  #drawGuides(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
+    const { scan, projection, sweep, covered } = stage;
     const { count, minRange, maxRange } = sweep;
     this.#arcs = arcDistances(this.#model.get("arc_distances"), this.#model.get("arc_count"), projection.viewRange)
       .filter((distance) => count && distance > minRange && distance <= maxRange * (1 + 1e-6))
       .map((distance) => ({ distance, width: this.#widthOf(toShortMetres(distance), arcFont(theme)) + 6 }));
     // Before the first scan nobody knows what there is to number.
-    const kept = scan ? thinLabels(projection, this.#rayLabels) : [];
+    const isFree = (label: RayLabel) => !covered.some((other) => overlaps(rimBox(projection, label), other));
+    const kept = scan ? thinLabels(projection, this.#rayLabels).filter(isFree) : [];
     this.#labelBoxes = kept.map((label) => rimBox(projection, label));
     drawGuides(context, projection, sweep, this.#arcs, scan ? this.#rays : [], theme);
     drawRayLabels(context, projection, sweep, kept, theme);

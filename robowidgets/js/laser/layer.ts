@@ -85,6 +85,15 @@ export interface Drag {
   cancel(): void;
 }
 
+/** Things of a layer that Tab picks one after the other. */
+export interface Stops {
+  readonly names: string[];
+  /** The picked one; "" for none. */
+  readonly picked: string;
+  /** Picks one, or none by "". */
+  pick(name: string): void;
+}
+
 /**
  * A part of the picture with what belongs to it: drawing, elements, gestures. No layer knows another.
  *
@@ -103,6 +112,8 @@ export interface Layer {
   roomBelow?(scan: Scan | null): number;
   /** What it places round the rim of a scan: the picture leaves room for it. */
   rim?(sweep: Sweep, forward: number, theme: Theme): Rim[];
+  /** Boxes of its elements where they stand since the last drawing: labels and names give way to them. */
+  covers?(): Box[];
   /** Brings its elements up to date after the drawing. Layers at the end of the list come first. */
   place?(stage: Stage): void;
 
@@ -113,4 +124,5 @@ export interface Layer {
   onHover?(point: Point | null): boolean;
   onClick?(point: Point): boolean;
   onKey?(event: KeyboardEvent): boolean;
+  readonly stops?: Stops;
 }

@@ -1,11 +1,11 @@
 import { write } from "../shared/canvas.ts";
-import type { Model } from "../shared/model.ts";
+import { setTraits } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { overlaps } from "./guides.ts";
-import type { Depth, Layer, Painter, Stage } from "./layer.ts";
+import type { Depth, Host, Layer, Painter, Stage, Stops } from "./layer.ts";
 import { type Point, toPixel } from "./projection.ts";
 import { angleOf, READING, type Scan } from "./scan.ts";
-import type { LaserTraits } from "./traits.ts";
+import { describeRay, toSentence } from "./text.ts";
 
 const RING = 6;
 const HEIGHT = 16;
@@ -13,14 +13,15 @@ const HEIGHT = 16;
 /** Rays that a program has pinned under names: a ring at the reading, or at the rim where there is none. */
 export class PinLayer implements Layer {
   readonly traits = ["_pins"] as const;
-  readonly #model: Model<LaserTraits>;
+  readonly #host: Host;
+  #picked = "";
 
-  constructor(model: Model<LaserTraits>) {
-    this.#model = model;
+  constructor(host: Host) {
+    this.#host = host;
   }
 
   painters(): Partial<Record<Depth, Painter>> {
-    const pins = Object.entries(this.#model.get("_pins"));
+    const pins = this.#pins;
     if (!pins.length) return {};
     const draw = (paint: (pin: Pin, name: string) => void, { scan, projection }: Stage) => {
       for (const [name, index] of pins) if (scan && index < scan.count) paint(pinAt(scan, projection, index), name);
@@ -29,6 +30,25 @@ export class PinLayer implements Layer {
       rings: (context, stage, theme) => draw((pin) => drawRing(context, pin, theme), stage),
       names: (context, stage, theme) => draw((pin, name) => drawName(context, stage, pin.at, name, theme), stage),
     };
+  }
+
+  /** A picked pin is the pinned ray: its pop-up shows. */
+  get stops(): Stops {
+    const { model, stream, card } = this.#host;
+    const scan = stream.shown;
+    const pins = new Map(this.#pins.filter(([, index]) => scan && index < scan.count));
+    const pick = (name: string) => {
+      this.#picked = name;
+      const index = pins.get(name) ?? null;
+      setTraits(model, { pinned: index });
+      if (scan && index !== null) card.say([name, ...toSentence(describeRay(scan, index, 1, model.get("angle_unit")))]);
+    };
+    const isPicked = pins.get(this.#picked) === model.get("pinned");
+    return { names: [...pins.keys()], picked: isPicked ? this.#picked : "", pick };
+  }
+
+  get #pins(): [string, number][] {
+    return Object.entries(this.#host.model.get("_pins"));
   }
 }
 

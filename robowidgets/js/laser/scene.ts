@@ -66,8 +66,9 @@ export class Scene {
     this.#fitted = fitsReadings(range, scan?.maxRange) ? viewRange : 0;
     const forward = FORWARD[this.#model.get("forward")] ?? 0;
 
+    const taken = [...covered, ...layers.flatMap((layer) => layer.covers?.() ?? [])];
     const keys = layers.map((layer) => layer.lowerKey?.());
-    const key = JSON.stringify([Boolean(scan), sweep, viewRange, forward, box, size, theme, keys]);
+    const key = JSON.stringify([Boolean(scan), sweep, viewRange, forward, box, size, theme, taken, keys]);
     const isSame = key === this.#lowerKey;
     let { projection } = this.stage;
     if (!isSame) {
@@ -77,7 +78,7 @@ export class Scene {
       this.#lowerKey = key;
     }
     const occupied = new Occupancy(size.width, size.height);
-    this.stage = { scan, sweep, projection, size, box, occupied, labels: [], covered, edges: [] };
+    this.stage = { scan, sweep, projection, size, box, occupied, labels: [], covered: taken, edges: [] };
 
     const painters = layers.map((layer) => layer.painters());
     if (!isSame) this.#paint(this.#lower.begin(size), LOWER, painters, theme);

@@ -104,8 +104,9 @@ export class SectorChip {
       },
       say: (words: string[]) => card.say(words),
       onName: (name: string) => {
-        this.#store.keep(name);
-        this.#owner.say();
+        const error = this.#store.keep(name);
+        if (!error) this.#owner.say();
+        return error;
       },
       onRemove: () => this.#owner.remove(),
       onClose: () => this.#owner.deselect(),

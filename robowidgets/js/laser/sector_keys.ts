@@ -24,8 +24,6 @@ export function onSectorKey(event: KeyboardEvent, layer: SectorLayer): boolean {
     layer.moveEdge(shiftKey ? 10 * arrow : arrow);
     return true;
   }
-  // Else Tab leads to the controls in the card, and out of it.
-  if (key === "Tab") return onPicture && layer.walk(shiftKey ? -1 : 1);
   if (key === "Escape") return layer.escape();
   if (!layer.store.picked || !isPlain(event)) return false;
   if (key === "Enter" && onPicture) layer.keep();

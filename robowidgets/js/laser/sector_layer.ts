@@ -10,8 +10,8 @@ import {
   pointAt,
   rimOf,
 } from "./draw_sector.ts";
-import type { Depth, Drag, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
-import { holds, type Point, toPixel } from "./projection.ts";
+import type { Depth, Drag, Host, Layer, Painter, Stage, Stops, StripPainter } from "./layer.ts";
+import { type Box, holds, type Point, toPixel } from "./projection.ts";
 import { angleOf, indexAt, READING } from "./scan.ts";
 import { isIn } from "./sector.ts";
 import { SectorChip } from "./sector_chip.ts";
@@ -100,6 +100,10 @@ export class SectorLayer implements Layer {
     return all.length ? [all.map(({ sector: { start, end } }) => [start, end]), picked !== null] : null;
   }
 
+  covers(): Box[] {
+    return this.#chip.box ? [this.#chip.box] : [];
+  }
+
   place(stage: Stage): void {
     this.#chip.place(stage);
   }
@@ -135,6 +139,17 @@ export class SectorLayer implements Layer {
 
   onKey(event: KeyboardEvent): boolean {
     return onSectorKey(event, this);
+  }
+
+  /** The kept sectors. */
+  get stops(): Stops {
+    const { kept, picked } = this.store;
+    const pick = (name: string) => {
+      this.#leaveEdge();
+      this.store.pick(name || null);
+      if (name) this.say();
+    };
+    return { names: Object.keys(kept), picked: picked?.name ?? "", pick };
   }
 
   // What keys, gestures and the chip ask for
@@ -202,17 +217,6 @@ export class SectorLayer implements Layer {
     this.store.remove();
     this.#host.card.say(["removed"]);
     this.#host.card.picture.focus({ preventScroll: true });
-  }
-
-  /** Picks the next or the previous kept sector; returns false beyond the last, where the focus goes on. */
-  walk(by: number): boolean {
-    const names = Object.keys(this.store.kept);
-    const at = names.indexOf(this.store.picked?.name ?? "");
-    const next = names[at < 0 ? (by > 0 ? 0 : names.length - 1) : at + by];
-    this.#leaveEdge();
-    this.store.pick(next ?? null);
-    if (next) this.say();
-    return next !== undefined;
   }
 
   copy(): void {

@@ -54,12 +54,14 @@ export class SectorStore {
     else this.#put(this.kept, { ...sector });
   }
 
-  /** Keeps the picked sector under a name, or gives it another one. */
-  keep(name: string): void {
+  /** Keeps the picked sector under a name, or gives it another one; returns what is wrong with the name, or "". */
+  keep(name: string): string {
     const { picked } = this;
-    if (!picked) return;
+    if (!picked) return "";
+    if (name !== picked.name && Object.hasOwn(this.kept, name)) return `there is a sector ${name} already`;
     const others = Object.entries(this.kept).filter(([other]) => other !== picked.name);
     this.#put({ ...Object.fromEntries(others), [name]: picked.sector }, { name });
+    return "";
   }
 
   remove(): void {

@@ -73,7 +73,7 @@ export class LaserView implements Host {
       new ShapeLayer(this),
       new PointerLayer(this),
       new HighlightLayer(model),
-      new PinLayer(model),
+      new PinLayer(this),
       new SectorLayer(this),
     ];
     picture.append(this.#empty);
