@@ -10,6 +10,7 @@ from typing import Any
 from ..messages import to_speed
 from ..samples.checks import finite
 from ..simulator import Robot, World
+from ..simulator import room as room_of
 from ..simulator import wander as wander_about
 from ._twist import TWIST
 from .feed import Feed
@@ -26,7 +27,6 @@ LET_GO = 3.0
 """Seconds without a speed on ``/cmd_vel`` after which the robot wanders again."""
 
 _LATEST = 1.0
-_START = (0.2, -0.85, 0.5)
 
 
 class Simulated:
@@ -115,32 +115,46 @@ class Simulated:
         return wander_about(self._robot)
 
 
-def simulator(robot: Robot | None = None, *, hz: float = 10.0, seed: int = 1, wander: bool = True) -> Feed:
+def simulator(
+    robot: Robot | None = None,
+    *,
+    room: str | World | None = None,
+    hz: float = 10.0,
+    seed: int = 1,
+    wander: bool = True,
+) -> Feed:
     """A feed of the built-in robot, which needs no middleware: it wanders about a house until it is driven.
 
     Its topics are /scan, /odom, /cmd_vel and /bumper.
 
     Args:
-        robot: a robot of `robowidgets.simulator`; None: one in the hall of a house.
+        robot: a robot of `robowidgets.simulator`; None: one at the start of the room.
+        room: "house", "corridor", "office" or "maze"; or a `robowidgets.simulator.World`. None: the house, or the world
+            of the robot.
         hz: steps of the robot per second, above 0, at most 1000.
-        seed: the seed of everything random in that robot.
+        seed: the seed of everything random: of that robot, and of the maze.
         wander: whether it wanders while nobody drives it; False: it stands still.
 
     Raises:
-        TypeError: robot is no robot, hz or seed no number, or wander neither True nor False. ValueError: hz is out of
-            range.
+        TypeError: robot is no robot, room neither a name nor a world, hz or seed no number, or wander neither True nor
+            False; both robot and room are given. ValueError: hz is out of range, or no room has this name.
 
     Example:
         >>> from robowidgets import feeds
-        >>> with feeds.simulator() as feed:
+        >>> with feeds.simulator(room="maze", seed=3) as feed:
         ...     view = feed.show()
         >>> sorted(view.widgets)
         ['/bumper', '/odom', '/scan']
     """
     if robot is not None and not isinstance(robot, Robot):
         raise TypeError(f"robot: expected a robot of robowidgets.simulator, got {robot!r}")
+    if robot is not None and room is not None:
+        raise TypeError("simulator: expected a robot, which has its world, or room=; got both")
     if not 0 < finite("hz", hz, "steps a second") <= 1000:
         raise ValueError(f"hz: expected steps a second, above 0 and at most 1000, got {hz!r}")
     if not isinstance(wander, bool):
         raise TypeError(f"wander: expected True or False, got {wander!r}")
-    return Feed(Simulated(robot or Robot(World.rooms(), _START, seed=seed), hz, wander))
+    if robot is None:
+        world = room if isinstance(room, World) else room_of("house" if room is None else room, seed)
+        robot = Robot(world, seed=seed)
+    return Feed(Simulated(robot, hz, wander))

@@ -15,8 +15,9 @@ Example:
 
 from .motors import Motors
 from .robot import Pose, Robot
+from .rooms import room
 from .scanner import Scanner
 from .wander import wander
 from .world import World
 
-__all__ = ["Motors", "Pose", "Robot", "Scanner", "World", "wander"]
+__all__ = ["Motors", "Pose", "Robot", "Scanner", "World", "room", "wander"]

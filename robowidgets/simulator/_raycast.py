@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from math import pi
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .world import World
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
 _TOUCH = 1e-9
-"""Metres by which a ray may miss the end of a wall and still hit it, so that corners have no gap."""
+"""Radians by which a ray may miss the end of a wall and still hit it, so that corners have no gap."""
 
 
 def cast_rays(world: World, x: float, y: float, angles: Floats) -> tuple[Floats, Floats]:
@@ -25,45 +29,70 @@ def cast_rays(world: World, x: float, y: float, angles: Floats) -> tuple[Floats,
         Two arrays of shape (R,), metres; inf if nothing is hit, 0 for an obstacle that contains the start. A wall
         seen exactly edge-on has no width and is not hit.
     """
-    directions = np.vstack((np.cos(angles), np.sin(angles)))
+    rays = _Rays(angles)
     with np.errstate(divide="ignore"):
-        walls = 1.0 / _nearness_of_walls(world, x, y, directions)
-        obstacles = 1.0 / _nearness_of_obstacles(world, x, y, directions)
-    return walls, obstacles
+        return 1.0 / _nearness_of_walls(world, x, y, rays), 1.0 / _nearness_of_obstacles(world, x, y, rays)
 
 
-def _nearness_of_walls(world: World, x: float, y: float, directions: Floats) -> Floats:
-    """1 / distance to each wall: along a ray d the line n.p = c has the distance c / n.d, and products are cheap.
+class _Rays:
+    """Rays from one point, sorted by angle: each thing is tried against the few rays that may hit it alone.
 
-    A ray hits the wall, and not only its line, if it points between the two ends.
+    So a map may have thousands of short walls. Nearness is 1 / distance, 0 where nothing is hit.
     """
-    start, end = world.walls[:, :2] - (x, y), world.walls[:, 2:] - (x, y)
-    away = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
-    turn = np.where(away < 0, -1.0, 1.0)
-    edge = (end - start) * turn[:, None]
-    length = np.hypot(edge[:, 0], edge[:, 1])
-    seen = np.abs(away) > _TOUCH * length
-    normal_over_distance = _across(edge)[seen] / np.abs(away[seen])[:, None]
-    after_start = (-_across(start) * turn[:, None])[seen] @ directions
-    before_end = (_across(end) * turn[:, None])[seen] @ directions
-    between = np.minimum(after_start, before_end) >= -_TOUCH
-    nearness = np.where(between, normal_over_distance @ directions, 0.0)
-    return np.asarray(nearness.max(axis=0, initial=0.0))
+
+    def __init__(self, angles: Floats) -> None:
+        self.cos, self.sin = np.cos(angles), np.sin(angles)
+        self._zero = angles[0] if angles.size else 0.0
+        turned = (angles - self._zero) % (2 * pi)
+        self._order = np.argsort(turned, kind="stable")
+        self._sorted = turned[self._order]
+
+    def between(self, first: Floats, width: Floats) -> tuple[Indices, Indices]:
+        """All pairs of a thing and a ray within its angles, as two arrays of indices.
+
+        Args:
+            first: the angle at which each thing begins, radians.
+            width: radians that it spans counter-clockwise, at most pi.
+        """
+        start = (first - self._zero) % (2 * pi)
+        end = start + width
+        # A thing that lies across the direction of ray 0 has rays at both ends of the order.
+        low = self._sorted.searchsorted(np.concatenate((start, start - 2 * pi)) - _TOUCH, "left")
+        high = self._sorted.searchsorted(np.concatenate((end, end - 2 * pi)) + _TOUCH, "right")
+        counts = high - low
+        thing = np.repeat(np.tile(np.arange(first.size), 2), counts)
+        ray = self._order[np.arange(thing.size) + np.repeat(low - (counts.cumsum() - counts), counts)]
+        return thing, ray
+
+    def nearest(self, ray: Indices, nearness: Floats) -> Floats:
+        """The greatest nearness for each ray."""
+        result = np.zeros(self.cos.size)
+        np.maximum.at(result, ray, nearness)
+        return result
 
 
-def _nearness_of_obstacles(world: World, x: float, y: float, directions: Floats) -> Floats:
+def _nearness_of_walls(world: World, x: float, y: float, rays: _Rays) -> Floats:
+    """1 / distance to each wall: along a ray d the line n.p = c has the distance c / n.d, and products are cheap."""
+    x1, y1, x2, y2 = world.walls.T - [[x], [y], [x], [y]]
+    away = x1 * y2 - y1 * x2
+    seen = np.flatnonzero(np.abs(away) > _TOUCH * np.hypot(x2 - x1, y2 - y1))
+    x1, y1, x2, y2, away = (each[seen] for each in (x1, y1, x2, y2, away))
+    is_start = away > 0
+    first = np.arctan2(np.where(is_start, y1, y2), np.where(is_start, x1, x2))
+    wall, ray = rays.between(first, np.arctan2(np.abs(away), x1 * x2 + y1 * y2))
+    normal_x, normal_y = (y2 - y1) / away, (x1 - x2) / away
+    return rays.nearest(ray, normal_x[wall] * rays.cos[ray] + normal_y[wall] * rays.sin[ray])
+
+
+def _nearness_of_obstacles(world: World, x: float, y: float, rays: _Rays) -> Floats:
     """1 / distance to the near side of each disc, from the equation |t d - c| = r."""
-    centre, radius = world.obstacles[:, :2] - (x, y), world.obstacles[:, 2]
-    outside = (centre**2).sum(axis=1) - radius**2
+    centre_x, centre_y, radius = world.obstacles.T - [[x], [y], [0.0]]
+    distance = np.hypot(centre_x, centre_y)
+    outside = distance**2 - radius**2
     if (outside <= 0).any():
-        return np.full(directions.shape[1], np.inf)
-    ahead = centre @ directions
-    under_root = ahead**2 - outside[:, None]
-    hit = (ahead > 0) & (under_root >= 0)
-    nearness = np.where(hit, (ahead + np.sqrt(np.maximum(under_root, 0.0))) / outside[:, None], 0.0)
-    return np.asarray(nearness.max(axis=0, initial=0.0))
-
-
-def _across(vectors: Floats) -> Floats:
-    """Each vector (x, y) as (y, -x), so that a product with a direction d is the cross product d x vector."""
-    return np.column_stack((vectors[:, 1], -vectors[:, 0]))
+        return np.full(rays.cos.size, np.inf)
+    half = np.arcsin(radius / distance)
+    disc, ray = rays.between(np.arctan2(centre_y, centre_x) - half, 2 * half)
+    ahead = centre_x[disc] * rays.cos[ray] + centre_y[disc] * rays.sin[ray]
+    under_root = np.maximum(ahead**2 - outside[disc], 0.0)
+    return rays.nearest(ray, (ahead + np.sqrt(under_root)) / outside[disc])

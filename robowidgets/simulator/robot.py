@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from math import cos, pi, sin
 from typing import NamedTuple
@@ -9,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..samples import Scan, Speed, Touch, TouchMode
-from ..samples.checks import finite, in_radians
+from ..samples.checks import finite
 from ._contact import BUMPERS, contact_angles, pressed, push_out
 from .motors import Motors
 from .scanner import Scanner
-from .world import World
+from .world import World, to_pose
 
 _LONGEST_STEP = 60.0
 _SUBSTEP_NS = 10_000_000
@@ -36,7 +37,7 @@ class Robot:
 
     Args:
         world: the world in which it drives.
-        pose: (x, y, yaw) at the start, metres and radians within ±2 pi.
+        pose: (x, y, yaw) at the start, metres and radians within ±2 pi; None: the start of the world.
         scanner: its laser scanner; None: `Scanner()`.
         motors: the limits of its motors; None: `Motors()`.
         radius: radius of the body, metres.
@@ -57,7 +58,7 @@ class Robot:
     def __init__(
         self,
         world: World,
-        pose: Sequence[float] = (0.0, 0.0, 0.0),
+        pose: Sequence[float] | None = None,
         *,
         scanner: Scanner | None = None,
         motors: Motors | None = None,
@@ -77,20 +78,12 @@ class Robot:
         if seed < 0:
             raise ValueError(f"seed: expected 0 or more, got {seed}")
         self.world = world
+        self._lock = threading.Lock()
+        """Held while the robot moves and measures: a page may move it meanwhile."""
         self.radius = finite("radius", radius, "metres")
         if self.radius <= 0:
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
-        if len(pose) != 3:
-            raise ValueError(f"pose: expected (x, y, yaw), got {len(pose)} values")
-        x, y = (finite(f"pose.{name}", value, "m") for name, value in zip("xy", pose[:2], strict=True))
-        yaw = in_radians("pose.yaw", pose[2])
-        room = world.clearance(x, y)
-        if room < self.radius:
-            raise ValueError(
-                f"pose: expected a place with {self.radius:g} m of room, got ({x:g}, {y:g}), "
-                f"{room:.3f} m from the nearest wall or obstacle"
-            )
-        self._pose = Pose(x, y, _wrapped(yaw))
+        self._pose = self._fitting(*to_pose("pose", world.start if pose is None else pose))
         self._command = (0.0, 0.0)
         self._linear = self._angular = 0.0
         self._time_ns = 0
@@ -112,6 +105,16 @@ class Robot:
         """The true pose of the robot."""
         return self._pose
 
+    def move_to(self, x: float, y: float, yaw: float) -> None:
+        """Put the robot at another pose, metres and radians within ±2 pi; it keeps its speed.
+
+        Raises:
+            TypeError: something is not a number. ValueError: it is out of range, or the body does not fit there.
+        """
+        pose = self._fitting(*to_pose("pose", (x, y, yaw)))
+        with self._lock:
+            self._pose = pose
+
     def drive(self, linear: float, angular: float) -> None:
         """Command a speed, m/s forward and rad/s counter-clockwise, until the next call."""
         self._command = (finite("linear", linear, "m/s"), finite("angular", angular, "rad/s"))
@@ -124,20 +127,22 @@ class Robot:
         while self._time_ns < end:
             next_scan = (self._scan_number + 1) * self._scan_period_ns
             nanoseconds = min(end - self._time_ns, next_scan - self._time_ns, self._substep_ns)
-            self._move(nanoseconds / 1e9)
-            self._time_ns += nanoseconds
-            if self._time_ns == next_scan:
-                self._scan_number += 1
-                self._scan_pose = self._pose
-                self._scan = None
+            with self._lock:
+                self._move(nanoseconds / 1e9)
+                self._time_ns += nanoseconds
+                if self._time_ns == next_scan:
+                    self._scan_number += 1
+                    self._scan_pose = self._pose
+                    self._scan = None
 
     def scan(self) -> Scan:
         """The newest scan; the same object until the scanner, at its own rate, has taken the next."""
-        if self._scan is None:
-            rng = np.random.default_rng((self._seed, self._scan_number))
-            stamp_ns = self._scan_number * self._scan_period_ns
-            self._scan = self.scanner.measure(self.world, *self._scan_pose, rng, stamp_ns)
-        return self._scan
+        with self._lock:
+            if self._scan is None:
+                rng = np.random.default_rng((self._seed, self._scan_number))
+                stamp_ns = self._scan_number * self._scan_period_ns
+                self._scan = self.scanner.measure(self.world, *self._scan_pose, rng, stamp_ns)
+            return self._scan
 
     def speed(self) -> Speed:
         """The speed that the wheels measure."""
@@ -149,18 +154,32 @@ class Robot:
 
     def touch(self) -> Touch:
         """The states of the bumpers."""
-        angles = contact_angles(self.world, *self._pose, self.radius)
+        x, y, yaw = self._pose
+        angles = contact_angles(self._around(x, y), x, y, yaw, self.radius)
         return Touch(pressed(angles), TouchMode.LEVEL, tuple(BUMPERS), self._time_ns, "robowidgets.simulator")
 
     def _as_speed(self, linear: float, angular: float) -> Speed:
         return Speed((linear, 0.0, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link")
+
+    def _fitting(self, x: float, y: float, yaw: float) -> Pose:
+        room = self.world.clearance(x, y)
+        if room < self.radius:
+            raise ValueError(
+                f"pose: expected a place with {self.radius:g} m of room, got ({x:g}, {y:g}), "
+                f"{room:.3f} m from the nearest wall or obstacle"
+            )
+        return Pose(x, y, _wrapped(yaw))
+
+    def _around(self, x: float, y: float) -> World:
+        """The part of the world that the body may touch: pushed out, it moves by less than its size."""
+        return self.world.near(x, y, 2 * self.radius)
 
     def _move(self, dt: float) -> None:
         self._linear, self._angular = self.motors.toward(self._linear, self._angular, self._command, dt)
         x, y, yaw = self._pose
         heading = yaw + self._angular * dt / 2
         wanted = (x + self._linear * dt * cos(heading), y + self._linear * dt * sin(heading))
-        place = push_out(self.world, *wanted, self.radius) or (x, y)
+        place = push_out(self._around(*wanted), *wanted, self.radius) or (x, y)
         if place != wanted:
             travelled = ((place[0] - x) * cos(heading) + (place[1] - y) * sin(heading)) / dt
             low, high = sorted((0.0, self._linear))

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
+from math import floor
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..samples.checks import finite, in_radians
+from ._grid import Grid, grid_of_text
+from ._maps import grid_of_map
+
 Floats = NDArray[np.float64]
+
+_FEW = 64
+"""Number of walls up to which trying all is quicker than remembering those nearby."""
+_SQUARE = 1.0
+"""Metres of the squares for which the walls nearby are remembered."""
 
 
 class World:
@@ -20,6 +31,7 @@ class World:
     Args:
         walls: W segments as (x1, y1, x2, y2) in metres.
         obstacles: O discs as (x, y, radius) in metres.
+        start: the pose at which a robot starts unless it is given another: (x, y, yaw), metres and radians.
 
     Raises:
         TypeError: something is not a number.
@@ -31,15 +43,81 @@ class World:
         1.8
     """
 
-    def __init__(self, walls: ArrayLike = (), obstacles: ArrayLike = ()) -> None:
+    def __init__(
+        self, walls: ArrayLike = (), obstacles: ArrayLike = (), start: Sequence[float] = (0.0, 0.0, 0.0)
+    ) -> None:
         self.walls: Floats = _table("walls", walls, ("x1", "y1", "x2", "y2"))
         self.obstacles: Floats = _table("obstacles", obstacles, ("x", "y", "radius"))
-        for i, (x1, y1, x2, y2) in enumerate(self.walls):
-            if (x1, y1) == (x2, y2):
-                raise ValueError(f"walls[{i}]: expected two different ends, got ({x1:g}, {y1:g}) twice")
-        for i, radius in enumerate(self.obstacles[:, 2]):
-            if radius <= 0:
-                raise ValueError(f"obstacles[{i}]: expected a radius above 0 m, got {radius:g}")
+        self.start = to_pose("start", start)
+        self._near: dict[tuple[int, int, float], World] = {}
+        for i in np.flatnonzero((self.walls[:, :2] == self.walls[:, 2:]).all(axis=1))[:1]:
+            x, y = self.walls[i, :2]
+            raise ValueError(f"walls[{i}]: expected two different ends, got ({x:g}, {y:g}) twice")
+        for i in np.flatnonzero(self.obstacles[:, 2] <= 0)[:1]:
+            raise ValueError(f"obstacles[{i}]: expected a radius above 0 m, got {self.obstacles[i, 2]:g}")
+
+    @classmethod
+    def from_text(cls, text: str, cell: float = 0.5) -> World:
+        """A room that is drawn as text, a character for each square of the floor.
+
+        ``#`` is a wall, a space or ``.`` is free floor, ``o`` is a round obstacle, and one of ``> < ^ v`` is the start
+        of the robot with its heading. Spaces before and after all else in a line lie outside. The corner at the bottom
+        left is (0, 0).
+
+        Args:
+            text: its lines, from top to bottom.
+            cell: metres of the side of a square.
+
+        Raises:
+            TypeError: it is no text, or the cell no number.
+            ValueError: another character, two starts, no free floor, or a cell that is not above 0.
+
+        Example:
+            >>> world = World.from_text('''
+            ...     ########
+            ...     #>...o.#
+            ...     ########
+            ... ''')
+            >>> world.start
+            (0.75, 0.75, 0.0)
+        """
+        return cls._of(grid_of_text(text, cell))
+
+    @classmethod
+    def from_map(cls, source: Any, start: Sequence[float] | None = None) -> World:
+        """The room of a map that a robot has made.
+
+        Occupied cells are walls: those of at least 65 % in a message, those above ``occupied_thresh`` in a file. Where
+        the map is unknown, and beyond its ends, nothing is in the way.
+
+        Args:
+            source: a nav_msgs/OccupancyGrid, as a message or a dict; or the path of a YAML file as map_server writes
+                it, with its image in PGM.
+            start: the pose at which a robot starts, (x, y, yaw); None: the roomy place nearest to the middle.
+
+        Raises:
+            TypeError: it is neither. OSError: a file cannot be read.
+            ValueError: something in the map is missing or out of range, or no cell is free.
+
+        Example:
+            >>> info = {"width": 3, "height": 2, "resolution": 0.5}
+            >>> World.from_map({"info": info, "data": [100, 0, 0, 100, 0, 0]}).walls.tolist()
+            [[0.5, 0.0, 0.5, 1.0]]
+        """
+        world = cls._of(grid_of_map(source))
+        if start is not None:
+            world.start = to_pose("start", start)
+        return world
+
+    @classmethod
+    def _of(cls, grid: Grid) -> World:
+        return cls(grid.walls(), grid.obstacles, grid.start())
+
+    def with_obstacles(self, obstacles: ArrayLike) -> World:
+        """The same walls with other obstacles."""
+        world = World((), obstacles, self.start)
+        world.walls = self.walls
+        return world
 
     @classmethod
     def rooms(cls) -> World:
@@ -84,6 +162,21 @@ class World:
         on_obstacles = centre + outward * (radius / np.maximum(distance, 1e-12))
         return np.concatenate((on_walls, on_obstacles))
 
+    def near(self, x: float, y: float, reach: float) -> World:
+        """A part of the world with all that lies within `reach` metres of (x, y), and some more.
+
+        Of a map with thousands of walls these are few; the parts are remembered.
+        """
+        if len(self.walls) <= _FEW:
+            return self
+        key = (floor(x / _SQUARE), floor(y / _SQUARE), reach)
+        if key not in self._near:
+            middle = ((key[0] + 0.5) * _SQUARE, (key[1] + 0.5) * _SQUARE)
+            points = self.nearest_points(*middle)[: len(self.walls)]
+            close = np.hypot(*(points - middle).T) <= reach + _SQUARE
+            self._near[key] = World(self.walls[close], self.obstacles)
+        return self._near[key]
+
     def clearance(self, x: float, y: float) -> float:
         """Metres from (x, y) to the nearest wall or obstacle: negative inside an obstacle, inf in an empty world."""
         to_points = np.hypot(*(self.nearest_points(x, y)[: len(self.walls)] - (x, y)).T)
@@ -94,6 +187,14 @@ class World:
     def _edges(self) -> tuple[Floats, Floats, Floats]:
         start, edge = self.walls[:, :2], self.walls[:, 2:] - self.walls[:, :2]
         return start, edge, (edge**2).sum(axis=1)
+
+
+def to_pose(name: str, pose: Sequence[float]) -> tuple[float, float, float]:
+    """A pose as three floats; TypeError or ValueError unless it is (x, y, yaw)."""
+    if len(pose) != 3:
+        raise ValueError(f"{name}: expected (x, y, yaw), got {len(pose)} values")
+    x, y = (finite(f"{name}.{axis}", value, "m") for axis, value in zip("xy", pose[:2], strict=True))
+    return x, y, in_radians(f"{name}.yaw", pose[2])
 
 
 def _table(name: str, rows: Any, columns: tuple[str, ...]) -> Floats:
