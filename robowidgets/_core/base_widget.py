@@ -33,11 +33,13 @@ def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
     Raises:
         ImportError: one is missing.
     """
-    path = folder or STATIC
-    return _static_file(path / f"{name}.js"), _static_file(path / f"{name}.css")
+    files = [built_file((folder or STATIC) / f"{name}.{kind}") for kind in ("js", "css")]
+    script, style = files if os.environ.get("ROBOWIDGETS_DEV") else [file.read_text(encoding="utf-8") for file in files]
+    return script, style
 
 
-def _static_file(path: Path) -> Any:
+def built_file(path: Path) -> Path:
+    """The path of a file of the front end, which is there; ImportError says how to build a missing one."""
     if not path.is_file():
         if path.parent != STATIC:
             raise ImportError(f"{path} is missing: `node build.mjs` in robowidgets/js builds it")
@@ -45,7 +47,7 @@ def _static_file(path: Path) -> Any:
             f"robowidgets was installed without its front end ({path.name} is missing); "
             "in a checkout run `make build`, else install it again"
         )
-    return path if os.environ.get("ROBOWIDGETS_DEV") else path.read_text(encoding="utf-8")
+    return path
 
 
 _with_front_end: dict[type, type] = {}

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import logging
-import sys
 import threading
 import time
-import traceback
 from typing import Any, NamedTuple, Protocol
 
 from .log_once import LogOnce
 from .pacer import Sender, pacer
 from .user_function import line_of
+from .user_threads import frames_of
 from .watch import Watch
 
 log = logging.getLogger("robowidgets")
@@ -189,10 +188,6 @@ class Judge:
             return lamp
         text = ""
         if watch is self._current and self._entered is not None:
-            text = f"takes {time.monotonic() - self._entered:.1f} s{self._line(watch)}"
+            line = line_of(watch.condition, frames_of(self._thread))
+            text = f"takes {time.monotonic() - self._entered:.1f} s{line}"
         return {**lamp, "state": "unknown", "text": text, "rays": []}
-
-    def _line(self, watch: Watch) -> str:
-        """The line that a function is at."""
-        frame = sys._current_frames().get(self._thread.ident or 0) if self._thread is not None else None
-        return line_of(watch.condition, [*traceback.walk_stack(frame)][::-1]) if frame is not None else ""

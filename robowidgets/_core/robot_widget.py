@@ -14,7 +14,7 @@ from uuid import uuid4
 
 import traitlets
 
-from ..samples.checks import finite
+from ..samples.checks import not_negative
 from .base_widget import NamedWidget
 from .error_routing import called_from_cell
 from .judge import Shot
@@ -152,9 +152,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
             TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
         """
         limit = self._longest_silence()
-        seconds = limit if timeout is None else finite("timeout", timeout, "seconds")
-        if seconds < 0:
-            raise ValueError(f"timeout: expected seconds, 0 or more, got {timeout!r}")
+        seconds = limit if timeout is None else not_negative("timeout", timeout, "seconds")
         given = getattr(self._given, "sequence", 0)
 
         def has_next() -> bool:

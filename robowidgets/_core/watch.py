@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from ..samples.checks import finite
+from ..samples.checks import not_negative
 from ..samples.verdict import UNKNOWN, Verdict, judged
 from .user_function import error_in
 
@@ -103,7 +103,7 @@ class Watch:
             RuntimeError: it raised and was switched off, or is watched no more.
             TypeError: the timeout is no number. ValueError: it is not finite, or below 0.
         """
-        seconds = self._seconds(timeout)
+        seconds = not_negative("timeout", timeout, "seconds")
         deadline = time.monotonic() + seconds
         with self._changed:
             while not self._is(value):
@@ -115,7 +115,7 @@ class Watch:
 
     async def wait_async(self, timeout: float = 10.0, value: bool = True) -> Any:
         """As `wait`, for ``await``: other tasks run meanwhile."""
-        seconds = self._seconds(timeout)
+        seconds = not_negative("timeout", timeout, "seconds")
         deadline = time.monotonic() + seconds
         loop, woken = asyncio.get_running_loop(), asyncio.Event()
 
@@ -223,13 +223,6 @@ class Watch:
         return TimeoutError(
             f"{self.name} was not {'true' if value else 'false'} within {seconds:g} s: it is {self._words()}{said}"
         )
-
-    @staticmethod
-    def _seconds(timeout: float) -> float:
-        seconds = finite("timeout", timeout, "seconds")
-        if seconds < 0:
-            raise ValueError(f"timeout: expected seconds, 0 or more, got {timeout!r}")
-        return seconds
 
 
 def _runs(indices: list[int]) -> list[int]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from typing import NamedTuple
 
-from .._core.base_widget import STATIC
+from .._core.base_widget import STATIC, built_file
 from ._segments import compressed
 
 _BREAKS_OUT = ("</script", "<script", "<!--", "</style")
@@ -95,13 +95,7 @@ def static(name: str) -> str:
     Raises:
         ImportError: it is missing.
     """
-    path = STATIC / name
-    if not path.is_file():
-        raise ImportError(
-            f"robowidgets was installed without its front end ({path.name} is missing); "
-            "in a checkout run `make build`, else install it again"
-        )
-    return inlined(path.read_text(encoding="utf-8"), name)
+    return inlined(built_file(STATIC / name).read_text(encoding="utf-8"), name)
 
 
 def inlined(text: str, name: str) -> str:

@@ -44,6 +44,14 @@ def finite(name: str, value: Any, unit: str) -> float:
     return result
 
 
+def not_negative(name: str, value: Any, unit: str) -> float:
+    """A finite float that is 0 or more; ValueError for any other."""
+    result = finite(name, value, unit)
+    if result < 0:
+        raise ValueError(f"{name}: expected {unit}, 0 or more, got {result!r}")
+    return result
+
+
 def to_radians(name: str, value: Any) -> float:
     """Radians, NaN and inf included, also of degrees as text (``"20deg"``); TypeError when it is neither."""
     if not isinstance(value, str):

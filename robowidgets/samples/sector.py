@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .checks import ANGLE_ROUNDING, decimals, finite, in_radians
+from .checks import ANGLE_ROUNDING, decimals, finite, in_radians, not_negative
 
 HYSTERESIS = 0.05
 """Metres."""
@@ -18,10 +18,10 @@ STATES = {"stop": "stop", "warning": "warning", "near": "occupied"}
 """The limits of a sector with the states that they set, the most severe first."""
 
 
-def _metres(name: str, value: Any, least: float | None = None) -> float:
+def _metres(name: str, value: Any) -> float:
     given = finite(name, value, "metres")
-    if given < least if least is not None else given <= 0:
-        raise ValueError(f"{name}: expected metres{', 0 or more' if least is not None else ' above 0'}, got {given!r}")
+    if given <= 0:
+        raise ValueError(f"{name}: expected metres above 0, got {given!r}")
     return given
 
 
@@ -71,7 +71,7 @@ class Sector:
         put(self, "end", in_radians("sector", end))
         for name, value in (("near", near), ("warning", warning), ("stop", stop)):
             put(self, name, None if value is None else _metres(name, value))
-        put(self, "hysteresis", _metres("hysteresis", hysteresis, least=0.0))
+        put(self, "hysteresis", not_negative("hysteresis", hysteresis, "metres"))
         if self.stop is not None and self.warning is not None and self.stop > self.warning:
             raise ValueError(
                 f"stop: expected a distance up to warning ({self.warning:g} m), got {self.stop:g}; are the two swapped?"
