@@ -21,17 +21,19 @@ from .columns.series import Series
 from .topics import Moment, Topic
 
 _SHORTEST = 1e-3
+_BURST = 1.0
+"""Seconds within which a few messages are a burst, such as those when a node starts: it has no rate."""
 _SHORTEST_LOOK_NS = 1_000_000
 _MOST_AT_ONCE = 64
 """Messages that are decoded together while samples are iterated over."""
 
-_LEAST_FOR_END = 20
-"""Least messages of a topic for a usual step: with fewer, a long pause means little."""
-_LONG_END = 5.0
-_END_STEPS = 10
+_LEAST = 20
+"""Messages that a topic needs for a usual step: with fewer, a long pause or a short burst means little."""
+_LONG_SILENCE = 5.0
+_SILENCE_STEPS = 10
 
 _REPAIR = "robowidgets repair writes all that can be read to a file that every tool reads"
-_ENDED = "did its node, its sensor or the network stop?"
+_SILENT = "did its node or its sensor start late, or stop early?"
 _LEFT_OUT = "see what publishes them"
 
 
@@ -55,7 +57,7 @@ class Messages:
         by_count = sorted(source.channels, key=lambda channel: not channel.count)
         found = {channel.id: self._understand(channel) for channel in by_count}
         self.topics = self._list([(channel, *found[channel.id]) for channel in source.channels])
-        self._early_ends = self._about_ends()
+        self._silences = self._about_silences()
 
     @property
     def problems(self) -> tuple[Problem, ...]:
@@ -68,7 +70,7 @@ class Messages:
         found = (
             (self._source.problems, _REPAIR),
             (unread, ""),
-            (self._early_ends, _ENDED),
+            (self._silences, _SILENT),
             (self._stopped, _REPAIR),
             (self._left_out.values(), _LEFT_OUT),
         )
@@ -170,32 +172,43 @@ class Messages:
 
     def _list(self, found: list[tuple[Channel, Kind | None, str]]) -> tuple[Topic, ...]:
         topics: dict[tuple[str, str], Topic] = {}
+        channels: defaultdict[tuple[str, str], list[Channel]] = defaultdict(list)
         for channel, kind, problem in found:
             key = (channel.topic, channel.type)
             widget = kind.name if kind else None
+            channels[key].append(channel)
             topic = topics.get(key) or Topic(
                 *key, 0, None, widget, kind is not None and kind.is_command(channel.topic), ""
             )
             topics[key] = topic._replace(
                 count=topic.count + channel.count, widget=topic.widget or widget, problem=topic.problem or problem
             )
-        seconds = ((self.end_ns or 0) - (self.start_ns or 0)) / 1e9
-        if seconds < _SHORTEST:
-            return tuple(topics.values())
-        return tuple(t._replace(rate=(t.count - 1) / seconds) if t.count > 1 else t for t in topics.values())
+        return tuple(topic._replace(rate=self._rate(channels[key])) for key, topic in topics.items())
 
-    def _about_ends(self) -> list[str]:
-        """Lines on topics that end early, except touches and commands, which may be silent for long."""
+    def _rate(self, channels: Sequence[Channel]) -> float | None:
+        """The mean rate of the messages of these channels in the time from the first to the last of them."""
+        count = sum(channel.count for channel in channels)
+        if count < 2:
+            return None
+        first, last = self._span(channels)
+        return (count - 1) / (last - first) if last - first >= (_SHORTEST if count >= _LEAST else _BURST) else None
+
+    def _about_silences(self) -> list[str]:
+        """Lines on topics that begin late or end early, except touches and commands, which may be silent for long."""
         lines: list[str] = []
         for topic, channels in self._shown.items():
             kind, _ = self._kinds[topic]
             count = sum(channel.count for channel in channels)
-            if count < _LEAST_FOR_END or not kind.goes_stale or kind.is_command(topic):
-                continue
-            known = [time for c in channels if c.count and (time := self._source.last_ns(c)) is not None]
-            if known and self.start_ns is not None and self.end_ns is not None:
-                lines.append(truncation_note(topic, count, max(known), self.start_ns, self.end_ns))
-        return [line for line in lines if line]
+            if count >= _LEAST and kind.goes_stale and not kind.is_command(topic):
+                lines += silences(topic, count, *self._span(channels), self._seconds(self.end_ns or 0))
+        return lines
+
+    def _span(self, channels: Sequence[Channel]) -> tuple[float, float]:
+        """Seconds of the first and the last message of these channels; those of the recording if no index tells."""
+        known = [span for channel in channels if channel.count and (span := self._source.span_ns(channel))]
+        first = min((span[0] for span in known), default=self.start_ns or 0)
+        last = max((span[1] for span in known), default=self.end_ns or 0)
+        return self._seconds(first), self._seconds(last)
 
     def _moments(self, messages: Sequence[Message]) -> Iterator[Moment]:
         """The samples in some messages, in their order."""
@@ -234,18 +247,18 @@ class Messages:
             self._stopped.append(line)
 
 
-def truncation_note(topic: str, count: int, last_ns: int, start_ns: int, end_ns: int) -> str:
-    """A line on a topic that ends long before its recording; empty if it does not.
+def silences(topic: str, count: int, first: float, last: float, end: float) -> list[str]:
+    """Lines on a topic that begins long after its recording, or ends long before it.
 
     Long is more than 5 s, and more than ten times the mean time between two messages of the topic.
 
     Args:
         topic: the name of the topic.
         count: the number of its messages, more than one.
-        last_ns: the time of the last message.
-        start_ns: the start of the recording.
-        end_ns: the end of the recording.
+        first: seconds of the first message from the start of the recording.
+        last: seconds of the last message.
+        end: seconds of the end of the recording.
     """
-    length, at = (end_ns - start_ns) / 1e9, (last_ns - start_ns) / 1e9
-    is_early = length - at > max(_LONG_END, _END_STEPS * length / (count - 1))
-    return f"{topic}: nothing after {at:.2f} s of {length:.2f} s" if is_early else ""
+    long = max(_LONG_SILENCE, _SILENCE_STEPS * (last - first) / (count - 1))
+    before = [f"{topic}: nothing before {first:.2f} s of {end:.2f} s"] * (first > long)
+    return [*before, *[f"{topic}: nothing after {last:.2f} s of {end:.2f} s"] * (end - last > long)]

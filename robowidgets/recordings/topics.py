@@ -12,10 +12,11 @@ from ..repair import RecordingError
 class Topic(NamedTuple):
     """One topic of a recording.
 
-    ``type`` is the message type as the file names it. ``count`` is the number of messages. ``rate`` is the
-    mean number of messages per second over the whole recording, None if that means nothing. ``widget`` is the kind of
-    the widget that shows it, None without one. ``commanded`` marks a commanded speed, as opposed to a measured one: its
-    name contains ``cmd`` or ``command``. ``problem`` is a line with the reason why it cannot be read, else empty.
+    ``type`` is the message type as the file names it. ``count`` is the number of messages. ``rate`` is the mean number
+    of messages per second from its first message to its last, None if there are only a few within a second. ``widget``
+    is the kind of the widget that shows it, None without one. ``commanded`` marks a commanded speed, as opposed to a
+    measured one: its name contains ``cmd`` or ``command``. ``problem`` is a line with the reason why it cannot be read,
+    else empty.
     """
 
     name: str

@@ -70,10 +70,10 @@ class IndexedSource:
             data = self._walks[part].read(number - int(self._starts[part]))
             yield wanted[int(self._ids[at])], int(self._times[at]), plain(data)
 
-    def last_ns(self, channel: Channel) -> int | None:
+    def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""
         times = self._times[self._ids == channel.id]
-        return int(times[-1]) if times.size else None
+        return (int(times[0]), int(times[-1])) if times.size else None
 
     def close(self) -> None:
         """See `Source`."""

@@ -46,8 +46,11 @@ class Source(Protocol):
         no message. Several iterators may be in use at once.
         """
 
-    def last_ns(self, channel: Channel) -> int | None:
-        """Log time of the last message of a channel, or a little later; None if the index does not contain it."""
+    def span_ns(self, channel: Channel) -> tuple[int, int] | None:
+        """Log times of the first and the last message of a channel, or a little before and after them.
+
+        None if the index does not contain them.
+        """
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""

@@ -74,7 +74,7 @@ class Part:
         self.channels = tuple(channel for channel in source.channels if channel.topic in topics)
         self.problems = ()
         self.start_ns, self.end_ns = source.start_ns, source.end_ns
-        self.messages, self.last_ns, self.close = source.messages, source.last_ns, source.close
+        self.messages, self.span_ns, self.close = source.messages, source.span_ns, source.close
 
 
 @pytest.mark.slow

@@ -52,10 +52,11 @@ class Chain:
         in_order = all(later[0] >= times[-1] - RESET_NS for times, later in pairwise(times))
         return in_order and all(some <= others or others <= some for some, others in pairwise(topics))
 
-    def last_ns(self, channel: Channel) -> int | None:
+    def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""
-        times = (s.last_ns(c) for s in self._sources for c in s.channels if c.count and _same(c) == _same(channel))
-        return max((time for time in times if time is not None), default=None)
+        parts = [(s, c) for s in self._sources for c in s.channels if c.count and _same(c) == _same(channel)]
+        spans = [span for source, part in parts if (span := source.span_ns(part))]
+        return (min(first for first, _ in spans), max(last for _, last in spans)) if spans else None
 
     def close(self) -> None:
         """See `Source`."""

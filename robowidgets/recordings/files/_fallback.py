@@ -48,10 +48,10 @@ class FallbackSource:
                 self._repaired = self._open_repaired()
         yield from self._resume(self._repaired, channels, latest, stop_ns, given)
 
-    def last_ns(self, channel: Channel) -> int | None:
+    def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""
         try:
-            return self._first.last_ns(channel)
+            return self._first.span_ns(channel)
         except Exception:  # reading the messages will meet the same damage
             return None
 

@@ -6,6 +6,7 @@ No message is read: this takes a moment even for a large file.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from heapq import nlargest, nsmallest
 from itertools import chain
 from operator import itemgetter
 from pathlib import Path
@@ -36,8 +37,8 @@ class Index(Protocol):
     def arrivals(self) -> Arrivals:
         """The order of arrival of all messages, or of some messages of each part."""
 
-    def last_ns(self, number: int) -> int | None:
-        """Log time of the last message of a connection, or a little later; None if there is none."""
+    def span_ns(self, number: int) -> tuple[int, int] | None:
+        """Log times of the first and the last message of a connection, or a little around them; None if it has none."""
 
 
 class BagIndex:
@@ -54,10 +55,10 @@ class BagIndex:
         order = np.lexsort((table[:, 2], table[:, 1]))
         return Arrivals(table[order, 0], np.repeat(np.array(list(self._indexes), np.int64), counts)[order])
 
-    def last_ns(self, number: int) -> int | None:
+    def span_ns(self, number: int) -> tuple[int, int] | None:
         """See `Index`."""
         index = self._indexes[number]
-        return index[-1].time if index else None
+        return (index[0].time, index[-1].time) if index else None
 
 
 class McapIndex:
@@ -84,14 +85,22 @@ class McapIndex:
         ids = [number for chunk in chunks for number in (*chunk.channel_count, *chunk.channel_count)]
         return Arrivals(np.repeat(np.stack((starts, ends), 1), np.repeat(counts, 2)), np.array(ids, np.int64))
 
-    def last_ns(self, number: int) -> int | None:
-        """See `Index`: if chunks overlap, perhaps a later time."""
-        chunks = sorted((chunk for chunk in self._chunks if chunk.channel_count.get(number)), key=_end)
+    def span_ns(self, number: int) -> tuple[int, int] | None:
+        """See `Index`: if chunks overlap, perhaps a longer span."""
+        chunks = [chunk for chunk in self._chunks if chunk.channel_count.get(number)]
         if not chunks:
             return None
-        size = _INDEX_HEAD.size + chunks[-1].channel_count[number] * _ENTRY.itemsize
-        times = _read_index(self._path, [(chunks[-1].message_index_offsets[number], size)]).entries["time"]
-        return max([int(times.max()) if times.size else _end(chunks[-1]), *map(_end, chunks[-2:-1])])
+        early, late = nsmallest(2, chunks, key=_start), nlargest(2, chunks, key=_end)
+        first, last = self._times(early[0], number), self._times(late[0], number)
+        return (
+            min([int(first.min()) if first.size else _start(early[0]), *map(_start, early[1:])]),
+            max([int(last.max()) if last.size else _end(late[0]), *map(_end, late[1:])]),
+        )
+
+    def _times(self, chunk: ChunkInfo, number: int) -> NDArray[Any]:
+        """The log times of the messages of a connection in a chunk."""
+        size = _INDEX_HEAD.size + chunk.channel_count[number] * _ENTRY.itemsize
+        return _read_index(self._path, [(chunk.message_index_offsets[number], size)]).entries["time"]
 
 
 class SqliteIndex:
@@ -101,6 +110,7 @@ class SqliteIndex:
         assert reader.dbconn
         self._reader = reader
         self._connection = reader.dbconn
+        self._spans: dict[int, tuple[int, int]] | None = None
 
     def arrivals(self) -> Arrivals:
         """See `Index`: all rows, or the first and last row, as if each topic had them.
@@ -121,11 +131,13 @@ class SqliteIndex:
         table = np.fromiter(chain.from_iterable(rows), np.int64).reshape(-1, 2)
         return Arrivals(table[:, 0], table[:, 1])
 
-    def last_ns(self, number: int) -> int | None:
+    def span_ns(self, number: int) -> tuple[int, int] | None:
         """See `Index`."""
-        query = "SELECT timestamp FROM messages WHERE topic_id = ? ORDER BY timestamp DESC LIMIT 1"
-        row = self._connection.execute(query, (number,)).fetchone()
-        return int(row[0]) if row else None
+        if self._spans is None:
+            # One pass for all topics: a search for each would go through all rows for a topic with few messages.
+            rows = self._connection.execute("SELECT topic_id, min(timestamp), max(timestamp) FROM messages GROUP BY 1")
+            self._spans = {topic: (first, last) for topic, first, last in rows}
+        return self._spans.get(number)
 
 
 def joined(parts: Iterable[Arrivals]) -> Arrivals:
@@ -206,6 +218,10 @@ def _records(index: bytes) -> Iterator[tuple[int, int, int]]:
             raise error(f"no record of an index at byte {at}")
         yield channel, start, length // _ENTRY.itemsize
         at += _RECORD_HEAD + size
+
+
+def _start(chunk: ChunkInfo) -> int:
+    return chunk.message_start_time
 
 
 def _end(chunk: ChunkInfo) -> int:

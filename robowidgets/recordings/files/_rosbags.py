@@ -92,9 +92,9 @@ class RosbagsSource:
         """The order of arrival by the index, of all messages or of some messages of each part."""
         return self._index.arrivals()
 
-    def last_ns(self, channel: Channel) -> int | None:
+    def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""
-        return self._index.last_ns(channel.id)
+        return self._index.span_ns(channel.id)
 
     def close(self) -> None:
         """See `Source`."""

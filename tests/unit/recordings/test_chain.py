@@ -33,9 +33,9 @@ class TestWholeFiles:
         assert [(channel.topic, channel.count) for channel in source.channels] == [("/scan", 60), ("/cmd_vel", 30)]
         assert len({channel.id for channel in source.channels}) == 2
         assert (source.start_ns, source.end_ns, source.problems) == (START_NS, START_NS + 89 * STEP_NS, ())
-        assert [source.last_ns(channel) for channel in source.channels] == [
-            START_NS + 88 * STEP_NS,
-            START_NS + 89 * STEP_NS,
+        assert [source.span_ns(channel) for channel in source.channels] == [
+            (START_NS, START_NS + 88 * STEP_NS),
+            (START_NS + 2 * STEP_NS, START_NS + 89 * STEP_NS),
         ]
 
     def test_give_some_channels_within_some_time(self, source: Source) -> None:

@@ -1,4 +1,4 @@
-"""Topics that end long before their recording does are told, and no others."""
+"""Topics that begin long after their recording, or end long before it, are told, and no others."""
 
 from __future__ import annotations
 
@@ -9,18 +9,20 @@ from pathlib import Path
 import pytest
 
 import robowidgets
-from robowidgets.recordings._sample_reader import truncation_note
+from robowidgets.recordings._sample_reader import silences
 from robowidgets.recordings.files._index import _INDEX_HEAD
 from robowidgets.recordings.files._rosbags import open_mcap
 
 from .clock_back import KINDS, SCAN, SPEED, Message, cut, drive, long_mcap, mcap, step
 
-S = 1_000_000_000
+
+def part(topic: str, start: int, stop: int) -> list[Message]:
+    """A drive of 40 s in which one topic has these messages only."""
+    return [message for message in drive(step(0.0, count=400)) if message[0] != topic or start <= message[2] < stop]
 
 
 def ends(topic: str, after: int) -> list[Message]:
-    """A drive of 40 s in which one topic has so many messages."""
-    return [message for message in drive(step(0.0, count=400)) if message[0] != topic or message[2] < after]
+    return part(topic, 0, after)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -34,6 +36,22 @@ class TestATopicThatEndsHalfWay:
         assert robowidgets.open(KINDS[kind](tmp_path, ends(SCAN, 351))).problems == ()
 
 
+@pytest.mark.parametrize("kind", KINDS)
+class TestATopicThatBeginsLate:
+    @pytest.mark.parametrize("topic", [SCAN, SPEED])
+    def test_is_told_with_the_rate_of_its_own_time(self, tmp_path: Path, kind: str, topic: str) -> None:
+        recording = robowidgets.open(KINDS[kind](tmp_path, part(topic, 60, 200)))
+        assert recording.problems == (
+            f"{topic}: nothing before 6.00 s of 39.90 s",
+            f"{topic}: nothing after 19.90 s of 39.90 s",
+        )
+        assert [there.rate for there in recording.topics] == pytest.approx([10.0, 10.0])
+        assert str(recording).splitlines()[2].split()[2:4] == [("140" if topic == SCAN else "400"), "10.0"]
+
+    def test_is_not_told_of_one_that_begins_with_it(self, tmp_path: Path, kind: str) -> None:
+        assert robowidgets.open(KINDS[kind](tmp_path, part(SCAN, 49, 400))).problems == ()
+
+
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
 def test_a_damaged_file_tells_it_too(tmp_path: Path, kind: str) -> None:
     recording = robowidgets.open(cut(KINDS[kind](tmp_path, ends(SCAN, 200))))
@@ -42,7 +60,7 @@ def test_a_damaged_file_tells_it_too(tmp_path: Path, kind: str) -> None:
 
 def test_a_log_tells_it_too(tmp_path: Path) -> None:
     lines = [f"ODOM 0 0 0 0.1 0 0 {i / 10} host {i / 10}" for i in range(400)]
-    lines[0:200:10] = [f"FLASER 1 2.0 0 0 0 0 0 0 {i} host {i}" for i in range(20)]
+    lines[0:190:10] = [f"FLASER 1 2.0 0 0 0 0 0 0 {i} host {i}" for i in range(19)]
     (tmp_path / "x.log").write_text("\n".join(lines))
     assert robowidgets.open(tmp_path / "x.log").problems == ()
     lines[0:200:5] = [f"FLASER 1 2.0 0 0 0 0 0 0 {i / 2} host {i / 2}" for i in range(40)]
@@ -50,17 +68,20 @@ def test_a_log_tells_it_too(tmp_path: Path) -> None:
     assert robowidgets.open(tmp_path / "x.log").problems == ("FLASER: nothing after 19.50 s of 39.90 s",)
 
 
-class TestTheEndOfATopic:
-    def test_is_early_more_than_five_seconds_before_the_end(self) -> None:
-        assert truncation_note("/scan", 1000, 94 * S, 0, 100 * S) == "/scan: nothing after 94.00 s of 100.00 s"
-        assert truncation_note("/scan", 1000, 95 * S, 0, 100 * S) == ""
+class TestASilence:
+    def test_is_longer_than_five_seconds(self) -> None:
+        assert silences("/scan", 1000, 0, 94, 100) == ["/scan: nothing after 94.00 s of 100.00 s"]
+        assert silences("/scan", 1000, 6, 100, 100) == ["/scan: nothing before 6.00 s of 100.00 s"]
+        assert silences("/scan", 1000, 5, 95, 100) == []
 
-    def test_is_early_by_more_than_ten_steps(self) -> None:
-        assert truncation_note("/scan", 21, 50 * S, 0, 100 * S) == ""
-        assert truncation_note("/scan", 21, 49 * S, 0, 100 * S) != ""
+    def test_is_longer_than_ten_steps_of_the_topic_itself(self) -> None:
+        assert silences("/scan", 21, 20, 80, 110) == []
+        assert silences("/scan", 21, 20, 80, 111) == ["/scan: nothing after 80.00 s of 111.00 s"]
 
-    def test_counts_from_the_start(self) -> None:
-        assert truncation_note("/scan", 100, 1020 * S, 1000 * S, 1100 * S) == "/scan: nothing after 20.00 s of 100.00 s"
+
+def test_a_few_messages_within_a_second_have_no_rate(tmp_path: Path) -> None:
+    with robowidgets.open(mcap(tmp_path, part(SPEED, 3, 9))) as recording:
+        assert [topic.rate for topic in recording.topics] == [pytest.approx(10.0), None]
 
 
 def test_real_recordings_end_as_they_should(data: Path) -> None:

@@ -32,10 +32,11 @@ class Held:
             if channel in channels and (start_ns or 0) <= time_ns < (stop_ns or 10**9):
                 yield channel, time_ns, raw
 
-    def last_ns(self, channel: Channel) -> int | None:
+    def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         if self.breaks_at is not None:
             raise AssertionError("damage in the index")
-        return max(time_ns for other, time_ns, _ in self.messages_held if other == channel)
+        times = [time_ns for other, time_ns, _ in self.messages_held if other == channel]
+        return times[0], times[-1]
 
     def close(self) -> None:
         self.closed += 1
@@ -83,9 +84,9 @@ def test_when_the_repaired_one_cannot_help_its_reason_is_given() -> None:
         next(messages)
 
 
-def test_an_index_that_is_damaged_tells_no_last_time() -> None:
-    assert FallbackSource(Held(held()), lambda: Held(held())).last_ns(SPEED) == 3
-    assert FallbackSource(Held(held(), 2), lambda: Held(held())).last_ns(SPEED) is None
+def test_an_index_that_is_damaged_tells_no_span() -> None:
+    assert FallbackSource(Held(held()), lambda: Held(held())).span_ns(SPEED) == (2, 3)
+    assert FallbackSource(Held(held(), 2), lambda: Held(held())).span_ns(SPEED) is None
 
 
 def test_closing_closes_both() -> None:

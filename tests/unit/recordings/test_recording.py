@@ -41,10 +41,10 @@ class TestTopics:
     def test_tell_type_count_rate_and_widget(self, recording: Recording) -> None:
         told = {t.name: (t.type, t.count, t.rate and round(t.rate, 1), t.widget, t.commanded) for t in recording.topics}
         assert told == {
-            "/scan": ("sensor_msgs/msg/LaserScan", 100, 9.9, "laser", False),
-            "/odom": ("nav_msgs/msg/Odometry", 100, 9.9, "speed", False),
-            "/cmd_vel": ("geometry_msgs/msg/Twist", 50, 4.9, "speed", True),
-            "/bumper": ("kobuki_ros_interfaces/msg/BumperEvent", 4, 0.3, "touch", False),
+            "/scan": ("sensor_msgs/msg/LaserScan", 100, 10.0, "laser", False),
+            "/odom": ("nav_msgs/msg/Odometry", 100, 10.0, "speed", False),
+            "/cmd_vel": ("geometry_msgs/msg/Twist", 50, 10.0, "speed", True),
+            "/bumper": ("kobuki_ros_interfaces/msg/BumperEvent", 4, 0.6, "touch", False),
             "/log": ("std_msgs/msg/String", 1, None, None, False),
         }
 
@@ -195,7 +195,7 @@ class TestItsTable:
         head, names, *rows = repr(recording).splitlines()
         assert head == f"{recording.path}: 10.0 s, from 2023-11-14 22:13:20 UTC, 5 topics, 255 messages"
         assert names.split() == ["topic", "type", "messages", "Hz", "widget"]
-        assert rows[2].split() == ["/cmd_vel", "geometry_msgs/msg/Twist", "50", "4.9", "speed", "(commanded)"]
+        assert rows[2].split() == ["/cmd_vel", "geometry_msgs/msg/Twist", "50", "10.0", "speed", "(commanded)"]
         assert rows[4].split() == ["/log", "std_msgs/msg/String", "1"]
         slow = as_text("drive", (Topic("/map", "my_msgs/msg/Map", 2, 0.03, None, False, ""),), ())
         assert slow.splitlines()[2].split() == ["/map", "my_msgs/msg/Map", "2", "<0.1"]

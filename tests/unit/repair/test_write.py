@@ -304,7 +304,7 @@ class TestASourceThatCanBeReadNoFurther:
                 yield channel, i, b"\0\1\0\0"
             raise self.error
 
-        def last_ns(self, _: Channel) -> int | None:
+        def span_ns(self, _: Channel) -> None:
             return None
 
         def close(self) -> None:
