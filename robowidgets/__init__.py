@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ._core.short_traceback import shorten_tracebacks
 from ._together import together
 from .drive_widget import DriveWidget
 from .laser_widget import LaserWidget
@@ -60,6 +61,8 @@ __all__ = [
     "simulator",
     "together",
 ]
+
+shorten_tracebacks()
 
 _LATER = {
     "ProgramWidget": ".program_widget",

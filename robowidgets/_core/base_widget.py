@@ -14,7 +14,6 @@ import anywidget
 import traitlets
 
 from .log_once import LogOnce
-from .short_traceback import shortened
 from .traits import Flag
 
 log = logging.getLogger("robowidgets")
@@ -69,8 +68,7 @@ class NamedWidget(anywidget.AnyWidget):
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
         """Refuse positional arguments before anything is created."""
         if unnamed:
-            error = TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
-            raise shortened(error)
+            raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
         return super().__new__(cls, **kwargs)
 
     def __init__(self, **kwargs: Any) -> None:
@@ -79,7 +77,7 @@ class NamedWidget(anywidget.AnyWidget):
         settable = [*self._keywords, *filter(self._is_ours, self.trait_names())]
         for name in kwargs:
             if name not in settable:
-                raise shortened(TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, self._meant)))
+                raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, self._meant))
         super().__init__(**kwargs)
 
     def add_traits(self, **traits: Any) -> None:
@@ -99,11 +97,8 @@ class NamedWidget(anywidget.AnyWidget):
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):
             settable = [n for n in self.trait_names() if self._is_ours(n)]
-            raise shortened(AttributeError(_unknown(type(self).__name__, "trait", name, settable, self._meant)))
-        try:
-            super().__setattr__(name, value)
-        except traitlets.TraitError as error:
-            raise shortened(error)  # noqa: B904  the same error
+            raise AttributeError(_unknown(type(self).__name__, "trait", name, settable, self._meant))
+        super().__setattr__(name, value)
 
     def close(self) -> None:
         """Remove the widget from the page."""

@@ -23,7 +23,6 @@ from .page_file import Sent, SentFrames, WritesPage
 from .platform_fixes import message_padding
 from .png import SavesPng
 from .rate import RateMeter
-from .short_traceback import shortened
 from .traits import Flag, HistorySeconds, bytes_trait
 from .watching import JudgesConditions
 
@@ -227,7 +226,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
             self._changed = True
         pacer.mark(self)
         if called_from_cell():
-            raise shortened(error) from None
+            raise error from None
         self._log_once(f"a message could not be shown: {text}")
 
     def _why_none(self, seconds: float) -> str:

@@ -2,42 +2,60 @@
 
 from __future__ import annotations
 
+import dis
 import sys
+from functools import wraps
 from types import TracebackType
-from typing import TypeVar
+from typing import Any
 
-_NOT_THE_USER = {__name__.partition(".")[0], "anywidget", "ipywidgets", "traitlets"}
+_OURS = __name__.partition(".")[0]
+_CHECKS = {_OURS, "anywidget", "ipywidgets", "traitlets"}
+"""Packages that check the arguments of a widget."""
+_NOT_THE_USER = _CHECKS | sys.stdlib_module_names
 """Packages whose frames say nothing about a wrong argument."""
+_RAISE = dis.opmap["RAISE_VARARGS"]
 
-E = TypeVar("E", bound=BaseException)
 
+def shorten_tracebacks() -> None:
+    """Have IPython, if it is running, leave out our frames where we raised an error.
 
-def shortened(error: E) -> E:
-    """The same error, of which a notebook shows only the frames of the user's code.
-
-    IPython asks an error for its traceback by the method `_render_traceback_`. Everywhere else, in a log or in a
-    debugger, the traceback stays whole.
+    IPython asks only errors of other classes than Python's own how they are shown, so this wraps what makes the
+    traceback. It stays whole in a log, in a debugger and outside notebooks.
     """
-    error._render_traceback_ = lambda: _render(error)  # type: ignore[attr-defined]
-    return error
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython else None
+    if shell is None:
+        return
+    whole = shell.InteractiveTB.structured_traceback
 
+    @wraps(whole)
+    def shortened(
+        kind: type[BaseException], error: BaseException, traceback: TracebackType | None, *args: Any, **options: Any
+    ) -> Any:
+        return whole(kind, error, _up_to_the_user(traceback), *args, **options)
 
-def _render(error: BaseException) -> list[str]:
-    shell = sys.modules["IPython"].get_ipython()
-    traceback = _up_to_the_user(error.__traceback__)
-    lines: list[str] = shell.InteractiveTB.structured_traceback(type(error), error, traceback)
-    return lines
+    shell.InteractiveTB.structured_traceback = shortened
 
 
 def _up_to_the_user(traceback: TracebackType | None) -> TracebackType | None:
-    """A traceback without the frames after the user's last one; whole when all frames are of packages."""
+    """A traceback without the frames after the user's last one, if these are ours and end at a ``raise``.
+
+    An error that Python or another package raised there is a fault of ours: its traceback stays whole.
+    """
     entries = []
     while traceback is not None:
         entries.append(traceback)
         traceback = traceback.tb_next
     names = [str(entry.tb_frame.f_globals.get("__name__")).partition(".")[0] for entry in entries]
     last = max((i for i, name in enumerate(names) if name not in _NOT_THE_USER), default=len(entries) - 1)
+    if _OURS in names[last + 1 :] and names[-1] in _CHECKS and _is_raise(entries[-1]):
+        del entries[last + 1 :]
     kept: TracebackType | None = None
-    for entry in reversed(entries[: last + 1]):
+    for entry in reversed(entries):
         kept = TracebackType(kept, entry.tb_frame, entry.tb_lasti, entry.tb_lineno)
     return kept
+
+
+def _is_raise(entry: TracebackType) -> bool:
+    """Whether the error came from a ``raise``, and not from another instruction."""
+    return entry.tb_frame.f_code.co_code[entry.tb_lasti] == _RAISE

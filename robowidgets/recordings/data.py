@@ -48,9 +48,12 @@ class RecordingData:
 
     Raises:
         RecordingError: nothing of it can be read. The text gives the reason.
+        TypeError: ``path`` is no path.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
+        if not isinstance(path, (str, bytes, os.PathLike)):
+            raise TypeError(f"path: expected the path of a recording as text, got {path!r}")
         # Absolute, because the working directory may have changed when a player opens the file again.
         self._path = Path(os.fsdecode(path)).expanduser().absolute()
         self._messages = Messages(open_source(self._path))

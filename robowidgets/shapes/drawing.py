@@ -14,7 +14,6 @@ import traitlets
 from .._core.error_routing import called_from_cell
 from .._core.pacer import pacer
 from .._core.robot_widget import RobotWidget
-from .._core.short_traceback import shortened
 from .._core.user_function import error_in
 from ..samples import Scan
 from ..samples.checks import number
@@ -114,7 +113,7 @@ class DrawsShapes(RobotWidget[Scan]):
                 self._keep(name, drawn)
         except (TypeError, ValueError) as error:
             if called_from_cell():
-                raise shortened(error) from None
+                raise
             self._refuse(error)
             return
         if self.driven_by_player:

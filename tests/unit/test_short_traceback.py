@@ -18,14 +18,28 @@ ERRORS = {
     "laser.update([1, 2, 3])": r"^TypeError: update\(\) got a list without the scanner's geometry",
     "SpeedWidget().update(0.5)": r"^TypeError: update\(\) takes one message, or numbers by name",
     "TouchWidget().update(5)": "^TypeError: expected sensor names",
+    "laser.draw('wall', 5)": r"^TypeError: draw\('wall'\): expected a Line",
+    "robowidgets.Laser": "^AttributeError: .*; did you mean 'LaserWidget'",
+    "robowidgets.open('nothing.bag')": "^RecordingError: .*nothing.bag: no such file or folder",
+    "robowidgets.open(5)": "^TypeError: path: expected the path of a recording as text, got 5",
+    "recording.scans('/scam')": "^UnknownTopicError: sample.mcap has no topic '/scam'",
+    "recording.to_html('x.html', start=99)": "^ValueError: start: expected seconds from 0 to 58.00, got 99",
+    "list(recording.samples('/scan', start='x'))": "^TypeError: start: expected seconds",
+    "recording.find(5)": "^TypeError: condition: expected a function",
+    "recording.show().seek('x')": "^TraitError: time: expected seconds from the start",
+    "recording.at('/scan', 5).sample.distance('fron')": "^ValueError: sector: expected front, left",
+    "robowidgets.feeds.simulator().connect('/scan')": r"^TypeError: connect\('/scan'\) needs a widget",
+    "robowidgets.feeds.rosbridge('nowhere')": "^ValueError: address: expected one like ws",
 }
+FAULT = "recording._messages = None; recording.at('/scan', 1)"
 # Runs each code as a cell, and prints what the notebook shows of it.
 RUN = """
 import json, re, sys
 from IPython.core.interactiveshell import InteractiveShell
 from IPython.utils.capture import capture_output
 shell = InteractiveShell.instance()
-shell.run_cell("from robowidgets import LaserWidget, SpeedWidget, TouchWidget; laser = LaserWidget()")
+shell.run_cell("import robowidgets; from robowidgets import LaserWidget, SpeedWidget, TouchWidget")
+shell.run_cell("laser = LaserWidget(); recording = robowidgets.open(robowidgets.SAMPLE)")
 shell.run_cell("def helper():\\n    laser.update([1, 2, 3])")
 texts = {}
 for code in json.loads(sys.argv[1]):
@@ -39,14 +53,14 @@ print(json.dumps(texts))
 @pytest.fixture(scope="module")
 def texts() -> dict[str, str]:
     """By code, what a notebook shows when it runs."""
-    given = json.dumps([*ERRORS, "helper()"])
+    given = json.dumps([*ERRORS, "helper()", FAULT])
     done = subprocess.run([sys.executable, "-c", RUN, given], capture_output=True, text=True, check=True, timeout=60)
     shown: dict[str, str] = json.loads(done.stdout)
     return shown
 
 
 def frames_of(text: str) -> list[str]:
-    return re.findall(r"^(?:File|Cell In|Input In).*$", text, re.M)
+    return re.findall(r"^(?:File |Cell In|Input In).*$", text, re.M)
 
 
 @pytest.mark.parametrize("code", ERRORS)
@@ -59,3 +73,7 @@ def test_only_the_users_own_frame_is_shown(texts: dict[str, str], code: str) -> 
 
 def test_every_frame_of_the_users_own_code_is_shown(texts: dict[str, str]) -> None:
     assert [frame.endswith("in helper()") for frame in frames_of(texts["helper()"])] == [False, True]
+
+
+def test_a_fault_of_robowidgets_shows_every_frame(texts: dict[str, str]) -> None:
+    assert ["data.py" in frame for frame in frames_of(texts[FAULT])] == [False, True, True, True]
