@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
-from .platform_fixes import shorten_switch_interval
+from .platform_fixes import let_threads_print, shorten_switch_interval
 
 log = logging.getLogger("robowidgets")
 
@@ -133,6 +133,7 @@ class Pacer:
 
     def _start(self) -> None:
         shorten_switch_interval()
+        let_threads_print()
         self._thread = threading.Thread(target=self._run, name="robowidgets-pacer", daemon=True)
         self._thread.start()
         if not self._hooked:

@@ -92,6 +92,32 @@ def call_on_idle_interrupt(kernel: Any, call: Callable[[], None]) -> None:
         kernel.saved_sigint_handler = on_interrupt
 
 
+def let_threads_print() -> None:
+    """Let any thread print and log in ipykernel 6.29 to 7.0, where that may hang for ever.
+
+    To find the cell that a printed text belongs to, ipykernel notes which thread started which, by their identifiers.
+    Python uses the identifier of an ended thread again, so the notes may form a circle, and ipykernel follows it
+    without end. The fix drops the notes on an ended thread when its identifier is used again. Without the fix, a thread
+    that prints or logs may hang, and so does each thread that logs after it.
+    """
+    ipython = sys.modules.get("IPython")
+    kernel = getattr(ipython and ipython.get_ipython(), "kernel", None)
+    for name in ("_stdout", "_stderr"):
+        stream: Any = getattr(kernel, name, None)
+        if ENABLED and type(getattr(stream, "_thread_to_parent", None)) is dict:
+            stream._thread_to_parent = _ThreadParents()
+
+
+class _ThreadParents(dict[int, int]):
+    """By the identifier of a thread, that of the thread which started it. It has no circles."""
+
+    def __setitem__(self, thread: int, parent: int) -> None:
+        for child, starter in list(self.items()):
+            if starter == thread:
+                self.pop(child, None)
+        super().__setitem__(thread, parent)
+
+
 def _rclpy_handles_signals() -> bool:
     signals = sys.modules.get("rclpy.signals")
     return signals is not None and signals.get_current_signal_handlers_options() != signals.SignalHandlerOptions.NO

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from .._core.cells import running_cell, take_the_place
+from .._core.platform_fixes import let_threads_print, shorten_switch_interval
 from .._core.tables import as_html, as_text
 from ..behaviors.programs import Programs
 from ..behaviors.variables import Variables
@@ -71,6 +72,8 @@ class Feed:
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
         self.programs = Programs(FeedRobot(self))
+        shorten_switch_interval()
+        let_threads_print()
         # Before it opens, because the feed of the earlier run may use the node, or drive the robot.
         _log_dropped(take_the_place(self))
         open_feeds.add(self)

@@ -6,13 +6,19 @@ import json
 import os
 import subprocess
 import sys
+import threading
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from robowidgets._core.platform_fixes import message_padding, report_close_code, route_by_message
+from robowidgets._core.platform_fixes import (
+    let_threads_print,
+    message_padding,
+    report_close_code,
+    route_by_message,
+)
 
 EVERY_FIX = """
 import asyncio, json, signal, socket, sys
@@ -32,6 +38,10 @@ fixes.shorten_switch_interval()
 comm = SimpleNamespace(_reply_subshell_for=None)
 fixes.route_by_message(comm)
 fixes.call_on_interrupt(lambda: None)
+stream = SimpleNamespace(_thread_to_parent={})
+shell = SimpleNamespace(kernel=SimpleNamespace(_stdout=stream, _stderr=stream))
+sys.modules["IPython"] = SimpleNamespace(get_ipython=lambda: shell)
+fixes.let_threads_print()
 options = []
 fixes.acknowledge_at_once(SimpleNamespace(setsockopt=lambda *option: options.append(option)))
 close = lambda code, reason: None
@@ -42,6 +52,7 @@ print(json.dumps({
     "padding": bool(fixes.message_padding()),
     "subshell": comm._reply_subshell_for is not None,
     "interrupt": signal.getsignal(signal.SIGINT) is not signal.default_int_handler,
+    "prints": type(stream._thread_to_parent) is not dict,
     "acknowledgement": bool(options) or not hasattr(socket, "TCP_QUICKACK"),
     "close code": protocol.close is not close,
     "pending connection": asyncio.run(close_a_pending_connection()),
@@ -75,6 +86,21 @@ def test_a_kernel_without_subshells_is_left_alone() -> None:
     comm = SimpleNamespace()
     route_by_message(comm)
     assert vars(comm) == {}
+
+
+def test_threads_whose_identifiers_are_used_again_form_no_circle(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = SimpleNamespace(_thread_to_parent={threading.get_ident(): threading.get_ident()})
+    shell = SimpleNamespace(kernel=SimpleNamespace(_stdout=stream, _stderr=None))
+    monkeypatch.setattr("IPython.get_ipython", lambda: shell)
+    let_threads_print()
+    parents = stream._thread_to_parent
+    for thread, starter in ((2, 1), (3, 2), (1, 3), (2, 1), (3, 9), (1, 3)):
+        parents[thread] = starter
+        seen = {thread}
+        while thread in parents:
+            thread = parents[thread]
+            assert thread not in seen
+            seen.add(thread)
 
 
 def test_a_close_code_is_reported_and_the_connection_closed_with_it() -> None:
