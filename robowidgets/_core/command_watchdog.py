@@ -12,6 +12,7 @@ from concurrent.futures import Future, wait
 from weakref import WeakSet
 
 from .cells import on_failed_cell
+from .user_threads import is_abandoned
 
 log = logging.getLogger("robowidgets")
 
@@ -43,7 +44,7 @@ PROGRAM = "program"
 
 
 class RefusedError(Exception):
-    """A speed that is not sent because stop is latched or a hand drives from a pad. The text says which."""
+    """A speed that is not sent: stop is latched, a hand drives, or nobody waits for the caller. The text says which."""
 
 
 class CommandWatchdog:
@@ -142,7 +143,8 @@ class CommandWatchdog:
             sent just before.
 
         Raises:
-            RefusedError: a hand drives; or stop is latched, except for the zero of a program.
+            RefusedError: a hand drives; or, except for the zero of a program, stop is latched, or the calling thread is
+                abandoned.
         """
         if velocity == ZERO and driver == PROGRAM and not self._hand_now():
             return self.stop()
@@ -170,6 +172,12 @@ class CommandWatchdog:
         with self._changed:
             return self._ask_for_zero()
 
+    def stop_program(self) -> None:
+        """Send zero now if a program drives, or drove last."""
+        with self._changed:
+            if self.owes_zero and self.driver in ("", PROGRAM):
+                self._ask_for_zero()
+
     @property
     def busy_for(self) -> float:
         """Seconds for which the sink has not returned; 0 while it is not running."""
@@ -178,8 +186,8 @@ class CommandWatchdog:
 
     @property
     def owes_zero(self) -> bool:
-        """Whether a zero is still to be sent, or the sink is running."""
-        return self._zero_at is not None or bool(self._zeros) or self._entered is not None
+        """Whether a zero is still to be sent, now or after a speed, or the sink is running."""
+        return self._zero_at is not None or self._wanted is not None or bool(self._zeros) or self._entered is not None
 
     def on_lost(self) -> None:
         """Note a lost connection: a zero that was sent shortly before may not have arrived, and is sent again."""
@@ -251,6 +259,8 @@ class CommandWatchdog:
             raise RefusedError("it is closed")
         if self._stopped:
             raise RefusedError("stop is latched until somebody releases it")
+        if driver == PROGRAM and is_abandoned():
+            raise RefusedError("this function was disconnected, replaced or ended while it was at work")
         hand = self._hand_now()
         if driver != hand and not taking and (hand or driver != PROGRAM):
             raise RefusedError("a hand drives from a pad" if hand else "the press on the pad is over")
@@ -341,7 +351,9 @@ class CommandWatchdog:
                 self._logged = ""
             elif str(error) != self._logged:
                 self._logged = str(error)
-                log.error("the robot could not be told to stop: %s", error)
+                text = f"the robot could not be told to stop: {error}"
+                # In a thread of its own: where the log hangs, zero must still be sent again.
+                threading.Thread(target=log.error, args=(text,), name="robowidgets-log", daemon=True).start()
         elif error is None:
             self._moved_at, self._zero_at, self._next_speed_at = now, self._expires, now + INTERVAL
         elif not isinstance(error, self._not_sent):

@@ -25,11 +25,14 @@ log = logging.getLogger("robowidgets")
 RATE = 10.0
 """Steps a second, where a program names neither a rate nor a topic."""
 
-TICK = 0.05
+TICK = 0.025
 """Seconds between two looks at a step that has not returned."""
 
-HUNG = 9
-"""Looks after which a step counts as hung. Looks, not seconds: where the whole process stood still, none was made."""
+LATEST_TICK = 0.1
+"""Seconds that a look counts at most: where it comes later, the whole process may have stood still."""
+
+HUNG = 0.45
+"""Seconds of looks without the return of a step, after which it counts as hung."""
 
 PATIENCE = 1.0
 """Seconds after which the log says why a program does not drive."""
@@ -171,8 +174,10 @@ class Program:
 
     def interrupt(self) -> None:
         """Stop the robot now, and pause in a moment. For a signal handler: it takes no lock of the program."""
-        if self._thread is not None:
+        thread = self._thread
+        if thread is not None:
             self._interrupted = True
+            abandon(thread)
             self._robot.halt()
 
     def watch(self, on_change: Callable[[], None]) -> None:
@@ -207,7 +212,7 @@ class Program:
 
     def _leave(self) -> None:
         """Let go of the thread: a step that it is in may finish, but not drive. Called with the lock held."""
-        if self._thread is not None and self._in_step and self._thread is not threading.current_thread():
+        if self._thread is not None and self._thread is not threading.current_thread():
             abandon(self._thread)
         self._thread, self._in_step = None, False
 
@@ -287,14 +292,12 @@ class Program:
             self._in_step = True
             self.steps += 1
         began = time.perf_counter()
-        error = ""
+        error, raised = "", None
         try:
             drive = _drive_of(version.function(**values), self.returned)
-        except BaseException as raised:  # not even a SystemExit may end the thread without a word
-            line = line_of(_code_of(version.function), traceback.walk_tb(raised.__traceback__)).removeprefix(", ")
-            error = f"{line or self.name}: {type(raised).__name__}: {raised}"
-            if self._thread is me:
-                log.exception("program %s: %s", self.name, error)
+        except BaseException as failure:  # not even a SystemExit may end the thread without a word
+            line = line_of(_code_of(version.function), traceback.walk_tb(failure.__traceback__)).removeprefix(", ")
+            error, raised = f"{line or self.name}: {type(failure).__name__}: {failure}", failure
         passed = time.perf_counter() - began
         with self._changed:
             if self._thread is not me:
@@ -305,15 +308,16 @@ class Program:
                 self._steps_a_second = self._rate.rate(self.steps, time.monotonic())
         if error:
             self._end(FAILED, error=error)
+            log.error("program %s: %s", self.name, error, exc_info=raised)  # after zero, as every log: it may hang
             return False
-        if not self._interrupted:
-            # Without the lock, so that whoever stops the program never waits for the robot.
-            if refused := self._robot.drive(drive.linear, drive.angular):
-                self._robot.halt()
-            self._set_waiting(refused)
-        if self.mode in (FAILED, ENDED) or (self.mode == PAUSED and self._thread is not me):
-            self._robot.halt()  # it was ended between the look above and the speed
+        # Without the lock, so that whoever stops the program never waits for the robot. They abandon this thread before
+        # they stop the robot, and the robot refuses an abandoned thread.
+        refused = self._robot.drive(drive.linear, drive.angular)
+        if self._thread is not me or self._interrupted:
             return False
+        if refused:
+            self._robot.halt()
+        self._set_waiting(refused)
         self._tell()
         return True
 
@@ -328,17 +332,18 @@ class Program:
 
     def _watch_steps(self) -> None:
         """Find steps that do not return, and interrupts. In a thread of its own, while the program runs."""
-        looks, seen = 0, -1
+        passed, seen, looked_at = 0.0, -1, time.monotonic()
         while True:
             time.sleep(TICK)
+            before, looked_at = looked_at, time.monotonic()
             with self._changed:
                 thread, steps = self._thread, self.steps
                 if thread is None and not self._interrupted:
                     self._monitor = None
                     return
-                looks = looks + 1 if self._in_step and steps == seen else 0
+                passed = passed + min(looked_at - before, LATEST_TICK) if self._in_step and steps == seen else 0.0
                 seen = steps
-                is_hung = looks >= HUNG and self._in_step
+                is_hung = passed >= HUNG
                 waiting = self.waiting if time.monotonic() - self._waiting_since > PATIENCE else ""
                 where = (
                     line_of(_code_of(self.version.function), frames_of(thread)).removeprefix(", ") if is_hung else ""
@@ -346,12 +351,12 @@ class Program:
             if self._interrupted:
                 self._interrupted = False
                 note = "paused, because the kernel was interrupted"
-                self._log(f"program {self.name}: {note}")
                 self.pause(note)
+                self._log(f"program {self.name}: {note}")
             elif is_hung:
                 error = f"{where or self.name}: a step has not returned for half a second, and was abandoned"
-                self._log(f"program {self.name}: {error}")
                 self._end(FAILED, error=error)
+                self._log(f"program {self.name}: {error}")
             elif waiting:
                 self._log(f"program {self.name}: {waiting}")
 

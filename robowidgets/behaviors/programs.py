@@ -58,8 +58,8 @@ class Programs:
         note = ""
         if before is not None and before.name != name and before.mode != ENDED:
             note = f"replaces the program {before.name}"
-            log.warning("%s: the program %s %s", self._robot.where, name, note)
             before.close(f"replaced by the program {name}")
+            log.warning("%s: the program %s %s", self._robot.where, name, note)
         if program is None or program.mode == ENDED:
             state, number = (program.state, program.version.number) if program else (None, 0)
             program = self._known[name] = Program(name, self._robot, self.variables)

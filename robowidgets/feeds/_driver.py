@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import threading
 import time
 from typing import TYPE_CHECKING
 
 from .._core.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
-from .._core.user_threads import is_abandoned
 from ..samples import Speed
 from ._driving import DriveStatus, Driving
 from ._twist import TwistPublisher
@@ -40,6 +40,8 @@ class Driver:
     def __init__(self, feed: Feed, middleware: Middleware) -> None:
         self._feed = feed
         self._driving = Driving()
+        self._changing = threading.Lock()
+        """Held while the settings change, so that no speed gets between the zero on the old topic and the new one."""
         self._status = DriveStatus()
         self._twists = TwistPublisher(middleware)
         self._connected_by: float | None = None
@@ -58,10 +60,11 @@ class Driver:
     def driving(self, driving: Driving) -> None:
         if not isinstance(driving, Driving):
             raise TypeError(f"driving: expected feeds.Driving(topic=..., max_linear=...), got {driving!r}")
-        if self.watchdog.owes_zero:
-            with contextlib.suppress(FeedError, TimeoutError):  # the watchdog logs it and sends zero later
-                self.watchdog.sent_in_time(self.watchdog.stop())
-        self._driving, self._status.cut, self._connected_by = driving, "", None
+        with self._changing:
+            if self.watchdog.owes_zero:
+                with contextlib.suppress(FeedError, TimeoutError):  # the watchdog logs it and sends zero later
+                    self.watchdog.sent_in_time(self.watchdog.stop())
+            self._driving, self._status.cut, self._connected_by = driving, "", None
 
     @property
     def status(self) -> str:
@@ -72,22 +75,25 @@ class Driver:
         """See `Feed.drive`."""
         velocity, stops = self._within(linear, angular), self.watchdog.stops
         self._feed.await_subscriber(self._driving.topic)
-        self._status.log(self._feed.where, self._driving.topic, self._feed.adverts)
         if self._connected_by is None:
             self._connected_by = time.monotonic() + CONNECT_TIMEOUT
-        while not self._try_drive(velocity, stops):
-            self._feed.wait_until(lambda: False, RETRY_PAUSE)
+        try:
+            while not self._try_drive(velocity, stops):
+                self._feed.wait_until(lambda: False, RETRY_PAUSE)
+        finally:
+            self._log_status()
 
     def drive_by_program(self, linear: float, angular: float) -> str:
         """Publish the speed of a program's step, without waiting; returns why it was not sent, empty if it was.
 
         An error of an earlier speed is returned, because this one is sent by another thread.
         """
-        self._status.log(self._feed.where, self._driving.topic, self._feed.adverts)
         try:
             self._request(self._within(linear, angular), PROGRAM)
         except FeedError as error:
             return str(error)
+        finally:
+            self._log_status()
         error_before = self.watchdog.error
         return "" if error_before is None else f"cannot drive: {self._feed.status or error_before}"
 
@@ -132,8 +138,6 @@ class Driver:
 
         It is not retried after a stop, which another thread may have requested.
         """
-        if velocity != ZERO and is_abandoned():
-            raise FeedError("cannot drive: this function was disconnected, replaced or ended while it was at work")
         request = self._request(velocity, PROGRAM)
         try:
             self.watchdog.sent_in_time(request)
@@ -149,23 +153,28 @@ class Driver:
         self._feed.check_open()
         if self._feed.status:
             raise FeedError(f"cannot drive: {self._feed.status}")
-        if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_TIMEOUT:
-            raise FeedError(
-                "cannot drive: no page that shows this feed or its pad answers, and driving.needs_page asks for one; "
-                "while a cell runs, only ipykernel 7 or later receives messages of the page"
-            )
         if velocity != ZERO:
             self._feed.list_driven(self._driving.topic)
-        try:
-            return self.watchdog.drive(velocity, self._driving.hold, driver)
-        except RefusedError as error:
-            raise FeedError(f"cannot drive: {error}") from None
+        with self._changing:
+            if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_TIMEOUT:
+                raise FeedError(
+                    "cannot drive: no page that shows this feed or its pad answers, and driving.needs_page asks for "
+                    "one; while a cell runs, only ipykernel 7 or later receives messages of the page"
+                )
+            try:
+                return self.watchdog.drive(velocity, self._driving.hold, driver)
+            except RefusedError as error:
+                raise FeedError(f"cannot drive: {error}") from None
 
     def _send(self, linear: float, angular: float) -> None:
         """The sink of the watchdog, called in its thread."""
         if linear or angular:
             self._feed.check_open()
         self._twists.send(self._driving.topic, linear, angular, self._feed.adverts)
+
+    def _log_status(self) -> None:
+        """Log why the robot may not move as commanded; after a speed was requested, which may be zero."""
+        self._status.log(self._feed.where, self._driving.topic, self._feed.adverts)
 
     def _after_send(self) -> None:
         watchdog = self.watchdog

@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from .._core.command_watchdog import PROGRAM
 from ..behaviors.robot import NotReadyError
 from ..kinds import KINDS, Kind
 from ..samples import Touch, TouchState
@@ -54,9 +53,7 @@ class FeedRobot:
 
     def halt(self) -> None:
         """See `Robot`."""
-        watchdog = self._feed.watchdog
-        if watchdog.owes_zero and watchdog.driver in ("", PROGRAM):
-            watchdog.stop()
+        self._feed.watchdog.stop_program()
 
 
 class _Latest:

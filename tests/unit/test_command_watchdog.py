@@ -132,7 +132,35 @@ def test_zero_is_sent_again_until_the_sink_takes_it(
     assert watchdog.owes_zero
     sink.error = None
     wait_for(lambda: not watchdog.owes_zero, "it is sent")
-    assert [record.message for record in caplog.records] == ["the robot could not be told to stop: the wire is cut"]
+    text = "the robot could not be told to stop: the wire is cut"
+    wait_for(lambda: [record.message for record in caplog.records] == [text], "it is logged, once")
+
+
+def test_zero_is_sent_again_also_where_the_log_hangs(
+    watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets._core.command_watchdog.RETRY", 0.02)
+    gate = threading.Event()
+    monkeypatch.setattr("robowidgets._core.command_watchdog.log.error", lambda _text: gate.wait(20.0))
+    drive(watchdog, FORWARD)
+    sink.error = OSError("the wire is cut")
+    watchdog.stop()
+    wait_for(lambda: len(sink.got) > 4, "it is tried again")
+    sink.error = None
+    wait_for(lambda: not watchdog.owes_zero, "it is sent")
+    gate.set()
+
+
+def test_a_speed_that_waits_for_its_turn_owes_a_zero(
+    watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets._core.command_watchdog.INTERVAL", 1.0)
+    drive(watchdog, FORWARD)
+    watchdog.sent_in_time(watchdog.stop())
+    watchdog.drive(LEFT)
+    assert watchdog.owes_zero
+    stop_all()
+    assert LEFT not in sink.speeds
 
 
 @pytest.mark.parametrize("error", [ValueError("no"), SystemExit("no")])

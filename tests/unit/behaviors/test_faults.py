@@ -6,18 +6,12 @@ import time
 from collections.abc import Iterator
 from textwrap import indent
 
-import ipykernel
 import pytest
 
 from ..feeds.kernel import Kernel
 from ..waiting import wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(
-        ipykernel.version_info[0] < 7, reason=f"not yet right with ipykernel {ipykernel.__version__}: needs 7 or later"
-    ),
-]
+pytestmark = pytest.mark.slow
 
 OPEN = """
 over = False

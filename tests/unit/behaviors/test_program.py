@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import threading
 import time
@@ -155,6 +156,60 @@ def test_a_replaced_step_that_comes_back_late_moves_nothing(robot: Feed, script:
     wait_for(lambda: program.steps > steps + 2, "a few steps later")
     assert set(script.speeds) == {(0.1, 0.0)}
     assert program.version.number == 2
+
+
+def test_no_speed_follows_the_zero_on_a_topic_that_is_left(
+    robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    publish = script.publish
+
+    def slow_zero(topic: str, message_type: str, message: Any) -> None:
+        publish(topic, message_type, message)
+        time.sleep(0.05 if message["linear"]["x"] == 0.0 else 0.0)
+
+    monkeypatch.setattr(script, "publish", slow_zero)
+
+    @robot.program(rate=200)
+    def go():  # type: ignore[no-untyped-def]
+        return Drive(0.2)
+
+    wait_for(lambda: (0.2, 0.0) in script.speeds, "it drives")
+    robot.driving = feeds.Driving(topic="/other")
+    wait_for(lambda: script.sent[-1][0] == "/other", "it drives on the other topic")
+    left = [message["linear"]["x"] for topic, _, message in script.sent if topic == "/cmd_vel"]
+    assert (left[-1], left.count(0.0)) == (0.0, 1)
+
+
+@pytest.fixture
+def hanging_log() -> Iterator[threading.Event]:
+    """While the event is not set, whoever logs hangs."""
+    gate, handler = threading.Event(), logging.Handler()
+    handler.emit = lambda record: None if gate.wait(20.0) else record  # type: ignore[method-assign]
+    logging.getLogger("robowidgets").addHandler(handler)
+    yield gate
+    gate.set()
+    logging.getLogger("robowidgets").removeHandler(handler)
+
+
+@pytest.mark.parametrize("fault", ["raises", "hangs", "is interrupted"])
+def test_a_log_that_hangs_keeps_no_zero_from_the_robot(
+    robot: Feed, script: Scripted, hanging_log: threading.Event, fault: str
+) -> None:
+    robot.driving = feeds.Driving(hold=60.0)
+    faults: list[str] = []
+
+    @robot.program(rate=50)
+    def go():  # type: ignore[no-untyped-def]
+        if "raises" in faults:
+            raise ValueError(faults)
+        return Drive(0.2) if "hangs" not in faults or hanging_log.wait(20.0) else None
+
+    wait_for(lambda: (0.2, 0.0) in script.speeds, "it drives")
+    faults.append(fault)
+    if fault == "is interrupted":
+        go.interrupt()
+        wait_for(lambda: go.mode == "paused", "it pauses")
+    wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "zero is sent")
 
 
 def test_what_it_prints_is_kept_and_what_others_print_is_not(robot: Feed, capsys: pytest.CaptureFixture[str]) -> None:

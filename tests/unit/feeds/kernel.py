@@ -36,11 +36,11 @@ class Kernel:
         assert self.run("open", OPEN.format(path=str(path)))["status"] == "ok"
 
     def start(self, cell: str, code: str) -> str:
-        """Run a cell without waiting for it."""
+        """Run a cell without waiting for it. An error in it does not abort the next one, should that come at once."""
         message = self._client.session.msg(
             "execute_request", {"code": code, "silent": False}, metadata={"cellId": cell}
         )
-        message["content"].update(store_history=True, user_expressions={}, allow_stdin=False, stop_on_error=True)
+        message["content"].update(store_history=True, user_expressions={}, allow_stdin=False, stop_on_error=False)
         self._client.shell_channel.send(message)
         return str(message["header"]["msg_id"])
 

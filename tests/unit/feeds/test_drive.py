@@ -456,9 +456,8 @@ def test_a_zero_that_cannot_be_sent_is_logged(driven: Driven, caplog: pytest.Log
     script.broken = "the script is read only"
     with pytest.raises(FeedError, match="cannot stop: the script is read only; zero follows when it can be sent"):
         feed.stop()
-    assert [record.message for record in caplog.records] == [
-        "the robot could not be told to stop: the script is read only"
-    ]
+    text = "the robot could not be told to stop: the script is read only"
+    wait_for(lambda: [record.message for record in caplog.records] == [text], "it is logged")
 
 
 def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
