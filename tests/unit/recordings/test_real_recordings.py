@@ -81,7 +81,7 @@ ODD = {
     "sqlite_wbag_split": ({}, [NO_WIDGET]),
     "mcap_multiple_files_no_metadata": ({}, [NO_WIDGET]),
     "sqlite_multiple_files_no_metadata": ({}, [NO_WIDGET]),
-    "intel_time_goes_back.log.gz": ({"FLASER": 910, "ODOM": 13631}, ["the clock goes back ", "FLASER: nothing before "]),
+    "intel_time_goes_back.log.gz": ({"FLASER": 910, "ODOM": 13631}, ["the clock goes back ", "FLASER: nothing before"]),
     "orebro_times_all_zero.log.gz": ({"FLASER": 237, "ODOM": 18}, ["the clock stood still (1 different time in 255"]),
     "belgioioso_two_times.log.gz": (
         {"FLASER": 395, "ODOM": 4047},
