@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ._core.footprint import Footprint
 from ._core.short_traceback import shorten_tracebacks
 from ._together import together
 from .drive_widget import DriveWidget
@@ -35,6 +36,7 @@ __all__ = [
     "SAMPLE",
     "Arc",
     "DriveWidget",
+    "Footprint",
     "LaserWidget",
     "Line",
     "Points",

@@ -10,6 +10,7 @@ import numpy as np
 import traitlets
 
 from ._core.base_widget import bundle, nearest_name, refuse_unnamed
+from ._core.footprint import HasFootprint
 from ._core.ghost import HasGhost
 from ._core.robot_widget import FRAME_HEADER
 from ._core.sectors import HasSectors
@@ -66,7 +67,7 @@ class Distances(traitlets.TraitType[Any, Any]):
         return distances
 
 
-class LaserWidget(HasGhost, HasSectors, DrawsShapes):
+class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     """A laser scan, live: its detection area to scale, range arcs, labelled rays, and every ray with its number.
 
     The reader sees a gray sector from range_min to range_max over the swept angle, the robot at its centre, forward up

@@ -51,11 +51,12 @@ _LISTEN = """() => {
     const { prototype } = CanvasRenderingContext2D;
     const { fillText, clearRect } = prototype;
     prototype.fillText = function (text, ...place) {
-        this.canvas.words = [...(this.canvas.words ?? []), [text, place[0], place[1]]];
+        this.canvas.words = [...(this.canvas.words ?? []), text];
+        this.canvas.places = [...(this.canvas.places ?? []), [text, place[0], place[1]]];
         fillText.call(this, text, ...place);
     };
     prototype.clearRect = function (...box) {
-        this.canvas.words = [];
+        this.canvas.words = this.canvas.places = [];
         clearRect.apply(this, box);
     };
 }"""
@@ -82,12 +83,12 @@ def listen(page: Page) -> None:
 
 def words(card: Locator) -> set[str]:
     """The words that stand in the picture now, since `listen`."""
-    return {text for text, _, _ in placed_words(card)}
+    return set(card.evaluate("(card) => [...card.querySelectorAll('.rw-layer')].flatMap((layer) => layer.words)"))
 
 
 def placed_words(card: Locator) -> list[tuple[str, float, float]]:
     """The words that stand in the picture now, since `listen`, each with the place at which it is aligned."""
-    return card.evaluate("(card) => [...card.querySelectorAll('.rw-layer')].flatMap((layer) => layer.words)")  # type: ignore[no-any-return]
+    return card.evaluate("(card) => [...card.querySelectorAll('.rw-layer')].flatMap((layer) => layer.places)")  # type: ignore[no-any-return]
 
 
 class Picture:

@@ -1,5 +1,6 @@
 import type { AngleUnit } from "../shared/format.ts";
 import type { SampleTraits } from "../shared/traits.ts";
+import type { Footprint } from "./footprint.ts";
 import type { Sector, Stretch } from "./sector.ts";
 
 /** The picked sector: a kept one by its name, another one with its angles and limits, or none. */
@@ -43,6 +44,8 @@ export interface LaserTraits extends SampleTraits {
   /** Indices of rays by name. */
   _pins: Record<string, number>;
   _highlight: Highlight;
+  /** The robot to scale; empty: none. */
+  _robot: Partial<Footprint>;
   /** In which angles are shown. */
   angle_unit: AngleUnit;
   /** Whether the pop-up of the pinned ray shows how its angle is worked out. */

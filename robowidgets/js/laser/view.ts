@@ -19,6 +19,7 @@ import { Legend } from "./legend.ts";
 import { PinLayer } from "./pin_layer.ts";
 import { PointerLayer } from "./pointer.ts";
 import { ReadingLayer } from "./reading_layer.ts";
+import { RobotLayer } from "./robot_layer.ts";
 import type { Scan } from "./scan.ts";
 import { Scene, SETTINGS } from "./scene.ts";
 import { SectorLayer } from "./sector_layer.ts";
@@ -68,6 +69,7 @@ export class LaserView implements Host {
       new FreeLayer(model, stream),
       new GuideLayer(model, this.#scene.measure),
       new GhostLayer(this.#ghost),
+      new RobotLayer(this),
       new ConditionLayer(stream),
       new ReadingLayer(model),
       new ShapeLayer(this),

@@ -1,0 +1,129 @@
+"""The robot to scale on a laser widget: its outline, its bumpers and its speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import traitlets
+
+from ..samples.checks import finite, in_radians
+from ..samples.sector import Asked, to_sector
+
+FARTHEST = 100.0
+"""Metres from the middle of a robot to its outline."""
+MOST_CORNERS = 200
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """The outline of a robot from above, in its own frame: x forward and y to the left in metres (REP-103).
+
+    Args:
+        radius: of a round robot, metres.
+        polygon: instead of a radius, three or more corners (x, y) in their order, round the middle of the robot.
+        bumpers: by the name of a touch sensor, the part of the outline that it covers: two angles counter-clockwise, or
+            whatever else takes a sector.
+        scanner: where the scanner is on the robot: (x, y) in metres, or (x, y, yaw) with radians or text like "180deg".
+        speed: the `SpeedWidget` whose measured speed is the arrow. None: the one in the laser's view, if there is one.
+        touch: the `TouchWidget` whose sensors are the bumpers. None: the one in the laser's view, if there is one.
+
+    Raises:
+        TypeError: something is no number, no sector or no such widget.
+        ValueError: there is neither a radius nor a polygon, or both, or a number is out of range.
+
+    Example:
+        >>> body = Footprint(radius=0.18, bumpers={"left": ("15deg", "80deg"), "right": ("-80deg", "-15deg")})
+    """
+
+    radius: float | None = None
+    polygon: Sequence[tuple[float, float]] = ()
+    bumpers: Mapping[str, Asked] = field(default_factory=dict)
+    scanner: Sequence[Any] = (0.0, 0.0, 0.0)
+    speed: Any = None
+    touch: Any = None
+
+    def __post_init__(self) -> None:
+        corners = tuple(_numbers("polygon", corner, "(x, y)") for corner in self.polygon)
+        if (self.radius is None) != bool(corners):
+            raise ValueError(
+                f"Footprint: expected a radius or a polygon, got {self.radius!r} and {len(corners)} corners"
+            )
+        if corners and not 3 <= len(corners) <= MOST_CORNERS:
+            raise ValueError(f"polygon: expected 3 to {MOST_CORNERS} corners, got {len(corners)}")
+        if self.radius is not None:
+            radius = finite("radius", self.radius, "metres")
+            if not 0 < radius <= FARTHEST:
+                raise ValueError(f"radius: expected metres above 0, {FARTHEST:g} at most, got {self.radius!r}")
+            object.__setattr__(self, "radius", radius)
+        if not isinstance(self.bumpers, Mapping) or not all(isinstance(name, str) for name in self.bumpers):
+            raise TypeError(f"bumpers: expected sectors by the names of touch sensors, got {self.bumpers!r}")
+        *place, yaw = self.scanner if len(self.scanner) == 3 else (*self.scanner, 0.0)
+        scanner = (*_numbers("scanner", place, "(x, y) or (x, y, yaw)"), in_radians("yaw of the scanner", yaw))
+        for name, widget in (("speed", self.speed), ("touch", self.touch)):
+            if widget is not None and getattr(widget, "sample_name", None) != name:
+                raise TypeError(f"{name}: expected a {name.title()}Widget, got {widget!r}")
+        object.__setattr__(self, "polygon", corners)
+        object.__setattr__(self, "bumpers", MappingProxyType({n: to_sector(s) for n, s in self.bumpers.items()}))
+        object.__setattr__(self, "scanner", scanner)
+
+
+class HasFootprint(traitlets.HasTraits):
+    """A laser widget that shows the robot to scale."""
+
+    _robot = traitlets.Dict(help="The fields of a footprint, and the models of its widgets; empty: none.").tag(
+        sync=True, echo_update=False
+    )
+
+    _footprint: Footprint | None = None
+    _group: Any
+
+    @property
+    def footprint(self) -> Footprint | None:
+        """The robot to scale, with its bumpers and an arrow for where it gets in two seconds; None: an arrow head.
+
+        Bumpers and speed are those of the moment on show, frozen or not.
+
+        Raises:
+            TypeError: something else is assigned.
+
+        Example:
+            >>> laser.footprint = Footprint(radius=0.18, speed=speed, touch=touch)  # doctest: +SKIP
+        """
+        return self._footprint
+
+    @footprint.setter
+    def footprint(self, footprint: Footprint | None) -> None:
+        if footprint is not None and not isinstance(footprint, Footprint):
+            raise TypeError(f"footprint: expected a Footprint or None, got {footprint!r}")
+        self._footprint = footprint
+        if footprint is None:
+            self._robot = {}
+            return
+        sectors = {name: to_sector(sector) for name, sector in footprint.bumpers.items()}
+        self._robot = {
+            "radius": footprint.radius,
+            "polygon": [list(corner) for corner in footprint.polygon],
+            "bumpers": {name: {"start": one.start, "end": one.end} for name, one in sectors.items()},
+            "scanner": list(footprint.scanner),
+            "speed": self._model_of("speed", footprint.speed),
+            "touch": self._model_of("touch", footprint.touch),
+        }
+
+    def _model_of(self, kind: str, widget: Any) -> str:
+        """The model of a widget, or of the only one of its kind in this view; empty for none."""
+        found = [one for one in self._group if one.sample_name == kind] if widget is None else [widget]
+        return found[0].model_id if len(found) == 1 else ""
+
+
+def _numbers(name: str, values: Any, form: str) -> tuple[float, ...]:
+    try:
+        x, y = values
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected {form} in metres, got {values!r}") from None
+    given = tuple(finite(name, value, "metres") for value in (x, y))
+    if max(map(abs, given)) > FARTHEST:
+        raise ValueError(f"{name}: expected metres within ±{FARTHEST:g}, got {values!r}")
+    return given
