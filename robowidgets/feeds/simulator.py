@@ -115,6 +115,21 @@ class Simulated:
         return wander_about(self._robot)
 
 
+class SimulatorFeed(Feed):
+    """A feed of the built-in robot.
+
+    Args:
+        robot, hz, wander: as `simulator` takes them.
+
+    Attributes:
+        robot: the simulated robot, for `robowidgets.simulator.View`.
+    """
+
+    def __init__(self, robot: Robot, hz: float, wander: bool) -> None:
+        self.robot = robot
+        super().__init__(Simulated(robot, hz, wander))
+
+
 def simulator(
     robot: Robot | None = None,
     *,
@@ -122,7 +137,7 @@ def simulator(
     hz: float = 10.0,
     seed: int = 1,
     wander: bool = True,
-) -> Feed:
+) -> SimulatorFeed:
     """A feed of the built-in robot, which needs no middleware: it wanders about a house until it is driven.
 
     Its topics are /scan, /odom, /cmd_vel and /bumper.
@@ -157,4 +172,4 @@ def simulator(
     if robot is None:
         world = room if isinstance(room, World) else room_of("house" if room is None else room, seed)
         robot = Robot(world, seed=seed)
-    return Feed(Simulated(robot, hz, wander))
+    return SimulatorFeed(robot, hz, wander)

@@ -17,7 +17,8 @@ from .motors import Motors
 from .robot import Pose, Robot
 from .rooms import room
 from .scanner import Scanner
+from .view import View
 from .wander import wander
 from .world import World
 
-__all__ = ["Motors", "Pose", "Robot", "Scanner", "World", "room", "wander"]
+__all__ = ["Motors", "Pose", "Robot", "Scanner", "View", "World", "room", "wander"]

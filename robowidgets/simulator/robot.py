@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import cos, pi, sin
 from typing import NamedTuple
 
@@ -18,6 +18,8 @@ from .world import World, to_pose
 
 _LONGEST_STEP = 60.0
 _SUBSTEP_NS = 10_000_000
+_EXACT = 1e-6
+"""Metres that a body may reach into what it touches, by rounding."""
 
 
 class Pose(NamedTuple):
@@ -77,9 +79,10 @@ class Robot:
                 raise TypeError(f"{name}: expected {kind.__name__}, got {value!r}")
         if seed < 0:
             raise ValueError(f"seed: expected 0 or more, got {seed}")
-        self.world = world
+        self._world = world
         self._lock = threading.Lock()
         """Held while the robot moves and measures: a page may move it meanwhile."""
+        self._watchers: list[Callable[[], None]] = []
         self.radius = finite("radius", radius, "metres")
         if self.radius <= 0:
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
@@ -105,6 +108,29 @@ class Robot:
         """The true pose of the robot."""
         return self._pose
 
+    @property
+    def scan_pose(self) -> Pose:
+        """The pose at which the newest scan was taken."""
+        return self._scan_pose
+
+    @property
+    def world(self) -> World:
+        """The world in which it drives. Another one may be set meanwhile, in which the robot has room where it is.
+
+        Raises:
+            TypeError: no world. ValueError: a wall or an obstacle of it is where the robot is.
+        """
+        return self._world
+
+    @world.setter
+    def world(self, world: World) -> None:
+        if not isinstance(world, World):
+            raise TypeError(f"world: expected World, got {world!r}")
+        with self._lock:
+            self._check_room(world, self._pose.x, self._pose.y, self.radius - _EXACT)
+            self._world = world
+        self._call_watchers()
+
     def move_to(self, x: float, y: float, yaw: float) -> None:
         """Put the robot at another pose, metres and radians within ±2 pi; it keeps its speed.
 
@@ -114,6 +140,7 @@ class Robot:
         pose = self._fitting(*to_pose("pose", (x, y, yaw)))
         with self._lock:
             self._pose = pose
+        self._call_watchers()
 
     def drive(self, linear: float, angular: float) -> None:
         """Command a speed, m/s forward and rad/s counter-clockwise, until the next call."""
@@ -134,6 +161,16 @@ class Robot:
                     self._scan_number += 1
                     self._scan_pose = self._pose
                     self._scan = None
+        self._call_watchers()
+
+    def watch(self, on_change: Callable[[], None]) -> None:
+        """Call a function after each step and whenever the robot or its world is changed, in the thread that did it."""
+        self._watchers.append(on_change)
+
+    def forget(self, on_change: Callable[[], None]) -> None:
+        """Remove a function that was added by `watch`."""
+        if on_change in self._watchers:
+            self._watchers.remove(on_change)
 
     def scan(self) -> Scan:
         """The newest scan; the same object until the scanner, at its own rate, has taken the next."""
@@ -162,13 +199,20 @@ class Robot:
         return Speed((linear, 0.0, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link")
 
     def _fitting(self, x: float, y: float, yaw: float) -> Pose:
-        room = self.world.clearance(x, y)
-        if room < self.radius:
+        self._check_room(self.world, x, y, self.radius)
+        return Pose(x, y, _wrapped(yaw))
+
+    def _check_room(self, world: World, x: float, y: float, radius: float) -> None:
+        room = world.clearance(x, y)
+        if room < radius:
             raise ValueError(
                 f"pose: expected a place with {self.radius:g} m of room, got ({x:g}, {y:g}), "
                 f"{room:.3f} m from the nearest wall or obstacle"
             )
-        return Pose(x, y, _wrapped(yaw))
+
+    def _call_watchers(self) -> None:
+        for on_change in list(self._watchers):
+            on_change()
 
     def _around(self, x: float, y: float) -> World:
         """The part of the world that the body may touch: pushed out, it moves by less than its size."""

@@ -14,6 +14,7 @@ import pytest
 import traitlets
 
 from robowidgets import DriveWidget
+from robowidgets.simulator import View
 
 from ..conftest import ROOT
 
@@ -75,6 +76,8 @@ def kinds(written: str) -> set[str]:
 
 def widget_class(name: str) -> type[traitlets.HasTraits]:
     """The class of a widget, by the name of its module."""
+    if name == "simulator":
+        return View
     found: type[traitlets.HasTraits] = getattr(import_module(f"robowidgets.{name}_widget"), f"{name.title()}Widget")
     return found
 

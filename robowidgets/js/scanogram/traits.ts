@@ -1,5 +1,5 @@
 import type { Mark } from "../shared/marks.ts";
-import type { CardTraits } from "../shared/traits.ts";
+import type { FrameTraits } from "../shared/traits.ts";
 
 /** Seconds from the start. */
 export type Span = [number, number];
@@ -7,7 +7,7 @@ export type Span = [number, number];
 /** Which of the readings that share a pixel is shown. */
 export type Pixel = "nearest" | "median";
 
-export interface ScanogramTraits extends CardTraits {
+export interface ScanogramTraits extends FrameTraits {
   time: number;
   /** Start and end; of some rays also the first, and the first that is not among them. */
   selection: number[] | null;

@@ -6,15 +6,19 @@ export interface NamedTraits {
   _css: string;
 }
 
-/** Of a widget with a picture between header and footer. */
+/** Of a widget with a card: a picture between header and footer. */
 export interface CardTraits extends NamedTraits {
   footer: boolean;
+}
+
+/** Of a widget whose card shows frames and what is said about them. */
+export interface FrameTraits extends CardTraits {
   _frame: DataView;
   _about: About;
 }
 
 /** Of a widget that shows the newest of many samples. */
-export interface SampleTraits extends CardTraits {
+export interface SampleTraits extends FrameTraits {
   paused: boolean;
   /** Name of the group of widgets that are frozen and stepped together; empty: alone. */
   _together: string;

@@ -1,0 +1,84 @@
+import { type Model, onMessage } from "../shared/model.ts";
+import { type Pose, type Scene, type Thing, withThing } from "./scene.ts";
+import type { SimulatorTraits } from "./traits.ts";
+
+/** What the page asks of Python. */
+export type Edit =
+  | { act: "robot"; x: number; y: number; yaw: number }
+  | { act: "put"; x: number; y: number }
+  | { act: "move"; index: number; x: number; y: number }
+  | { act: "remove"; index: number };
+
+/** Python's answer to an edit: why it was not made; empty if it was. */
+interface Answer {
+  edit: string;
+  refused: string;
+}
+
+/** Milliseconds between two messages of a drag. */
+const SPACING_MS = 50;
+
+/**
+ * Edits of the page that Python has not made yet. The thing is shown where a person has put it until Python has
+ * answered the last edit, which a busy kernel may do late, and has sent what follows from it.
+ */
+export class Edits {
+  readonly #model: Model<SimulatorTraits>;
+  readonly #name: string;
+  readonly #onRefused: (why: string) => void;
+  #count = 0;
+  #sentAt = 0;
+  #waiting: { thing: Thing; pose: Pose } | null = null;
+  #isAnswered = false;
+
+  /** @param name unique among the views of all pages */
+  constructor(model: Model<SimulatorTraits>, name: string, onRefused: (why: string) => void, signal: AbortSignal) {
+    this.#model = model;
+    this.#name = name;
+    this.#onRefused = onRefused;
+    onMessage(model, (answer: Answer) => this.#onAnswer(answer), signal);
+  }
+
+  /** The thing that is shown elsewhere than Python has it. */
+  get thing(): Thing | null {
+    return this.#waiting?.thing ?? null;
+  }
+
+  /** The scene as a person has left it. */
+  apply(scene: Scene): Scene {
+    return this.#waiting ? withThing(scene, this.#waiting.thing, this.#waiting.pose) : scene;
+  }
+
+  /** Moves a thing. During a drag not every place is sent, but the last one. */
+  move(thing: Thing, pose: Pose, isDrag = false): void {
+    this.#waiting = { thing, pose };
+    this.#isAnswered = false;
+    if (isDrag && performance.now() - this.#sentAt < SPACING_MS) return;
+    const { x, y, yaw } = pose;
+    this.send(typeof thing === "number" ? { act: "move", index: thing, x, y } : { act: "robot", x, y, yaw });
+  }
+
+  send(edit: Edit): void {
+    this.#sentAt = performance.now();
+    this.#count++;
+    try {
+      this.#model.send({ ...edit, edit: `${this.#name}-${this.#count}` });
+    } catch {
+      this.#waiting = null;
+      this.#onRefused("the kernel is gone");
+    }
+  }
+
+  /** Python has sent a frame. */
+  onFrame(): void {
+    if (this.#isAnswered) this.#waiting = null;
+  }
+
+  #onAnswer({ edit, refused }: Answer): void {
+    if (edit !== `${this.#name}-${this.#count}`) return;
+    this.#isAnswered = true;
+    if (!refused) return;
+    this.#waiting = null;
+    this.#onRefused(refused);
+  }
+}

@@ -1,0 +1,307 @@
+import { Layer, type Surface, watchSize } from "../shared/canvas.ts";
+import { Card } from "../shared/card.ts";
+import { make, makeButton, setText } from "../shared/dom.ts";
+import { isPlain, on } from "../shared/events.ts";
+import { toDegrees, toFixed, toMany } from "../shared/format.ts";
+import { lacksKernel, type Model, onChange } from "../shared/model.ts";
+import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
+import { drawFloor, drawFree, drawThings, drawWalls } from "./draw.ts";
+import { Edits } from "./edits.ts";
+import {
+  BELOW,
+  boundsOf,
+  draggedTo,
+  fit,
+  MARGIN,
+  movedBy,
+  type Place,
+  type Pose,
+  type Projection,
+  poseOf,
+  type Scene,
+  type Thing,
+  thingAt,
+  toFloor,
+  toScene,
+  toWalls,
+} from "./scene.ts";
+import type { SimulatorTraits } from "./traits.ts";
+
+/** Pixels round a thing within which it is grabbed, by mouse or pen and by touch. */
+const SLOP = 6;
+const TOUCH_SLOP = 16;
+/** Metres from the middle of the robot to an obstacle that the key puts ahead of it. */
+const AHEAD = 0.9;
+const HINT = "drag the robot or an obstacle \u00B7 press o for another";
+
+interface Drag {
+  thing: Thing;
+  pointer: number;
+  before: Pose;
+  hasMoved: boolean;
+}
+
+/** A simulated robot in its room, from above. Python has the room; what a person moves is sent to it. */
+export class SimulatorView {
+  readonly #model: Model<SimulatorTraits>;
+  readonly #card: Card;
+  readonly #edits: Edits;
+  readonly #layers: [Layer, Layer, Layer];
+  readonly #pose = make("span", "");
+  readonly #pointed = make("span", "");
+  readonly #put: HTMLButtonElement;
+  readonly #remove: HTMLButtonElement;
+  readonly #redraw: () => void;
+  readonly #tell: () => void;
+  #surface: Surface = { width: 0, height: 0, ratio: 1 };
+  #scene: Scene | null;
+  #walls: Float32Array;
+  #projection: Projection | null = null;
+  #selected: Thing = "robot";
+  #drag: Drag | null = null;
+  #pointer: Place | null = null;
+  #drawnFloor = "";
+
+  constructor(model: Model<SimulatorTraits>, element: HTMLElement, signal: AbortSignal) {
+    this.#model = model;
+    this.#scene = toScene(model.get("_frame"));
+    this.#walls = toWalls(model.get("_walls"));
+    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
+    const onTheme = () => {
+      this.#drawnFloor = "";
+      this.#redraw();
+    };
+    this.#card = new Card(element, "simulator", model, onTheme, signal);
+    const { picture, controls, footer } = this.#card;
+    this.#layers = [new Layer(picture), new Layer(picture), new Layer(picture)];
+    this.#edits = new Edits(model, crypto.randomUUID().slice(0, 8), (why) => this.#onRefused(why), signal);
+    this.#put = makeButton("", "Put an obstacle: press, then press a place", () => this.#onPut(), signal, "Obstacle");
+    this.#put.ariaPressed = "false";
+    this.#remove = makeButton("", "Remove the selected obstacle", () => this.#onRemove(), signal, "Remove");
+    controls.append(this.#put, this.#remove);
+    footer.append(this.#pose, this.#pointed);
+    this.#tell = throttle(() => this.#updateText(), READING_MS, signal);
+    onChange(model, ["_frame"], () => this.#onFrame(), signal);
+    onChange(model, ["_walls"], () => this.#onWalls(), signal);
+    this.#watchInput(picture, signal);
+    const onSize = (surface: Surface) => {
+      this.#surface = surface;
+      this.#redraw();
+    };
+    watchSize(picture, onSize, signal)();
+  }
+
+  #onFrame(): void {
+    this.#scene = toScene(this.#model.get("_frame"));
+    this.#edits.onFrame();
+    if (typeof this.#selected === "number" && !this.#scene?.obstacles[this.#selected]) this.#selected = "robot";
+    this.#redraw();
+  }
+
+  #onWalls(): void {
+    this.#walls = toWalls(this.#model.get("_walls"));
+    this.#drawnFloor = "";
+    this.#redraw();
+  }
+
+  /** The scene as a person has left it. */
+  get #shown(): Scene | null {
+    return this.#scene && this.#edits.apply(this.#scene);
+  }
+
+  #draw(): void {
+    const scene = this.#shown;
+    this.#card.updateFrame(scene ? [] : ["waiting for the robot"], "status");
+    if (!scene) return;
+    const bounds = boundsOf(this.#walls, this.#drag ? (this.#scene as Scene) : scene);
+    const { picture, theme } = this.#card;
+    const [wide, high] = [bounds.east - bounds.west, bounds.north - bounds.south];
+    picture.style.aspectRatio = `${50 * wide + 2 * MARGIN} / ${50 * high + MARGIN + BELOW}`;
+    const { width, height } = this.#surface;
+    if (!width || !height) return;
+    const projection = fit(bounds, this.#surface);
+    this.#projection = projection;
+    const [floor, free, things] = this.#layers;
+    const key = JSON.stringify([bounds, this.#surface]);
+    if (key !== this.#drawnFloor) {
+      this.#drawnFloor = key;
+      drawFloor(floor.begin(this.#surface), projection, theme);
+    }
+    drawFree(free.begin(this.#surface), projection, scene, theme);
+    const context = things.begin(this.#surface);
+    drawWalls(context, projection, this.#walls, theme);
+    const isActive = picture.matches(":focus-within, :hover") && !lacksKernel(this.#model);
+    drawThings(context, projection, scene, isActive ? this.#selected : null, this.#edits.thing, theme);
+    this.#tell();
+  }
+
+  #updateText(): void {
+    const scene = this.#shown;
+    if (!scene) return;
+    const { robot, obstacles, time } = scene;
+    const { picture } = this.#card;
+    const isEditable = !lacksKernel(this.#model);
+    const { west, east, south, north } = boundsOf(this.#walls, scene);
+    this.#card.updateFacts([
+      `${toFixed(east - west, 1)} \u00D7 ${toFixed(north - south, 1)} m`,
+      `${toFixed(time, 1)} s`,
+    ]);
+    const words = `${toWords(robot)} \u00B7 ${toDegrees(robot.yaw)}`;
+    setText(this.#pose, words);
+    setText(this.#pointed, this.#pointer ? toWords(this.#pointer) : isEditable ? HINT : "");
+    this.#put.disabled = !isEditable;
+    this.#remove.disabled = !isEditable || typeof this.#selected !== "number";
+    picture.ariaLabel = `robot at ${words}, ${toMany(obstacles.length, "obstacle")}`;
+    picture.ariaDescription =
+      "n: next thing. Arrows: move it. Brackets: turn the robot. o: put an obstacle ahead. Delete: remove it.";
+  }
+
+  #onRefused(why: string): void {
+    this.#card.say([why]);
+    this.#redraw();
+  }
+
+  // Buttons
+
+  get #isPutting(): boolean {
+    return this.#put.ariaPressed === "true";
+  }
+
+  #onPut(isOn = !this.#isPutting): void {
+    this.#put.ariaPressed = String(isOn);
+    this.#card.picture.dataset.cursor = isOn ? "put" : "";
+  }
+
+  #onRemove(): void {
+    if (typeof this.#selected !== "number") return;
+    this.#edits.send({ act: "remove", index: this.#selected });
+    this.#select("robot");
+    this.#card.say(["obstacle removed"]);
+  }
+
+  #select(thing: Thing): void {
+    this.#selected = thing;
+    this.#redraw();
+  }
+
+  // Pointer
+
+  #watchInput(picture: HTMLElement, signal: AbortSignal): void {
+    const toPoint = ({ clientX, clientY }: { clientX: number; clientY: number }): Place => {
+      const { left, top } = picture.getBoundingClientRect();
+      return { x: clientX - left, y: clientY - top };
+    };
+    on(picture, "pointerdown", (event) => event.button === 0 && this.#onDown(event, toPoint(event)), signal);
+    on(picture, "pointermove", (event) => this.#onMove(event, toPoint(event)), signal);
+    on(picture, "pointerup", (event) => this.#onUp(event, toPoint(event)), signal);
+    on(picture, "pointercancel", () => this.#cancel(), signal);
+    on(picture, "pointerleave", () => this.#onLeave(), signal);
+    // A finger on a thing drags it; elsewhere it scrolls the page.
+    const onTouch = (event: TouchEvent) => {
+      const [touch] = event.touches;
+      if (touch && event.touches.length === 1 && this.#thingAt(toPoint(touch), true) !== null) event.preventDefault();
+    };
+    on(picture, "touchstart", onTouch, signal, { passive: false });
+    on(this.#card.root, "keydown", (event) => this.#onKey(event), signal);
+    for (const type of ["focusin", "focusout"] as const) on(picture, type, this.#redraw, signal);
+  }
+
+  #thingAt(point: Place, isTouch: boolean): Thing | null {
+    const scene = this.#shown;
+    if (!scene || !this.#projection || lacksKernel(this.#model)) return null;
+    return thingAt(this.#projection, scene, point, isTouch ? TOUCH_SLOP : SLOP);
+  }
+
+  #onDown(event: PointerEvent, point: Place): void {
+    const scene = this.#shown;
+    if (!scene || !this.#projection || lacksKernel(this.#model) || this.#drag) return;
+    if (this.#isPutting) {
+      this.#edits.send({ act: "put", ...toFloor(this.#projection, point) });
+      this.#onPut(false);
+      return;
+    }
+    const thing = this.#thingAt(point, event.pointerType === "touch");
+    if (thing === null) return;
+    this.#select(thing === "heading" ? "robot" : thing);
+    this.#drag = { thing, pointer: event.pointerId, before: poseOf(scene, thing), hasMoved: false };
+    this.#card.picture.setPointerCapture(event.pointerId);
+    this.#card.picture.dataset.cursor = "grabbing";
+  }
+
+  #onMove({ pointerId, pointerType }: PointerEvent, point: Place): void {
+    if (!this.#projection) return;
+    this.#pointer = toFloor(this.#projection, point);
+    const drag = this.#drag;
+    if (drag && pointerId === drag.pointer) {
+      drag.hasMoved = true;
+      this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, this.#pointer), true);
+    } else if (pointerType !== "touch" && !this.#isPutting) {
+      this.#card.picture.dataset.cursor = this.#thingAt(point, false) === null ? "" : "grab";
+    }
+    this.#redraw();
+  }
+
+  #onUp({ pointerId }: PointerEvent, point: Place): void {
+    const drag = this.#drag;
+    if (!drag || pointerId !== drag.pointer || !this.#projection) return;
+    this.#drag = null;
+    this.#card.picture.dataset.cursor = "";
+    // A click selects, and moves nothing.
+    if (drag.hasMoved)
+      this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, toFloor(this.#projection, point)));
+    this.#redraw();
+  }
+
+  #onLeave(): void {
+    this.#pointer = null;
+    this.#redraw();
+  }
+
+  /** Puts back what is dragged; returns whether something was. */
+  #cancel(): boolean {
+    const drag = this.#drag;
+    if (drag) this.#edits.move(drag.thing, drag.before);
+    this.#drag = null;
+    this.#redraw();
+    return drag !== null;
+  }
+
+  // Keys
+
+  #onKey(event: KeyboardEvent): void {
+    const scene = this.#shown;
+    if (!scene || !(isPlain(event) || event.getModifierState?.("AltGraph")) || lacksKernel(this.#model)) return;
+    if (this.#takeKey(event.key, event.shiftKey, scene)) event.preventDefault();
+  }
+
+  #takeKey(key: string, isShift: boolean, scene: Scene): boolean {
+    const thing = this.#selected;
+    const pose = movedBy(key, isShift, poseOf(scene, thing));
+    if (pose) {
+      this.#edits.move(thing, pose);
+      this.#card.say([`${toName(thing)} at ${toWords(pose)}`, thing === "robot" ? toDegrees(pose.yaw) : ""]);
+    } else if (key === "n" || key === "p") {
+      const count = scene.obstacles.length + 1;
+      const next = ((typeof thing === "number" ? thing + 1 : 0) + (key === "n" ? 1 : count - 1)) % count;
+      this.#select(next ? next - 1 : "robot");
+      this.#card.say([`${toName(this.#selected)} at ${toWords(poseOf(scene, this.#selected))}`]);
+    } else if (key === "o") {
+      const { x, y, yaw } = scene.robot;
+      this.#edits.send({ act: "put", x: x + AHEAD * Math.cos(yaw), y: y + AHEAD * Math.sin(yaw) });
+      this.#card.say(["obstacle ahead"]);
+    } else if (key === "Delete" || key === "Backspace") this.#onRemove();
+    else if (key === "Escape") {
+      if (!this.#cancel() && this.#isPutting) this.#onPut(false);
+    } else return false;
+    this.#redraw();
+    return true;
+  }
+}
+
+function toWords({ x, y }: Place): string {
+  return `x ${toFixed(x, 2)} y ${toFixed(y, 2)} m`;
+}
+
+function toName(thing: Thing): string {
+  return typeof thing === "number" ? `obstacle ${thing + 1}` : "robot";
+}

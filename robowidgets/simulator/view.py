@@ -1,0 +1,198 @@
+"""A simulated robot in its room on the page, from above."""
+
+from __future__ import annotations
+
+import struct
+import threading
+import time
+from collections import deque
+from collections.abc import Iterable
+from math import hypot
+from typing import Any
+
+import numpy as np
+
+from .._core.base_widget import NamedWidget, bundle
+from .._core.pacer import pacer
+from .._core.platform_fixes import route_by_message
+from .._core.traits import Flag, bytes_trait
+from ..samples import Validity
+from ..samples.checks import finite
+from .robot import Robot
+
+INTERVAL = 1 / 30
+"""Seconds between two pictures, at least."""
+
+HEADER = struct.Struct("<14d")
+"""Time, robot (x, y, yaw, radius), scan (x, y, yaw, angle_min, angle_increment, range_max), numbers of rays, of places
+on the path and of obstacles. The ranges follow, then triples (time, x, y) and (x, y, radius), all as float32."""
+
+PATH_SECONDS = 30.0
+_PATH_STEP = 0.05
+_PUT_RADIUS = 0.2
+_MOST_OBSTACLES = 200
+
+
+class View(NamedWidget):
+    """A simulated robot in its room, from above and to scale, with its readings and the path of the last 30 s.
+
+    On the page, robot and obstacles are dragged, the robot is turned by its handle, and obstacles are put and removed:
+    by pointer, touch or keys (``n`` next thing, arrows, ``[`` ``]``, ``o``, Delete). What has no room stays where it
+    was. While a cell computes, the picture goes on where the simulation does, and the page's edits are made as soon as
+    the kernel takes its messages: at once with ipykernel 7, else when the cell ends.
+
+    Args:
+        robot: a `Robot`, or a feed of `robowidgets.feeds.simulator`.
+        title: text for the header.
+        header, footer: whether they are shown.
+
+    Raises:
+        TypeError: something else, or an unknown keyword.
+
+    Example:
+        >>> from robowidgets.simulator import Robot, View, room
+        >>> view = View(Robot(room("maze")))
+        >>> view
+        <View simulator: robot at x 0.90, y 6.30 m, no obstacles>
+    """
+
+    _esm, _css = bundle("simulator_widget")
+
+    footer = Flag(True, help="Whether places stand below the picture.").tag(sync=True)
+    _frame = bytes_trait(echo_update=False)
+    _walls = bytes_trait(echo_update=False)
+
+    def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
+        """Take the robot as a positional argument."""
+        return super().__new__(cls, **kwargs)
+
+    def __init__(self, robot: Any, **kwargs: Any) -> None:
+        simulated = robot if isinstance(robot, Robot) else getattr(robot, "robot", None)
+        if not isinstance(simulated, Robot):
+            raise TypeError(f"View(): expected a robot of robowidgets.simulator, or its feed, got {robot!r}")
+        self._robot = simulated
+        self._shown_world = simulated.world
+        self._send_lock = threading.RLock()
+        self._path: deque[tuple[float, float, float]] = deque()
+        self._marked_at = 0.0
+        self._sent = b""
+        super().__init__(**{"title": "simulator", **kwargs})
+        self._walls = simulated.world.walls.astype("<f4").tobytes()
+        self._frame = self._sent = self._pack()
+        self.on_msg(self._on_page)
+        simulated.watch(self._on_step)
+
+    def open(self) -> None:
+        """Connect to the page."""
+        super().open()
+        route_by_message(self.comm)
+
+    def close(self) -> None:
+        """Remove the widget from the page; the robot goes on."""
+        if "_robot" in vars(self):
+            self._robot.forget(self._on_step)
+            with self._send_lock:
+                super().close()
+                pacer.forget(self)
+
+    def _summary(self) -> str:
+        (x, y, _), count = self._robot.pose, len(self._robot.world.obstacles)
+        return f"robot at x {x:.2f}, y {y:.2f} m, {count or 'no'} obstacle{'' if count == 1 else 's'}"
+
+    # -- to the page ---------------------------------------------------------------------------------------------------
+
+    def _on_step(self) -> None:
+        """Note the path, and have the pacer send the picture. In the thread that steps the robot, or moves it."""
+        robot, path = self._robot, self._path
+        x, y, _ = robot.pose
+        if not path or hypot(x - path[-1][1], y - path[-1][2]) >= _PATH_STEP:
+            path.append((robot.time, x, y))
+        while path and path[0][0] < robot.time - PATH_SECONDS:
+            path.popleft()
+        now = time.monotonic()
+        if now - self._marked_at >= INTERVAL:
+            self._marked_at = now
+            pacer.mark(self)
+        else:
+            pacer.mark_at(self, self._marked_at + INTERVAL)
+
+    def send_newest(self) -> int:
+        """Send the newest picture to the page; returns the number of bytes sent. The pacer calls it."""
+        with self._send_lock:
+            if self.comm is None:
+                return 0
+            self._update()
+            if self._frame == self._sent:
+                return 0
+            self._sent = self._frame
+            super().send_state("_frame")
+            return len(self._sent)
+
+    def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
+        """The synced traits, with the newest picture: what a new view, a reload and a saved notebook get."""
+        if key is None and "_robot" in vars(self):
+            with self._send_lock:
+                self._update()
+        state: dict[str, Any] = super().get_state(key, drop_defaults)
+        return state
+
+    def _update(self) -> None:
+        world = self._robot.world
+        if world.walls is not self._shown_world.walls:
+            self._walls = world.walls.astype("<f4").tobytes()
+        self._shown_world = world
+        # Without sending it, as setting the trait would.
+        self._trait_values["_frame"] = self._pack()
+
+    def _pack(self) -> bytes:
+        robot, path = self._robot, np.array([*self._path], "<f4")
+        scan, (x, y, yaw) = robot.scan(), robot.scan_pose
+        is_met = scan.validity == Validity.READING
+        ranges = np.where(is_met | (scan.validity == Validity.NOTHING_IN_RANGE), scan.ranges, np.nan)
+        obstacles = robot.world.obstacles.astype("<f4")
+        geometry = (scan.angle_min, scan.angle_increment, scan.range_max)
+        counts = (len(ranges), len(path), len(obstacles))
+        header = HEADER.pack(robot.time, *robot.pose, robot.radius, x, y, yaw, *geometry, *counts)
+        return header + ranges.astype("<f4").tobytes() + path.tobytes() + obstacles.tobytes()
+
+    # -- from the page -------------------------------------------------------------------------------------------------
+
+    def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
+        """Make an edit of the page, in the main thread or a subshell's, and answer it."""
+        refused = ""
+        try:
+            self._edit(content)
+        except (TypeError, ValueError, KeyError, IndexError) as error:
+            refused = str(error)
+            self._log_once(f"an edit of the page was not made: {error}")
+        self.send({"edit": content.get("edit") if isinstance(content, dict) else None, "refused": refused})
+        self._on_step()
+
+    def _edit(self, content: Any) -> None:
+        """Make an edit; TypeError, ValueError, KeyError or IndexError if it cannot be made."""
+        if not isinstance(content, dict):
+            raise TypeError(f"expected an edit, got {repr(content)[:60]}")
+        robot, act = self._robot, content["act"]
+        if act == "robot":
+            robot.move_to(content["x"], content["y"], content["yaw"])
+            return
+        obstacles = robot.world.obstacles.tolist()
+        if act == "remove":
+            obstacles.pop(_index(content["index"], obstacles))
+        elif act in ("put", "move"):
+            place = [finite(name, content[name], "metres") for name in "xy"]
+            if act == "move":
+                obstacles[_index(content["index"], obstacles)][:2] = place
+            elif len(obstacles) < _MOST_OBSTACLES:
+                obstacles.append([*place, _PUT_RADIUS])
+            else:
+                raise ValueError(f"expected at most {_MOST_OBSTACLES} obstacles")
+        else:
+            raise ValueError(f"act: expected robot, put, move or remove, got {act!r}")
+        robot.world = robot.world.with_obstacles(obstacles)
+
+
+def _index(index: Any, obstacles: list[Any]) -> int:
+    if type(index) is not int or not 0 <= index < len(obstacles):
+        raise IndexError(f"index: expected an obstacle, 0 to {len(obstacles) - 1}, got {index!r}")
+    return index

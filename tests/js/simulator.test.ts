@@ -1,0 +1,130 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Edits } from "../../robowidgets/js/simulator/edits.ts";
+import {
+  boundsOf,
+  draggedTo,
+  endsOf,
+  fit,
+  handleOf,
+  movedBy,
+  poseOf,
+  type Scene,
+  thingAt,
+  toFloor,
+  toPixel,
+  toScene,
+  toWalls,
+  withThing,
+} from "../../robowidgets/js/simulator/scene.ts";
+import { FakeModel } from "./models.ts";
+
+const ROOM = new Float32Array([-2, -1, 2, -1, 2, -1, 2, 1]);
+
+function scene(): Scene {
+  return {
+    time: 1,
+    robot: { x: 0, y: 0, yaw: Math.PI / 2, radius: 0.2 },
+    scan: {
+      x: 0,
+      y: 0,
+      yaw: 0,
+      angleMin: 0,
+      angleIncrement: Math.PI / 2,
+      rangeMax: 4,
+      ranges: Float32Array.of(1, Infinity, NaN),
+    },
+    path: [],
+    obstacles: [{ x: 1, y: 0.5, radius: 0.25 }],
+  };
+}
+
+function frame(): DataView {
+  const header = [1.5, 1, 2, 0.5, 0.2, 1, 2, 0.4, -1, 0.5, 6, 2, 1, 1];
+  const values = [3, Infinity, 0.5, 0.9, 2, 4, 5, 0.3];
+  const bytes = new DataView(new ArrayBuffer(8 * header.length + 4 * values.length));
+  for (const [i, value] of header.entries()) bytes.setFloat64(8 * i, value, true);
+  for (const [i, value] of values.entries()) bytes.setFloat32(8 * header.length + 4 * i, value, true);
+  return bytes;
+}
+
+test("a frame is read as Python packs it", () => {
+  const { time, robot, scan, path, obstacles } = toScene(frame()) as Scene;
+  assert.deepEqual([time, robot], [1.5, { x: 1, y: 2, yaw: 0.5, radius: 0.2 }]);
+  assert.deepEqual([scan.yaw, scan.rangeMax, [...scan.ranges]], [0.4, 6, [3, Infinity]]);
+  assert.deepEqual(
+    path.map(({ x, y }) => [x, y].map(Math.fround)),
+    [[Math.fround(0.9), 2]],
+  );
+  assert.deepEqual(obstacles, [{ x: 4, y: 5, radius: Math.fround(0.3) }]);
+  assert.equal(toScene(new DataView(new ArrayBuffer(0))), null);
+  assert.equal(toWalls(null).length, 0);
+});
+
+test("a ray that met nothing ends at its reach, and one without a reading nowhere", () => {
+  const [met, free, none] = endsOf(scene().scan);
+  assert.deepEqual([met, none], [{ x: 1, y: 0 }, null]);
+  assert.ok(free && Math.abs(free.y - 4) < 1e-12);
+});
+
+test("the floor holds walls, obstacles and a robot beyond them, and some of a floor without walls", () => {
+  assert.deepEqual(boundsOf(ROOM, scene()), { west: -2, east: 2, south: -1, north: 1 });
+  const away = withThing(scene(), "robot", { x: 5.3, y: 0, yaw: 0 });
+  assert.deepEqual(boundsOf(ROOM, away), { west: -2, east: 6, south: -1, north: 1 });
+  const open = boundsOf(new Float32Array(), { ...scene(), obstacles: [] });
+  assert.deepEqual(open, { west: -4, east: 4, south: -4, north: 4 });
+});
+
+test("the picture is to scale, north up, and places come back from pixels", () => {
+  const projection = fit(boundsOf(ROOM, scene()), { width: 424, height: 440 });
+  assert.equal(projection.scale, 100);
+  const [west, north] = [toPixel(projection, { x: -2, y: 0 }), toPixel(projection, { x: 0, y: 1 })];
+  assert.equal(west.x, 12);
+  assert.equal(west.y - north.y, 100);
+  assert.deepEqual(toFloor(projection, toPixel(projection, { x: 0.5, y: -0.25 })), { x: 0.5, y: -0.25 });
+});
+
+test("the nearest thing within the slop is grabbed", () => {
+  const projection = fit(boundsOf(ROOM, scene()), { width: 424, height: 440 });
+  const at = (x: number, y: number, slop = 6) => thingAt(projection, scene(), toPixel(projection, { x, y }), slop);
+  assert.deepEqual([at(0.1, 0), at(1.1, 0.5), at(-1.5, 0)], ["robot", 0, null]);
+  assert.equal(thingAt(projection, scene(), handleOf(projection, scene().robot), 6), "heading");
+  assert.deepEqual([at(-0.3, 0), at(-0.3, 0, 16)], [null, "robot"]);
+});
+
+test("a thing is dragged, turned and moved by keys", () => {
+  const pose = poseOf(scene(), "robot");
+  assert.deepEqual(draggedTo(pose, "robot", { x: 1, y: 0.5 }), { x: 1, y: 0.5, yaw: Math.PI / 2 });
+  assert.deepEqual(draggedTo(pose, "heading", { x: 1, y: 0 }), { x: 0, y: 0, yaw: 0 });
+  assert.deepEqual(movedBy("ArrowUp", true, { x: 0, y: 0, yaw: 0 }), { x: 0, y: 0.5, yaw: 0 });
+  assert.equal(movedBy("[", false, { x: 0, y: 0, yaw: 0 })?.yaw, Math.PI / 12);
+  assert.equal(movedBy("x", false, pose), null);
+});
+
+test("what was moved stays there until Python has answered the last edit and sent a frame", () => {
+  const model = new FakeModel();
+  const sent: { edit: string; x: number }[] = [];
+  const refusals: string[] = [];
+  const ours = Object.assign(model.model, { send: (content: never) => sent.push(content) });
+  const edits = new Edits(ours, "a", (why) => refusals.push(why), new AbortController().signal);
+  edits.move("robot", { x: 1, y: 0, yaw: 0 }, true);
+  edits.move("robot", { x: 1.5, y: 0, yaw: 0 }, true);
+  edits.move("robot", { x: 1.8, y: 0, yaw: 0 });
+  assert.deepEqual(
+    sent.map(({ x }) => x),
+    [1, 1.8],
+    "a place in between is not sent",
+  );
+  const shown = () => edits.apply(scene()).robot.x;
+  model.tell({ edit: "a-1", refused: "" });
+  edits.onFrame();
+  assert.equal(shown(), 1.8, "an earlier edit");
+  model.tell({ edit: "a-2", refused: "" });
+  assert.equal(shown(), 1.8, "no frame yet");
+  edits.onFrame();
+  assert.equal(shown(), 0);
+  edits.move(0, { x: 9, y: 9, yaw: 0 });
+  assert.equal(edits.apply(scene()).obstacles[0]?.x, 9);
+  model.tell({ edit: "a-3", refused: "no room" });
+  assert.deepEqual([edits.thing, refusals], [null, ["no room"]]);
+});

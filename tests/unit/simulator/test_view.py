@@ -1,0 +1,145 @@
+"""What the view of a simulated robot sends to the page, and which edits of the page it makes."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robowidgets import feeds
+from robowidgets.simulator import Robot, Scanner, View, World, room
+from robowidgets.simulator.view import HEADER, PATH_SECONDS
+
+from ..waiting import wait_for
+
+WORLD = World([(3.0, -2.0, 3.0, 2.0)], [(0.0, 1.5, 0.25)])
+EXACT = Scanner(ray_count=3, field_of_view=3.0, noise=0.0, resolution=0.0, dropout=0.0, range_max=4.0)
+
+
+def shown(view: View) -> tuple[tuple[float, ...], np.ndarray, np.ndarray, np.ndarray]:
+    """Header, ranges, path and obstacles of the state that a new page gets."""
+    frame = view.get_state()["_frame"]
+    header = HEADER.unpack_from(frame)
+    rays, places, discs = (int(count) for count in header[-3:])
+    values = np.frombuffer(frame, "<f4", offset=HEADER.size)
+    assert len(values) == rays + 3 * (places + discs)
+    path, obstacles = values[rays : rays + 3 * places], values[rays + 3 * places :]
+    return header, values[:rays], path.reshape(-1, 3), obstacles.reshape(-1, 3)
+
+
+def edit(view: View, **content: Any) -> str:
+    """The answer to an edit of the page: why it was not made."""
+    answers: list[Any] = []
+    view.send = answers.append  # type: ignore[method-assign]
+    view._on_page(view, {"edit": "a-1", **content}, [])
+    (answer,) = answers
+    assert answer["edit"] == "a-1"
+    return str(answer["refused"])
+
+
+def test_a_page_gets_the_robot_its_scan_its_path_and_the_room() -> None:
+    robot = Robot(WORLD, (0.5, 0.0, 0.0), scanner=EXACT)
+    view = View(robot)
+    robot.drive(0.5, 0.0)
+    for _ in range(20):
+        robot.step(0.05)
+    header, ranges, path, obstacles = shown(view)
+    assert header[:5] == (1.0, *robot.pose, 0.18)
+    assert header[5:8] == tuple(robot.scan_pose)
+    assert header[8:11] == pytest.approx((-1.5, 1.5, 4.0))
+    assert ranges.tolist() == [np.inf, pytest.approx(3.0 - robot.scan_pose.x), np.inf]
+    assert path[-1, 1] == pytest.approx(robot.pose.x, abs=0.1)
+    assert np.diff(path[:, 1]).min() > 0.04
+    assert obstacles.tolist() == [[0.0, 1.5, 0.25]]
+    assert np.frombuffer(view._walls, "<f4").tolist() == [3, -2, 3, 2]
+    assert repr(view) == f"<View simulator: robot at x {robot.pose.x:.2f}, y 0.00 m, 1 obstacle>"
+    view.close()
+
+
+def test_a_path_is_as_long_as_the_page_shows_it() -> None:
+    robot = Robot(World())
+    view = View(robot)
+    robot.drive(0.5, 0.0)
+    for _ in range(int(2 * PATH_SECONDS)):
+        robot.step(1.0)
+    times = shown(view)[2][:, 0]
+    assert (times[0], times[-1]) == (PATH_SECONDS, 2 * PATH_SECONDS)
+
+
+def test_edits_of_the_page_move_robot_and_obstacles() -> None:
+    robot = Robot(WORLD)
+    view = View(robot)
+    assert edit(view, act="robot", x=1.0, y=-1.0, yaw=0.5) == ""
+    assert robot.pose == pytest.approx((1.0, -1.0, 0.5))
+    assert edit(view, act="put", x=-1.0, y=0.0) == ""
+    assert edit(view, act="move", index=0, x=0.5, y=1.0) == ""
+    assert robot.world.obstacles.tolist() == [[0.5, 1.0, 0.25], [-1.0, 0.0, 0.2]]
+    assert robot.world.walls is WORLD.walls
+    assert edit(view, act="remove", index=0) == ""
+    assert shown(view)[3].tolist() == [[-1.0, 0.0, pytest.approx(0.2)]]
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ({"act": "robot", "x": 2.9, "y": 0, "yaw": 0}, "pose: expected a place with 0.18 m of room, got (2.9, 0)"),
+        ({"act": "robot", "x": float("nan"), "y": 0, "yaw": 0}, "pose.x: expected a finite number"),
+        ({"act": "put", "x": 0.1, "y": 0}, "pose: expected a place with 0.18 m of room, got (0, 0)"),
+        ({"act": "put", "x": "<b>", "y": 0}, "x: expected a number, got '<b>'"),
+        ({"act": "move", "index": 1, "x": 0, "y": 0}, "index: expected an obstacle, 0 to 0, got 1"),
+        ({"act": "remove", "index": True}, "index: expected an obstacle, 0 to 0, got True"),
+        ({"act": "fly"}, "act: expected robot, put, move or remove, got 'fly'"),
+        ({"act": "put"}, "x"),
+    ],
+)
+def test_an_edit_that_cannot_be_made_changes_nothing_and_says_why(
+    content: dict[str, Any], words: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    robot = Robot(WORLD)
+    view = View(robot)
+    with caplog.at_level(logging.ERROR):
+        assert words in edit(view, **content)
+    assert robot.world is WORLD
+    assert robot.pose == (0, 0, 0)
+    assert "an edit of the page was not made" in caplog.text
+
+
+def test_obstacles_are_no_more_than_a_room_holds() -> None:
+    robot = Robot(World((), [(1.0 + i, 5.0, 0.1) for i in range(200)]))
+    assert "expected at most 200 obstacles" in edit(View(robot), act="put", x=9.0, y=9.0)
+
+
+def test_it_shows_the_robot_of_a_feed_which_runs_in_a_thread() -> None:
+    with feeds.simulator(room="office", hz=100.0) as feed:
+        view = View(feed)
+        before = shown(view)[0][0]
+        wait_for(lambda: shown(view)[0][0] > before + 0.1, "its time passes")
+        assert edit(view, act="robot", x=5.0, y=3.0, yaw=1.0) == ""
+        wait_for(lambda: shown(view)[0][1] == pytest.approx(5.0, abs=0.3), "it is moved while it runs")
+    with pytest.raises(TypeError, match=r"View\(\): expected a robot of robowidgets.simulator, or its feed, got 'R2'"):
+        View("R2")
+    with pytest.raises(TypeError, match="has no keyword 'titel'; did you mean 'title'"):
+        View(Robot(World()), titel="a")
+
+
+def test_a_closed_view_leaves_the_robot_alone() -> None:
+    robot = Robot(room("maze"))
+    view = View(robot)
+    assert len(robot._watchers) == 1
+    view.close()
+    assert robot._watchers == []
+    robot.step(0.1)
+
+
+def test_another_world_is_taken_where_the_robot_has_room_and_shown() -> None:
+    robot = Robot(WORLD)
+    view = View(robot)
+    robot.world = World([(2.0, -1.0, 2.0, 1.0)])
+    shown(view)
+    assert np.frombuffer(view._walls, "<f4").tolist() == [2, -1, 2, 1]
+    with pytest.raises(ValueError, match=r"pose: expected a place with 0.18 m of room"):
+        robot.world = World([(0.0, -1.0, 0.0, 1.0)])
+    with pytest.raises(TypeError, match="world: expected World, got 'maze'"):
+        robot.world = "maze"  # type: ignore[assignment]
