@@ -117,6 +117,8 @@ LASER = Kind(
     make_reader=ScanReader,
     columns="robowidgets.recordings.columns.scans:Scans",
     rerun="robowidgets.in_rerun.rerun_log:ScanLog",
+    # A room is much smaller than what many scanners can see.
+    options={"view_range": "auto"},
 )
 SPEED = Kind(
     name="speed",

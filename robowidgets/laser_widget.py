@@ -36,13 +36,16 @@ FARTHEST = 100_000
 
 
 class ViewRange(traitlets.TraitType[Any, Any]):
-    """The range of the picture: "sensor", "data", or metres above 0."""
+    """The range of the picture: "sensor", "data", "auto", or metres above 0."""
 
-    info_text = f'"sensor" (range_max), "data" (fit to the readings), or metres above 0, {FARTHEST:,} at most'
+    info_text = (
+        '"sensor" (range_max), "data" (fit to the readings), "auto" (one of them), '
+        f"or metres above 0, {FARTHEST:,} at most"
+    )
 
     def validate(self, obj: Any, value: Any) -> str | float:
         """The setting, metres as a float."""
-        if isinstance(value, str) and value in ("sensor", "data"):
+        if isinstance(value, str) and value in ("sensor", "data", "auto"):
             return value
         metres = _metres(value)
         if metres is None:
@@ -83,7 +86,8 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
         ray_count: radial lines that divide the swept angle in equal parts, 0 to 360; None: at round angles from
             forward, and at both ends. Each says angle and index of a ray.
         ray_angles: angles of the lines, radians or text like "20deg", instead; each stands at the closest ray.
-        view_range: "sensor", "data" or metres. The view writes it too, when a person zooms.
+        view_range: "sensor", "data", metres, or "auto": "data" if the readings of the first scan fill less than a third
+            of range_max, else "sensor". The view writes it, too: at that scan, and when a person zooms.
         forward: where the robot's forward is in the picture: "up", "left", "down" or "right".
         angle_offset: radians, or text like "20deg", added to every angle, within ±2 pi, for a scanner whose header lies
             about where it points.

@@ -27,11 +27,9 @@ from ..export.html import MAX_SIZE, SUFFIXES
 from ..find.silence import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
-from ..laser_widget import LaserWidget
 from ..player_widget import PlayerWidget
 from ..recordings import RecordingData
 from ..recordings.times import has_date
-from ..samples import Scan
 from ..scanogram_widget import ScanogramWidget
 from ._frames import Track
 from ._overview import whole_drive
@@ -42,8 +40,6 @@ from ._to_html import Wanted, page_of
 _EARLY = 0.1
 _TINY = 1e-7
 _LOOKED_AT = 20
-_SMALL = 1 / 3
-"""Part of a scanner's range: a picture whose readings fill less is fitted to them."""
 
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 HELD_BYTES, HELD_SEGMENTS = 200_000, 30
@@ -309,17 +305,7 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
 
 def _view(recording: RecordingData, choice: WidgetChoice) -> View:
     widget = choice.make()
-    if isinstance(widget, LaserWidget) and _is_small(recording, choice.topic):
-        widget.view_range = "data"
     return View(widget, choice, _track(recording, choice, widget))
-
-
-def _is_small(recording: RecordingData, topic: str) -> bool:
-    """Whether the readings of the first scans fill less than `_SMALL` of what the scanner can see."""
-    first = [moment.sample for moment in islice(recording.samples(topic), _LOOKED_AT)]
-    scans = [sample for sample in first if isinstance(sample, Scan)]
-    readings = [distance for scan in scans for distance in scan.ranges[scan.valid].tolist()]
-    return bool(readings) and float(np.percentile(readings, 98)) < _SMALL * scans[0].range_max
 
 
 def _track(recording: RecordingData, choice: WidgetChoice, widget: Any) -> Track:

@@ -73,6 +73,22 @@ def test_wheel_buttons_keys_fit_and_python_zoom(plain_page: Callable[..., PlainP
     eventually(lambda: "19 beyond 1.5 m" in words(card), True)
 
 
+def test_auto_is_decided_by_the_first_reading_unless_a_person_has_zoomed(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([f"{SETUP}\nlaser.view_range = 'auto'\nlaser", "zoomed = LaserWidget(view_range='auto')\nzoomed"])
+    update = "update(ranges=np.full(9, {metres}), angle_min=-1, angle_increment=0.25, range_min=0.1, range_max=30.0)"
+    card = nb.widget(0).locator(".rw-card")
+    nb.widget(1).get_by_role("button", name="Zoom in (+)").click()
+    eventually(lambda: nb.python("zoomed.view_range"), "8.0")
+    nb.python(f"laser.{update.format(metres='np.nan')}")
+    reaches(card, "30")
+    nb.python(f"laser.{update.format(metres=2)}; zoomed.{update.format(metres=2)}")
+    reaches(card, "2.5")
+    eventually(lambda: nb.python("laser.view_range, zoomed.view_range"), "('data', 8.0)")
+    nb.python(f"laser.view_range = 'auto'; laser.{update.format(metres=15)}")
+    reaches(card, "30")
+    eventually(lambda: nb.python("laser.view_range"), "'sensor'")
+
+
 def test_a_wheel_that_scrolls_the_notebook_does_not_zoom(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([f"{FIRST}.view_range = 2.0\nlaser", "laser", "laser"])
     nb.resize(700)

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { fitRange, reach, resolveRange, roundUp, stepRange } from "../../robowidgets/js/laser/zoom.ts";
+import { decideRange, fitRange, reach, resolveRange, roundUp, stepRange } from "../../robowidgets/js/laser/zoom.ts";
 import { near, randoms, scanOf } from "./laser.ts";
 
 /** A scan whose readings all lie at one distance, but for the farthest few. */
@@ -162,4 +162,11 @@ test("the setting is resolved to metres", () => {
   assert.equal(resolveRange("data", room(2.6), 4), 4);
   assert.equal(resolveRange("data", null, 4), 4);
   assert.equal(resolveRange("sensor", null, 0), 10);
+});
+
+test("the first scan with a reading decides whether the picture fits the readings: if they fill less than a third", () => {
+  assert.equal(decideRange(scanOf([Number.POSITIVE_INFINITY, 0], { maxRange: 60 })), null);
+  assert.equal(decideRange(room(19)), "data");
+  assert.equal(decideRange(room(19, [50])), "data");
+  assert.equal(decideRange(room(21)), "sensor");
 });

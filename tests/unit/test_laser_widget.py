@@ -114,11 +114,12 @@ class TestSettings:
             laser.view_range = value
         assert str(refusal.value).startswith(
             "The 'view_range' trait of a LaserWidget instance expected "
-            f'"sensor" (range_max), "data" (fit to the readings), or metres above 0, 100,000 at most, not {came}'
+            '"sensor" (range_max), "data" (fit to the readings), "auto" (one of them), or metres above 0, '
+            f"100,000 at most, not {came}"
         )
         assert laser.view_range == "sensor"
 
-    @pytest.mark.parametrize("value", ["data", "sensor", 4, 2.5, np.float32(2.5), np.int64(7), 1e-3, 100_000])
+    @pytest.mark.parametrize("value", ["data", "sensor", "auto", 4, 2.5, np.float32(2.5), np.int64(7), 1e-3, 100_000])
     def test_good_view_ranges_are_taken(self, laser: LaserWidget, page: Page, value: object) -> None:
         laser.view_range = 12.0
         laser.view_range = value

@@ -15,8 +15,11 @@ export interface Highlight {
   sector?: Sector;
 }
 
-/** How far the picture reaches: "sensor" (range_max, if it sets a limit), "data" (fit to the readings), or metres. */
-export type ViewRange = "sensor" | "data" | number;
+/**
+ * How far the picture reaches: "sensor" (range_max, if it sets a limit), "data" (fit to the readings), metres, or "auto":
+ * the first scan decides between "sensor" and "data".
+ */
+export type ViewRange = "sensor" | "data" | "auto" | number;
 
 export interface LaserTraits extends SampleTraits {
   view_range: ViewRange;

@@ -26,7 +26,7 @@ import { SectorLayer } from "./sector_layer.ts";
 import { ShapeLayer } from "./shape_layer.ts";
 import { Strip } from "./strip.ts";
 import type { LaserTraits } from "./traits.ts";
-import { stepRange } from "./zoom.ts";
+import { decideRange, stepRange } from "./zoom.ts";
 
 const GHOST =
   "M6 .5a4.3 4.3 0 0 0-4.3 4.3v6.7l1.5-1.2 1.4 1.2 1.4-1.2 1.4 1.2 1.4-1.2 1.5 1.2V4.800A4.300 4.300 0 0 0 6 .5z";
@@ -136,6 +136,8 @@ export class LaserView implements Host {
   #draw(): void {
     if (this.#size.width === 0) return;
     const scan = this.stream.shown;
+    const decided = scan && this.model.get("view_range") === "auto" ? decideRange(scan) : null;
+    if (decided) setTraits(this.model, { view_range: decided });
     this.card.update([this.stream.about.frame_id ?? "", scan ? toMany(scan.count, "ray") : ""], "scan");
     const { empty = [] } = this.stream.about;
     setText(this.#empty, scan ? empty.filter(Boolean).join("\n") : this.card.waiting("scan"));

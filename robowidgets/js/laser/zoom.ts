@@ -41,6 +41,13 @@ export function fitsReadings(setting: ViewRange, maxRange = 0): boolean {
   return setting === "data" || (setting === "sensor" && maxRange > NO_LIMIT);
 }
 
+/** What "auto" becomes with this scan; null, and it stays "auto", if the scan has no reading. */
+export function decideRange(scan: Scan): "data" | "sensor" | null {
+  const metres = reach(scan);
+  if (metres === 0) return null;
+  return metres < scan.maxRange / 3 ? "data" : "sensor";
+}
+
 /** The metres to show for a setting; `fitted` is what was fitted to the readings last, or 0. */
 export function resolveRange(setting: ViewRange, scan: Scan | null, fitted: number): number {
   if (typeof setting === "number") return setting;

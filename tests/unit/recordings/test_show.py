@@ -375,13 +375,6 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
     assert has_one(scanogram=True)
 
 
-def test_a_scanner_whose_readings_fill_less_than_a_third_is_fitted_to_them(tmp_path: Path) -> None:
-    for metres, fitted in ((9.0, "data"), (11.0, "sensor")):
-        scans = [(i / 10, sweeps.scan(sweeps.START_NS, [metres, float("inf")])) for i in range(30)]
-        with shown(sweeps.write(tmp_path / f"{metres}", scans)) as player:
-            assert player.views[0].widget.view_range == fitted
-
-
 def test_without_a_scanogram_the_wide_widgets_stand_left_and_the_small_ones_beside(path: Path) -> None:
     for topics, boxes in (((), ["rw-wides", "rw-smalls"]), (("/odom", "/bumper"), ["rw-smalls"])):
         with shown(path, *topics, scanogram=False) as player:
