@@ -72,10 +72,10 @@ test-ros1: setup build
 	$(PYTEST) tests/ros1
 
 test-notebooks: setup build
-	$(PYTEST) tests/test_notebooks.py
+	$(PYTEST) --numprocesses 2 tests/test_notebooks.py
 
 test-docs: setup build
-	$(PYTEST) tests/test_docs.py tests/test_odd_scans.py
+	$(PYTEST) --numprocesses 2 tests/test_docs.py tests/test_odd_scans.py
 
 test-wheel: setup
 	$(PYTEST) tests/test_wheel.py

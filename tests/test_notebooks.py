@@ -81,11 +81,7 @@ FOLDED = re.compile(r"<details><summary>Solution</summary>\n\n```python\n(.*)```
 @pytest.mark.parametrize("number", range(1, 6))
 def test_a_task_of_the_lesson_is_wrong_as_it_stands_and_right_with_its_solution(number: int) -> None:
     task = TASKS[f"task-{number}"]
-    folded = re.fullmatch(
-        r"<details><summary>Solution</summary>\n\n```python\n(.*)```\n\n</details>",
-        TASKS[f"solution-{number}"],
-        re.DOTALL,
-    )
+    folded = FOLDED.fullmatch(TASKS[f"solution-{number}"])
     assert folded
     function, check, result = re.split(r"\n(?=result)", task)
     assert result == "result"

@@ -104,6 +104,6 @@ def test_every_example_runs_on_any_scan(name: str, recordings: Path, tmp_path: P
     compiled = ", ".join(f"compile({part!r}, {name!r}, 'exec')" for part in SOURCES[name])
     script.write_text(f"import robowidgets\nparts = [{compiled}]\n{RUN}", encoding="utf-8")
     ended = subprocess.run(
-        [sys.executable, script, recordings], cwd=ROOT, capture_output=True, text=True, timeout=SECONDS, check=False
+        [sys.executable, script, recordings], cwd=tmp_path, capture_output=True, text=True, timeout=SECONDS, check=False
     )
     assert ended.returncode == 0, ended.stderr

@@ -51,15 +51,8 @@ def robowidgets(tmp_path: Path) -> Iterator[Callable[..., str]]:
         process.communicate(timeout=30)
 
 
-def open_page(browser: Browser, pages: list[tuple[Page, Console]], address: str) -> Page:
-    page = browser.new_page(viewport={"width": 1280, "height": 900})
-    pages.append((page, Console(page)))
-    page.goto(address)
-    return page
-
-
 @pytest.mark.parametrize("command", ["demo", "open"])
-def test_the_command_leads_to_a_page_that_shows_the_robot_live_with_no_cell_run_by_hand(
+def test_the_command_leads_to_a_page_that_shows_the_robot_live_with_no_cell_run_by_hand_and_nothing_before_it(
     robowidgets: Callable[..., str],
     browser: Browser,
     pages: list[tuple[Page, Console]],
@@ -70,7 +63,15 @@ def test_the_command_leads_to_a_page_that_shows_the_robot_live_with_no_cell_run_
     if command == "open":
         words.append(tmp_path / 'it\'s a "drive".mcap')
         shutil.copyfile(SAMPLE, words[1])
-    page = open_page(browser, pages, robowidgets(*words))
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    pages.append((page, Console(page)))
+    with page.expect_request(lambda request: request.method == "PUT" and "/lab/api/workspaces" in request.url) as saved:
+        page.goto(robowidgets(*words))
+        expect(page.locator(".rw-card").first).to_be_visible(timeout=60_000)
+    assert saved.value.response()
+    assert not (tmp_path / "jupyter_config_dir" / "lab" / "workspaces").exists(), "the tabs of the person stay"
+    assert page.locator(".jp-Dialog, .Toastify__toast").all_text_contents() == []
+    expect(page.locator(".jp-Notification-Status-Text")).to_have_text("0")
 
     laser, speed, touch = (page.locator(f".rw-{kind}").first for kind in ("laser", "speed", "touch"))
     expect(laser).to_contain_text(re.compile(r"/scan.*nearest \d\.\d\d m", re.DOTALL), timeout=60_000)
@@ -86,15 +87,3 @@ def test_the_command_leads_to_a_page_that_shows_the_robot_live_with_no_cell_run_
     page.wait_for_function(
         f"before => ({PICTURE})(document.querySelector('.rw-laser')) !== before", arg=before, timeout=10_000
     )
-
-
-def test_nothing_stands_before_the_widgets_and_the_tabs_of_the_person_stay_as_they_are(
-    robowidgets: Callable[..., str], browser: Browser, pages: list[tuple[Page, Console]], tmp_path: Path
-) -> None:
-    page = open_page(browser, pages, robowidgets("demo"))
-    with page.expect_request(lambda request: request.method == "PUT" and "/lab/api/workspaces" in request.url) as saved:
-        expect(page.locator(".rw-card").first).to_be_visible(timeout=60_000)
-    assert saved.value.response()
-    assert not (tmp_path / "jupyter_config_dir" / "lab" / "workspaces").exists()
-    assert page.locator(".jp-Dialog, .Toastify__toast").all_text_contents() == []
-    expect(page.locator(".jp-Notification-Status-Text")).to_have_text("0")

@@ -248,7 +248,7 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
     dds.subscribe("/scan")
     publish_until(other, lambda: heard.messages, "a scan came", *scan)
     before = memory()
-    for _ in range(3):
+    for _ in range(2):
         heard.messages.clear()
         robot.do("latch", "/image", "Image", 100_000_000)
         dds.subscribe("/image")
@@ -258,7 +258,7 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
     came = [(topic, len(message.data) if topic == "/image" else 0) for topic, message in heard.messages]
     assert came.index(("/image", 100_000_000)) > 10, "scans came while it was under way"
     heard.messages.clear()
-    # What was freed in small pieces may stay with the process: as much as one of them, but not three.
+    # What was freed in small pieces may stay with the process: as much as one of them, but not two.
     wait_for(lambda: memory() < before + 150e6, "the memory is given back")
     other.kill()
 

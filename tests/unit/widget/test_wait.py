@@ -301,7 +301,7 @@ def test_a_function_that_is_connected_may_wait_for_what_comes_next() -> None:
     laser, got, script = LaserWidget(), [], Scripted(SCAN)
     with Feed(script) as feed:
         feed.connect("/scan", laser)
-        feed.connect("/scan", lambda _: got.append([laser.wait().ranges[0] for _ in range(2)]))
+        feed.connect("/scan", lambda _: got or got.append([laser.wait().ranges[0] for _ in range(2)]))
         script.listener.on_message("/scan", scan(1.5))
         wait_for(lambda: laser._waiting, "the function waits for the next one")
         script.listener.on_message("/scan", scan(2.5))
