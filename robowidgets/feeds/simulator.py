@@ -9,7 +9,7 @@ from typing import Any
 
 from ..messages import to_speed
 from ..samples.checks import finite
-from ..simulator import Robot, World
+from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
 from ..simulator import wander as wander_about
 from ._twist import TWIST
@@ -20,7 +20,6 @@ TOPICS = (
     Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
     Advert("/odom", "nav_msgs/msg/Odometry", wanted=False),
     Advert("/cmd_vel", TWIST, offered=False, wanted=True),
-    Advert("/bumper", "robowidgets/msg/Touch", wanted=False),
 )
 
 LET_GO = 3.0
@@ -46,7 +45,7 @@ class Simulated:
         self._robot = robot
         self._step = 1 / hz
         self._wanders = wander
-        self._driven: tuple[float, float] | None = None if wander else (0.0, 0.0)
+        self._driven: tuple[float, float, float] | None = None if wander else (0.0, 0.0, 0.0)
         self._driven_at = 0.0
         self._subscribed: frozenset[str] = frozenset()
         self._ended = threading.Event()
@@ -60,7 +59,9 @@ class Simulated:
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
         listener.on_connected()
-        listener.on_topics(TOPICS)
+        has_bumpers = bool(self._robot.model.touch_type)
+        bumper = Advert("/bumper", self._robot.model.touch_type, wanted=False)
+        listener.on_topics((*TOPICS, bumper) if has_bumpers else TOPICS)
         self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-simulator", daemon=True)
         self._thread.start()
 
@@ -80,7 +81,7 @@ class Simulated:
         if self._ended.is_set():
             raise FeedError("the simulated robot is closed")
         self._driven_at = time.monotonic()
-        self._driven = (speed.linear[0], speed.angular[2])
+        self._driven = (speed.linear[0], speed.angular[2], speed.linear[1])
 
     def close(self) -> None:
         """See `Middleware`."""
@@ -97,7 +98,9 @@ class Simulated:
             due = max(due + self._step, time.monotonic() - _LATEST)
             ways = self._steer(ways)
             self._robot.step(self._step)
-            samples = {"/odom": self._robot.speed(), "/cmd_vel": self._robot.command(), "/bumper": self._robot.touch()}
+            samples: dict[str, Any] = {"/odom": self._robot.speed(), "/cmd_vel": self._robot.command()}
+            if "/bumper" in self._subscribed:
+                samples["/bumper"] = self._robot.model.to_message(self._robot.touch())
             if "/scan" in self._subscribed and self._robot.scan() is not scan:
                 scan = samples["/scan"] = self._robot.scan()
             for topic in self._subscribed & samples.keys():
@@ -131,8 +134,9 @@ class SimulatorFeed(Feed):
 
 
 def simulator(
-    robot: Robot | None = None,
+    robot: Robot | str | None = None,
     *,
+    scanner: Scanner | str | None = None,
     room: str | World | None = None,
     hz: float = 10.0,
     seed: int = 1,
@@ -140,10 +144,11 @@ def simulator(
 ) -> SimulatorFeed:
     """A feed of the built-in robot, which needs no middleware: it wanders about a house until it is driven.
 
-    Its topics are /scan, /odom, /cmd_vel and /bumper.
+    Its topics are /scan, /odom, /cmd_vel and, where it has bumpers, /bumper.
 
     Args:
-        robot: a robot of `robowidgets.simulator`; None: one at the start of the room.
+        robot: "turtlebot3", "kobuki", "create3" or "pr2"; or a robot of `robowidgets.simulator`; None: a plain one.
+        scanner: "utm30lx", "lds01", "rplidar_a1", "urg04lx" or "neato", or a `Scanner`; None: that of the robot.
         room: "house", "corridor", "office" or "maze"; or a `robowidgets.simulator.World`. None: the house, or the world
             of the robot.
         hz: steps of the robot per second, above 0, at most 1000.
@@ -152,7 +157,7 @@ def simulator(
 
     Raises:
         TypeError: robot is no robot, room neither a name nor a world, hz or seed no number, or wander neither True nor
-            False; both robot and room are given. ValueError: hz is out of range, or no room has this name.
+            False; a `Robot` is given with room or scanner. ValueError: hz is out of range, or nothing has this name.
 
     Example:
         >>> from robowidgets import feeds
@@ -161,15 +166,15 @@ def simulator(
         >>> sorted(view.widgets)
         ['/bumper', '/odom', '/scan']
     """
-    if robot is not None and not isinstance(robot, Robot):
-        raise TypeError(f"robot: expected a robot of robowidgets.simulator, got {robot!r}")
-    if robot is not None and room is not None:
-        raise TypeError("simulator: expected a robot, which has its world, or room=; got both")
+    if robot is not None and not isinstance(robot, (Robot, str)):
+        raise TypeError(f"robot: expected a name such as 'turtlebot3', or a Robot, got {robot!r}")
+    if isinstance(robot, Robot) and (room is not None or scanner is not None):
+        raise TypeError("simulator: expected a Robot, which has its world and scanner, or room= and scanner=; got both")
     if not 0 < finite("hz", hz, "steps a second") <= 1000:
         raise ValueError(f"hz: expected steps a second, above 0 and at most 1000, got {hz!r}")
     if not isinstance(wander, bool):
         raise TypeError(f"wander: expected True or False, got {wander!r}")
-    if robot is None:
+    if not isinstance(robot, Robot):
         world = room if isinstance(room, World) else room_of("house" if room is None else room, seed)
-        robot = Robot(world, seed=seed)
+        robot = Robot(world, scanner=scanner, seed=seed, model="plain" if robot is None else robot)
     return SimulatorFeed(robot, hz, wander)

@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-from math import pi, radians
+from collections.abc import Mapping
+from math import pi
 
 import numpy as np
 
 from .world import World
-
-BUMPERS = {
-    "left": (radians(15), radians(80)),
-    "center": (radians(-30), radians(30)),
-    "right": (radians(-80), radians(-15)),
-}
-"""The part of the body's rim that each bumper covers, radians counter-clockwise from forward.
-
-Neighbours overlap: a contact between 15 and 30 degrees presses two of them. Sides and back have no bumper.
-"""
 
 PRESSED_WITHIN = 0.002
 """Largest distance in metres from the body at which a wall or an obstacle presses a bumper."""
@@ -56,6 +47,8 @@ def contact_angles(world: World, x: float, y: float, yaw: float, radius: float) 
     return [float(angle) for angle in (angles + pi) % (2 * pi) - pi]
 
 
-def pressed(angles: list[float]) -> dict[str, bool]:
+def pressed(angles: list[float], bumpers: Mapping[str, tuple[float, float]]) -> dict[str, bool]:
     """Whether one of these contacts presses each bumper, by the name of the bumper."""
-    return {name: any(low <= angle <= high for angle in angles) for name, (low, high) in BUMPERS.items()}
+    return {
+        name: any((angle - low) % (2 * pi) <= high - low for angle in angles) for name, (low, high) in bumpers.items()
+    }

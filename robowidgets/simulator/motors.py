@@ -16,6 +16,7 @@ class Motors:
         max_angular: rad/s, both ways.
         linear_acceleration: m/s², speeding up and slowing down.
         angular_acceleration: rad/s², as above.
+        max_sideways: m/s, both ways, of a base that drives sideways; it speeds up as it does forward.
 
     Raises:
         TypeError: something is not a number.
@@ -26,11 +27,12 @@ class Motors:
     max_angular: float = 2.0
     linear_acceleration: float = 1.0
     angular_acceleration: float = 4.0
+    max_sideways: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = finite(field.name, getattr(self, field.name), "SI units")
-            if value <= 0:
+            if value <= 0 and (field.name != "max_sideways" or value < 0):
                 raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
 
     def toward(self, linear: float, angular: float, command: tuple[float, float], dt: float) -> tuple[float, float]:
@@ -39,6 +41,10 @@ class Motors:
             _approach(linear, _clip(command[0], self.max_linear), self.linear_acceleration * dt),
             _approach(angular, _clip(command[1], self.max_angular), self.angular_acceleration * dt),
         )
+
+    def sideways_toward(self, sideways: float, command: float, dt: float) -> float:
+        """The speed to the left after dt seconds of accelerating toward a command within the limits."""
+        return _approach(sideways, _clip(command, self.max_sideways), self.linear_acceleration * dt)
 
 
 def _clip(value: float, limit: float) -> float:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from math import cos, pi, sin
+from dataclasses import replace
+from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from ..samples import Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
-from ._contact import BUMPERS, contact_angles, pressed, push_out
+from ._contact import contact_angles, pressed, push_out
+from .models import model_of
 from .motors import Motors
 from .scanner import Scanner
+from .scanners import scanner_of
 from .world import World, to_pose
 
 _LONGEST_STEP = 60.0
@@ -31,7 +34,7 @@ class Pose(NamedTuple):
 
 
 class Robot:
-    """A round robot with a differential drive, a laser scanner and three bumpers.
+    """A round robot with a laser scanner and, as a rule, a differential drive and bumpers.
 
     It obeys `drive` within the limits of its motors. It slides along a wall or an obstacle that it hits at an angle,
     and stops at one that it hits head on. Time passes only in `step`, so it runs in real time or at any other speed.
@@ -40,10 +43,12 @@ class Robot:
     Args:
         world: the world in which it drives.
         pose: (x, y, yaw) at the start, metres and radians within ±2 pi; None: the start of the world.
-        scanner: its laser scanner; None: `Scanner()`.
-        motors: the limits of its motors; None: `Motors()`.
-        radius: radius of the body, metres.
+        scanner: its laser scanner, a `Scanner` or "utm30lx", "lds01", "rplidar_a1", "urg04lx" or "neato"; None: that of
+            the model.
+        motors: the limits of its motors; None: those of the model.
+        radius: radius of the body, metres; None: that of the model.
         seed: seed of everything random, a whole number of 0 or more.
+        model: "turtlebot3" (Burger), "kobuki", "create3" or "pr2", with its size, limits, bumpers and scanner; "plain".
 
     Raises:
         TypeError: something is not a number, or a world, scanner or motors of another type.
@@ -62,13 +67,17 @@ class Robot:
         world: World,
         pose: Sequence[float] | None = None,
         *,
-        scanner: Scanner | None = None,
+        scanner: Scanner | str | None = None,
         motors: Motors | None = None,
-        radius: float = 0.18,
+        radius: float | None = None,
         seed: int = 0,
+        model: str = "plain",
     ) -> None:
-        self.scanner = Scanner() if scanner is None else scanner
-        self.motors = Motors() if motors is None else motors
+        self.model = model_of(model)
+        if isinstance(scanner, str):
+            scanner = replace(scanner_of(scanner), mount=self.model.scanner.mount)
+        self.scanner = self.model.scanner if scanner is None else scanner
+        self.motors = self.model.motors if motors is None else motors
         for name, value, kind in (
             ("world", world, World),
             ("scanner", self.scanner, Scanner),
@@ -83,20 +92,21 @@ class Robot:
         self._lock = threading.Lock()
         """Held while the robot moves and measures: a page may move it meanwhile."""
         self._watchers: list[Callable[[], None]] = []
-        self.radius = finite("radius", radius, "metres")
+        self.radius = finite("radius", self.model.radius if radius is None else radius, "metres")
         if self.radius <= 0:
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
         self._pose = self._fitting(*to_pose("pose", world.start if pose is None else pose))
-        self._command = (0.0, 0.0)
-        self._linear = self._angular = 0.0
+        self._command = (0.0, 0.0, 0.0)
+        self._linear = self._angular = self._sideways = 0.0
         self._time_ns = 0
         self._seed = seed
-        self._scan_period_ns = round(1e9 / self.scanner.rate)
         self._scan_number = 0
+        self._scan_ns, self._next_scan_ns = 0, self._scan_period_ns()
         self._scan_pose = self._pose
         self._scan: Scan | None = None
         shortest_way_through = self.radius / 2
-        self._substep_ns = max(1, min(_SUBSTEP_NS, int(shortest_way_through / self.motors.max_linear * 1e9)))
+        fastest = hypot(self.motors.max_linear, self.motors.max_sideways)
+        self._substep_ns = max(1, min(_SUBSTEP_NS, int(shortest_way_through / fastest * 1e9)))
 
     @property
     def time(self) -> float:
@@ -110,8 +120,8 @@ class Robot:
 
     @property
     def scan_pose(self) -> Pose:
-        """The pose at which the newest scan was taken."""
-        return self._scan_pose
+        """The pose of the scanner when it took the newest scan."""
+        return Pose(*self.scanner.placed(*self._scan_pose))
 
     @property
     def world(self) -> World:
@@ -142,9 +152,16 @@ class Robot:
             self._pose = pose
         self._call_watchers()
 
-    def drive(self, linear: float, angular: float) -> None:
-        """Command a speed, m/s forward and rad/s counter-clockwise, until the next call."""
-        self._command = (finite("linear", linear, "m/s"), finite("angular", angular, "rad/s"))
+    def drive(self, linear: float, angular: float, sideways: float = 0.0) -> None:
+        """Command a speed, m/s forward, rad/s counter-clockwise and m/s to the left, until the next call.
+
+        A robot whose motors have no ``max_sideways`` does not drive sideways.
+        """
+        self._command = (
+            finite("linear", linear, "m/s"),
+            finite("angular", angular, "rad/s"),
+            finite("sideways", sideways, "m/s"),
+        )
 
     def step(self, dt: float) -> None:
         """Let dt seconds pass: above 0, at most 60."""
@@ -152,13 +169,14 @@ class Robot:
             raise ValueError(f"dt: expected seconds, above 0 and at most {_LONGEST_STEP:g}, got {dt!r}")
         end = self._time_ns + max(1, round(dt * 1e9))
         while self._time_ns < end:
-            next_scan = (self._scan_number + 1) * self._scan_period_ns
-            nanoseconds = min(end - self._time_ns, next_scan - self._time_ns, self._substep_ns)
+            nanoseconds = min(end - self._time_ns, self._next_scan_ns - self._time_ns, self._substep_ns)
             with self._lock:
                 self._move(nanoseconds / 1e9)
                 self._time_ns += nanoseconds
-                if self._time_ns == next_scan:
+                if self._time_ns == self._next_scan_ns:
                     self._scan_number += 1
+                    self._scan_ns = self._time_ns
+                    self._next_scan_ns += self._scan_period_ns()
                     self._scan_pose = self._pose
                     self._scan = None
         self._call_watchers()
@@ -177,13 +195,12 @@ class Robot:
         with self._lock:
             if self._scan is None:
                 rng = np.random.default_rng((self._seed, self._scan_number))
-                stamp_ns = self._scan_number * self._scan_period_ns
-                self._scan = self.scanner.measure(self.world, *self._scan_pose, rng, stamp_ns)
+                self._scan = self.scanner.measure(self.world, *self._scan_pose, rng, self._scan_ns)
             return self._scan
 
     def speed(self) -> Speed:
         """The speed that the wheels measure."""
-        return self._as_speed(self._linear, self._angular)
+        return self._as_speed(self._linear, self._angular, self._sideways)
 
     def command(self) -> Speed:
         """The speed that `drive` commanded last, even if it is beyond the limits of the motors."""
@@ -193,10 +210,14 @@ class Robot:
         """The states of the bumpers."""
         x, y, yaw = self._pose
         angles = contact_angles(self._around(x, y), x, y, yaw, self.radius)
-        return Touch(pressed(angles), TouchMode.LEVEL, tuple(BUMPERS), self._time_ns, "robowidgets.simulator")
+        states = pressed(angles, self.model.bumpers)
+        return Touch(states, TouchMode.LEVEL, tuple(states), self._time_ns, "robowidgets.simulator")
 
-    def _as_speed(self, linear: float, angular: float) -> Speed:
-        return Speed((linear, 0.0, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link")
+    def _as_speed(self, linear: float, angular: float, sideways: float) -> Speed:
+        return Speed((linear, sideways, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link")
+
+    def _scan_period_ns(self) -> int:
+        return self.scanner.period_ns((self._seed, self._scan_number, 1))
 
     def _fitting(self, x: float, y: float, yaw: float) -> Pose:
         self._check_room(self.world, x, y, self.radius)
@@ -219,16 +240,23 @@ class Robot:
         return self.world.near(x, y, 2 * self.radius)
 
     def _move(self, dt: float) -> None:
-        self._linear, self._angular = self.motors.toward(self._linear, self._angular, self._command, dt)
+        self._linear, self._angular = self.motors.toward(self._linear, self._angular, self._command[:2], dt)
+        self._sideways = self.motors.sideways_toward(self._sideways, self._command[2], dt)
         x, y, yaw = self._pose
         heading = yaw + self._angular * dt / 2
-        wanted = (x + self._linear * dt * cos(heading), y + self._linear * dt * sin(heading))
+        ahead, left = self._linear * dt, self._sideways * dt
+        wanted = (x + ahead * cos(heading) - left * sin(heading), y + ahead * sin(heading) + left * cos(heading))
         place = push_out(self._around(*wanted), *wanted, self.radius) or (x, y)
         if place != wanted:
-            travelled = ((place[0] - x) * cos(heading) + (place[1] - y) * sin(heading)) / dt
-            low, high = sorted((0.0, self._linear))
-            self._linear = max(low, min(high, travelled))
+            self._linear = _slowed(self._linear, (place[0] - x) * cos(heading) + (place[1] - y) * sin(heading), dt)
+            self._sideways = _slowed(self._sideways, (place[1] - y) * cos(heading) - (place[0] - x) * sin(heading), dt)
         self._pose = Pose(*place, _wrapped(yaw + self._angular * dt))
+
+
+def _slowed(speed: float, travelled: float, dt: float) -> float:
+    """The speed of a body that a wall let travel this way: no more than it had, and not backward."""
+    low, high = sorted((0.0, speed))
+    return max(low, min(high, travelled / dt))
 
 
 def _wrapped(angle: float) -> float:

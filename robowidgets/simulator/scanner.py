@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi, radians
+from math import cos, inf, nan, pi, radians, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Scan
-from ..samples.checks import finite, to_radians
+from ..samples.checks import finite, number, to_radians
 from ..samples.scan import MAX_RAYS
 from ._raycast import cast_rays
-from .world import World
+from .world import World, to_pose
 
 WALL_INTENSITY = 200.0
 OBSTACLE_INTENSITY = 80.0
@@ -22,10 +23,10 @@ _HALF_INTENSITY = 4.0
 
 @dataclass(frozen=True)
 class Scanner:
-    """A scanner in the middle of the robot, looking forward; it sweeps counter-clockwise, all rays at one moment.
+    """A scanner on the robot, in its middle and looking forward unless told otherwise; all rays at one moment.
 
-    Its ranges follow REP-117: +inf if nothing is within range_max, -inf if an object is closer than range_min, NaN if
-    the measurement failed.
+    Its ranges follow REP-117 unless told otherwise: +inf if nothing is within range_max, -inf if an object is closer
+    than range_min, NaN if the measurement failed.
 
     Args:
         ray_count: rays in a scan.
@@ -39,6 +40,16 @@ class Scanner:
         rate: scans per second.
         intensities: whether to send intensities: 200 for a wall close by, 80 for an obstacle, half of that at 4 m.
         frame_id: coordinate frame of the scans.
+        first_angle: angle of ray 0 in radians, or degrees as text; None: half of the field of view to the right.
+        noise_share: as `noise`, as a share of the distance, which is added.
+        nothing: sent in place of a range beyond range_max; drivers send 0 or codes, too.
+        too_close: sent in place of a range below range_min.
+        failed: sent in place of a failed measurement, one of these at random.
+        count_spread: by how many rays a scan may be longer or shorter.
+        period_spread: by which share the time from scan to scan may vary, 0 to 0.5.
+        mount: (x, y, yaw) of the scanner on the robot, metres and radians.
+        upside_down: whether it is mounted upside down: it sweeps clockwise and does not know it, so that left and right
+            are swapped in its scans.
 
     Raises:
         TypeError: something is not a number.
@@ -58,13 +69,27 @@ class Scanner:
     rate: float = 10.0
     intensities: bool = False
     frame_id: str = "laser"
+    first_angle: float | None = None
+    noise_share: float = 0.0
+    nothing: float = inf
+    too_close: float = -inf
+    failed: tuple[float, ...] = (nan,)
+    count_spread: int = 0
+    period_spread: float = 0.0
+    mount: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    upside_down: bool = False
 
     def __post_init__(self) -> None:
         if isinstance(self.ray_count, bool) or not isinstance(self.ray_count, (int, np.integer)):
             raise TypeError(f"ray_count: expected a whole number, got {self.ray_count!r}")
         if not 1 <= self.ray_count <= MAX_RAYS:
             raise ValueError(f"ray_count: expected 1 to {MAX_RAYS:,}, got {self.ray_count:,}")
-        for name, unit in (("range_min", "metres"), ("noise", "metres"), ("resolution", "metres")):
+        for name, unit in (
+            ("range_min", "metres"),
+            ("noise", "metres"),
+            ("resolution", "metres"),
+            ("noise_share", "a share of the distance"),
+        ):
             if finite(name, getattr(self, name), unit) < 0:
                 raise ValueError(f"{name}: expected {unit}, 0 or more, got {getattr(self, name)!r}")
         if finite("range_max", self.range_max, "metres") <= self.range_min:
@@ -75,6 +100,20 @@ class Scanner:
             raise ValueError(f"field_of_view: expected 0 to 2 pi radians, got {field_of_view!r}")
         if self.ray_count > 1 and self.field_of_view == 0:
             raise ValueError(f"field_of_view: expected radians above 0 for {self.ray_count} rays, got 0")
+        if self.first_angle is not None:
+            first = finite("first_angle", to_radians("first_angle", self.first_angle), "radians")
+            object.__setattr__(self, "first_angle", first)
+        if not self.failed:
+            raise ValueError("failed: expected one number or more, got none")
+        for name in ("nothing", "too_close"):
+            number(name, getattr(self, name))
+        for code in self.failed:
+            number("failed", code)
+        if not isinstance(self.count_spread, int) or not 0 <= self.count_spread < self.ray_count:
+            raise ValueError(f"count_spread: expected fewer rays than ray_count, got {self.count_spread!r}")
+        if not 0 <= finite("period_spread", self.period_spread, "the period") <= 0.5:
+            raise ValueError(f"period_spread: expected a share from 0 to 0.5, got {self.period_spread!r}")
+        object.__setattr__(self, "mount", to_pose("mount", self.mount))
         if not 0 <= finite("dropout", self.dropout, "rays in all") <= 1:
             raise ValueError(f"dropout: expected a share from 0 to 1, got {self.dropout!r}")
         if not 0 < finite("rate", self.rate, "scans per second") <= 1000:
@@ -83,32 +122,51 @@ class Scanner:
     @property
     def angle_min(self) -> float:
         """Angle of ray 0, radians."""
-        return -self.field_of_view / 2
+        return -self.field_of_view / 2 if self.first_angle is None else self.first_angle
 
     @property
     def angle_increment(self) -> float:
-        """Radians from one ray to the next."""
-        steps = self.ray_count if self.field_of_view == 2 * pi else self.ray_count - 1
-        return self.field_of_view / max(steps, 1)
+        """Radians from one ray to the next, in a scan of `ray_count` rays."""
+        return self._increment(self.ray_count)
+
+    def _increment(self, count: int) -> float:
+        return self.field_of_view / max(count if self.field_of_view == 2 * pi else count - 1, 1)
+
+    def placed(self, x: float, y: float, yaw: float) -> tuple[float, float, float]:
+        """The pose of the scanner on a robot at a pose; metres and radians."""
+        ahead, left, turned = self.mount
+        return x + ahead * cos(yaw) - left * sin(yaw), y + ahead * sin(yaw) + left * cos(yaw), yaw + turned
+
+    def period_ns(self, seed: Sequence[int]) -> int:
+        """Nanoseconds from one scan to the next, which follow from a seed."""
+        spread = self.period_spread * np.random.default_rng(seed).uniform(-1, 1) if self.period_spread else 0.0
+        return round(1e9 / self.rate * (1 + spread))
 
     def measure(
         self, world: World, x: float, y: float, yaw: float, rng: np.random.Generator, stamp_ns: int | None = None
     ) -> Scan:
-        """The scan taken at a pose (metres, radians), with noise and dropouts from a random generator."""
-        indices = np.arange(self.ray_count, dtype=np.float64)
-        walls, obstacles = cast_rays(world, x, y, yaw + self.angle_min + indices * self.angle_increment)
+        """The scan taken with the robot at a pose (metres, radians); noise and dropouts are of a random generator."""
+        count = self.ray_count
+        if self.count_spread:
+            count += int(rng.integers(-self.count_spread, self.count_spread, endpoint=True))
+        x, y, yaw = self.placed(x, y, yaw)
+        increment = self._increment(count)
+        angles = self.angle_min + np.arange(count, dtype=np.float64) * increment
+        walls, obstacles = cast_rays(world, x, y, yaw - angles if self.upside_down else yaw + angles)
         distance: NDArray[np.float64] = np.minimum(walls, obstacles)
         ranges = self._limited(self._blurred(distance, rng))
-        ranges[rng.random(self.ray_count) < self.dropout] = np.nan
+        has_failed = rng.random(count) < self.dropout
+        ranges[has_failed] = rng.choice(self.failed, int(has_failed.sum())) if len(self.failed) > 1 else self.failed[0]
         intensities = np.empty(0)
         if self.intensities:
             surface = np.where(obstacles < walls, OBSTACLE_INTENSITY, WALL_INTENSITY)
             returned = np.round(surface / (1 + (distance / _HALF_INTENSITY) ** 2))
-            intensities = np.where(np.isfinite(ranges), returned, 0.0)
+            is_read = (ranges >= self.range_min) & (ranges <= self.range_max)
+            intensities = np.where(is_read, returned, 0.0)
         return Scan(
             ranges=ranges,
             angle_min=self.angle_min,
-            angle_increment=self.angle_increment,
+            angle_increment=increment,
             range_min=self.range_min,
             range_max=self.range_max,
             intensities=intensities.astype(np.float32),
@@ -117,12 +175,14 @@ class Scanner:
         )
 
     def _blurred(self, distance: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float32]:
-        measured = distance + self.noise * rng.standard_normal(distance.size)
+        spread = self.noise + self.noise_share * np.minimum(distance, self.range_max)
+        measured = distance + spread * rng.standard_normal(distance.size)
         if self.resolution:
             measured = np.round(measured / self.resolution) * self.resolution
         return measured.astype(np.float32)
 
     def _limited(self, ranges: NDArray[np.float32]) -> NDArray[np.float32]:
-        ranges[ranges < np.float32(self.range_min)] = -np.inf
-        ranges[ranges > np.float32(self.range_max)] = np.inf
+        is_close, is_beyond = ranges < np.float32(self.range_min), ranges > np.float32(self.range_max)
+        ranges[is_close] = self.too_close
+        ranges[is_beyond] = self.nothing
         return ranges

@@ -148,9 +148,13 @@ class View(NamedWidget):
         robot, path = self._robot, np.array([*self._path], "<f4")
         scan, (x, y, yaw) = robot.scan(), robot.scan_pose
         is_met = scan.validity == Validity.READING
-        ranges = np.where(is_met | (scan.validity == Validity.NOTHING_IN_RANGE), scan.ranges, np.nan)
+        # A code that also stands for failed measurements does not say that the way is free.
+        scanner = robot.scanner
+        is_nothing = (scan.ranges == np.float32(scanner.nothing)) & (scanner.nothing not in scanner.failed)
+        ranges = np.where(is_met, scan.ranges, np.where(is_nothing, np.inf, np.nan))
         obstacles = robot.world.obstacles.astype("<f4")
-        geometry = (scan.angle_min, scan.angle_increment, scan.range_max)
+        turn = -1 if scanner.upside_down else 1
+        geometry = (turn * scan.angle_min, turn * scan.angle_increment, scan.range_max)
         counts = (len(ranges), len(path), len(obstacles))
         header = HEADER.pack(robot.time, *robot.pose, robot.radius, x, y, yaw, *geometry, *counts)
         return header + ranges.astype("<f4").tobytes() + path.tobytes() + obstacles.tobytes()

@@ -28,11 +28,11 @@ def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[
     turn_time = 1.0
     while True:
         robot.drive(linear, 0.0)
-        while not any(robot.touch().touched.values()):
+        while not _is_blocked(robot):
             yield
 
         touched = robot.touch().touched
-        turn = angular if touched["right"] and not touched["left"] else -angular
+        turn = angular if touched.get("right") and not touched.get("left") else -angular
 
         robot.drive(0.0, 0.0)
         yield from _wait(robot, 0.4)
@@ -41,6 +41,12 @@ def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[
         robot.drive(0.0, turn)
         yield from _wait(robot, turn_time)
         turn_time = 0.8 + turn_time % 1.1  # turns of different lengths, or it may run in a circle
+
+
+def _is_blocked(robot: Robot) -> bool:
+    """Whether something is in the way: a bumper is pressed, or the scanner of a robot without bumpers sees it."""
+    touched = robot.touch().touched
+    return any(touched.values()) if touched else robot.scan().distance("front") < robot.radius + 0.3
 
 
 def _wait(robot: Robot, seconds: float) -> Iterator[None]:

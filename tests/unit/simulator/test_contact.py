@@ -5,6 +5,9 @@ import pytest
 
 from robowidgets.simulator import World
 from robowidgets.simulator._contact import contact_angles, pressed, push_out
+from robowidgets.simulator.models import MODELS
+
+BUMPERS = MODELS["plain"].bumpers
 
 
 @pytest.mark.parametrize(
@@ -29,7 +32,7 @@ def test_the_contact_angle_decides_which_bumper_is_pressed(degrees, bumpers, yaw
     post = (0.5 * cos(yaw + angle), 0.5 * sin(yaw + angle), 0.3)
     angles = contact_angles(World(obstacles=[post]), 0.0, 0.0, yaw, 0.2)
     assert np.cos(angles[0] - angle) == pytest.approx(1.0)
-    assert {name for name, state in pressed(angles).items() if state} == bumpers
+    assert {name for name, state in pressed(angles, BUMPERS).items() if state} == bumpers
 
 
 def test_nothing_is_pressed_two_millimetres_away():
@@ -40,7 +43,7 @@ def test_nothing_is_pressed_two_millimetres_away():
 
 def test_two_things_press_two_bumpers():
     gap = World(walls=[(0.2, -1, 0.2, 1)], obstacles=[(0.0, 0.5, 0.3), (0.5 * cos(1), 0.5 * sin(1), 0.3)])
-    assert pressed(contact_angles(gap, 0.0, 0.0, 0.0, 0.2)) == {"left": True, "center": True, "right": False}
+    assert pressed(contact_angles(gap, 0.0, 0.0, 0.0, 0.2), BUMPERS) == {"left": True, "center": True, "right": False}
 
 
 def test_a_free_body_stays_where_it_is():

@@ -1,0 +1,105 @@
+"""Robots with the size, the limits and the bumpers of real ones, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import radians
+from typing import Any, NamedTuple
+
+from ..samples import Touch
+from .motors import Motors
+from .scanner import Scanner
+from .scanners import SCANNERS
+
+Bumpers = Mapping[str, tuple[float, float]]
+"""By name, the part of the body's rim that each bumper covers: radians counter-clockwise from forward, from and to."""
+
+
+class Model(NamedTuple):
+    """A robot that is simulated.
+
+    Attributes:
+        radius: of its body, metres.
+        motors: their limits.
+        scanner: the one that it usually has, where it is mounted.
+        bumpers: its bumpers, from its left to its right; none: it has no such sensor.
+        touch_type: type of the messages about its bumpers; empty where it has none.
+        to_message: the message for the states of its bumpers.
+    """
+
+    radius: float
+    motors: Motors
+    scanner: Scanner
+    bumpers: Bumpers
+    touch_type: str
+    to_message: Callable[[Touch], Any]
+
+
+def _degrees(**bumpers: tuple[float, float]) -> Bumpers:
+    return {name.replace("_", " "): (radians(low), radians(high)) for name, (low, high) in bumpers.items()}
+
+
+def _bits(**bits: int) -> Callable[[Touch], Any]:
+    """A message with a bit for each bumper that is pressed."""
+    return lambda touch: {
+        "bumper": sum(bit for name, bit in bits.items() if touch.touched[name]),
+        "cliff": 0,
+        "wheel_drop": 0,
+    }
+
+
+def _turtlebot3(touch: Touch) -> Any:
+    return {"bumper": touch.touched["front"] + 2 * touch.touched["back"], "cliff": 0.0}  # type: ignore[operator]
+
+
+def _hazards(touch: Touch) -> Any:
+    pressed = [name for name, is_pressed in touch.touched.items() if is_pressed]
+    return {"detections": [{"header": {"frame_id": f"bump_{name.replace(' ', '_')}"}, "type": 1} for name in pressed]}
+
+
+# Neighbours overlap: a contact between 15 and 30 degrees presses two. Sides and back have no bumper.
+_THREE = _degrees(left=(15, 80), center=(-30, 30), right=(-80, -15))
+
+MODELS: dict[str, Model] = {
+    "plain": Model(0.18, Motors(), Scanner(), _THREE, "robowidgets/msg/Touch", lambda touch: touch),
+    "turtlebot3": Model(
+        0.105,
+        Motors(0.22, 2.84, 2.5, 3.2),
+        replace(SCANNERS["lds01"], mount=(-0.032, 0.0, 0.0)),
+        _degrees(front=(-60, 60), back=(120, 240)),
+        "turtlebot3_msgs/msg/SensorState",
+        _turtlebot3,
+    ),
+    "kobuki": Model(
+        0.176,
+        Motors(0.7, radians(180), 0.8, 3.5),
+        SCANNERS["urg04lx"],
+        _THREE,
+        "kobuki_msgs/msg/SensorState",
+        _bits(left=4, center=2, right=1),
+    ),
+    "create3": Model(
+        0.171,
+        Motors(0.306, 1.9, 0.9, 7.7),
+        SCANNERS["rplidar_a1"],
+        _degrees(left=(50, 90), front_left=(18, 54), front_center=(-20, 20), front_right=(-54, -18), right=(-90, -50)),
+        "irobot_create_msgs/msg/HazardDetectionVector",
+        _hazards,
+    ),
+    "pr2": Model(
+        0.334,
+        Motors(1.0, 1.0, 1.0, 2.0, max_sideways=1.0),
+        replace(SCANNERS["utm30lx"], mount=(0.275, 0.0, 0.0)),
+        {},
+        "",
+        lambda touch: touch,
+    ),
+}
+
+
+def model_of(name: str) -> Model:
+    """The model of this name; ValueError if there is none."""
+    if name not in MODELS:
+        raise ValueError(f"model: expected {', '.join(MODELS)}, got {name!r}")
+    return MODELS[name]
