@@ -13,10 +13,10 @@ import numpy as np
 from ..samples import Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
 from ._contact import contact_angles, pressed, push_out
-from .models import model_of
+from ._models import model_of
+from ._scanners import scanner_of
 from .motors import Motors
 from .scanner import Scanner
-from .scanners import scanner_of
 from .world import World, to_pose
 
 _LONGEST_STEP = 60.0

@@ -5,7 +5,7 @@ import pytest
 
 from robowidgets.simulator import World
 from robowidgets.simulator._contact import contact_angles, pressed, push_out
-from robowidgets.simulator.models import MODELS
+from robowidgets.simulator._models import MODELS
 
 BUMPERS = MODELS["plain"].bumpers
 

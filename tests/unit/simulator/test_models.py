@@ -12,8 +12,8 @@ import pytest
 from robowidgets import Validity, feeds
 from robowidgets.messages import to_touch
 from robowidgets.simulator import Robot, Scanner, View, World, room, wander
-from robowidgets.simulator.models import MODELS
-from robowidgets.simulator.scanners import SCANNERS
+from robowidgets.simulator._models import MODELS
+from robowidgets.simulator._scanners import SCANNERS
 from robowidgets.simulator.view import HEADER
 
 from ..waiting import wait_for

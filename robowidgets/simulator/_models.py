@@ -8,9 +8,9 @@ from math import radians
 from typing import Any, NamedTuple
 
 from ..samples import Touch
+from ._scanners import SCANNERS
 from .motors import Motors
 from .scanner import Scanner
-from .scanners import SCANNERS
 
 Bumpers = Mapping[str, tuple[float, float]]
 """By name, the part of the body's rim that each bumper covers: radians counter-clockwise from forward, from and to."""
