@@ -20,6 +20,11 @@ from .moving_picture import MovingPicture
 from .notebook import Notebook
 from .plain_page import PlainPage
 
+DRAWS = "PICTURES" in os.environ
+"""Whether this is `make pictures`. Other runs see that the pictures can be taken, in one theme."""
+
+every_theme = pytest.mark.parametrize("theme", ["light", "dark"] if DRAWS else ["light"])
+
 WIDGETS = """
 import robowidgets
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget
@@ -43,7 +48,7 @@ scanogram.time, scanogram.selection = moment, (moment - 2, moment + 4)
 """
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@every_theme
 def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
     nb = notebook([WIDGETS, "laser", "speed", "touch", "player", "scanogram"], scale=2, theme=theme)
     nb.resize(680)
@@ -81,7 +86,7 @@ VBox([drive, laser])
 """
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@every_theme
 def test_pictures_of_what_was_found(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
     nb = notebook([FOUND], scale=2, theme=theme)
     nb.resize(764, height=1600)
@@ -111,7 +116,7 @@ laser.ghost = 8
 """
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@every_theme
 def test_pictures_of_conditions(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
     nb = plain_page([CONDITIONS, APPROACH], scale=2, theme=theme, run=False)
     nb.run(0)
@@ -131,7 +136,7 @@ pad
 """
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@every_theme
 def test_pictures_of_the_drive_pad(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
     nb = notebook([PAD], scale=2, theme=theme)
     card = nb.widget(0).locator(".rw-card")
@@ -161,7 +166,7 @@ def files() -> list[Path]:
     return [part, whole]
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@every_theme
 def test_pictures_of_pages(browser: Browser, files: list[Path], theme: Literal["light", "dark"]) -> None:
     assert all(file.stat().st_size <= LARGEST_PAGE for file in files)
     context = browser.new_context(
@@ -192,7 +197,7 @@ ARC = """(picture) => {
 }"""
 
 
-@pytest.mark.skipif("PICTURES" not in os.environ, reason="takes a minute: only for `make pictures`")
+@pytest.mark.skipif(not DRAWS, reason="takes a minute: only for `make pictures`")
 def test_a_moving_picture_of_a_drag_that_becomes_code(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([ROOM, "laser", "scan = laser.scan\n"], run=False, scale=2, width=760, height=1000)
     nb.run(0)

@@ -32,7 +32,7 @@ laser
 """
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
 def test_look(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
     nb = plain_page([ROBOT, "laser.ghost = laser.scan\ndrive(6.5)"], scale=scale, theme=theme)
     card = nb.widget(0).locator(".rw-card")

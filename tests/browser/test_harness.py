@@ -44,18 +44,17 @@ def either(request: pytest.FixtureRequest) -> Any:
     return request.getfixturevalue(request.param)
 
 
-def test_a_click_reaches_the_kernel_and_the_second_view(either: Callable[..., Notebook | PlainPage]) -> None:
-    nb = either([COUNTER, "display(counter)\ndisplay(counter)"])
+def test_a_click_reaches_the_kernel_and_the_second_view_and_the_theme_switches_while_the_page_is_open(
+    either: Callable[..., Notebook | PlainPage],
+) -> None:
+    nb = either([COUNTER, "display(counter)\ndisplay(counter)"], theme="dark")
     nb.widget(1).get_by_role("button").click()
     expect(nb.widget(1, 1)).to_have_text("n=4")
     assert nb.python("counter.n") == "4"
-
-
-def test_a_reload_shows_the_state_that_the_kernel_holds(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([COUNTER, "counter"])
-    nb.python("counter.n = 20")
-    nb.reload()
-    expect(nb.widget(1)).to_have_text("n=20")
+    colour = "() => getComputedStyle(document.body).getPropertyValue('--jp-layout-color0').trim()"
+    dark = nb.page.evaluate(colour)
+    nb.theme("light")
+    assert (dark, nb.page.evaluate(colour)) == ("#111", "white")
 
 
 def test_cells_run_again_after_a_kernel_restart(notebook: Callable[..., Notebook]) -> None:
@@ -68,7 +67,9 @@ def test_cells_run_again_after_a_kernel_restart(notebook: Callable[..., Notebook
     expect(nb.widget(2)).to_have_text("n=4")
 
 
-def test_a_busy_cell_is_seen_while_it_runs(notebook: Callable[..., Notebook]) -> None:
+def test_a_busy_cell_is_seen_while_it_runs_and_a_reload_shows_the_state_that_the_kernel_holds(
+    notebook: Callable[..., Notebook],
+) -> None:
     nb = notebook([COUNTER, "counter"])
     busy = nb.append("import time\ncounter.n = 30\nwhile True:\n    time.sleep(0.01)")
     nb.start(busy)
@@ -76,6 +77,9 @@ def test_a_busy_cell_is_seen_while_it_runs(notebook: Callable[..., Notebook]) ->
     nb.interrupt()
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
+    nb.python("counter.n = 20")
+    nb.reload()
+    expect(nb.widget(1)).to_have_text("n=20")
 
 
 @pytest.mark.parametrize("scale", [1, 2])
@@ -89,14 +93,6 @@ def test_a_screenshot_has_the_width_and_the_scale_it_was_asked_for(
             assert picture.width == width * scale
 
 
-def test_the_theme_switches_while_the_page_is_open(either: Callable[..., Notebook | PlainPage]) -> None:
-    nb = either([COUNTER, "counter"], theme="dark")
-    colour = "() => getComputedStyle(document.body).getPropertyValue('--jp-layout-color0').trim()"
-    dark = nb.page.evaluate(colour)
-    nb.theme("light")
-    assert (dark, nb.page.evaluate(colour)) == ("#111", "white")
-
-
 def test_an_error_in_a_widget_is_noticed(either: Callable[..., Notebook | PlainPage]) -> None:
     nb = either([COUNTER])
     with nb.page.expect_event("console", lambda message: "thirteen" in message.text):
@@ -105,20 +101,14 @@ def test_an_error_in_a_widget_is_noticed(either: Callable[..., Notebook | PlainP
     nb.console.errors.clear()
 
 
-def test_an_exported_notebook_lives_without_a_kernel(
-    notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
-) -> None:
-    nb = notebook([COUNTER, "counter.n = 44", "counter"])
-    saved = nb.save()
-    subprocess.run([sys.executable, "-m", "nbconvert", "--to", "html", saved], check=True)
-    page = static_page(saved.with_suffix(".html"))
-    expect(page.get_by_role("button", name="n=44")).to_be_visible()
-
-
-def test_an_embedded_widget_lives_without_a_kernel(
+def test_an_exported_notebook_and_an_embedded_widget_live_without_a_kernel(
     notebook: Callable[..., Notebook], static_page: Callable[[Path], Page], tmp_path: Path
 ) -> None:
     file = tmp_path / "embedded.html"
     embed = f"embed_minimal_html({str(file)!r}, views=[counter], drop_defaults=False)"
-    notebook([COUNTER, f"from ipywidgets.embed import embed_minimal_html\n{embed}"])
+    nb = notebook([COUNTER, f"from ipywidgets.embed import embed_minimal_html\n{embed}", "counter.n = 44", "counter"])
     expect(static_page(file).get_by_role("button", name="n=3")).to_be_visible()
+    saved = nb.save()
+    subprocess.run([sys.executable, "-m", "nbconvert", "--to", "html", saved], check=True)
+    page = static_page(saved.with_suffix(".html"))
+    expect(page.get_by_role("button", name="n=44")).to_be_visible()

@@ -28,7 +28,7 @@ laser
 """
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
 def test_look(plain_page: Callable[..., PlainPage], data: Path, theme: str, scale: int) -> None:
     nb = plain_page([ROBOT], scale=scale, theme=theme)
     card = nb.widget(0).locator(".rw-card")

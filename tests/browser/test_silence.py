@@ -86,7 +86,7 @@ def stands_free(card: Locator) -> bool:
     return free
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
 def test_a_silent_picture_is_dimmed_and_says_for_how_long_at_every_width(
     plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
 ) -> None:

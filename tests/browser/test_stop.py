@@ -318,7 +318,7 @@ LOOKS = {
 }
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
 def test_looks(driven_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int) -> None:
     nb = driven_page([FEED], scale=scale, theme=theme)
     for width in (280, 400, 1100):

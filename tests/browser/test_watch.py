@@ -37,7 +37,7 @@ drive({seconds})
 """
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("light", 2), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
 def test_look(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
     nb = plain_page([DRIVE, WATCH.format(seconds=9)], scale=scale, theme=theme)
     nb.python("""
