@@ -5,8 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-import pytest
-
 from .notebook import Notebook
 from .page_memory import Kept, PageMemory
 
@@ -19,24 +17,24 @@ LISTENERS_PER_RUN = 40
 PATIENCE_S = 10.0
 
 
-@pytest.mark.parametrize("widget", ["LaserWidget", "SpeedWidget", "TouchWidget", "DriveWidget"])
-def test_a_cell_that_runs_again_leaves_nothing_of_the_view_before(
-    notebook: Callable[..., Notebook], widget: str
-) -> None:
+def test_a_cell_that_runs_again_leaves_nothing_of_the_view_before(notebook: Callable[..., Notebook]) -> None:
     # `made` keeps every widget alive in Python, as IPython's history does.
-    nb = notebook(["made = []", f"import robowidgets\nmade.append(robowidgets.{widget}())\nmade[-1]"])
+    widgets = ("LaserWidget", "SpeedWidget", "TouchWidget", "DriveWidget")
+    cells = [f"made.append(robowidgets.{widget}())\nmade[-1]" for widget in widgets]
+    nb = notebook(["import robowidgets\nmade = []", *cells])
     memory = PageMemory(nb.page)
-    for _ in range(WARM_UP):
-        nb.run(1)
-    nb.widget(1)
-    before = memory.kept()
-    for _ in range(RUNS):
-        nb.run(1)
-    nb.widget(1)
-    deadline = time.monotonic() + PATIENCE_S
-    while not _is_little(before, after := memory.kept()) and time.monotonic() < deadline:
-        nb.page.wait_for_timeout(200)
-    assert _is_little(before, after), f"{RUNS} runs later {before} has become {after}"
+    for cell, widget in enumerate(widgets, 1):
+        for _ in range(WARM_UP):
+            nb.run(cell)
+        nb.widget(cell)
+        before = memory.kept()
+        for _ in range(RUNS):
+            nb.run(cell)
+        nb.widget(cell)
+        deadline = time.monotonic() + PATIENCE_S
+        while not _is_little(before, after := memory.kept()) and time.monotonic() < deadline:
+            nb.page.wait_for_timeout(200)
+        assert _is_little(before, after), f"{RUNS} runs of a {widget} later {before} has become {after}"
 
 
 def _is_little(before: Kept, after: Kept) -> bool:
