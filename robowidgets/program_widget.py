@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 from ._core.base_widget import bundle
@@ -11,9 +10,6 @@ from ._core.pacer import pacer
 from .behaviors.machine import Machine
 from .behaviors.program import Program
 from .behaviors.programs import Programs
-
-INTERVAL = 0.1
-"""Seconds between two looks at a running program, at least: a person reads no faster."""
 
 
 class ProgramWidget(DrivingWidget):
@@ -38,6 +34,8 @@ class ProgramWidget(DrivingWidget):
     """
 
     _esm, _css = bundle("program_widget")
+    send_interval = 0.1
+    """Seconds between two messages, at least: a person reads no faster."""
 
     def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
         """Take the feed as a positional argument."""
@@ -49,12 +47,11 @@ class ProgramWidget(DrivingWidget):
             raise TypeError(f"ProgramWidget(): expected a feed, got {robot!r}")
         self._programs = programs
         self._shown: Program | None = None
-        self._marked_at = 0.0
         super().__init__(**kwargs)
         self._attach(robot.watchdog, robot)
-        programs.watch(self._on_program)
+        programs.watch(self._on_step)
         programs.variables.watch(self._on_step)
-        self._on_program()
+        self._on_step()
 
     @property
     def program(self) -> Program | None:
@@ -64,34 +61,24 @@ class ProgramWidget(DrivingWidget):
     def close(self) -> None:
         """Remove the widget from the page; the program goes on."""
         if "_programs" in vars(self):
-            self._programs.forget(self._on_program)
+            self._programs.forget(self._on_step)
             self._programs.variables.forget(self._on_step)
             self._show(None)
         super().close()
 
-    def _on_program(self) -> None:
-        self._show(self._programs.current)
-        pacer.mark(self)
-
     def _show(self, program: Program | None) -> None:
+        """Show the prints of a program, and no more those of the one before."""
         before, self._shown = self._shown, program
-        if before is program:
-            return
-        if before is not None:
-            before.forget(self._on_step)
+        if before is not None and before is not program:
             before.has_view = False
         if program is not None:
-            program.watch(self._on_step)
             program.has_view = True
 
     def _on_step(self) -> None:
-        """Have the pacer send the state, at most ten times a second. In the thread of the program."""
-        now = time.monotonic()
-        if now - self._marked_at >= INTERVAL:
-            self._marked_at = now
-            pacer.mark(self)
-        else:
-            pacer.mark_at(self, self._marked_at + INTERVAL)
+        """Have the pacer send the state. In the thread of the program, as a rule."""
+        if self._shown is not self._programs.current:
+            self._show(self._programs.current)
+        pacer.mark(self)
 
     def _compose(self) -> dict[str, Any]:
         return {**super()._compose(), "program": self._program_state(), "variables": self._variables()}

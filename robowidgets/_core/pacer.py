@@ -42,7 +42,7 @@ PATIENCE = 1.0
 
 
 class Sender(Protocol):
-    """A widget, which the pacer calls."""
+    """A widget, which the pacer calls. It may have `send_interval`, seconds, in place of `INTERVAL`."""
 
     def send_newest(self) -> int:
         """Send the newest state to the page; returns the number of bytes sent."""
@@ -119,7 +119,7 @@ class Pacer:
             for sender in waiting:
                 with self._lock:
                     marked = self._due.pop(sender, None) is not None
-                    self._earliest[id(sender)] = self._clock() + INTERVAL
+                    self._earliest[id(sender)] = self._clock() + _interval(sender)
                 if marked:
                     self._send(sender)
         finally:
@@ -182,7 +182,7 @@ class Pacer:
             if when <= now:
                 # Removed before the send, so that a newer state marks it again. The interval starts at the time it was
                 # due, not at the time of sending: delays by a busy cell must not add up.
-                self._earliest[id(sender)] = self._due.pop(sender) + INTERVAL
+                self._earliest[id(sender)] = self._due.pop(sender) + _interval(sender)
                 return sender, 0.0
             times.append(when)
         return None, min(times) - now if times else None
@@ -217,6 +217,11 @@ class Pacer:
         pause = min(2 * last.pause, LONGEST_PAUSE) or FIRST_PAUSE
         self._failures[id(sender)] = _Failure(text, now, pause)
         return pause
+
+
+def _interval(sender: Sender) -> float:
+    seconds: float = getattr(sender, "send_interval", INTERVAL)
+    return seconds
 
 
 pacer = Pacer()

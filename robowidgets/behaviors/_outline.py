@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -75,6 +76,22 @@ class Outline:
     def is_last(self, state: str) -> bool:
         """Whether no move leaves a state, other than those from any state."""
         return all(move.source != state for move in self.moves)
+
+
+def described(machine: Outline) -> dict[str, Any]:
+    """A machine with all within as plain values: `Outline` in js/machine/traits.ts."""
+    states = [
+        {"name": name, "path": node.path, "machines": [described(inner) for inner in node.machines]}
+        for name, node in machine.states.items()
+    ]
+    moves = [{**vars(move), "compares": _compares(machine, move.event)} for move in machine.moves]
+    return {"path": machine.path, "states": states, "moves": moves}
+
+
+def _compares(machine: Outline, name: str | None) -> bool:
+    """Whether an event may tell the numbers that it compares."""
+    event = None if name in (None, DONE) else machine.look_up(str(name))
+    return hasattr(event, "judge") or (event is not None and "scan" in inspect.signature(event).parameters)
 
 
 def outline_of(cls: type) -> Node:

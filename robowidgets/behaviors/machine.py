@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -13,7 +13,9 @@ import numpy as np
 
 from ..kinds import KINDS
 from ..samples.checks import finite
-from ._outline import DONE, Move, Node, Outline, outline_of
+from ..samples.scan import Ray
+from ..samples.verdict import Trace, Verdict
+from ._outline import DONE, Move, Node, Outline, described, outline_of
 from ._parameters import asked_by
 from .drive import Drive
 from .robot import GIVEN
@@ -30,13 +32,49 @@ SINCE = "since"
 
 
 class Fired(NamedTuple):
-    """A move that was made: seconds, the machine, both states, and why."""
+    """A move that was made: seconds, the machine, both states, and why.
+
+    ``text`` says what its event compared, and ``nearest`` is the nearest ray that it looked at, where it looked at any.
+    """
 
     time: float
     machine: str
     source: str
     target: str
     why: str
+    text: str = ""
+    nearest: Ray | None = None
+
+
+class Judged(NamedTuple):
+    """What an event said: whether it holds, None for unknown, and what it looked at; None for `done`."""
+
+    value: bool | None
+    saw: Verdict | Trace | None = None
+
+    @property
+    def text(self) -> str:
+        """What was compared, such as ``"0.43 < 0.55 m"``; formatted only where somebody asks."""
+        return self.saw.text if self.saw is not None else ""
+
+    @property
+    def nearest(self) -> Ray | None:
+        """The nearest ray that was looked at."""
+        return self.saw.nearest() if isinstance(self.saw, Trace) else self.saw.nearest if self.saw else None
+
+
+class MachineStep(NamedTuple):
+    """What there is to know of a machine after a step; it does not change any more.
+
+    ``states`` has, by path of a machine, its active state and the time at which it was entered. ``judged`` has what
+    the events said in this step, by path and name, and ``seconds`` what time-outs last, by path and their text.
+    """
+
+    time: float = 0.0
+    states: Mapping[str, tuple[str, float]] = {}
+    judged: Mapping[tuple[str, str], Judged] = {}
+    seconds: Mapping[tuple[str, str], float] = {}
+    fired: tuple[Fired, ...] = ()
 
 
 class Machine:
@@ -57,7 +95,7 @@ class Machine:
 
     Attributes:
         fired: the last moves, oldest first.
-        judged: what the events said when they were judged last, by machine and name.
+        last_step: what the last step left, for other threads; at first, what the version before left.
         note: what a new version could not keep; empty if it kept all.
         current: the function that runs now, or ran last.
 
@@ -79,7 +117,7 @@ class Machine:
         self.name = cls.__name__
         self.root = outline_of(cls)
         self.fired: deque[Fired] = deque(maxlen=KEPT)
-        self.judged: dict[tuple[str, str], bool] = {}
+        self.last_step = MachineStep()
         self.note = ""
         self.current: Callable[..., Any] = self.__call__
         self.asks_for = _asked_for(self.root)
@@ -91,6 +129,8 @@ class Machine:
         self._before: Machine | None = None
         """The version whose states are taken over at the first step: until then it may still make moves."""
         self._values: dict[str, Any] = {}
+        self._judged: dict[tuple[str, str], Judged] = {}
+        self._seconds: dict[tuple[str, str], float] = {}
         self._drive: Drive | None = None
 
     @property
@@ -101,13 +141,18 @@ class Machine:
         start = len(self.root.path) + 1
         return tuple(node.path[start:] for node, _ in self._active_nodes(self.root))
 
+    def describe(self) -> list[dict[str, Any]]:
+        """Its machines, with their states and moves, as plain values."""
+        return [described(machine) for machine in self.root.machines]
+
     def adopt(self, before: Machine) -> None:
         """Go on in the states of another version that still exist; where one is gone, in the initial state."""
-        self._before = before
+        self._before, self.last_step = before, before.last_step
 
     def __call__(self, **values: Any) -> Drive | None:
         """Make a step; returns the speed, None to keep it."""
         self._values, self._drive = values, None
+        self._judged, self._seconds = {}, {}
         now: float = values["time"]
         if self._before is not None:
             before, self._before = self._before, None
@@ -122,6 +167,7 @@ class Machine:
         for node, entered in list(self._active_nodes(self.root)):
             self._act(node, "running", now - entered)
         self._is_whole = True
+        self.last_step = MachineStep(now, dict(self._states), self._judged, self._seconds, tuple(self.fired))
         return self._drive
 
     # -- within --------------------------------------------------------------------------------------------------------
@@ -178,37 +224,42 @@ class Machine:
 
     def _holds(self, machine: Outline, move: Move, node: Node, since: float) -> bool:
         if move.after is not None:
-            return since >= self._seconds(machine, move)
+            return since >= self._seconds_of(machine, move, move.after)
         if move.event is None:
             return True
         if move.event == DONE:
-            holds = bool(node.machines) and all(m.is_last(self._states[m.path][0]) for m in node.machines)
+            judged = Judged(bool(node.machines) and all(m.is_last(self._states[m.path][0]) for m in node.machines))
         else:
-            holds = self._judge(machine.look_up(move.event), move.event, since)
-        self.judged[machine.path, move.event] = holds
-        return holds
+            judged = self._judge(machine.look_up(move.event), move.event, since)
+        self._judged[machine.path, move.event] = judged
+        return judged.value is True
 
-    def _judge(self, event: Any, name: str, since: float) -> bool:
+    def _judge(self, event: Any, name: str, since: float) -> Judged:
         if hasattr(event, "judge"):
-            return event.judge(SimpleNamespace(**self._values)).value is True
-        result = self._call(event, since)
+            verdict: Verdict = event.judge(SimpleNamespace(**self._values))
+            return Judged(verdict.value, verdict)
+        trace = Trace()
+        result = self._call(event, since, trace.of)
         if isinstance(result, (bool, np.bool_)) or result is None:
-            return bool(result)
+            return Judged(None if result is None else bool(result), trace)
         raise TypeError(f"the event {name} returned {result!r}: expected True or False")
 
-    def _seconds(self, machine: Outline, move: Move) -> float:
-        after = str(move.after)
+    def _seconds_of(self, machine: Outline, move: Move, after: str) -> float:
         try:
-            return float(after)
+            seconds = float(after)
         except ValueError:
             variables = self._values["variables"]
             value = getattr(variables, after) if after in variables else machine.look_up(after)
-            return finite(f"{move}", value, "seconds")
+            seconds = finite(f"{move}", value, "seconds")
+        self._seconds[machine.path, after] = seconds
+        return seconds
 
     def _make(self, machine: Outline, move: Move, now: float) -> None:
         source, _ = self._states[machine.path]
+        saw = self._judged.get((machine.path, str(move.event)), Judged(None))
         self._leave(machine, now)
-        self.fired.append(Fired(now, machine.path, source, move.target, str(move).partition(f"{move.target} ")[2]))
+        why = str(move).partition(f"{move.target} ")[2]
+        self.fired.append(Fired(now, machine.path, source, move.target, why, saw.text, saw.nearest))
         self._enter(machine, move.target, now)
 
     def _enter(self, machine: Outline, name: str, now: float) -> None:
@@ -237,10 +288,11 @@ class Machine:
         elif result is not None:
             raise TypeError(f"{node.path} returned {result!r}: expected a Drive, or None to keep the speed")
 
-    def _call(self, function: Callable[..., Any], since: float) -> Any:
+    def _call(self, function: Callable[..., Any], since: float, of: Callable[[Any], Any] = lambda value: value) -> Any:
+        """Call a function of the user with what it asks for; ``of`` wraps the samples."""
         self.current = function
         values = {**self._values, SINCE: since}
-        return function(**{name: values[name] for name in _parameters(function)})
+        return function(**{name: of(values[name]) for name in _parameters(function)})
 
 
 _KNOWN = (*(kind.sample_name for kind in KINDS.values()), *GIVEN, SINCE)

@@ -82,6 +82,7 @@ class Program:
         step_time: seconds that the last step took.
         returned: the speed that the last step asked for.
         prints: the last lines that it printed.
+        origin: the monotonic time that its steps count from; None before the first.
     """
 
     def __init__(self, name: str, robot: Robot, variables: Variables) -> None:
@@ -101,7 +102,7 @@ class Program:
         self._fresh = False
         """Whether a message of the topic ``on`` came since the last step."""
         self._interrupted = False
-        self._origin: float | None = None
+        self.origin: float | None = None
         self._since = time.monotonic()
         self._due = self._steps_a_second = 0.0
         self._waiting_since = 0.0
@@ -275,8 +276,8 @@ class Program:
             self._set_waiting(str(error))
             return version, None
         now = time.monotonic()
-        self._origin = now if self._origin is None else self._origin
-        own = {"time": now - self._origin, "state": self.state, "variables": self.variables}
+        self.origin = now if self.origin is None else self.origin
+        own = {"time": now - self.origin, "state": self.state, "variables": self.variables}
         values = {**values, **own}
         if any(name not in values for name in version.asks_for):
             return version, None  # the next version has chosen other samples, and is in force in a moment
@@ -327,7 +328,7 @@ class Program:
             self._tell()
 
     def _take_print(self, text: str) -> bool:
-        self.prints.add(text, time.monotonic() - (self._origin or time.monotonic()))
+        self.prints.add(text, time.monotonic() - (self.origin or time.monotonic()))
         return self.has_view
 
     def _watch_steps(self) -> None:

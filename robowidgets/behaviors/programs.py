@@ -63,6 +63,7 @@ class Programs:
         if program is None or program.mode == ENDED:
             state, number = (program.state, program.version.number) if program else (None, 0)
             program = self._known[name] = Program(name, self._robot, self.variables)
+            program.watch(self._tell)
             if state is not None:
                 program.state = state
         else:
@@ -74,12 +75,14 @@ class Programs:
         program.note = note
         _all.add(program)
         on_interrupt(_interrupt_all)
-        for on_change in list(self._watchers):
-            on_change()
+        self._tell()
         return program
 
     def watch(self, on_change: Callable[[], None]) -> None:
-        """Call a function whenever another program, or another version, drives."""
+        """Call a function whenever another program drives, and after each step and each change of a program.
+
+        From any thread, that of the program above all. It must return at once.
+        """
         self._watchers.append(on_change)
 
     def forget(self, on_change: Callable[[], None]) -> None:
@@ -91,6 +94,10 @@ class Programs:
         """End the program."""
         if self.current is not None:
             self.current.close("the robot is closed")
+
+    def _tell(self) -> None:
+        for on_change in list(self._watchers):
+            on_change()
 
 
 _all: WeakSet[Program] = WeakSet()

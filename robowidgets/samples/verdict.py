@@ -131,7 +131,8 @@ class Trace:
         noted = _Distance(distance)
 
         def compare(relation: str, limit: Any) -> bool:
-            outcome = _OPERATORS[relation](distance, limit)
+            # As a plain number: Python would ask another such distance first, which would note it the other way round.
+            outcome = _OPERATORS[relation](distance, float(limit) if isinstance(limit, _Distance) else limit)
             if isinstance(outcome, (bool, np.bool_)):
                 self._comparisons.append(_Comparison(scan, sector, distance, relation, float(limit), bool(outcome)))
             result: bool = outcome
@@ -168,9 +169,13 @@ class Trace:
     def verdict(self, result: Any) -> Verdict:
         """The verdict of a function that returned a result."""
         value = self.value(result)
+        return Verdict(value, self.text, self._marked(result), self.nearest()) if value else Verdict(value, self.text)
+
+    @property
+    def text(self) -> str:
+        """What was compared, as `Verdict.text`."""
         texts = [fact(c.distance, c.relation, c.limit) for c in self._decisive if not isnan(c.distance)]
-        text = " · ".join([*dict.fromkeys(texts)][:_MOST_TEXTS])
-        return Verdict(value, text, self._marked(result), self.nearest()) if value else Verdict(value, text)
+        return " · ".join([*dict.fromkeys(texts)][:_MOST_TEXTS])
 
     @property
     def _decisive(self) -> list[_Comparison]:

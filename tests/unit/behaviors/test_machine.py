@@ -135,7 +135,8 @@ def test_a_condition_may_be_an_event() -> None:
     assert run.machine.asks_for == ["time", "variables", "scan"]
     assert run.at(0.0, scan=Scan([1.0], 0.0, 0.1, 0.1, 9.0)) == ("forward",)
     assert run.at(0.1, scan=Scan([0.4], 0.0, 0.1, 0.1, 9.0)) == ("stop",)
-    assert run.machine.judged == {("Walker", "near"): True}
+    said = run.machine.last_step.judged["Walker", "near"]
+    assert (said.value, said.text) == (True, "0.40 < 0.50 m")
 
 
 def test_a_new_version_keeps_what_is_active_and_still_exists() -> None:
