@@ -21,6 +21,7 @@ from .touch_widget import TouchWidget
 if TYPE_CHECKING:
     from . import feeds, lessons, simulator
     from .find import conditions
+    from .machine_widget import MachineWidget
     from .program_widget import ProgramWidget
     from .recording import Recording
     from .recording import open as open
@@ -39,6 +40,7 @@ __all__ = [
     "Footprint",
     "LaserWidget",
     "Line",
+    "MachineWidget",
     "Points",
     "Polygon",
     "Pose",
@@ -67,6 +69,7 @@ __all__ = [
 shorten_tracebacks()
 
 _LATER = {
+    "MachineWidget": ".machine_widget",
     "ProgramWidget": ".program_widget",
     "Recording": ".recording",
     "RecordingError": ".recordings",

@@ -92,7 +92,8 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     _held = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
     _source = traitlets.Dict(
-        help="From a feed: topic, type, status, error of a function, as plain text; whether the connection is lost."
+        help="From a feed: robot, topic, type, status, error of a function, as plain text; whether the connection is "
+        "lost."
     ).tag(sync=True, echo_update=False)
     _silence = traitlets.Float(0.0, help="Seconds; how old the newest sample is in a state that a page asks for.").tag(
         sync=True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+from uuid import uuid4
 
 from .._core.robot_widget import RobotWidget
 from ._callbacks import FunctionCaller
@@ -21,12 +22,14 @@ class SubscriptionTable:
         functions: the connected functions.
 
     Attributes:
+        robot: the name by which the page knows all widgets of the feed.
         topics: the known topics, by name; None until they are listed.
         down: the reason why no message comes on any topic; empty while messages can come.
     """
 
     def __init__(self, down: str, functions: FunctionCaller) -> None:
         self._functions = functions
+        self.robot = uuid4().hex
         self.by_topic: dict[str, Subscription] = {}
         self.topics: dict[str, Topic] | None = None
         self.down = down
@@ -106,6 +109,7 @@ class SubscriptionTable:
         listed = [one.status(self.topics, is_primary=one is first) for one in self._without_replaced(widget, connected)]
         failed = (self._functions.status_of(subscription.topic) for subscription, _ in connected)
         widget._source = {
+            "robot": self.robot,
             "topic": first.topic,
             "type": first.type,
             "status": self.down or "; ".join(dict.fromkeys(filter(None, listed))),

@@ -418,6 +418,11 @@ class Feed:
         """Whether the middleware has listed the topics."""
         return self._table.topics is not None
 
+    @property
+    def page_name(self) -> str:
+        """The name by which the page knows the widgets of this robot."""
+        return self._table.robot
+
     def check_open(self) -> None:
         """FeedError unless the feed is open, in this process."""
         if self._closed:

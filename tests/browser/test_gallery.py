@@ -150,6 +150,50 @@ def test_pictures_of_the_drive_pad(notebook: Callable[..., Notebook], theme: Lit
     shoot(card, f"gallery-drive-{theme}")
 
 
+MACHINE = """
+from robowidgets import MachineWidget, conditions, feeds
+from robowidgets.behaviors import Drive
+robot = feeds.simulator(wander=False, hz=20)
+
+class Walker:
+    near = conditions.nearest_below(1.5, "front")
+    bumped = lambda touch: any(touch.touched.values())
+    def forward(): return Drive(0.3)
+
+    class avoid:
+        free_left = lambda scan: scan.distance("left") > scan.distance("right")
+        free_right = lambda scan: not scan.distance("left") > scan.distance("right")
+        def stop(): return Drive()
+        def backward(): return Drive(-0.25)
+        def turn_left(): return Drive(0, 1.0)
+        def turn_right(): return Drive(0, -1.0)
+        finish = None
+        moves = (
+            "stop -> backward after 0.4",
+            "backward -> turn_left on free_left",
+            "backward -> turn_right on free_right",
+            "turn_left -> finish after 1.1",
+            "turn_right -> finish after 1.1",
+        )
+    moves = "forward -> avoid on near", "forward -> avoid on bumped", "avoid -> forward on done"
+
+robot.program(Walker, rate=20)
+MachineWidget(robot)
+"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_pictures_of_a_machine(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([MACHINE], scale=2, theme=theme, width=720)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-fired-row")).to_have_count(8, timeout=20_000)
+    card.locator(
+        ".rw-machine-state[data-active=leaf] .rw-machine-state-left", has_text=re.compile(r"0\.[5-9]")
+    ).wait_for()
+    shoot(card, f"gallery-machine-{theme}")
+    nb.python("robot.close()")
+
+
 LARGEST_PAGE = 2_000_000
 
 

@@ -103,6 +103,10 @@ export class Stream<F extends Frame> implements Member {
     return this.#model.get("_together");
   }
 
+  get robot(): string {
+    return this.#model.get("_source").robot ?? "";
+  }
+
   get oldest(): number {
     const [first] = this.#history.moments;
     // Without a history it follows no steps.
@@ -217,6 +221,24 @@ export class Stream<F extends Frame> implements Member {
     if (!moment || !this.paused) return;
     this.#hold(moment);
     for (const other of others) other.showAt(arrivalOf(moment.bytes));
+  }
+
+  /**
+   * Freezes the pictures of its view at a moment of which this one tells: its first sample since then, and what was the
+   * newest of the others. Returns false where it is not kept any more.
+   */
+  freezeAt(arrived: number): boolean {
+    const { moments } = this.#history;
+    const own = moments[firstWhere(moments, ({ bytes }) => arrivalOf(bytes) >= arrived)];
+    const others = othersOf(this);
+    if (!own || [this, ...others].some((one) => one.oldest > arrived)) return false;
+    if (!this.paused) this.toggle();
+    this.#hold(own);
+    for (const other of others) {
+      other.freeze();
+      other.showAt(arrived);
+    }
+    return true;
   }
 
   showAt(arrived: number): void {

@@ -4,6 +4,8 @@ import { onAbort } from "./events.ts";
 export interface Member {
   /** The group; empty: the widget stands alone. */
   readonly group: string;
+  /** The robot that it is connected to; empty: none. */
+  readonly robot: string;
   /** Arrival of the oldest sample it can step back to; -Infinity when it has dropped none. */
   readonly oldest: number;
   freeze(): void;
@@ -24,8 +26,9 @@ export function join(member: Member, signal: AbortSignal): void {
   onAbort(signal, () => page[KEY]?.delete(member));
 }
 
-/** The other members of a member's group. */
+/** The other members of a member's group. A group that is named after a robot has all members of the robot. */
 export function othersOf(member: Member): Member[] {
-  if (!member.group) return [];
-  return [...(page[KEY] ?? [])].filter((other) => other !== member && other.group === member.group);
+  const isWith = (one: Member, other: Member) =>
+    one.group !== "" && (one.group === other.group || one.group === other.robot);
+  return [...(page[KEY] ?? [])].filter((other) => other !== member && (isWith(member, other) || isWith(other, member)));
 }

@@ -91,6 +91,8 @@ export interface Lamp {
 
 /** What a feed says about its topic, in plain text. Any field may be missing. */
 export interface Source {
+  /** Name of the robot, the same for all its widgets. */
+  robot?: string;
   topic?: string;
   type?: string;
   status?: string;

@@ -1,0 +1,137 @@
+import { make, setText } from "../shared/dom.ts";
+import { ANY, type Box, isTimed, type Placed, type PlacedMove, type PlacedState } from "./layout.ts";
+import { activeText, isActive, isTaken, labelOf, type Step, timeLeft, verdictOf } from "./step.ts";
+import type { Fired } from "./traits.ts";
+
+const SVG = "http://www.w3.org/2000/svg";
+const HEAD = 5;
+
+/** What can be seen of a machine beside its places. */
+export interface Shown {
+  step: Step;
+  fired: Fired[];
+  /** Whether it is the program that drives, or will go on to drive. */
+  isInForce: boolean;
+  /** Whether rings empty by tenths. */
+  isCalm: boolean;
+}
+
+/** The states of a machine as boxes, and its moves as arrows with words. */
+export class Picture {
+  readonly root = make("div", "rw-machine-board");
+  #updates: ((shown: Shown) => void)[] = [];
+
+  /** Draws other places. */
+  draw(placed: Placed): void {
+    this.root.style.width = `${placed.width}px`;
+    this.root.style.height = `${placed.height}px`;
+    const svg = document.createElementNS(SVG, "svg");
+    svg.ariaHidden = "true";
+    this.#updates = [];
+    const any = placed.any.map((box) => at(make("div", "rw-machine-any", "any state"), box));
+    const lanes = placed.lanes.map((lane) => at(make("div", "rw-machine-lane", lane.name), lane));
+    const states = placed.states.map((state) => this.#state(state, svg));
+    const labels = placed.moves.map((move) => this.#move(move, svg));
+    // Frames lie below the arrows within them.
+    const isFrame = (_: HTMLElement, i: number) => placed.states[i]?.isOpen;
+    this.root.replaceChildren(
+      ...states.filter(isFrame),
+      ...lanes,
+      svg,
+      ...any,
+      ...states.filter((state, i) => !isFrame(state, i)),
+      ...labels,
+    );
+  }
+
+  update(shown: Shown): void {
+    for (const update of this.#updates) update(shown);
+  }
+
+  #state({ machine, state, isInitial, isOpen, ...box }: PlacedState, svg: SVGElement): HTMLElement {
+    const element = at(make("div", "rw-machine-state"), box);
+    const name = make("span", "rw-machine-state-name", state.name);
+    name.title = state.name;
+    const isFolded = state.machines.length > 0 && !isOpen;
+    const within = make("span", "rw-machine-state-within");
+    const words = make("span", "rw-machine-state-words");
+    words.append(name, within);
+    element.append(words);
+    element.classList.toggle("rw-machine-state-open", isOpen);
+    const [left, ring] = [make("span", "rw-machine-state-left"), make("i", "rw-ring")];
+    const isWithRing = isTimed(machine, state);
+    if (isWithRing) element.append(left, ring);
+    if (isInitial) start(svg, box);
+    this.#updates.push(({ step, isInForce, isCalm }) => {
+      const isLit = isInForce && isActive(machine, state, step);
+      element.dataset.active = isLit ? (isOpen ? "frame" : "leaf") : "";
+      element.ariaCurrent = String(isLit);
+      if (isFolded) setText(within, (isLit && activeText(state.machines, step)) || "\u2026");
+      if (!isWithRing) return;
+      const time = isLit ? timeLeft(machine, state, step) : null;
+      setText(left, time ? `${time[0].toFixed(1)} s` : "");
+      const share = time && time[1] > 0 ? time[0] / time[1] : 0;
+      ring.style.setProperty("--rw-left", String(isCalm ? Math.ceil(10 * share) / 10 : share));
+    });
+    return element;
+  }
+
+  #move({ machine, move, points, label }: PlacedMove, svg: SVGElement): HTMLElement {
+    const arrow = add(svg, "g", {});
+    add(arrow, "path", { d: `M${points.map((point) => point.join(" ")).join(" L")}`, fill: "none" });
+    add(arrow, "path", { d: headOf(points), stroke: "none" });
+    const element = at(make("div", "rw-move"), label);
+    const name = make("span", "rw-move-name", labelOf(move));
+    const numbers = make("span", "rw-move-numbers");
+    if (move.event) element.append(make("i", "rw-move-dot"));
+    element.append(name, numbers);
+    this.#updates.push(({ step, fired, isInForce }) => {
+      const source = machine.states.find((state) => state.name === move.source);
+      const [value, text] = verdictOf(machine, move, step);
+      const isNext = move.after !== null && source !== undefined && isActive(machine, source, step);
+      const way = isTaken(machine, move, fired, step) ? "taken" : isNext ? "next" : "";
+      arrow.dataset.way = isInForce ? way : "";
+      element.dataset.way = arrow.dataset.way;
+      const isWatched = source ? isActive(machine, source, step) : move.source === ANY;
+      element.dataset.value = isInForce && (isWatched || value === "true") ? value : "";
+      setText(numbers, element.dataset.value ? text : "");
+      element.title = [labelOf(move), element.dataset.value && `${value} ${text}`].filter(Boolean).join(": ");
+    });
+    return element;
+  }
+}
+
+function at<E extends HTMLElement>(element: E, { x, y, width, height }: Box): E {
+  element.style.cssText = `left:${x}px;top:${y}px;width:${width}px;height:${height}px`;
+  return element;
+}
+
+/** The dot and the arrow before an initial state. */
+function start(svg: SVGElement, { x, y, height }: Box): void {
+  const middle = y + Math.min(height, 32) / 2;
+  const group = add(svg, "g", {});
+  add(group, "circle", { cx: x - 21, cy: middle, r: 3.5, stroke: "none" });
+  add(group, "path", { d: `M${x - 18} ${middle} H${x - HEAD}`, fill: "none" });
+  add(group, "path", {
+    d: headOf([
+      [x - 18, middle],
+      [x, middle],
+    ]),
+    stroke: "none",
+  });
+}
+
+/** The head of an arrow, at its last point. */
+function headOf(points: [number, number][]): string {
+  const [[x, y], [fromX, fromY]] = [points.at(-1) ?? [0, 0], points.at(-2) ?? [0, 0]];
+  const [dx, dy] = [Math.sign(x - fromX), Math.sign(y - fromY)];
+  const [backX, backY] = [x - 1.6 * HEAD * dx, y - 1.6 * HEAD * dy];
+  return `M${x} ${y} L${backX - HEAD * dy * 0.8} ${backY - HEAD * dx * 0.8} L${backX + HEAD * dy * 0.8} ${backY + HEAD * dx * 0.8} Z`;
+}
+
+function add(parent: SVGElement, tag: string, attributes: Record<string, string | number>): SVGElement {
+  const element = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  parent.append(element);
+  return element;
+}

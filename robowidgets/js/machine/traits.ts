@@ -1,0 +1,63 @@
+import type { About, SampleTraits } from "../shared/traits.ts";
+
+export interface MachineTraits extends SampleTraits {
+  _outline: VersionOutline;
+}
+
+/** A version of a machine; empty before the first. */
+export interface VersionOutline {
+  key?: string;
+  name?: string;
+  /** Several run side by side. */
+  machines?: MachineOutline[];
+}
+
+/** The states of a machine, the first of which is the initial one, and the moves between them. */
+export interface MachineOutline {
+  path: string;
+  states: StateOutline[];
+  moves: MoveOutline[];
+}
+
+export interface StateOutline {
+  name: string;
+  path: string;
+  machines: MachineOutline[];
+}
+
+/** A move on an event, after some seconds (a number, or the name of one), or, with neither, at once. */
+export interface MoveOutline {
+  /** "*" for any state of the machine. */
+  source: string;
+  target: string;
+  event: string | null;
+  after: string | null;
+  /** Whether its event may tell the numbers that it compares. */
+  compares: boolean;
+}
+
+/** What Python says of a machine beside its frame. */
+export interface MachineAbout extends About {
+  mode?: "running" | "paused" | "failed" | "ended";
+  version?: number;
+  /** The last moves that were made, oldest first. */
+  fired?: Fired[];
+}
+
+/** A move that was made. */
+export interface Fired {
+  /** Seconds of Python's monotonic clock, as `arrived` of a frame. */
+  at: number;
+  /** Seconds since the first step of the program. */
+  time: number;
+  /** Path of the machine. */
+  machine: string;
+  source: string;
+  target: string;
+  /** "on near", "after 0.5" or "at once". */
+  why: string;
+  /** What was compared; empty where nothing was. */
+  reading: string;
+  /** Index of the nearest ray that was looked at. */
+  index: number | null;
+}

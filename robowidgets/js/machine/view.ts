@@ -1,0 +1,126 @@
+import { type Size, watchSize } from "../shared/canvas.ts";
+import { make, setText } from "../shared/dom.ts";
+import { toFixed } from "../shared/format.ts";
+import { type Model, onChange } from "../shared/model.ts";
+import { offerPng } from "../shared/png.ts";
+import { SampleCard } from "../shared/sample_card.ts";
+import { perAnimationFrame, throttle } from "../shared/schedule.ts";
+import type { Stream } from "../shared/stream.ts";
+import { Entries } from "./entries.ts";
+import { place } from "./layout.ts";
+import type { Outlines } from "./outlines.ts";
+import { Picture } from "./picture.ts";
+import { activeText, isActive, type Step } from "./step.ts";
+import type { Fired, MachineAbout, MachineOutline, MachineTraits, StateOutline } from "./traits.ts";
+
+const PADDING = 12;
+/** Of what fired, where there is room for it beside the picture. */
+const LIST_WIDTH = 236;
+const SAY_MS = 1000;
+
+/** One view of a machine: its picture, and what fired. */
+export class MachineView {
+  readonly #model: Model<MachineTraits>;
+  readonly #stream: Stream<Step>;
+  readonly #outlines: Outlines;
+  readonly #card: SampleCard;
+  readonly #picture = new Picture();
+  readonly #entries: Entries;
+  readonly #empty = make("div", "rw-empty");
+  readonly #time = make("b", "");
+  readonly #rate = make("span", "");
+  readonly #text = make("canvas", "").getContext("2d");
+  readonly #sayActive: () => void;
+  #width = 0;
+  #placed = "";
+  #active = "";
+  #said = "";
+
+  constructor(
+    model: Model<MachineTraits>,
+    element: HTMLElement,
+    stream: Stream<Step>,
+    outlines: Outlines,
+    signal: AbortSignal,
+  ) {
+    this.#model = model;
+    this.#stream = stream;
+    this.#outlines = outlines;
+    const redraw = perAnimationFrame(() => this.#draw(), signal);
+    this.#card = new SampleCard(element, "machine", model, stream, redraw, signal);
+    this.#entries = new Entries((fired) => this.#show(fired), signal);
+    this.#card.picture.append(this.#picture.root, this.#empty);
+    this.#card.picture.after(this.#entries.root);
+    const pace = make("span", "");
+    pace.append(this.#time, " \u00b7 ", this.#rate);
+    this.#card.footer.append(pace);
+    this.#sayActive = throttle(() => this.#say(), SAY_MS, signal);
+    stream.listen(redraw, signal);
+    onChange(model, ["_outline"], redraw, signal);
+    const onSize = ({ width }: Size) => {
+      this.#width = width;
+      redraw();
+    };
+    watchSize(this.#card.root, onSize, signal);
+    offerPng(this.#card, model, () => this.#draw(), signal);
+  }
+
+  #draw(): void {
+    if (this.#width === 0) return;
+    const step = this.#stream.shown;
+    const { mode = "running", version, fired = [] } = this.#stream.about as MachineAbout;
+    const { key = "", machines = [] } = this.#outlines.of(step?.key);
+    this.#active = step && mode !== "ended" ? activeText(machines, step) : "";
+    this.#card.update([version ? `v${version}` : "", mode === "running" ? "" : mode, this.#active], "step", false);
+    this.#empty.hidden = step !== null;
+    this.#picture.root.hidden = !step;
+    setText(this.#empty, this.#card.waiting("state machine"));
+    this.#card.picture.style.paddingTop = `${PADDING + this.#card.noticeHeight}px`;
+    const newest: MachineAbout = this.#model.get("_about");
+    this.#entries.update(newest.fired ?? [], this.#stream.paused ? (step?.arrived ?? 0) : null);
+    setText(this.#time, step ? `${toFixed(step.time, 2)} s` : "");
+    const { rate } = this.#stream;
+    setText(this.#rate, mode === "running" && rate ? `${toFixed(rate, 1)} Hz` : mode);
+    if (!step) return;
+    this.#place(key, machines, step);
+    const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.#picture.update({ step, fired, isInForce: mode !== "ended", isCalm });
+    if (this.#active !== this.#said) this.#sayActive();
+  }
+
+  /** Places the states anew for another version or width; where room is short, only active ones are unfolded. */
+  #place(key: string, machines: MachineOutline[], step: Step): void {
+    const room = this.#width - 2 * PADDING;
+    const { font } = this.#card.theme;
+    const base = [key, room, font].join();
+    if (this.#placed === base || this.#placed === `${base} ${this.#active}`) return;
+    const measure = (text: string) => {
+      if (!this.#text) return 8 * text.length;
+      this.#text.font = `600 13px ${font}`;
+      return Math.ceil(this.#text.measureText(text).width);
+    };
+    let placed = place(machines, { measure, room, isOpen: () => true });
+    this.#placed = base;
+    if (placed.width > room && machines.some(hasMachines)) {
+      const isOpen = (state: StateOutline, machine: MachineOutline) => isActive(machine, state, step);
+      placed = place(machines, { measure, room, isOpen });
+      this.#placed = `${base} ${this.#active}`;
+    }
+    this.#picture.draw(placed);
+    this.#card.root.classList.toggle("rw-machine-wide", placed.width <= room - LIST_WIDTH);
+  }
+
+  #show(fired: Fired): void {
+    if (!this.#stream.freezeAt(fired.at)) this.#card.say(["this moment is not kept any more"]);
+  }
+
+  #say(): void {
+    if (this.#active === this.#said) return;
+    this.#said = this.#active;
+    this.#card.say([this.#active ? `active: ${this.#active}` : "no active state"]);
+  }
+}
+
+function hasMachines({ states }: MachineOutline): boolean {
+  return states.some(({ machines }) => machines.length > 0);
+}

@@ -1,0 +1,149 @@
+"""The state machine of a robot on the page: its states, what its events say, and what fired."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import traitlets
+
+from ._core.base_widget import bundle
+from ._core.robot_widget import RobotWidget
+from .behaviors.machine import Fired, Machine, MachineStep
+from .behaviors.program import Program, Version
+from .behaviors.programs import Programs
+
+MOST_FIRED = 30
+"""Moves that are listed on the page."""
+
+
+class MachineWidget(RobotWidget[MachineStep]):
+    """The state machine that drives a robot: its states, lit where they are active, its moves, and what fired.
+
+    It shows each machine that drives the robot from now on, and follows its new versions. A click on what fired
+    freezes this widget and those that are connected to the robot at that moment.
+
+    Args:
+        robot: a feed.
+        title: for the header; empty: the name of the machine.
+        paused: whether the picture is frozen.
+        history: seconds for which the page keeps steps to go back through, 0 (none) to 600.
+        header, footer: whether they are there.
+
+    Raises:
+        TypeError: no feed, or an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Example:
+        >>> from robowidgets import feeds
+        >>> class Walker:
+        ...     forward = turn = None
+        ...     moves = "forward -> turn after 2", "turn -> forward after 1"
+        >>> with feeds.simulator(wander=False) as robot:
+        ...     widget = MachineWidget(robot)
+        ...     program = robot.program(Walker)
+        >>> widget.title
+        'Walker'
+    """
+
+    _esm, _css = bundle("machine_widget")
+
+    sample_name = "machine"
+    goes_stale = False
+    send_interval = 0.05
+
+    _outline = traitlets.Dict(help="Name of the machine, key of the version, and its machines.").tag(
+        sync=True, echo_update=False
+    )
+
+    def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
+        """Take the feed as a positional argument."""
+        return super().__new__(cls, **kwargs)
+
+    def __init__(self, robot: Any, **kwargs: Any) -> None:
+        programs = getattr(robot, "programs", None)
+        if not isinstance(programs, Programs):
+            raise TypeError(f"MachineWidget(): expected a feed, got {robot!r}")
+        self._programs = programs
+        self._program: Program | None = None
+        self._in_force: Version | None = None
+        super().__init__(**kwargs)
+        # Its group is the robot: so the page freezes it with all widgets of the robot, and them with it.
+        self._robot = self._together = robot.page_name
+        self._source = {"robot": self._robot, "status": "waiting for a state machine"}
+        programs.watch(self._on_step)
+        self._on_step()
+
+    def close(self) -> None:
+        """Remove the widget from the page; the program goes on."""
+        if "_programs" in vars(self):  # else the constructor raised before it had them
+            self._programs.forget(self._on_step)
+            super().close()
+
+    def _describe(self) -> str:
+        program = self._program
+        active = program.version.function.active if program and isinstance(program.version.function, Machine) else ()
+        return " + ".join(active)
+
+    def _on_step(self) -> None:
+        """Store what the last step left, for the pacer. In the thread of the program, as a rule."""
+        program = self._programs.current
+        if program is None:
+            return
+        if program.version is not self._in_force:
+            self._follow(program)
+        machine = program.version.function
+        if isinstance(machine, Machine):
+            self._show(machine.last_step, counts=machine.last_step is not self._newest)
+
+    def _follow(self, program: Program) -> None:
+        """Show another version."""
+        self._program, self._in_force = program, program.version
+        machine, key = program.version.function, f"{program.name} {program.version.number}"
+        status = ""
+        if isinstance(machine, Machine):
+            self._name_after(machine.name)
+            self._outline = {"key": key, "name": machine.name, "machines": machine.describe()}
+        else:
+            status = f"{program.name} drives now, which is no state machine"
+            if self._newest is not None:
+                self._show(self._newest, counts=False)
+        self._source = {"robot": self._robot, "status": status}
+
+    def _about_sample(self, sample: MachineStep) -> dict[str, Any]:
+        program = self._program
+        if program is None:
+            return {}
+        machine, origin = program.version.function, program.origin or 0.0
+        is_machine = isinstance(machine, Machine)
+        return {
+            "mode": program.mode if is_machine else "ended",
+            "version": program.version.number,
+            "fired": [_plain(fired, origin) for fired in sample.fired[-MOST_FIRED:]],
+            "error": program.error if is_machine else "",
+            "notes": [machine.note] if isinstance(machine, Machine) and machine.note else [],
+        }
+
+    def _pack(self, sample: MachineStep) -> bytes:
+        told = {
+            "key": self._outline.get("key", ""),
+            "time": sample.time,
+            "states": sample.states,
+            "judged": [(*key, one.value, one.text) for key, one in sample.judged.items()],
+            "seconds": [(*key, seconds) for key, seconds in sample.seconds.items()],
+        }
+        return json.dumps(told).encode()
+
+
+def _plain(fired: Fired, origin: float) -> dict[str, Any]:
+    nearest = fired.nearest
+    return {
+        "at": origin + fired.time,
+        "time": fired.time,
+        "machine": fired.machine,
+        "source": fired.source,
+        "target": fired.target,
+        "why": fired.why,
+        "reading": fired.text or (f"{nearest.range:.2f} m" if nearest else ""),
+        "index": nearest.index if nearest else None,
+    }

@@ -1,0 +1,143 @@
+"""A state machine on the page: what is lit, what its events say, what fired, and the moment of that in all widgets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Literal
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from ..unit.waiting import wait_for
+from .chromium import shoot
+from .plain_page import PlainPage
+
+OPEN = """
+from robowidgets import LaserWidget, MachineWidget, conditions, feeds
+from robowidgets.behaviors import Drive
+robot = feeds.simulator(wander=False, hz=20)
+laser, other = LaserWidget(), LaserWidget()
+robot.connect("/scan", laser)
+robot.variables.go = robot.variables.back = False
+machine = MachineWidget(robot)
+display(laser, other)
+machine
+"""
+WALKER = """
+class Walker:
+    near = conditions.nearest_below(100.0, "front")
+    go = lambda variables: variables.go
+    back = lambda variables: variables.back
+
+    def forward():
+        return Drive(0.05)
+
+    class avoid:
+        def stop():
+            return Drive()
+
+        def turn():
+            return Drive(0, 0.2)
+
+        spin = None
+        moves = "stop -> turn after 0.4", "turn -> {name} after 60"
+
+    class both:
+        class one:
+            a = b = None
+            moves = "a -> b after 0.1"
+        class two:
+            c = d = None
+            moves = "c -> d after 0.1"
+
+    moves = '''
+        forward -> avoid on near
+        avoid -> both on go
+        * -> forward on back
+    '''
+
+program = robot.program(Walker, rate=20)
+"""
+TURN, SPIN = WALKER.format(name="stop"), WALKER.format(name="spin")
+
+
+def state(widget: Locator, name: str) -> Locator:
+    return widget.locator(".rw-machine-state").filter(has=widget.page.get_by_text(name, exact=True)).last
+
+
+def move(widget: Locator, name: str) -> Locator:
+    return widget.locator(".rw-move").filter(has=widget.page.get_by_text(name, exact=True))
+
+
+def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([OPEN], width=740)
+    laser, other, widget = nb.widget(0), nb.widget(0, 1), nb.widget(0, 2)
+    expect(widget.locator(".rw-empty")).to_have_text("waiting for a state machine")
+    nb.run(nb.append(TURN))
+    expect(widget.locator(".rw-title")).to_have_text("Walker")
+    expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
+    expect(state(widget, "avoid")).to_have_attribute("data-active", "frame")
+    expect(state(widget, "turn")).to_have_attribute("aria-current", "true")
+    expect(state(widget, "stop")).to_have_attribute("data-active", "")
+    expect(widget.locator(".rw-facts")).to_have_text("v1 ·\u00a0avoid \u203a turn")
+    expect(widget.locator(".rw-live")).to_have_text("active: avoid \u203a turn")
+    expect(state(widget, "turn").locator(".rw-machine-state-left")).to_have_text(re.compile(r"5\d\.\d s"))
+    expect(move(widget, "go")).to_have_attribute("data-value", "false")
+    expect(move(widget, "near")).to_have_attribute("data-value", "")
+    expect(move(widget, "near")).to_have_attribute("data-way", "taken")
+    rows = widget.locator(".rw-fired-row")
+    expect(rows).to_have_count(2)
+    expect(rows.nth(1)).to_contain_text("forward \u2192 avoid")
+    expect(rows.nth(1).locator(".rw-fired-words")).to_have_text(re.compile(r"near\d+\.\d\d < 100\.00 m\[\d+\]"))
+
+    # As in a busy kernel, nothing that the page sends is handled meanwhile.
+    with nb._kernel:
+        rows.nth(1).click()
+        for card in (laser, widget):
+            expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
+        expect(rows.nth(1)).to_have_attribute("aria-current", "true")
+        expect(state(widget, "stop")).to_have_attribute("data-active", "leaf")
+        expect(move(widget, "near")).to_have_attribute("data-value", "true")
+        expect(laser.locator(".rw-time b")).to_contain_text("\u2212")
+        expect(other.locator(".rw-freeze")).to_have_attribute("aria-pressed", "false")
+        shoot(widget, "machine-frozen")
+        rows.nth(1).press("ArrowUp")
+        expect(rows.nth(0)).to_be_focused()
+        rows.nth(0).press("Enter")
+        expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
+    moment = nb.python(
+        "import struct, time\ntime.sleep(0.3)\n"
+        "scan, machine_, fired = (struct.unpack_from('<ddqd', w._held)[3] for w in (laser, machine, machine))\n"
+        "at = machine._about['fired'][-1]['at']\nprint(at - 0.3 < scan <= at <= machine_ < at + 0.2)"
+    )
+    assert moment.strip() == "True"
+    widget.locator(".rw-freeze").click()
+    expect(laser.locator(".rw-freeze")).to_have_attribute("aria-pressed", "false")
+
+    nb.run(nb.append(SPIN))
+    expect(widget.locator(".rw-facts")).to_have_text("v2 ·\u00a0avoid \u203a turn")
+    expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
+    expect(state(widget, "spin")).to_have_attribute("data-active", "")
+    nb.python("robot.variables.go = True")
+    expect(state(widget, "b")).to_have_attribute("data-active", "leaf")
+    expect(state(widget, "d")).to_have_attribute("data-active", "leaf")
+    expect(widget.locator(".rw-machine-lane")).to_have_text(["one", "two"])
+    nb.python("robot.close()")
+    expect(widget.locator("[data-active=leaf]")).to_have_count(0)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_a_machine_fits_a_narrow_page_and_rings_step_by_tenths_where_motion_is_reduced(
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]
+) -> None:
+    nb = plain_page([OPEN, TURN], width=400, scale=2, theme=theme)
+    widget = nb.widget(0, 2)
+    nb.page.emulate_media(reduced_motion="reduce")
+    expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
+    ring = state(widget, "turn").locator(".rw-ring")
+    wait_for(lambda: ring.evaluate("ring => ring.style.getPropertyValue('--rw-left')") == "1", "the ring is full")
+    assert state(widget, "turn").locator(".rw-machine-state-left").inner_text() != "60.0 s"
+    assert widget.locator(".rw-picture").evaluate("picture => picture.scrollWidth <= picture.clientWidth")
+    shoot(widget, f"machine-narrow-{theme}")
+    nb.python("robot.close()")

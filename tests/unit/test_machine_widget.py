@@ -1,0 +1,164 @@
+"""`MachineWidget`: what the page is told of a state machine, how often, and what a step costs."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from robowidgets import LaserWidget, MachineWidget, conditions
+from robowidgets._core.robot_widget import FRAME_HEADER
+from robowidgets.behaviors import Drive
+from robowidgets.feeds import Feed
+
+from .feeds.scripted import CMD_VEL, SCAN, Scripted, scan
+from .pages import Page
+from .waiting import wait_for
+
+# ruff: noqa: N801, N805
+
+
+@pytest.fixture
+def script() -> Scripted:
+    return Scripted(SCAN, CMD_VEL)
+
+
+@pytest.fixture
+def robot(script: Scripted) -> Iterator[Feed]:
+    with Feed(script) as opened:
+        yield opened
+
+
+@pytest.fixture
+def page(robot: Feed) -> Iterator[Page]:
+    widget = MachineWidget(robot)
+    yield Page(widget)
+    widget.close()
+
+
+def step(page: Page) -> dict[str, Any]:
+    """The last step that the page was told."""
+    frame = page.state["_frame"]
+    told: dict[str, Any] = json.loads(frame[FRAME_HEADER.size :]) if frame else {}
+    return told
+
+
+class Walker:
+    near = conditions.nearest_below(0.5)
+
+    def free(scan):
+        return scan.distance() > 0.6
+
+    def forward():
+        return Drive(0.2)
+
+    class avoid:
+        stop = turn = None
+        moves = "stop -> turn after pause"
+
+    moves = "forward -> avoid on near", "avoid -> forward on free"
+
+
+def test_it_tells_states_events_times_and_what_fired(script: Scripted, robot: Feed, page: Page) -> None:
+    assert page.state["_source"]["status"] == "waiting for a state machine"
+    robot.variables.pause = 0.2
+    script.listener.on_message("/scan", scan(0.9, 0.8))
+    program = robot.program(Walker, on="/scan")
+    script.listener.on_message("/scan", scan(0.9, 0.8))
+    wait_for(lambda: step(page).get("judged"), "it is told")
+    assert step(page)["states"] == {"Walker": ["forward", 0.0]}
+    assert step(page)["judged"] == [["Walker", "near", False, "0.80 \u2265 0.50 m"]]
+    outline = page.state["_outline"]
+    assert (page.state["title"], outline["key"], step(page)["key"]) == ("Walker", "Walker 1", "Walker 1")
+    forward, avoid = outline["machines"][0]["states"]
+    assert (forward["machines"], avoid["machines"][0]["path"]) == ([], "Walker.avoid")
+    assert [(move["event"], move["compares"]) for move in outline["machines"][0]["moves"]] == [
+        ("near", True),
+        ("free", True),
+    ]
+
+    script.listener.on_message("/scan", scan(0.9, 0.4))
+    wait_for(lambda: step(page)["states"]["Walker"][0] == "avoid", "it avoids")
+    (fired,) = page.state["_about"]["fired"]
+    assert (fired["source"], fired["target"], fired["why"]) == ("forward", "avoid", "on near")
+    assert (fired["reading"], fired["index"]) == ("0.40 < 0.50 m", 1)
+    assert fired["at"] == pytest.approx(time.monotonic(), abs=5)
+    assert fired["at"] <= FRAME_HEADER.unpack_from(page.state["_frame"])[3]
+    script.listener.on_message("/scan", scan(0.9, 0.45))
+    judged = [["Walker", "free", False, "0.45 \u2264 0.60 m"]]
+    wait_for(lambda: step(page)["judged"] == judged, "another event is judged")
+    assert step(page)["seconds"] == [["Walker.avoid", "pause", 0.2]]
+    assert {*page.threads} == {"robowidgets-pacer"}
+    program.pause()
+    wait_for(lambda: page.state["_about"]["mode"] == "paused", "the pause is told")
+
+
+def test_a_new_version_is_told_once_and_a_function_in_its_place_is_named(robot: Feed, page: Page) -> None:
+    class Blink:
+        on = off = None
+        moves = "on -> off after 0.01", "off -> on after 0.01"
+
+    robot.program(Blink, rate=200)
+    wait_for(lambda: step(page).get("time", 0) > 0.1, "it runs")
+    assert len(page.sent("_outline")) == 1
+    Blink.off = None
+    robot.program(Blink, rate=200)
+    wait_for(lambda: step(page)["key"] == "Blink 2", "the second version is told")
+    assert len(page.sent("_outline")) == 2
+
+    @robot.program
+    def stay():  # type: ignore[no-untyped-def]
+        return Drive()
+
+    wait_for(lambda: "which is no state machine" in page.state["_source"]["status"], "the function is named")
+    wait_for(lambda: page.state["_about"]["mode"] == "ended", "the machine is over")
+
+
+def test_an_error_is_told_and_the_last_good_step_stays(robot: Feed, page: Page) -> None:
+    class Fails:
+        def first(variables):
+            return Drive(0.1 / variables.x)
+
+        rest = None
+        moves = "first -> rest after 99"
+
+    robot.variables.x = 1
+    robot.program(Fails, rate=100)
+    wait_for(lambda: step(page).get("states"), "it runs")
+    robot.variables.x = 0
+    wait_for(lambda: "ZeroDivisionError" in page.state["_about"]["error"], "the error is told")
+    assert step(page)["states"]["Fails"][0] == "first"
+    assert page.state["_about"]["mode"] == "failed"
+
+
+def test_steps_are_told_twenty_times_a_second_and_the_newest_wins(robot: Feed, page: Page) -> None:
+    class Count:
+        def one(state):
+            state.n = state.get("n", 0) + 1
+
+        two = None
+        moves = "one -> two after 1.0"
+
+    program = robot.program(Count, rate=200)
+    wait_for(lambda: step(page).get("states", {}).get("Count", [""])[0] == "two", "a second passes")
+    times = [json.loads(frame[FRAME_HEADER.size :])["time"] for frame in page.sent("_frame")]
+    assert len(times) <= 1.5 + 20 * times[-1]
+    program.pause()
+    wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is told")
+
+
+def test_the_page_knows_which_widgets_are_of_the_robot(script: Scripted, robot: Feed, page: Page) -> None:
+    laser = LaserWidget()
+    robot.connect("/scan", laser)
+    assert page.state["_together"] == page.state["_source"]["robot"] == laser._source["robot"]
+    with Feed(Scripted(SCAN)) as other:
+        other.connect("/scan", stranger := LaserWidget())
+        assert stranger._source["robot"] != laser._source["robot"]
+
+
+def test_it_takes_a_feed_alone() -> None:
+    with pytest.raises(TypeError, match=r"MachineWidget\(\): expected a feed, got 3"):
+        MachineWidget(3)
