@@ -90,12 +90,8 @@ def _interrupted() -> None:
 
 def _after_cell(result: Any) -> None:
     if not result.success:
-        _call_all()
-
-
-def _call_all() -> None:
-    for call in _on_failed:
-        call()
+        for call in _on_failed:
+            call()
 
 
 def close_all(widget: Any) -> None:
