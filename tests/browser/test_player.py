@@ -52,6 +52,11 @@ def passes(nb: Notebook | PlainPage, seconds: float) -> None:
     )
 
 
+BELOW_TOP = """() => document.querySelector('.rw-player').getBoundingClientRect().top
+    - document.querySelector('.jp-WindowedPanel-outer').getBoundingClientRect().top"""
+"""Pixels from the top of what the notebook shows to the player."""
+
+
 def test_a_person_moves_the_slider_and_every_widget_follows(notebook: Open, data: Path) -> None:
     nb = opened(notebook, data / "good" / "neato_fsm")
     expect(nb.output(0).locator("table tbody tr")).to_have_count(10)
@@ -64,6 +69,9 @@ def test_a_person_moves_the_slider_and_every_widget_follows(notebook: Open, data
     expect(bar(nb).locator(".rw-play-now")).to_have_text("22.50")
     told = "print(player.time, player.views[-1].widget.states['left front'].name)"
     wait_for(lambda: nb.python(told).strip() == "22.5 TOUCHED", "Python knew")
+    nb.resize(600, 500)
+    nb.page.evaluate("() => { document.querySelector('.jp-WindowedPanel-outer').scrollTop += 600 }")
+    wait_for(lambda: 0 <= nb.page.evaluate(BELOW_TOP) < 5, "the bar stays at the top of a narrow page")
 
 
 def test_python_moves_it_and_what_the_page_has_not_yet_comes(plain_page: Open, data: Path) -> None:
