@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import columns, feeds, hour, leaks, measure, memory, pages, player, recordings, stopping, table
+from . import columns, feeds, hour, layers, leaks, measure, memory, pages, player, recordings, stopping, table
 from .rivals import NAMES
 from .stage import Stage, open_stage, versions
 
@@ -29,6 +29,8 @@ Absolute figures depend on the machine and move by a third from run to run; rati
 - Flooded: as many updates as the library takes, three times. Its newest scan counts as never shown after
   {patience:.0f} s.
 - Imports are timed in fresh processes that have loaded ipykernel, ipywidgets and NumPy.
+- Everything on: four sectors, two conditions, of which one is lit, a ghost, the index view, and twenty shapes that are
+  drawn anew with each scan. A drag is pointer moves in each animation frame, at most the display's.
 - A recording is opened and its topics are listed; then it is opened and every sample is made that a widget can show
   (of the topics that both know), where rosbags makes its messages. In one process, in turn.
 - A recording of 25,000 scans of 1040 rays is opened, and all its scans are made one array; it is opened, and its
@@ -75,6 +77,7 @@ def main() -> None:
     parser.add_argument("--stopping", action="store_true", help="how soon a robot stops only; writes nothing")
     parser.add_argument("--recordings", action="store_true", help="recordings only; writes nothing")
     parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
+    parser.add_argument("--layers", action="store_true", help="the layers of the laser only; writes nothing")
     parser.add_argument("--leaks", action="store_true", help="what views leave in the page only; writes nothing")
     parser.add_argument(
         "--hour", nargs="?", type=float, const=60.0, metavar="MINUTES", help="a robot for an hour only; writes nothing"
@@ -95,6 +98,10 @@ def main() -> None:
     if options.player:
         with open_stage() as stage:
             print("\n".join(player_parts(stage, repeats, seconds, quick=options.quick)))
+        return
+    if options.layers:
+        with open_stage() as stage:
+            print("\n".join(layer_parts(stage, repeats, seconds)))
         return
     if options.leaks:
         with open_stage() as stage:
@@ -127,6 +134,7 @@ def main() -> None:
             parts += ["\n## Four widgets at once\n", table.fours({"at 40 Hz": paced, "flooded": flooded})]
             parts += [f"\n## Flooded for {long:.0f} s\n", table.endurance({"first sixth": first, "last sixth": last})]
             parts += [f"\nIts newest scan was shown late by {late:.0f} ms."]
+            parts += layer_parts(stage, repeats, seconds)
             parts += feed_parts(stage, 2 * seconds, repeats, long)
             parts += player_parts(stage, repeats, seconds, quick=options.quick)
             parts += leak_parts(stage, quick=options.quick)
@@ -206,6 +214,13 @@ def player_parts(stage: Stage, repeats: int, seconds: float, *, quick: bool) -> 
         "\n## A minute of 1040 rays at 40 Hz, as a page in a file\n",
         table.opened(opened),
     ]
+
+
+def layer_parts(stage: Stage, repeats: int, seconds: float) -> list[str]:
+    """What is said of the layers of the laser."""
+    print("layers", flush=True)
+    costs, drags = layers.compare(stage, repeats, seconds), layers.drags(stage, seconds)
+    return ["\n## The laser with everything on\n", table.layers(costs, drags)]
 
 
 def leak_parts(stage: Stage, *, quick: bool) -> list[str]:

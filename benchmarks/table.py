@@ -10,6 +10,7 @@ from .columns import Decoding, Whole
 from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
 from .hour import Hour
+from .layers import Cost
 from .leaks import LIMIT, NAMES, Leak
 from .measure import Endurance, Four
 from .pages import Opened
@@ -215,6 +216,22 @@ def leaks(found: Mapping[str, Leak]) -> str:
     ]
     heads = ["nodes", "listeners", "heap, kB", "of the bare canvas's", "heap once all are closed, kB"]
     return markdown(["each run of a cell adds", *heads], body)
+
+
+def layers(costs: Mapping[str, Cost], drags: Mapping[int, float]) -> str:
+    """Everything on beside the plain widget, and how many frames a second a drag follows."""
+    plain, full = costs["laser"], costs["layers"]
+    body = [
+        [what, say(before), say(after), times(after / before)]
+        for what, before, after in (
+            ("painted per s of 40", plain.painted, full.painted),
+            ("latency, ms", plain.latency, full.latency),
+            ("kernel CPU per scan, ms", plain.cpu, full.cpu),
+        )
+    ]
+    followed = [[f"{count:,}", say(frames)] for count, frames in drags.items()]
+    heads = ["", "plain", "everything on", "ratio"]
+    return f"{markdown(heads, body)}\n\n{markdown(['rays', 'frames per s in which a drag follows'], followed)}"
 
 
 def markdown(head: Sequence[str], body: Iterable[Sequence[str]]) -> str:

@@ -62,7 +62,7 @@ function drawGhost(context: CanvasRenderingContext2D, { projection, occupied }: 
   context.fill();
 }
 
-/** Dots of the other scan at the same rays, and a line from each to that of now. */
+/** Dots of the other scan at the same rays, and what lies between them and those of now. */
 function drawDifference(
   context: CanvasRenderingContext2D,
   { viewRange, xOf, yOf }: StripStage,
@@ -75,23 +75,35 @@ function drawDifference(
     const metres = index < 0 ? NaN : distanceOf(scan, index);
     return metres <= viewRange ? yOf(metres) : NaN;
   };
-  context.beginPath();
+  const half = Math.max(1, xOf(1) - xOf(0)) / 2;
   const dots: [number, number][] = [];
+  let run: [x: number, now: number, then: number][] = [];
+  // One outline for neighbours: a line for each ray takes several times as long.
+  const traceRun = () => {
+    const [[left, a, b] = [0, 0, 0], [right, c, d] = [0, 0, 0]] = [run[0], run.at(-1)];
+    if (run.length) {
+      context.moveTo(left - half, b);
+      context.lineTo(left - half, a);
+      for (const [x, y] of run) context.lineTo(x, y);
+      context.lineTo(right + half, c);
+      context.lineTo(right + half, d);
+      for (const [x, , y] of run.reverse()) context.lineTo(x, y);
+      context.closePath();
+    }
+    run = [];
+  };
+  context.beginPath();
   for (let i = 0; i < now.count; i++) {
     const [x, a, b] = [xOf(i), seen(now, i), seen(then, match(i))];
-    if (Number.isNaN(b)) continue;
-    dots.push([x, b]);
-    if (Math.abs(a - b) < SHORT || Number.isNaN(a)) continue;
-    context.moveTo(x, a);
-    context.lineTo(x, b);
+    if (!Number.isNaN(b)) dots.push([x, b]);
+    if (Math.abs(a - b) >= SHORT) run.push([x, a, b]);
+    else traceRun();
   }
+  traceRun();
   context.globalAlpha = 0.25;
-  context.strokeStyle = theme.ghost;
-  // Of neighbours without gaps, which would make stripes.
-  context.lineWidth = Math.max(1, 1.2 * (xOf(1) - xOf(0)));
-  context.stroke();
-  context.globalAlpha = 1;
   context.fillStyle = theme.ghost;
+  context.fill();
+  context.globalAlpha = 1;
   for (const [x, y] of dots) context.fillRect(x - DOT, y - DOT, 2 * DOT, 2 * DOT);
 }
 

@@ -29,17 +29,22 @@ export function sectorStrip(
       draw(strip, (one, stretches) => {
         for (const stretch of stretches) drawStretch(context, strip, stretch, one.sector, isPicked(one), theme);
       }),
-    names: (context, strip, theme) =>
+    names: (context, strip, theme) => {
+      const taken: Span[] = [];
       draw(strip, (one, stretches) => {
         const color = isPicked(one) ? theme.pointer : theme.ink;
-        if (one.name) drawName(context, strip, stretches, one.name, color, theme);
-      }),
+        if (one.name) drawName(context, strip, stretches, one.name, color, theme, taken);
+      });
+    },
     handles: (context, strip, theme) =>
       draw(strip, (one, stretches) => {
         if (isPicked(one)) drawHandles(context, strip, stretches, theme);
       }),
   };
 }
+
+/** Pixels from the left. */
+type Span = [from: number, to: number];
 
 /** Where a stretch starts and ends in the index view; a single ray has a width, too. */
 function endsOf({ xOf }: StripStage, [start, stop]: Stretch): [number, number] {
@@ -103,7 +108,7 @@ function drawHandles(context: Context, strip: StripStage, stretches: Stretch[], 
   }
 }
 
-/** The name of a sector within its widest stretch, where it is wide enough. */
+/** The name of a sector within its widest stretch, where it is wide enough and no other name stands. */
 function drawName(
   context: Context,
   strip: StripStage,
@@ -111,12 +116,19 @@ function drawName(
   name: string,
   color: string,
   theme: Theme,
+  taken: Span[],
 ): void {
   const [widest] = [...stretches].sort((a, b) => b[1] - b[0] - (a[1] - a[0]));
   if (!widest) return;
   const [left, right] = endsOf(strip, widest);
   const font = `650 12px ${theme.font}`;
   context.font = font;
-  if (context.measureText(name).width > right - left - 8) return;
-  write(context, name, (left + right) / 2, strip.box.y + 12, color, font, "center");
+  const half = context.measureText(name).width / 2 + 4;
+  if (2 * half > right - left) return;
+  const middle = [(left + right) / 2, left + half, right - half].find((x) =>
+    taken.every(([from, to]) => x + half <= from || x - half >= to),
+  );
+  if (middle === undefined) return;
+  taken.push([middle - half, middle + half]);
+  write(context, name, middle, strip.box.y + 12, color, font, "center");
 }
