@@ -71,6 +71,7 @@ class Programs:
         if program is not None and isinstance(function, Machine) and isinstance(program.version.function, Machine):
             function.adopt(program.version.function)
         self.current = program
+        self.variables.begin_version()
         program.replace(Version(function, asks_for, dict(topics), steps, on, number + 1))
         program.note = note
         _all.add(program)

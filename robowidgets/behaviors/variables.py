@@ -30,11 +30,13 @@ class State(dict[str, Any]):
 class Variable:
     """A variable: its value, and how the page lets a person set it.
 
-    ``first`` is the value in the code; ``low`` and ``high`` are the ends of a slider, None without one.
+    ``first`` is the value in the code, ``before`` that of the version before; ``low`` and ``high`` are the ends of a
+    slider, None without one.
     """
 
     value: bool | float | str
     first: bool | float | str
+    before: bool | float | str
     low: float | None = None
     high: float | None = None
     unit: str = ""
@@ -56,8 +58,12 @@ class Variables:
     def __init__(self) -> None:
         object.__setattr__(self, "_table", {})
         object.__setattr__(self, "_watchers", [])
+        object.__setattr__(self, "_edited", set())
 
     _table: dict[str, Variable]
+    _edited: set[str]
+    """The sliders whose first value has changed since the newest version of a program."""
+
     _watchers: list[Callable[[], None]]
 
     def slider(self, name: str, value: float, low: float, high: float, unit: str = "") -> None:
@@ -79,7 +85,11 @@ class Variables:
         known = self._table.get(name)
         keeps = known is not None and known.first == first and isinstance(known.value, float)
         now = min(max(float(known.value), least), most) if known is not None and keeps else first
-        self._put(name, Variable(now, first, least, most, unit))
+        before = first if known is None else known.before
+        if known is not None and not keeps and name not in self._edited:
+            self._edited.add(name)
+            before = known.value  # that of the version which runs until the end of this cell
+        self._put(name, Variable(now, first, before, least, most, unit))
 
     def set(self, name: str, value: Any) -> None:
         """Set a variable, as the page does: to a value of its own kind, within the ends of its slider.
@@ -96,6 +106,14 @@ class Variables:
         if known.low is not None and known.high is not None and not isinstance(checked, str):
             checked = min(max(float(checked), known.low), known.high)
         self._put(name, replace(known, value=checked))
+
+    def begin_version(self) -> None:
+        """Note the values of the version before: those of now, but for sliders that were declared anew for this one."""
+        for name, known in self.table.items():
+            if name not in self._edited:
+                self._table[name] = replace(known, before=known.value)
+        self._edited.clear()
+        self._tell()
 
     def watch(self, on_change: Callable[[], None]) -> None:
         """Call a function whenever a variable changes, from any thread. It must return at once."""
@@ -121,7 +139,7 @@ class Variables:
     def __setattr__(self, name: str, value: Any) -> None:
         checked, known = _checked(name, value), self._table.get(name)
         if known is None:
-            self._put(name, Variable(checked, checked))
+            self._put(name, Variable(checked, checked, checked))
         else:
             self._put(name, replace(known, value=checked))
 

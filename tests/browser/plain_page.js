@@ -153,7 +153,7 @@ function outputOf(cell) {
   const found = document.querySelector(`[data-cell="${cell}"]`);
   if (found) return found;
   const output = document.createElement("div");
-  output.className = "cell";
+  output.className = "cell jp-OutputArea-output";
   output.dataset.cell = cell;
   document.body.append(output);
   return output;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Literal
 
@@ -9,7 +10,8 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
-from .chromium import shoot
+from .chromium import SCREENSHOTS, shoot
+from .notebook import CellError, Notebook
 from .plain_page import PlainPage
 
 OPEN = """
@@ -22,6 +24,17 @@ robot.variables.go = True
 robot.variables.turns = 3
 widget = ProgramWidget(robot)
 widget
+"""
+LISTEN = """
+import time
+heard, log = [], ""
+publish = robot._middleware.publish
+def record(topic, kind, message):
+    publish(topic, kind, message)
+    heard.append((time.time(), message["linear"]["x"]))
+    if log:
+        print(*heard[-1], file=open(log, "a"))
+robot._middleware.publish = record
 """
 AVOID = """
 @robot.program(rate=20)
@@ -107,6 +120,34 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
     nb.python("robot.close()")
 
 
+def test_beside_a_busy_cell_it_steps_and_stops_and_it_stops_with_its_page(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([OPEN, f"{LISTEN}{AVOID}"])
+    widget = nb.widget(0)
+    log = nb.lab.files / f"{nb.path}-no-page"
+    busy = nb.append("steps, n = avoid.steps, 0\nwhile True: n += 1")
+    nb.start(busy)
+    slider = widget.get_by_role("slider", name="f_vel")
+    slider.focus()
+    slider.press("End")
+    expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.5, -0.3)")  # set, and stepped, beside the cell
+    at = time.time()
+    slider.press("Escape")
+    expect(widget.locator(".rw-stop-word")).to_have_text("Stopped")
+    nb.lab.interrupt(nb.path)
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(busy)
+    assert eval(nb.python("avoid.steps - steps")) > 1
+    zeros = [when for when, linear in eval(nb.python("heard")) if linear == 0.0 and when > at]
+    assert zeros[0] - at < 1
+
+    nb.python(f"robot.driving = feeds.Driving(needs_page=True); log = {str(log)!r}")
+    button(widget, "Run, and let programs drive").click()
+    expect(widget.locator(".rw-program-mode")).to_have_text("running")
+    wait_for(lambda: eval(nb.python("heard[-1][1]")) == 0.5, "it drives, for the page is there")
+    nb.page.goto("about:blank")
+    wait_for(lambda: log.exists() and log.read_text().endswith(" 0.0\n"), "the robot stands")
+
+
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_a_program_looks_well_on_a_narrow_page(
     plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]
@@ -117,4 +158,19 @@ def test_a_program_looks_well_on_a_narrow_page(
     expect(widget.locator(".rw-print-text")).to_have_count(3)
     assert widget.locator(".rw-program").evaluate("card => card.scrollWidth <= card.clientWidth")
     shoot(widget.locator(".rw-program"), f"program-narrow-{theme}")
+    near = widget.get_by_role("slider", name="near")
+    near.focus()
+    near.press("End")
+    wait_for(lambda: nb.python("print(robot.variables.near)").strip() == "2.0", "it is set")
+    nb.run(1)
+    expect(widget.locator(".rw-version")).to_have_text("v2")
+    tick = widget.locator(".rw-variable-tick:not([hidden])").nth(1)
+    share = "tick => tick.offsetLeft / tick.parentElement.offsetWidth"
+    wait_for(lambda: tick.evaluate(share) > 0.9, "the tick stands where the version before ended")
+    near.press("Home")
+    nb.page.set_viewport_size({"width": 400, "height": 320})
+    widget.locator(".rw-prints").scroll_into_view_if_needed()
+    expect(widget.locator(".rw-stop")).to_be_in_viewport(ratio=1)
+    file = SCREENSHOTS / f"program-scrolled-{theme}@2x.png"
+    nb.page.screenshot(path=file)
     nb.python("robot.close()")

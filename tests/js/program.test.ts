@@ -6,7 +6,7 @@ import type { Program, ProgramTold, Variable } from "../../robowidgets/js/progra
 const told = (more: object = {}) => ({ stopped: false, error: "", status: "", ...more }) as ProgramTold;
 const program = (more: object = {}) =>
   ({ mode: "running", waiting: "", error: "", note: "", prints: [], ...more }) as unknown as Program;
-const slider: Variable = { name: "near", value: 0.5, first: 0.5, low: 0.2, high: 2, unit: "m" };
+const slider: Variable = { name: "near", value: 0.5, before: 0.5, low: 0.2, high: 2, unit: "m" };
 
 test("a speed is written as Python writes it", () => {
   assert.equal(toCode([0.25, -0.30000000000000004]), "Drive(0.25, -0.3)");

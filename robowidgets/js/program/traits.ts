@@ -38,7 +38,8 @@ export interface Program {
 export interface Variable {
   name: string;
   value: number | boolean | string;
-  first: number | boolean | string;
+  /** The value of the version before. */
+  before: number | boolean | string;
   low: number | null;
   high: number | null;
   unit: string;

@@ -88,7 +88,7 @@ class Row {
   }
 
   update(variable: Variable): void {
-    const { value, first, low, high, unit } = variable;
+    const { value, before, low, high, unit } = variable;
     if (
       performance.now() - this.#setAt < ECHO_MS ||
       (this.kind === "number" && document.activeElement === this.#input)
@@ -99,7 +99,7 @@ class Row {
     setText(this.#unit, unit);
     if (low !== null && high !== null) {
       Object.assign(this.#input, { min: String(low), max: String(high), step: String(toStep(low, high)) });
-      const share = (Number(first) - low) / (high - low);
+      const share = Math.min(Math.max((Number(before) - low) / (high - low), 0), 1);
       this.#tick.style.left = `calc(5px + ${share} * (100% - 12px))`; // the middle of the handle, which is 12 px wide
     }
     if (typeof value === "boolean") this.#input.checked = value;
