@@ -2,23 +2,57 @@
 
 from __future__ import annotations
 
+import ctypes
 import sys
 import threading
+import time
 import traceback
+from collections.abc import Callable
 from types import FrameType
-from weakref import WeakSet
-
-_abandoned: WeakSet[threading.Thread] = WeakSet()
 
 
-def abandon(thread: threading.Thread) -> None:
-    """Note that nobody waits for a thread any more: the function that it runs may finish, but not drive."""
-    _abandoned.add(thread)
+class UserThread(threading.Thread):
+    """A thread that runs functions of the user.
+
+    Args:
+        target: what it runs.
+        name: its name.
+
+    Attributes:
+        abandoned_at: since when nobody waits for it any more, by the monotonic clock; what it runs may finish, but not
+            drive. None while somebody does.
+    """
+
+    def __init__(self, target: Callable[[], None], name: str) -> None:
+        super().__init__(target=target, name=name, daemon=True)
+        self.abandoned_at: float | None = None
+        self._ending = threading.Lock()
+        self._is_over = False
+
+    def run(self) -> None:
+        """See `threading.Thread`."""
+        try:
+            super().run()
+        finally:
+            with self._ending:
+                self._is_over = True
+
+    def abandon(self) -> None:
+        """Note that nobody waits for it any more. A signal handler may call it."""
+        self.abandoned_at = self.abandoned_at or time.monotonic()
+
+    def end(self) -> None:
+        """Raise SystemExit in it: that ends a loop, though not one call that waits for something outside Python."""
+        with self._ending:  # another thread may get the identifier of one that is over
+            if not self._is_over and self.ident is not None:
+                ident, error = ctypes.c_ulong(self.ident), ctypes.py_object(SystemExit)
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ident, error)
 
 
 def is_abandoned() -> bool:
     """Whether the calling thread is abandoned."""
-    return threading.current_thread() in _abandoned
+    thread = threading.current_thread()
+    return isinstance(thread, UserThread) and thread.abandoned_at is not None
 
 
 def frames_of(thread: threading.Thread | None) -> list[tuple[FrameType, int]]:

@@ -41,7 +41,7 @@ class _Router:
 
     def write(self, text: str) -> int:
         """Write a text."""
-        take = getattr(_of_thread, "take", None)
+        take = _takes.get(threading.get_ident())
         if take is not None and take(text):
             return len(text)
         written: int = self.inner.write(text)
@@ -51,7 +51,8 @@ class _Router:
         return getattr(self.inner, name)
 
 
-_of_thread = threading.local()
+_takes: dict[int, Callable[[str], bool]] = {}
+"""By thread: what takes its prints."""
 _lock = threading.Lock()
 
 
@@ -60,8 +61,15 @@ def capture(take: Callable[[str], bool]) -> None:
 
     IPython and pytest replace ``sys.stdout`` at any time; so this looks again each time that it is called.
     """
-    _of_thread.take = take
-    if not isinstance(sys.stdout, _Router):
-        with _lock:
-            if not isinstance(sys.stdout, _Router):
-                sys.stdout = _Router(sys.stdout)
+    with _lock:
+        _takes[threading.get_ident()] = take
+        if not isinstance(sys.stdout, _Router):
+            sys.stdout = _Router(sys.stdout)
+
+
+def release() -> None:
+    """Pass on nothing of the calling thread any more. After the last thread, ``sys.stdout`` is what it was."""
+    with _lock:
+        _takes.pop(threading.get_ident(), None)
+        if not _takes and isinstance(sys.stdout, _Router):
+            sys.stdout = sys.stdout.inner

@@ -14,8 +14,8 @@ from typing import Any
 from .._core.log_once import LogOnce
 from .._core.rate import RateMeter
 from .._core.user_function import line_of
-from .._core.user_threads import abandon, frames_of
-from ._prints import Prints, capture
+from .._core.user_threads import UserThread, frames_of
+from ._prints import Prints, capture, release
 from .drive import STANDSTILL, Drive
 from .robot import GIVEN, NotReadyError, Robot
 from .variables import State, Variables
@@ -33,6 +33,9 @@ LATEST_TICK = 0.1
 
 HUNG = 0.45
 """Seconds of looks without the return of a step, after which it counts as hung."""
+
+GRACE = 0.5
+"""Seconds after which an abandoned step that has not returned is ended."""
 
 PATIENCE = 1.0
 """Seconds after which the log says why a program does not drive."""
@@ -96,7 +99,9 @@ class Program:
         self._robot = robot
         self._changed = threading.Condition()
         self._inputs = robot.listen(self._wake)
-        self._thread: threading.Thread | None = None
+        self._thread: UserThread | None = None
+        self._abandoned: list[UserThread] = []
+        """The threads that are to be ended, should they not return."""
         self._monitor: threading.Thread | None = None
         self._in_step = False
         self._fresh = False
@@ -178,7 +183,7 @@ class Program:
         thread = self._thread
         if thread is not None:
             self._interrupted = True
-            abandon(thread)
+            thread.abandon()
             self._robot.halt()
 
     def watch(self, on_change: Callable[[], None]) -> None:
@@ -205,7 +210,7 @@ class Program:
         """Start a thread for the steps. Called with the lock held."""
         self.mode, self._interrupted, self._in_step = PAUSED if once else RUNNING, False, False
         self._due = time.monotonic()
-        self._thread = threading.Thread(target=self._run, args=(once,), name="robowidgets-program", daemon=True)
+        self._thread = UserThread(lambda: self._run(once), "robowidgets-program")
         self._thread.start()
         if self._monitor is None:
             self._monitor = threading.Thread(target=self._watch_steps, name="robowidgets-monitor", daemon=True)
@@ -214,7 +219,8 @@ class Program:
     def _leave(self) -> None:
         """Let go of the thread: a step that it is in may finish, but not drive. Called with the lock held."""
         if self._thread is not None and self._thread is not threading.current_thread():
-            abandon(self._thread)
+            self._thread.abandon()
+            self._abandoned.append(self._thread)
         self._thread, self._in_step = None, False
 
     def _end(self, mode: str, note: str = "", error: str = "") -> None:
@@ -232,17 +238,20 @@ class Program:
     def _run(self, once: bool) -> None:
         """Make steps until another thread takes over. In the thread of the program."""
         me = threading.current_thread()
-        while self._wait(me):
-            capture(self._take_print)
-            version, values = self._prepare()
-            if values is not None and not self._step(me, version, values):
-                return
-            if once:
-                with self._changed:
-                    if self._thread is me:
-                        self._leave()
-                self._tell()
-                return
+        try:
+            while self._wait(me):
+                capture(self._take_print)
+                version, values = self._prepare()
+                if values is not None and not self._step(me, version, values):
+                    return
+                if once:
+                    with self._changed:
+                        if self._thread is me:
+                            self._leave()
+                    self._tell()
+                    return
+        finally:
+            release()
 
     def _wait(self, me: threading.Thread) -> bool:
         """Wait for the time or for the message of the next step; returns whether this thread is still wanted."""
@@ -339,7 +348,11 @@ class Program:
             before, looked_at = looked_at, time.monotonic()
             with self._changed:
                 thread, steps = self._thread, self.steps
-                if thread is None and not self._interrupted:
+                late = [one for one in self._abandoned if looked_at > (one.abandoned_at or looked_at) + GRACE]
+                self._abandoned = [one for one in self._abandoned if one not in late and one.is_alive()]
+                for one in late:
+                    one.end()
+                if thread is None and not self._interrupted and not self._abandoned:
                     self._monitor = None
                     return
                 passed = passed + min(looked_at - before, LATEST_TICK) if self._in_step and steps == seen else 0.0

@@ -16,7 +16,7 @@ from .._core.log_once import LogOnce
 from .._core.pacer import pacer
 from .._core.tables import many
 from .._core.user_function import line_of, name_of
-from .._core.user_threads import abandon, frames_of
+from .._core.user_threads import UserThread, frames_of
 from ..kinds import counts_every_message
 from ._sample_reader import SampleReader
 from ._topics import Table, Topic
@@ -79,7 +79,7 @@ class FunctionCaller:
         self._functions: list[Function] = []
         self._waiting: dict[str, deque[tuple[Any, Topic]]] = {}
         self._readers: dict[str, SampleReader] = {}
-        self._thread: threading.Thread | None = None
+        self._thread: UserThread | None = None
         self._current: Function | None = None
         self._slow_topic = ""
         """The topic whose widgets show that a function has not returned."""
@@ -171,13 +171,13 @@ class FunctionCaller:
             for topic in table.keys() - topics:
                 del table[topic]
         if self._current in gone and self._thread is not None and self._thread is not threading.current_thread():
-            abandon(self._thread)
+            self._thread.abandon()
             self._thread = self._current = None
             if self._waiting:
                 self._start()
 
     def _start(self) -> None:
-        self._thread = threading.Thread(target=self._run, name="robowidgets-functions", daemon=True)
+        self._thread = UserThread(self._run, "robowidgets-functions")
         self._thread.start()
         pacer.mark_at(self, time.monotonic() + SLOW)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from textwrap import indent
 
 import pytest
@@ -216,6 +217,25 @@ def test_a_state_machine_is_rewritten_and_its_events_redefined_while_it_runs(ker
     expect(kernel, "NameError: name 'nowhere' is not defined")
 
 
-def test_the_end_of_the_kernel_leaves_the_robot_at_zero(kernel: Kernel) -> None:
-    kernel.manager.shutdown_kernel()
-    assert kernel.heard[-1][1] == 0.0
+def test_a_robot_whose_names_are_deleted_still_stops(kernel: Kernel) -> None:
+    assert kernel.run("delete", "import gc; its = feed.close; del feed, avoid; print(gc.collect())")["status"] == "ok"
+    since = time.monotonic()
+    wait_for(lambda: len(kernel.heard_since(since)) > 5, "it drives on")
+    since = time.monotonic()
+    kernel.manager.interrupt_kernel()
+    expect_zero(kernel, since)
+    assert kernel.run("open", "its(); feed = feeds.simulator()")["status"] == "ok"  # for the tests that follow
+
+
+@pytest.mark.parametrize("end", ["restart_kernel", "shutdown_kernel"])
+def test_the_restart_and_the_end_of_the_kernel_leave_the_robot_at_zero(tmp_path: Path, end: str) -> None:
+    kernel = Kernel(tmp_path / "heard.txt")
+    try:
+        assert kernel.run("open the robot", OPEN)["status"] == "ok"
+        run(kernel, GOOD)
+        wait_for(lambda: kernel.heard_since(0.0)[-1:] == [0.3], "it drives")
+        since = time.monotonic()
+        getattr(kernel.manager, end)()
+        expect_zero(kernel, since)
+    finally:
+        kernel.close()

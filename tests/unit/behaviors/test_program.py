@@ -213,6 +213,8 @@ def test_a_log_that_hangs_keeps_no_zero_from_the_robot(
 
 
 def test_what_it_prints_is_kept_and_what_others_print_is_not(robot: Feed, capsys: pytest.CaptureFixture[str]) -> None:
+    stdout = sys.stdout
+
     @robot.program(rate=100)
     def talk(state):  # type: ignore[no-untyped-def]
         state.n = state.get("n", 0) + 1
@@ -223,6 +225,32 @@ def test_what_it_prints_is_kept_and_what_others_print_is_not(robot: Feed, capsys
     sys.stdout.write("from outside\n")
     assert [text for _, text in talk.prints.lines] == ["step 2", "step 3", "step 4"]
     assert {"step 4", "from outside"} <= set(capsys.readouterr().out.splitlines())
+    assert sys.stdout is not stdout
+    talk.pause()
+    wait_for(lambda: sys.stdout is stdout, "nothing stands between after its end")
+
+
+def test_a_loop_that_is_abandoned_or_replaced_is_ended(robot: Feed, script: Scripted) -> None:
+    ended: list[int] = []
+
+    def loop(state):  # type: ignore[no-untyped-def]
+        state.n = state.get("n", 0) + 1
+        number = state.n
+        try:
+            while True:
+                pass
+        finally:
+            ended.append(number)
+
+    program = robot.program(loop)
+    wait_for(lambda: "abandoned" in program.error, "it is found")
+    wait_for(lambda: ended == [1], "it is ended")
+    program.run()
+    wait_for(lambda: program.state.n == 2, "it loops again")
+    robot.program(loop)
+    wait_for(lambda: program.state.n == 3, "the next version loops, too")
+    wait_for(lambda: sorted(ended) == [1, 2, 3], "both are ended")
+    assert set(script.speeds) <= {(0.0, 0.0)}
 
 
 def test_variables_keep_what_was_set_by_hand_until_their_first_value_changes(robot: Feed) -> None:
@@ -243,6 +271,27 @@ def test_variables_keep_what_was_set_by_hand_until_their_first_value_changes(rob
         _ = variables.far
     with pytest.raises(ValueError, match="expected low <= value <= high, got 1, 3, 2"):
         variables.slider("wide", 3, 1, 2)
+
+
+def test_a_slider_knows_its_value_in_the_version_before(robot: Feed) -> None:
+    variables = robot.variables
+
+    def before() -> object:
+        return variables.table["near"].before
+
+    def go():  # type: ignore[no-untyped-def]
+        return Drive()
+
+    variables.slider("near", 0.6, 0.2, 2.0, "m")
+    robot.program(go)
+    variables.set("near", 0.9)
+    assert before() == 0.6
+    variables.slider("near", 0.6, 0.2, 2.0, "m")
+    robot.program(go)
+    assert before() == 0.9
+    variables.slider("near", 1.2, 0.2, 2.0, "m")
+    robot.program(go)
+    assert (before(), variables.near) == (0.9, 1.2)
 
 
 @pytest.mark.parametrize(
