@@ -41,9 +41,10 @@ Absolute figures depend on the machine and move by a third from run to run; rati
 - Memory is the most that a process takes above what it takes with the file open, `memory` at 64 MB.
 - A program drives at 30 Hz in a real kernel, beside a connected function that never comes back, and a robot in another
   process that has no watchdog of its own logs each command with its time. Zero counts from its cause: the last speed
-  (`hold`, half a second), `feed.stop()`, the release of a pad, `feed.close()`, the kernel's interrupt, its shutdown. A
-  zero after which something moves again does not count. ros2 is a stand-in that waits and wakes as rclpy does, and its
-  robot is in the kernel's process.
+  (`hold`, half a second), `feed.stop()`, the release of a pad, `feed.close()`, the kernel's interrupt, its end; and
+  with a `@feed.program`, a step that raises, the begin of one that loops for ever, Stop, the interrupt between cells.
+  A zero after which something moves again does not count. ros2 is a stand-in that waits and wakes as rclpy does, and
+  its robot is in the kernel's process.
 - A page in a file, of a minute of such a recording, is opened from disk; it counts from there to the first frame with
   the numbers of the laser, and with the scanogram, which the page makes of all scans.
 - A player shows a recording whose scans carry their numbers, and its page reads them back. A click on scanogram or

@@ -27,7 +27,7 @@ TIMES = 10
 WINDOW = 0.3
 """Seconds after a cause, beyond those that a speed holds, in which zero must come and nothing else be driven."""
 HOLD = 0.5
-CAUSES = ("hold", "stop", "release", "close", "interrupt", "end of the kernel")
+END = "end of the kernel"
 
 OPEN = {
     "dds": f"feeds.dds({DOMAIN}, interface='lo')",
@@ -92,7 +92,31 @@ pad.close()
 """,
     "close": "driving(feed); cause = time.monotonic(); feed.close(); time.sleep(0.4); feed = opened(); driving(feed)",
     "interrupt": "while True: driving(feed)",
+    "a program raises": "fault = 'raises'; time.sleep(0.4)",
+    "a program loops": "fault = 'loops'; time.sleep(0.9)",
+    "a program and Stop": "cause = time.monotonic(); feed.stopped = True; time.sleep(0.4); feed.stopped = False",
+    "a program and interrupt": "",
 }
+PROGRAM = """
+from robowidgets.behaviors import Drive
+feed.driving = feeds.Driving(hold=60.0)
+fault = ""
+@feed.program(rate=30)
+def go():
+    global cause
+    if fault:
+        cause = time.monotonic()
+    if fault == "raises":
+        raise ValueError(fault)
+    while fault == "loops":
+        pass
+    return Drive(0.3)
+time.sleep(0.4)
+"""
+"""Its speeds hold for so long that no zero of the hold hides a missing one."""
+END_PROGRAM = "go.close(); feed.driving = feeds.Driving()"
+SLOW = {"hold": HOLD, "a program loops": HOLD}
+"""Seconds that pass before zero is due: a speed holds, or a step is waited for."""
 
 
 @dataclass
@@ -104,8 +128,8 @@ class Stopped:
     seconds: list[float]
 
 
-class Program:
-    """A kernel in which the program runs."""
+class Kernel:
+    """A kernel in which the cells run."""
 
     def __init__(self) -> None:
         self.manager = KernelManager()
@@ -164,13 +188,13 @@ def measured(name: str, times: int = TIMES) -> list[Stopped]:
             setup = SETUP.format(system=SYSTEM, ros1=name == "ros1", opened=OPEN[name].format(where=where))
             if name == "ros2":
                 setup = STAND_IN.format(path=str(path)) + setup
-            program = Program()
+            kernel = Kernel()
             try:
-                program.run(setup)
-                tries = {cause: [_try(program, cause, path) for _ in range(times)] for cause in CAUSES[:-1]}
+                kernel.run(setup)
+                tries = {cause: [_try(kernel, cause, path) for _ in range(times)] for cause in TRIES}
             finally:
-                program.close()
-            tries[CAUSES[-1]] = [_end(setup, path) for _ in range(max(1, times // 3))]
+                kernel.close()
+            tries[END] = [_end(setup, path) for _ in range(max(1, times // 3))]
     return [Stopped(name, cause, seconds) for cause, seconds in tries.items()]
 
 
@@ -179,26 +203,33 @@ def available() -> list[str]:
     return [name for name in OPEN if name != "ros1" or Path(SYSTEM, "rospy").is_dir()]
 
 
-def _try(program: Program, cause: str, path: Path) -> float:
-    if cause != "interrupt":
-        return _until_zero(path, program.run(TRIES[cause]), HOLD if cause == "hold" else 0.0)
-    request = program.start(TRIES[cause])
-    time.sleep(0.5)
-    at = time.monotonic()
-    program.manager.interrupt_kernel()
-    program.end_of(request)
-    return _until_zero(path, at)
+def _try(kernel: Kernel, cause: str, path: Path) -> float:
+    is_program = cause.startswith("a program")
+    if is_program:
+        kernel.run(PROGRAM)
+    if cause.endswith("interrupt"):
+        request = kernel.start(TRIES[cause])
+        time.sleep(0.5)
+        at = time.monotonic()
+        kernel.manager.interrupt_kernel()
+        kernel.end_of(request)
+    else:
+        at = kernel.run(TRIES[cause])
+    seconds = _until_zero(path, at, SLOW.get(cause, 0.0))
+    if is_program:
+        kernel.run(END_PROGRAM)
+    return seconds
 
 
 def _end(setup: str, path: Path) -> float:
-    program = Program()
+    kernel = Kernel()
     try:
-        program.run(setup + "feed.driving = feeds.Driving(hold=60.0)\ndriving(feed)")
+        kernel.run(setup + "feed.driving = feeds.Driving(hold=60.0)\ndriving(feed)")
         at = time.monotonic()
-        program.manager.shutdown_kernel()
+        kernel.manager.shutdown_kernel()
         return _until_zero(path, at)
     finally:
-        program.close()
+        kernel.close()
 
 
 def _until_zero(path: Path, cause: float, hold: float = 0.0) -> float:

@@ -54,15 +54,15 @@ def figures(rows: Mapping[str, dict[str, float]]) -> str:
 
 
 def stops(found: Iterable[Stopped]) -> str:
-    """Seconds from a cause to zero, the worst and the median, one line per feed."""
-    by_feed: dict[str, dict[str, list[float]]] = {}
+    """Seconds from a cause to zero, the worst and the median, one line per cause."""
+    by_cause: dict[str, dict[str, list[float]]] = {}
     for stopped in found:
-        by_feed.setdefault(stopped.feed, {})[stopped.cause] = stopped.seconds
-    causes = list(next(iter(by_feed.values()), {}))
-    heads = [head for cause in causes for head in (f"{cause}, worst", "median")]
+        by_cause.setdefault(stopped.cause, {})[stopped.feed] = stopped.seconds
+    feeds = list(next(iter(by_cause.values()), {}))
+    heads = [head for feed in feeds for head in (f"{feed}, worst", "median")]
     body = [
-        [name, *(f"{figure(tries[cause]):.3f}" for cause in causes for figure in (max, median))]
-        for name, tries in by_feed.items()
+        [cause, *(f"{figure(tries[feed]):.3f}" for feed in feeds for figure in (max, median))]
+        for cause, tries in by_cause.items()
     ]
     return markdown(["", *heads], body)
 
