@@ -3,12 +3,14 @@ import { test } from "node:test";
 import { moved, timeTicks, toTime, toX, zoomed } from "../../robowidgets/js/scanogram/axis.ts";
 import { Blocks, cellAt } from "../../robowidgets/js/scanogram/blocks.ts";
 import * as data from "../../robowidgets/js/scanogram/data.ts";
+import { drawTimes } from "../../robowidgets/js/scanogram/draw_axes.ts";
 import { layOut } from "../../robowidgets/js/scanogram/layout.ts";
 import { fitColors, toRaster } from "../../robowidgets/js/scanogram/paint.ts";
 import { angleTicks, selectedRays, toRows } from "../../robowidgets/js/scanogram/rows.ts";
 import { runs } from "../../robowidgets/js/scanogram/scene.ts";
 import { State } from "../../robowidgets/js/scanogram/state.ts";
 import { describeMark, describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/text.ts";
+import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 import { DEGREE } from "./laser.ts";
 import { FakeModel } from "./models.ts";
 
@@ -388,5 +390,21 @@ test("rays are selected between two rows, and no farther than where a circle clo
     assert.deepEqual(selectedRays(rows, rowOf(40), rowOf(10)), [10, 41]);
     assert.deepEqual(selectedRays(rows, rowOf(20), rowOf(350)), [0, 21]);
     assert.deepEqual(selectedRays(rows, rowOf(350), rowOf(20)), [350, 360]);
+  }
+});
+
+test("the last number of the time axis stands whole within the picture, on a tick at its very end too", () => {
+  for (const width of [260, 380, 400, 700]) {
+    const layout = layOut({ width, height: 300 }, null, 0);
+    const written: [string, number][] = [];
+    const context = {
+      measureText: (text: string) => ({ width: 7 * text.length }),
+      fillRect: () => {},
+      fillText: (text: string, x: number) => written.push([text, x + 3.5 * text.length]),
+    } as unknown as CanvasRenderingContext2D;
+    const axis = { span: [0, 100] as [number, number], left: layout.left, width: layout.width };
+    drawTimes(context, axis, layout, 100, null, {} as Theme);
+    assert.equal(written.at(-1)?.[0], "100 s");
+    for (const [text, end] of written) assert.ok(end <= width, `${text} ends at ${end} of ${width}`);
   }
 });

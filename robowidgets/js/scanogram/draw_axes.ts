@@ -23,21 +23,21 @@ export function drawTimes(
   line: number | null,
   theme: Theme,
 ): void {
-  const { left, width, bottom } = layout;
+  const { right, bottom } = layout;
   context.font = textFont(theme);
   const taken = line === null ? null : drawMoment(context, axis, layout, toMoment(line, whole), line, theme);
   context.font = textFont(theme);
   context.textAlign = "center";
   context.textBaseline = "top";
-  const edge = left + width + 14;
   for (const { time, text } of timeTicks(axis.span, Math.max(2, Math.floor(axis.width / WORDS_APART)), whole)) {
     const x = Math.round(toX(axis, time)) + 0.5;
     context.fillStyle = theme.line;
     context.fillRect(x - 0.5, bottom, 1, 4);
     const half = context.measureText(text).width / 2;
-    if (x + half > edge || (taken && x + half > taken[0] - 4 && x - half < taken[1] + 4)) continue;
+    const middle = Math.min(x, right - half);
+    if (taken && middle + half > taken[0] - 4 && middle - half < taken[1] + 4) continue;
     context.fillStyle = theme.muted;
-    context.fillText(text, x, bottom + 8);
+    context.fillText(text, middle, bottom + 8);
   }
 }
 
@@ -45,7 +45,7 @@ export function drawTimes(
 function drawMoment(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
-  { left, width, bottom }: Layout,
+  { left, width, right, bottom }: Layout,
   text: string,
   time: number,
   theme: Theme,
@@ -54,7 +54,7 @@ function drawMoment(
   if (x < left - 1 || x > left + width + 1) return null;
   context.font = `650 ${textFont(theme)}`;
   const half = context.measureText(text).width / 2 + 6;
-  const middle = Math.min(left + width + 14 - half, Math.max(half + 2, x));
+  const middle = Math.min(right - half, Math.max(half + 2, x));
   context.fillStyle = theme.ink;
   context.beginPath();
   context.roundRect(middle - half, bottom + 4, 2 * half, LABEL_HEIGHT, 4);

@@ -11,6 +11,8 @@ export interface Band {
 export interface Layout {
   left: number;
   width: number;
+  /** Where words end at the latest. */
+  right: number;
   /** Above the scans. */
   marks: Band;
   scans: Band;
@@ -36,7 +38,7 @@ const LEAST = 110;
 const ROOMY = 200;
 
 export function layOut({ width, height }: Size, whole: Whole | null, notice: number): Layout {
-  const [left, right] = width < 400 ? [58, 8] : [64, 16];
+  const [left, margin] = width < 400 ? [58, 8] : [64, 16];
   const bottom = height - AXIS;
   let top = bottom;
   const take = (size: number): Band => {
@@ -50,5 +52,6 @@ export function layOut({ width, height }: Size, whole: Whole | null, notice: num
   const scans = { top: TOP + notice, height: Math.max(20, top - TOP - notice) };
   const marks = { top: scans.top - MARKS - 2, height: MARKS };
   const indices = scans.height >= ROOMY;
-  return { left, width: Math.max(20, width - left - right), marks, scans, indices, speeds, touch, bottom, height };
+  const across = { left, width: Math.max(20, width - left - margin), right: width - 2 };
+  return { ...across, marks, scans, indices, speeds, touch, bottom, height };
 }
