@@ -6,7 +6,7 @@ import argparse
 import platform
 from pathlib import Path
 
-from . import columns, feeds, hour, layers, leaks, measure, memory, pages, player, recordings, stopping, table
+from . import columns, feeds, hour, layers, leaks, measure, memory, pages, player, programs, recordings, stopping, table
 from .rivals import NAMES
 from .stage import Stage, open_stage, versions
 
@@ -47,6 +47,10 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   with a `@feed.program`, a step that raises, the begin of one that loops for ever, Stop, the interrupt between cells.
   A zero after which something moves again does not count. ros2 is a stand-in that waits and wakes as rclpy does, and
   its robot is in the kernel's process.
+- The cell of a program that steps 20 times a second runs again and again in a real kernel, and counts from the request
+  until the first step of the new version. What a step costs is the CPU of the program's thread from step to step, at
+  200 Hz on the simulator, for a function that asks for scan and variables, and for a machine of three levels that
+  judges two events, one of which asks for a distance, whose own cost is beside it; without a `MachineWidget` and with.
 - A page in a file, of a minute of such a recording, is opened from disk; it counts from there to the first frame with
   the numbers of the laser, and with the scanogram, which the page makes of all scans.
 - A player shows a recording whose scans carry their numbers, and its page reads them back. A click on scanogram or
@@ -78,6 +82,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="one short repeat, to see that all works; writes nothing")
     parser.add_argument("--feeds", action="store_true", help="feeds only; writes nothing")
     parser.add_argument("--stopping", action="store_true", help="how soon a robot stops only; writes nothing")
+    parser.add_argument("--programs", action="store_true", help="programs only; writes nothing")
     parser.add_argument("--recordings", action="store_true", help="recordings only; writes nothing")
     parser.add_argument("--player", action="store_true", help="the player only; writes nothing")
     parser.add_argument("--layers", action="store_true", help="the layers of the laser only; writes nothing")
@@ -94,6 +99,9 @@ def main() -> None:
         return
     if options.stopping:
         print("\n".join(stopping_parts(2 if options.quick else stopping.TIMES)))
+        return
+    if options.programs:
+        print("\n".join(program_parts(quick=options.quick)))
         return
     if options.recordings:
         print("\n".join(recording_parts(repeats, quick=options.quick)))
@@ -142,6 +150,7 @@ def main() -> None:
             parts += player_parts(stage, repeats, seconds, quick=options.quick)
             parts += leak_parts(stage, quick=options.quick)
             parts += stopping_parts(2 if options.quick else stopping.TIMES)
+            parts += program_parts(quick=options.quick)
         about = {"Chromium": stage.chromium, "Python": platform.python_version(), **versions()}
     if OURS in names:
         parts += recording_parts(repeats, quick=options.quick)
@@ -183,6 +192,13 @@ def stopping_parts(times: int) -> list[str]:
         table.stops(found),
         f"\nSeconds, of {times} tries each, of a third as many ends of a kernel.",
     ]
+
+
+def program_parts(*, quick: bool) -> list[str]:
+    """What is said of programs."""
+    print("programs", flush=True)
+    found = programs.measured(*((10, 200) if quick else (programs.VERSIONS, programs.STEPS)))
+    return ["\n## Programs, in ms\n", table.programs(found)]
 
 
 def recording_parts(repeats: int, *, quick: bool) -> list[str]:

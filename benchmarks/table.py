@@ -15,6 +15,7 @@ from .leaks import LIMIT, NAMES, Leak
 from .measure import Endurance, Four
 from .pages import Opened
 from .player import FRAMED, ROUND_TRIP, Playing, Waiting
+from .programs import Found
 from .recordings import Reading
 from .stopping import Stopped
 
@@ -65,6 +66,13 @@ def stops(found: Iterable[Stopped]) -> str:
         for cause, tries in by_cause.items()
     ]
     return markdown(["", *heads], body)
+
+
+def programs(found: Found) -> str:
+    """Milliseconds to the first step of a version, and per step."""
+    heads = ["cell to first step, median", "p95", "a step", "with a machine", "and its widget", "its one distance"]
+    values = [found.first_step_median, found.first_step_p95, found.plain, found.machine, found.watched, found.event]
+    return markdown(heads, [[f"{value:.3f}" for value in values]])
 
 
 def ratios(rows: Mapping[str, dict[str, float]], ours: str) -> str:
