@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from statistics import median, quantiles
 
-from .stopping import Program
+from .stopping import Kernel
 
 VERSIONS = 100
 RATE = 20.0
@@ -96,7 +96,7 @@ class Found:
 
 def measured(versions: int = VERSIONS, steps: int = STEPS) -> Found:
     """All of it, in one kernel."""
-    kernel = Program()
+    kernel = Kernel()
     measure = MEASURE.format(rate=FASTEST, steps=steps)
     try:
         kernel.run(SETUP)
