@@ -63,7 +63,9 @@ def walk_carmen(path: Path) -> Walk:
     """
     text, problems = _text(path)
     names, lines, errors = _lines(text)
-    if len(lines) > 1 and text.endswith(lines[-1]) and _is_before(lines[-1], lines[-2]):
+    # An estimate has no time of its own to compare with.
+    before = next((line for name, line in zip(names[-2::-1], lines[-2::-1], strict=True) if name != ESTIMATE), None)
+    if before and text.endswith(lines[-1]) and _is_before(lines[-1], before):
         # A number that was cut off is a smaller number, so the last line cannot be trusted.
         names.pop()
         lines.pop()

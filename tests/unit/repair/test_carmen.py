@@ -275,6 +275,14 @@ class TestALog:
                 (problem,) = recording.problems
                 assert "cut" in problem
 
+    def test_that_was_cut_after_an_estimate_without_a_time_does_not_set_the_clock_back(self, tmp_path: Path) -> None:
+        path = tmp_path / "cut.log"
+        timed = [odom(time=f"{1000 + i / 100:.2f}") for i in range(25)]
+        path.write_bytes(b"\n".join([*timed, odom(time="0"), b"NEFF 26.4", b"ODOM 1 2 0.5 0.5 -0.1 0 1000.25 host 1"]))
+        with robowidgets.open(path) as recording:
+            assert recording.duration == pytest.approx(0.24)
+            assert recording.problems == ("the log was cut off within its last line, which is left out",)
+
     def test_of_one_file_among_several_is_read_with_them(self, tmp_path: Path) -> None:
         paths = [tmp_path / "1.log", tmp_path / "2.log.gz"]
         paths[0].write_bytes(odom(time=1))
