@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isinf
 from statistics import median
 
+from . import simulator
 from .columns import Decoding, Whole
 from .feeds import Endurance as FeedEndurance
 from .feeds import Figures as FeedFigures
@@ -52,6 +53,12 @@ def figures(rows: Mapping[str, dict[str, float]]) -> str:
     """What was measured, one line per library."""
     body = [[name, *(say(row[column]) for column in COLUMNS)] for name, row in rows.items()]
     return markdown(["", *COLUMNS.values()], body)
+
+
+def rooms(speeds: Mapping[str, simulator.Room]) -> str:
+    """How many times faster than time the simulated robot is, one line per room."""
+    body = [[name, str(room.walls), say(room.speed)] for name, room in speeds.items()]
+    return markdown(["room", "walls", "times real time"], body)
 
 
 def stops(found: Iterable[Stopped]) -> str:

@@ -23,7 +23,13 @@ class Step(NamedTuple):
 
 
 def simulate(
-    program: Callable[..., Any], robot: Robot, seconds: float, *, rate: float = RATE, variables: Variables | None = None
+    program: Callable[..., Any],
+    robot: Robot,
+    seconds: float,
+    *,
+    until: Callable[[], object] | None = None,
+    rate: float = RATE,
+    variables: Variables | None = None,
 ) -> Iterator[Step]:
     """Have a program drive a simulated robot in simulated time, for tests of programs.
 
@@ -33,6 +39,7 @@ def simulate(
         program: a function or a class, as `robowidgets.feeds.Feed.program` takes it.
         robot: the robot.
         seconds: of simulated time.
+        until: a function that ends it sooner, when it returns true.
         rate: steps a second.
         variables: the variables of the program.
 
@@ -54,7 +61,7 @@ def simulate(
     period = 1 / finite("rate", rate, "steps a second")
     own = {"state": State(), "variables": Variables() if variables is None else variables}
     start, drive = robot.time, STANDSTILL
-    while (now := robot.time - start) < seconds:
+    while (now := robot.time - start) < seconds and not (until and until()):
         samples = {"scan": robot.scan, "speed": robot.speed, "touch": robot.touch}
         values = {name: samples[name]() if name in samples else own.get(name, now) for name in asks_for}
         result = function(**values)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from math import cos, hypot, pi, sin
+from math import cos, hypot, inf, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from ..samples import Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
-from ._contact import contact_angles, pressed, push_out
+from ._contact import PRESSED_WITHIN, contact_angles, pressed, push_out
 from ._models import model_of
 from ._scanners import scanner_of
 from .motors import Motors
@@ -21,6 +21,13 @@ from .world import World, to_pose
 
 _LONGEST_STEP = 60.0
 _SUBSTEP_NS = 10_000_000
+_NANOSECOND = 1e-9
+_FAR = 1.0
+"""Metres from the body beyond which walls are not looked at."""
+_WAY_OFF, _TURN_OFF = 0.02, 0.03
+"""Largest shares by which odometry is wrong about ways and turns."""
+_BEND = 0.02
+"""Radians a metre, at most, by which odometry takes a straight way for a bent one."""
 _EXACT = 1e-6
 """Metres that a body may reach into what it touches, by rounding."""
 
@@ -92,6 +99,8 @@ class Robot:
         self._lock = threading.Lock()
         """Held while the robot moves and measures: a page may move it meanwhile."""
         self._watchers: list[Callable[[], None]] = []
+        self._known_room = (world, 0.0, 0.0, -inf)
+        """A world, a place, and metres to what is nearest to it, at least."""
         self.radius = finite("radius", self.model.radius if radius is None else radius, "metres")
         if self.radius <= 0:
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
@@ -100,6 +109,9 @@ class Robot:
         self._linear = self._angular = self._sideways = 0.0
         self._time_ns = 0
         self._seed = seed
+        self._odometry = self._pose
+        off = np.random.default_rng((seed, 0, 2)).uniform(-1, 1, 3)
+        self._wheels: list[float] = (off * (_WAY_OFF, _TURN_OFF, _BEND)).tolist()
         self._scan_number = 0
         self._scan_ns, self._next_scan_ns = 0, self._scan_period_ns()
         self._scan_pose = self._pose
@@ -117,6 +129,15 @@ class Robot:
     def pose(self) -> Pose:
         """The true pose of the robot."""
         return self._pose
+
+    @property
+    def odometry(self) -> Pose:
+        """The pose that follows from the turns of the wheels, which drifts from the true one.
+
+        It begins at the pose of the start. The wheels are not as large as the robot takes them to be, which is some
+        percent of each way and each turn, and not of one size, so that a straight way bends. The seed decides.
+        """
+        return self._odometry
 
     @property
     def scan_pose(self) -> Pose:
@@ -181,6 +202,48 @@ class Robot:
                     self._scan = None
         self._call_watchers()
 
+    def run(
+        self,
+        until: float | Callable[[], object],
+        *,
+        behavior: Iterator[object] | None = None,
+        period: float = 0.1,
+        limit: float = 3600.0,
+    ) -> None:
+        """Let time pass as fast as it can, for tests of programs.
+
+        `robowidgets.behaviors.simulate` runs a program or a state machine in this way.
+
+        Args:
+            until: simulated seconds since the start; or a function that returns true when it is enough.
+            behavior: advanced before each step, such as `wander`: it commands speeds, then yields.
+            period: seconds of a step.
+            limit: simulated seconds after which a function that is never true is given up.
+
+        Raises:
+            TypeError: until is neither a number nor a function. ValueError: a number is out of range.
+            TimeoutError: the limit has passed.
+
+        Example:
+            >>> from robowidgets.simulator import room, wander
+            >>> robot = Robot(room("maze"))
+            >>> robot.run(until=lambda: any(robot.touch().touched.values()), behavior=wander(robot))
+            >>> robot.time < 20
+            True
+        """
+        end = self.time + finite("limit", limit, "seconds")
+        is_enough = until
+        if not callable(is_enough):
+            end = finite("until", until, "seconds")
+        while True:
+            if is_enough() if callable(is_enough) else self.time >= end - _NANOSECOND:
+                return
+            if self.time >= end:
+                raise TimeoutError(f"run: until was not true within {limit:g} s of simulated time")
+            if behavior is not None:
+                next(behavior)
+            self.step(min(period, max(end - self.time, _NANOSECOND)))
+
     def watch(self, on_change: Callable[[], None]) -> None:
         """Call a function after each step and whenever the robot or its world is changed, in the thread that did it."""
         self._watchers.append(on_change)
@@ -209,7 +272,8 @@ class Robot:
     def touch(self) -> Touch:
         """The states of the bumpers."""
         x, y, yaw = self._pose
-        angles = contact_angles(self._around(x, y), x, y, yaw, self.radius)
+        is_free = self._has_room(x, y, PRESSED_WITHIN)
+        angles = [] if is_free else contact_angles(self._around(x, y), x, y, yaw, self.radius)
         states = pressed(angles, self.model.bumpers)
         return Touch(states, TouchMode.LEVEL, tuple(states), self._time_ns, "robowidgets.simulator")
 
@@ -235,6 +299,20 @@ class Robot:
         for on_change in list(self._watchers):
             on_change()
 
+    def _has_room(self, x: float, y: float, more: float = 0.0) -> bool:
+        """Whether nothing is nearer than the body and so many metres more.
+
+        Known of a place, it is known of the places round it, which saves most looks at the walls.
+        """
+        world, known_x, known_y, room = self._known_room
+        least = self.radius + more
+        if world is not self._world or room - hypot(x - known_x, y - known_y) <= least:
+            world = self._world
+            room = min(world.near(x, y, least + _FAR).clearance(x, y), least + _FAR)
+            self._known_room = (world, x, y, room)
+            return room > least
+        return True
+
     def _around(self, x: float, y: float) -> World:
         """The part of the world that the body may touch: pushed out, it moves by less than its size."""
         return self.world.near(x, y, 2 * self.radius)
@@ -246,11 +324,25 @@ class Robot:
         heading = yaw + self._angular * dt / 2
         ahead, left = self._linear * dt, self._sideways * dt
         wanted = (x + ahead * cos(heading) - left * sin(heading), y + ahead * sin(heading) + left * cos(heading))
-        place = push_out(self._around(*wanted), *wanted, self.radius) or (x, y)
+        is_free = self._has_room(*wanted)
+        place = wanted if is_free else push_out(self._around(*wanted), *wanted, self.radius) or (x, y)
         if place != wanted:
             self._linear = _slowed(self._linear, (place[0] - x) * cos(heading) + (place[1] - y) * sin(heading), dt)
             self._sideways = _slowed(self._sideways, (place[1] - y) * cos(heading) - (place[0] - x) * sin(heading), dt)
         self._pose = Pose(*place, _wrapped(yaw + self._angular * dt))
+        self._measure_way(dt)
+
+    def _measure_way(self, dt: float) -> None:
+        way_off, turn_off, bend = self._wheels
+        x, y, yaw = self._odometry
+        ahead, left = self._linear * dt * (1 + way_off), self._sideways * dt * (1 + way_off)
+        turned = self._angular * dt * (1 + turn_off) + ahead * bend
+        heading = yaw + turned / 2
+        self._odometry = Pose(
+            x + ahead * cos(heading) - left * sin(heading),
+            y + ahead * sin(heading) + left * cos(heading),
+            _wrapped(yaw + turned),
+        )
 
 
 def _slowed(speed: float, travelled: float, dt: float) -> float:
