@@ -40,6 +40,9 @@ GRACE = 0.5
 PATIENCE = 1.0
 """Seconds after which the log says why a program does not drive."""
 
+SILENCE = 1.0
+"""Seconds without a message of the topic ``on``, after which the program says that it waits for it."""
+
 RUNNING, PAUSED, FAILED, ENDED = "running", "paused", "failed", "ended"
 
 
@@ -106,6 +109,8 @@ class Program:
         self._in_step = False
         self._fresh = False
         """Whether a message of the topic ``on`` came since the last step."""
+        self._is_silent = False
+        """Whether none came for so long that the program looks why."""
         self._interrupted = False
         self.origin: float | None = None
         self._since = time.monotonic()
@@ -254,8 +259,9 @@ class Program:
             release()
 
     def _wait(self, me: threading.Thread) -> bool:
-        """Wait for the time or for the message of the next step; returns whether this thread is still wanted."""
+        """Wait for the time, message or silence of the next step; returns whether the thread is still wanted."""
         with self._changed:
+            self._is_silent = False
             while self._thread is me and not self._interrupted:
                 if self.version.on is None:
                     now = time.monotonic()
@@ -266,8 +272,9 @@ class Program:
                 elif self._fresh:
                     self._fresh = False
                     return True
-                else:
-                    self._changed.wait()
+                elif not self._changed.wait(SILENCE):
+                    self._is_silent = True
+                    return True
             return False
 
     def _prepare(self) -> tuple[Version, dict[str, Any] | None]:
@@ -278,6 +285,8 @@ class Program:
             self._set_waiting("stop is latched")
             return version, None
         try:
+            if self._is_silent and version.on is not None:
+                raise NotReadyError(self._inputs.why_silent(version.on))
             values = self._inputs.take()
         except NotReadyError as error:
             self._robot.halt()

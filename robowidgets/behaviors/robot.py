@@ -25,6 +25,9 @@ class Inputs(Protocol):
     def take(self) -> dict[str, Any]:
         """The newest samples, by parameter. NotReadyError if one is missing or too old to drive by."""
 
+    def why_silent(self, on: str) -> str:
+        """Why no message of the topic ``on`` comes."""
+
     def close(self) -> None:
         """Take no more messages."""
 

@@ -154,6 +154,10 @@ class FeedInputs:
                 raise NotReadyError(self._missing(name))
         return {name: self._latest[topic].read(name) for name, topic in chosen.items()}
 
+    def why_silent(self, on: str) -> str:
+        """See `Inputs`."""
+        return self._feed.status_of(on) or f"waiting for {on}"
+
     def close(self) -> None:
         """See `Inputs`."""
         self._wanted, self._on, self._chosen = {}, None, {}

@@ -65,6 +65,25 @@ def test_on_a_topic_there_is_one_step_for_each_message(robot: Feed, script: Scri
     assert look.steps == 3
 
 
+def test_a_program_on_a_topic_without_messages_says_so(robot: Feed, script: Scripted) -> None:
+    @robot.program(on="/scna")
+    def look(scan):  # type: ignore[no-untyped-def]
+        return Drive(0.1)
+
+    wait_for(lambda: "did you mean /scan?" in look.waiting, "it says that there is no such topic")
+
+    @robot.program(on="/scan")
+    def look(scan):  # type: ignore[no-untyped-def]  # noqa: F811
+        return Drive(0.1)
+
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: look.steps == 1 and not look.waiting, "it steps")
+    wait_for(lambda: look.waiting == "waiting for /scan", "it says that no more came")
+    assert look.returned == Drive()
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: look.steps == 2 and not look.waiting, "it goes on")
+
+
 def test_a_bump_between_two_steps_is_not_lost(robot: Feed, script: Scripted) -> None:
     got: list[Any] = []
 
