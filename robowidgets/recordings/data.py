@@ -53,7 +53,7 @@ class RecordingData:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         if not isinstance(path, (str, bytes, os.PathLike)):
-            raise TypeError(f"path: expected the path of a recording as text, got {path!r}")
+            raise TypeError(f"path: expected the path of a recording, as text or as a pathlib.Path, got {path!r}")
         # Absolute, because the working directory may have changed when a player opens the file again.
         self._path = Path(os.fsdecode(path)).expanduser().absolute()
         self._messages = Messages(open_source(self._path))

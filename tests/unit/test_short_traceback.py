@@ -21,7 +21,7 @@ ERRORS = {
     "laser.draw('wall', 5)": r"^TypeError: draw\('wall'\): expected a Line",
     "robowidgets.Laser": "^AttributeError: .*; did you mean 'LaserWidget'",
     "robowidgets.open('nothing.bag')": "^RecordingError: .*nothing.bag: no such file or folder",
-    "robowidgets.open(5)": "^TypeError: path: expected the path of a recording as text, got 5",
+    "robowidgets.open(5)": "^TypeError: path: expected the path of a recording, as text or as a pathlib.Path, got 5",
     "recording.scans('/scam')": "^UnknownTopicError: sample.mcap has no topic '/scam'",
     "recording.to_html('x.html', start=99)": "^ValueError: start: expected seconds from 0 to 58.00, got 99",
     "list(recording.samples('/scan', start='x'))": "^TypeError: start: expected seconds",

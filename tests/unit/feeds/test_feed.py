@@ -43,7 +43,8 @@ def opened() -> Iterator[Opened]:
 
 
 def source(widget: LaserWidget | SpeedWidget) -> dict[str, str]:
-    return widget.get_state()["_source"]
+    """What a widget says of its topic, without the random name of its robot."""
+    return {name: value for name, value in widget.get_state()["_source"].items() if name != "robot"}
 
 
 def in_a_thread(call: Callable[[], object]) -> None:
