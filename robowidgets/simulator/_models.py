@@ -1,4 +1,4 @@
-"""Robots with the size, the limits and the bumpers of real ones, by name."""
+"""Robots with the messages of real ones, by name. Sizes and limits are typical values, accelerations are estimates."""
 
 from __future__ import annotations
 

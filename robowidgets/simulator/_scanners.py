@@ -1,4 +1,4 @@
-"""Scanners with the habits of real ones, by name."""
+"""Scanners with the habits of real ones, by name. `docs/feeds_simulator.md` says what they are taken from."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import inf, pi, radians
 from .scanner import Scanner
 
 SCANNERS: dict[str, Scanner] = {
-    # Hokuyo UTM-30LX, as the base laser of the PR2 sends it.
+    # Hokuyo UTM-30LX, with the rays and angles of the PR2's base laser.
     "utm30lx": Scanner(
         1040, radians(259.75), 0.023, 60.0, first_angle=radians(-130), rate=40.0, nothing=0.001, failed=(0.001,)
     ),

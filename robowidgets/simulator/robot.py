@@ -1,4 +1,4 @@
-"""The robot: a round body on two wheels, a scanner and three bumpers."""
+"""The robot: a round body on wheels, with a scanner and bumpers."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Robot:
         motors: the limits of its motors; None: those of the model.
         radius: radius of the body, metres; None: that of the model.
         seed: seed of everything random, a whole number of 0 or more.
-        model: "turtlebot3" (Burger), "kobuki", "create3" or "pr2", with its size, limits, bumpers and scanner; "plain".
+        model: "plain", "turtlebot3", "kobuki", "create3" or "pr2": typical size and limits, bumpers and a scanner.
 
     Raises:
         TypeError: something is not a number, or a world, scanner or motors of another type.
