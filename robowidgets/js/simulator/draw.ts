@@ -22,6 +22,13 @@ const FADED = 30;
 /** Metres between two places of a path beyond which the robot was put elsewhere. */
 const JUMP = 1;
 const TURN = 2 * Math.PI;
+/** Corners of the nose: angle from forward, and share of the radius. */
+const NOSE = [
+  [0, 0.7],
+  [2.4, 0.6],
+  [Math.PI, 0.2],
+  [-2.4, 0.6],
+] as const;
 
 /** The floor, and below it the scale. */
 export function drawFloor(context: Context, projection: Projection, theme: Theme): void {
@@ -34,17 +41,12 @@ export function drawFloor(context: Context, projection: Projection, theme: Theme
   context.fillRect(from.x, from.y, to.x - from.x, to.y - from.y);
   const length = ticks(0, (bounds.east - bounds.west) / 2, 2)[1] ?? 1;
   const y = to.y + 15;
-  context.strokeStyle = theme.muted;
-  context.lineWidth = 1;
+  const [west, east] = [to.x - length * scale, to.x - 0.5];
   context.beginPath();
-  for (const x of [to.x - length * scale, to.x - 0.5]) {
-    context.moveTo(x, y - 3);
-    context.lineTo(x, y + 3);
-  }
-  context.moveTo(to.x - length * scale, y);
-  context.lineTo(to.x - 0.5, y);
-  context.stroke();
-  write(context, toShortMetres(length), to.x - length * scale - 6, y, theme.muted, `11px ${theme.font}`, "right");
+  for (const x of [west, east]) line(context, { x, y: y - 3 }, { x, y: y + 3 });
+  line(context, { x: west, y }, { x: east, y });
+  stroke(context, theme.muted, 1);
+  write(context, toShortMetres(length), west - 6, y, theme.muted, `11px ${theme.font}`, "right");
 }
 
 /** What the scanner has seen to be free. */
@@ -61,8 +63,7 @@ export function drawFree(context: Context, projection: Projection, { scan }: Sce
     const { x, y } = end ? toPixel(projection, end) : from;
     context.lineTo(x, y);
   }
-  context.fillStyle = theme.seen;
-  context.fill();
+  fill(context, theme.seen);
   context.restore();
 }
 
@@ -70,14 +71,11 @@ export function drawWalls(context: Context, projection: Projection, walls: Float
   context.beginPath();
   for (let i = 0; i < walls.length; i += 4) {
     const [x1, y1, x2, y2] = walls.subarray(i, i + 4) as unknown as [number, number, number, number];
-    const [from, to] = [toPixel(projection, { x: x1, y: y1 }), toPixel(projection, { x: x2, y: y2 })];
-    context.moveTo(from.x, from.y);
-    context.lineTo(to.x, to.y);
+    line(context, toPixel(projection, { x: x1, y: y1 }), toPixel(projection, { x: x2, y: y2 }));
   }
-  context.strokeStyle = theme.guide;
-  context.lineWidth = WALL;
   context.lineCap = "square";
-  context.stroke();
+  stroke(context, theme.guide, WALL);
+  context.lineCap = "butt";
 }
 
 /** Obstacles, path, readings and the robot, and a ring round the thing that keys and buttons act on. */
@@ -89,15 +87,12 @@ export function drawThings(
   moved: Thing | null,
   theme: Theme,
 ): void {
-  context.lineCap = "butt";
   for (const [i, disc] of scene.obstacles.entries()) {
-    circle(context, toPixel(projection, disc), disc.radius * projection.scale);
-    context.fillStyle = theme.line;
-    context.fill();
-    context.strokeStyle = moved === i ? theme.pointer : theme.guide;
-    context.lineWidth = 1.25;
-    context.stroke();
-    if (selected === i) ring(context, toPixel(projection, disc), disc.radius * projection.scale, theme);
+    const [at, radius] = [toPixel(projection, disc), disc.radius * projection.scale];
+    circle(context, at, radius);
+    fill(context, theme.line);
+    stroke(context, moved === i ? theme.pointer : theme.guide, 1.25);
+    if (selected === i) ring(context, at, radius, theme);
   }
   drawPath(context, projection, scene, theme);
   context.fillStyle = theme.reading;
@@ -113,18 +108,14 @@ export function drawThings(
 }
 
 function drawPath(context: Context, projection: Projection, { path, robot, time }: Scene, theme: Theme): void {
-  context.strokeStyle = theme.ink;
-  context.lineWidth = 1.75;
   const places = [...path, { ...robot, time }];
   for (const [i, to] of places.entries()) {
     const from = places[i - 1];
     if (!from || Math.hypot(to.x - from.x, to.y - from.y) > JUMP) continue;
-    const [a, b] = [toPixel(projection, from), toPixel(projection, to)];
     context.globalAlpha = Math.max(0, 0.75 * (1 - (time - from.time) / FADED));
     context.beginPath();
-    context.moveTo(a.x, a.y);
-    context.lineTo(b.x, b.y);
-    context.stroke();
+    line(context, toPixel(projection, from), toPixel(projection, to));
+    stroke(context, theme.ink, 1.75);
   }
   context.globalAlpha = 1;
 }
@@ -133,44 +124,50 @@ function drawPath(context: Context, projection: Projection, { path, robot, time 
 function drawRobot(context: Context, projection: Projection, { robot }: Scene, isMoved: boolean, theme: Theme): void {
   const [at, radius] = [toPixel(projection, robot), robotRadius(projection, robot)];
   const handle = handleOf(projection, robot);
-  const toward = { x: Math.cos(robot.yaw), y: -Math.sin(robot.yaw) };
-  context.strokeStyle = isMoved ? theme.pointer : theme.muted;
-  context.lineWidth = 1.25;
+  const toward = (angle: number, distance: number, from = at): Place => ({
+    x: from.x + distance * Math.cos(robot.yaw + angle),
+    y: from.y - distance * Math.sin(robot.yaw + angle),
+  });
+  const outline = isMoved ? theme.pointer : theme.muted;
   context.beginPath();
-  context.moveTo(at.x + toward.x * radius, at.y + toward.y * radius);
-  context.lineTo(handle.x - toward.x * 3, handle.y - toward.y * 3);
-  context.stroke();
+  line(context, toward(0, radius), toward(0, -3, handle));
+  stroke(context, outline, 1.25);
   circle(context, handle, 3);
-  context.fillStyle = theme.background;
-  context.fill();
-  context.stroke();
+  fill(context, theme.background);
+  stroke(context, outline, 1.25);
   circle(context, at, radius);
-  context.fillStyle = isMoved ? theme.pointer : theme.ink;
-  context.fill();
-  context.strokeStyle = context.fillStyle = theme.background;
-  context.lineWidth = 1.5;
-  context.stroke();
-  const nose = (angle: number, share: number): [number, number] => [
-    at.x + share * radius * Math.cos(robot.yaw + angle),
-    at.y - share * radius * Math.sin(robot.yaw + angle),
-  ];
+  fill(context, isMoved ? theme.pointer : theme.ink);
+  stroke(context, theme.background, 1.5);
   context.beginPath();
-  context.moveTo(...nose(0, 0.7));
-  context.lineTo(...nose(2.4, 0.6));
-  context.lineTo(...nose(Math.PI, 0.2));
-  context.lineTo(...nose(-2.4, 0.6));
-  context.closePath();
-  context.fill();
+  for (const [angle, share] of NOSE) {
+    const { x, y } = toward(angle, share * radius);
+    context.lineTo(x, y);
+  }
+  fill(context, theme.background);
 }
 
 function ring(context: Context, at: Place, radius: number, theme: Theme): void {
   circle(context, at, radius + 3.5);
-  context.strokeStyle = theme.pointer;
-  context.lineWidth = 1.75;
-  context.stroke();
+  stroke(context, theme.pointer, 1.75);
 }
 
 function circle(context: Context, { x, y }: Place, radius: number): void {
   context.beginPath();
   context.arc(x, y, radius, 0, TURN);
+}
+
+function line(context: Context, from: Place, to: Place): void {
+  context.moveTo(from.x, from.y);
+  context.lineTo(to.x, to.y);
+}
+
+function stroke(context: Context, color: string, width: number): void {
+  context.strokeStyle = color;
+  context.lineWidth = width;
+  context.stroke();
+}
+
+function fill(context: Context, color: string): void {
+  context.fillStyle = color;
+  context.fill();
 }

@@ -46,7 +46,7 @@ export class SimulatorView {
   readonly #model: Model<SimulatorTraits>;
   readonly #card: Card;
   readonly #edits: Edits;
-  readonly #layers: [Layer, Layer, Layer];
+  readonly #layer: Layer;
   readonly #pose = make("span", "");
   readonly #pointed = make("span", "");
   readonly #put: HTMLButtonElement;
@@ -60,20 +60,15 @@ export class SimulatorView {
   #selected: Thing = "robot";
   #drag: Drag | null = null;
   #pointer: Place | null = null;
-  #drawnFloor = "";
 
   constructor(model: Model<SimulatorTraits>, element: HTMLElement, signal: AbortSignal) {
     this.#model = model;
     this.#scene = toScene(model.get("_frame"));
     this.#walls = toWalls(model.get("_walls"));
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
-    const onTheme = () => {
-      this.#drawnFloor = "";
-      this.#redraw();
-    };
-    this.#card = new Card(element, "simulator", model, onTheme, signal);
+    this.#card = new Card(element, "simulator", model, this.#redraw, signal);
     const { picture, controls, footer } = this.#card;
-    this.#layers = [new Layer(picture), new Layer(picture), new Layer(picture)];
+    this.#layer = new Layer(picture);
     this.#edits = new Edits(model, crypto.randomUUID().slice(0, 8), (why) => this.#onRefused(why), signal);
     this.#put = makeButton("", "Put an obstacle: press, then press a place", () => this.#onPut(), signal, "Obstacle");
     this.#put.ariaPressed = "false";
@@ -100,13 +95,16 @@ export class SimulatorView {
 
   #onWalls(): void {
     this.#walls = toWalls(this.#model.get("_walls"));
-    this.#drawnFloor = "";
     this.#redraw();
   }
 
   /** The scene as a person has left it. */
   get #shown(): Scene | null {
     return this.#scene && this.#edits.apply(this.#scene);
+  }
+
+  get #isEditable(): boolean {
+    return !lacksKernel(this.#model);
   }
 
   #draw(): void {
@@ -121,16 +119,11 @@ export class SimulatorView {
     if (!width || !height) return;
     const projection = fit(bounds, this.#surface);
     this.#projection = projection;
-    const [floor, free, things] = this.#layers;
-    const key = JSON.stringify([bounds, this.#surface]);
-    if (key !== this.#drawnFloor) {
-      this.#drawnFloor = key;
-      drawFloor(floor.begin(this.#surface), projection, theme);
-    }
-    drawFree(free.begin(this.#surface), projection, scene, theme);
-    const context = things.begin(this.#surface);
+    const context = this.#layer.begin(this.#surface);
+    drawFloor(context, projection, theme);
+    drawFree(context, projection, scene, theme);
     drawWalls(context, projection, this.#walls, theme);
-    const isActive = picture.matches(":focus-within, :hover") && !lacksKernel(this.#model);
+    const isActive = picture.matches(":focus-within, :hover") && this.#isEditable;
     drawThings(context, projection, scene, isActive ? this.#selected : null, this.#edits.thing, theme);
     this.#tell();
   }
@@ -140,7 +133,7 @@ export class SimulatorView {
     if (!scene) return;
     const { robot, obstacles, time } = scene;
     const { picture } = this.#card;
-    const isEditable = !lacksKernel(this.#model);
+    const isEditable = this.#isEditable;
     const { west, east, south, north } = boundsOf(this.#walls, scene);
     this.#card.updateFacts([
       `${toFixed(east - west, 1)} \u00D7 ${toFixed(north - south, 1)} m`,
@@ -208,13 +201,13 @@ export class SimulatorView {
 
   #thingAt(point: Place, isTouch: boolean): Thing | null {
     const scene = this.#shown;
-    if (!scene || !this.#projection || lacksKernel(this.#model)) return null;
+    if (!scene || !this.#projection || !this.#isEditable) return null;
     return thingAt(this.#projection, scene, point, isTouch ? TOUCH_SLOP : SLOP);
   }
 
   #onDown(event: PointerEvent, point: Place): void {
     const scene = this.#shown;
-    if (!scene || !this.#projection || lacksKernel(this.#model) || this.#drag) return;
+    if (!scene || !this.#projection || !this.#isEditable || this.#drag) return;
     if (this.#isPutting) {
       this.#edits.send({ act: "put", ...toFloor(this.#projection, point) });
       this.#onPut(false);
@@ -270,7 +263,7 @@ export class SimulatorView {
 
   #onKey(event: KeyboardEvent): void {
     const scene = this.#shown;
-    if (!scene || !(isPlain(event) || event.getModifierState?.("AltGraph")) || lacksKernel(this.#model)) return;
+    if (!scene || !(isPlain(event) || event.getModifierState?.("AltGraph")) || !this.#isEditable) return;
     if (this.#takeKey(event.key, event.shiftKey, scene)) event.preventDefault();
   }
 
