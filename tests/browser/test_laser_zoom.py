@@ -84,7 +84,9 @@ def test_auto_is_decided_by_the_first_reading_unless_a_person_has_zoomed(plain_p
     nb.python(f"laser.{update.format(metres=2)}; zoomed.{update.format(metres=2)}")
     reaches(card, "2.5")
     eventually(lambda: nb.python("laser.view_range, zoomed.view_range"), "('data', 8.0)")
-    nb.python(f"laser.view_range = 'auto'; laser.{update.format(metres=15)}")
+    nb.python(f"laser.{update.format(metres=15)}")
+    reaches(card, "20")
+    nb.python("laser.view_range = 'auto'")
     reaches(card, "30")
     eventually(lambda: nb.python("laser.view_range"), "'sensor'")
 

@@ -137,7 +137,7 @@ def test_a_machine_fits_a_narrow_page_and_rings_step_by_tenths_where_motion_is_r
     expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
     ring = state(widget, "turn").locator(".rw-ring")
     wait_for(lambda: ring.evaluate("ring => ring.style.getPropertyValue('--rw-left')") == "1", "the ring is full")
-    assert state(widget, "turn").locator(".rw-machine-state-left").inner_text() != "60.0 s"
+    expect(state(widget, "turn").locator(".rw-machine-state-left")).not_to_have_text("60.0 s")
     assert widget.locator(".rw-picture").evaluate("picture => picture.scrollWidth <= picture.clientWidth")
     shoot(widget, f"machine-narrow-{theme}")
     nb.python("robot.close()")

@@ -303,6 +303,8 @@ def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
     nb.python("threading.Timer(0.2, lambda: __import__('os').kill(__import__('os').getpid(), 9)).start()")
     says(nb, "no kernel in this page", "Stop reaches nothing; what the robot does is not known")
     expect(stop_of(nb)).to_have_text("Stop")
+    # JupyterLab says some time later, in a dialog over whatever notebook is open then, that the kernel starts again.
+    nb.page.evaluate("window.driver.isSpoilt = true")
 
 
 LOOKS = {
