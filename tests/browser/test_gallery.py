@@ -194,6 +194,23 @@ def test_pictures_of_a_machine(plain_page: Callable[..., PlainPage], theme: Lite
     nb.python("robot.close()")
 
 
+OFFICE = """
+from robowidgets.simulator import Robot, View, room, wander
+robot = Robot(room("office"), model="kobuki", scanner="rplidar_a1", seed=2)
+view = View(robot)
+robot.run(40, behavior=wander(robot))
+view
+"""
+
+
+@every_theme
+def test_pictures_of_a_room(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([OFFICE], scale=2, theme=theme, width=720)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-facts")).to_contain_text("40.0 s")
+    shoot(card, f"gallery-room-{theme}")
+
+
 LARGEST_PAGE = 2_000_000
 
 
