@@ -122,6 +122,10 @@ class Judge:
             return None, []
         return newest, [self._unknown(watch) for watch in self.watches.values()]
 
+    def will_mark(self, version: int) -> bool:
+        """Whether it marks the widget in a moment, when the verdicts on its newest version are there."""
+        return bool(self.watches) and self._done != version and not self.is_late
+
     @property
     def is_late(self) -> bool:
         """Whether the judgement of one sample takes longer than a picture waits for it."""

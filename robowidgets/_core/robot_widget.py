@@ -214,9 +214,15 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
                 mine["_arrived"] = time.monotonic()
             if mine["_waiting"]:
                 mine["_sample_arrived"].notify_all()
-            judge = mine.get("_judge")
-        # The thread that judges it marks it, too: the picture waits for its verdicts.
-        if judge is None or not judge.watches or judge.is_late:
+        self._mark()
+
+    def _mark(self) -> None:
+        """Have the newest sample sent with what is on it, once the verdicts on it are there.
+
+        To send before that would send nothing, and the next send would wait for the interval between two.
+        """
+        judge = self._judge
+        if judge is None or not judge.will_mark(self._version):
             pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:

@@ -118,7 +118,7 @@ class DrawsShapes(RobotWidget[Scan]):
             return
         if self.driven_by_player:
             self._drawings += 1
-        pacer.mark(self)
+        self._mark()
 
     @property
     def drawn(self) -> Mapping[str, Any]:

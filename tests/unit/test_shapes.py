@@ -13,6 +13,7 @@ import pytest
 
 import robowidgets
 from robowidgets import Arc, LaserWidget, Line, Points, Polygon, Pose, Text
+from robowidgets._core import judge
 from robowidgets._core.pacer import pacer
 
 from .pages import Page
@@ -139,6 +140,30 @@ class TestDraw:
             laser.draw("wall", Line((1, -1), (1, i)))
         assert on_page(page)[0]["at"][1] == [1.0, 1999.0]
         assert len(page.messages) - before < 60
+
+    def test_a_shape_on_a_scan_is_sent_with_the_verdicts_on_it(
+        self, laser: LaserWidget, page: Page, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        judging, may_end = threading.Event(), threading.Event()
+
+        def close(scan: Any) -> bool:
+            judging.set()
+            return may_end.wait(20)
+
+        laser.watch(close, name="close")
+        assert judging.wait(20)
+        monkeypatch.setattr(judge, "PATIENCE", 60)
+        marked: list[object] = []
+        mark = pacer.mark
+        monkeypatch.setattr(pacer, "mark", lambda sender: (marked.append(sender), mark(sender)))
+        laser.update(SCAN)
+        laser.draw("wall", WALL)
+        assert marked == []
+        may_end.set()
+        wait_for(lambda: page.state["_about"].get("shapes"), "the shape came")
+        assert [one["state"] for one in page.state["_about"]["lamps"]] == ["true"]
+        laser.draw("other", WALL)
+        wait_for(lambda: len(page.state["_about"]["shapes"]) == 2, "a shape without a new scan came")
 
     def test_a_shape_goes_when_its_time_is_over(self, laser: LaserWidget, page: Page) -> None:
         laser.draw("brief", WALL, lifetime=0.15)
