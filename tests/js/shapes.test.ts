@@ -1,9 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { pathOf } from "../../robowidgets/js/laser/draw_shape.ts";
-import { overlaps } from "../../robowidgets/js/laser/guides.ts";
+import { Occupancy, overlaps } from "../../robowidgets/js/laser/guides.ts";
+import type { Host, Stage } from "../../robowidgets/js/laser/layer.ts";
 import type { Box, Point } from "../../robowidgets/js/laser/projection.ts";
 import { boxAt, PLACES } from "../../robowidgets/js/laser/shape_labels.ts";
+import { ShapeLayer } from "../../robowidgets/js/laser/shape_layer.ts";
 import {
   arcPlaces,
   describeShape,
@@ -13,6 +15,7 @@ import {
   placesOf,
   untilNext,
 } from "../../robowidgets/js/laser/shapes.ts";
+import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 import type { Shape } from "../../robowidgets/js/shared/traits.ts";
 import { DEGREE, near, scanOf } from "./laser.ts";
 
@@ -92,4 +95,17 @@ test("what lies beyond the view is no part of the picture", () => {
   const across = path([2, -9], [2, 9]);
   assert.ok(across.length > 10 && across.every(({ x, y }) => Math.hypot(x - 100, y - 100) <= 100));
   assert.ok(across.every(({ y }) => near(y, 50)));
+});
+
+test("all shapes are clipped to the view at once: a clip takes longer than a shape", () => {
+  const calls: string[] = [];
+  const context = new Proxy({}, { get: (_, name) => () => calls.push(String(name)), set: () => true });
+  const shapes = [1, 2, 3].map((x) => shape("line", { at: [[x, -9] as Metres, [x, 9] as Metres] }));
+  const host = { signal: new AbortController().signal, stream: { about: { shapes }, paused: true } };
+  const projection = { centerX: 100, centerY: 100, radius: 90, viewRange: 5, forward: 0 };
+  const stage = { scan: null, projection, occupied: new Occupancy(200, 200) } as unknown as Stage;
+  const painters = new ShapeLayer(host as unknown as Host).painters();
+  painters.shapes?.(context as CanvasRenderingContext2D, stage, {} as Theme);
+  const told = calls.filter((name) => /clip|stroke|restore/.test(name));
+  assert.deepEqual(told, ["clip", "stroke", "stroke", "stroke", "restore"]);
 });

@@ -15,6 +15,16 @@ const STEP = 4;
 /** Pieces of a path at most, of which most lie outside of the view. */
 const MOST_PIECES = 2000;
 
+/** Calls a function that draws in the view only: what lies beyond it would lie over the labels round it. */
+export function clipToView(context: CanvasRenderingContext2D, projection: Projection, draw: () => void): void {
+  context.save();
+  context.beginPath();
+  context.arc(projection.centerX, projection.centerY, projection.radius + WIDTH, 0, 2 * Math.PI);
+  context.clip();
+  draw();
+  context.restore();
+}
+
 /** Draws a shape without its words, which stand in the picture as a text does. */
 export function drawShape(
   context: CanvasRenderingContext2D,
@@ -27,11 +37,6 @@ export function drawShape(
   context.strokeStyle = context.fillStyle = shape.color ?? theme.own;
   context.lineWidth = WIDTH;
   context.lineJoin = "round";
-  // What lies beyond the view would lie over the labels round it.
-  context.save();
-  context.beginPath();
-  context.arc(projection.centerX, projection.centerY, projection.radius + WIDTH, 0, 2 * Math.PI);
-  context.clip();
   context.beginPath();
   if (shape.kind === "points") {
     for (const { x, y } of points) {
@@ -52,7 +57,6 @@ export function drawShape(
     }
   }
   context.stroke();
-  context.restore();
 }
 
 /** A short line across the end of another. */

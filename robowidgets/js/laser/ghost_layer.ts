@@ -50,16 +50,13 @@ export class GhostLayer implements Layer {
 
 function drawGhost(context: CanvasRenderingContext2D, { projection, occupied }: Stage, scan: Scan, theme: Theme): void {
   context.fillStyle = theme.ghost;
-  context.beginPath();
   for (let i = 0; i < scan.count; i++) {
     const range = scan.ranges[i] as number;
     if (scan.kinds[i] !== READING || range > projection.viewRange) continue;
     const { x, y } = toPixel(projection, range, angleOf(scan, i));
-    context.moveTo(x + DOT, y);
-    context.arc(x, y, DOT, 0, 2 * Math.PI);
+    context.fillRect(x - DOT, y - DOT, 2 * DOT, 2 * DOT);
     occupied.mark(x, y);
   }
-  context.fill();
 }
 
 /** Dots of the other scan at the same rays, and what lies between them and those of now. */

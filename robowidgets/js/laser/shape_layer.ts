@@ -1,7 +1,7 @@
 import { onAbort } from "../shared/events.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { About, Shape } from "../shared/traits.ts";
-import { drawShape, pathOf } from "./draw_shape.ts";
+import { clipToView, drawShape, pathOf } from "./draw_shape.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
 import type { Point } from "./projection.ts";
 import { ShapeLabels } from "./shape_labels.ts";
@@ -65,13 +65,13 @@ export class ShapeLayer implements Layer {
   }
 
   #drawShapes(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
-    this.#drawn = [];
-    for (const { shape, places } of this.#placed(stage)) {
-      drawShape(context, stage.projection, shape, places, theme);
-      const path = pathOf(stage.projection, shape, places);
-      for (const { x, y } of path) stage.occupied.mark(x, y);
-      this.#drawn.push({ shape, places, path });
-    }
+    const { projection, occupied } = stage;
+    this.#drawn = this.#placed(stage).map((one) => ({ ...one, path: pathOf(projection, one.shape, one.places) }));
+    for (const { x, y } of this.#drawn.flatMap(({ path }) => path)) occupied.mark(x, y);
+    // One clip for all: a clip of its own for each shape takes longer than all else here.
+    clipToView(context, projection, () => {
+      for (const { shape, places } of this.#drawn) drawShape(context, projection, shape, places, theme);
+    });
   }
 
   #drawLabels(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
