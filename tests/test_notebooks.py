@@ -91,6 +91,27 @@ def test_a_task_of_the_lesson_is_wrong_as_it_stands_and_right_with_its_solution(
         assert bool(names["result"]) is is_right, names["result"]
 
 
+def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stands_and_right_with_its_solution() -> None:
+    cells = read(ROOT / "notebooks" / "from_code_to_behavior.ipynb").cells
+    sources = {cell.id: cell.source for cell in cells}
+    names: dict[str, Any] = {}
+    tasks = 0
+    try:
+        for cell in cells:
+            if cell.cell_type == "code":
+                exec(cell.source, names)
+            if re.fullmatch(r"task-\d", cell.id):
+                tasks += 1
+                assert not names["result"], f"{cell.id} is right as it stands"
+                folded = FOLDED.fullmatch(sources[cell.id.replace("task", "solution")])
+                assert folded
+                exec(folded[1] + cell.source[cell.source.index("\nresult = ") :], names)
+                assert names["result"], names["result"]
+    finally:
+        names["robot"].close()
+    assert tasks == 7
+
+
 def test_the_lesson_of_the_pad_stands_when_its_first_cell_is_run_again() -> None:
     cells = read(ROOT / "notebooks" / "drive_widget.ipynb").cells
     first, second, *_ = [cell.source for cell in cells if cell.cell_type == "code"]

@@ -94,6 +94,7 @@ class Machine:
         cls: the class.
 
     Attributes:
+        cls: the class.
         fired: the last moves, oldest first.
         last_step: what the last step left, for other threads; at first, what the version before left.
         note: what a new version could not keep; empty if it kept all.
@@ -114,7 +115,7 @@ class Machine:
     """
 
     def __init__(self, cls: type) -> None:
-        self.name = cls.__name__
+        self.name, self.cls = cls.__name__, cls
         self.root = outline_of(cls)
         self.fired: deque[Fired] = deque(maxlen=KEPT)
         self.last_step = MachineStep()

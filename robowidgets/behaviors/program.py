@@ -313,7 +313,7 @@ class Program:
         began = time.perf_counter()
         error, raised = "", None
         try:
-            drive = _drive_of(version.function(**values), self.returned)
+            drive = drive_of(version.function(**values), self.returned)
         except BaseException as failure:  # not even a SystemExit may end the thread without a word
             line = line_of(_code_of(version.function), traceback.walk_tb(failure.__traceback__)).removeprefix(", ")
             error, raised = f"{line or self.name}: {type(failure).__name__}: {failure}", failure
@@ -389,7 +389,7 @@ def _code_of(function: Callable[..., Any]) -> Callable[..., Any]:
     return getattr(function, "current", function)
 
 
-def _drive_of(result: Any, before: Drive) -> Drive:
+def drive_of(result: Any, before: Drive) -> Drive:
     """The speed that a step returned; None keeps the one before."""
     if result is None:
         return before

@@ -10,7 +10,7 @@ from ..simulator import Robot
 from ._parameters import parameters_of
 from .drive import STANDSTILL, Drive
 from .machine import Machine
-from .program import RATE
+from .program import RATE, Program, drive_of
 from .variables import State, Variables
 
 
@@ -20,6 +20,13 @@ class Step(NamedTuple):
     time: float
     drive: Drive
     active: tuple[str, ...]
+
+
+def function_of(program: Any) -> Any:
+    """What a program calls at each step; of a state machine a new one, in its initial state."""
+    function = program.version.function if isinstance(program, Program) else program
+    described = function.cls if isinstance(function, Machine) else function
+    return Machine(described) if isinstance(described, type) else described
 
 
 def simulate(
@@ -36,7 +43,7 @@ def simulate(
     Errors of the program are raised. Between two steps the caller may set variables, and look at the robot.
 
     Args:
-        program: a function or a class, as `robowidgets.feeds.Feed.program` takes it.
+        program: a function or a class, as `robowidgets.feeds.Feed.program` takes it, or the program that it returned.
         robot: the robot.
         seconds: of simulated time.
         until: a function that ends it sooner, when it returns true.
@@ -56,7 +63,7 @@ def simulate(
         >>> round(robot.speed().linear[0], 1)
         0.2
     """
-    function = Machine(program) if isinstance(program, type) else program
+    function = function_of(program)
     asks_for = parameters_of(function, getattr(function, "__name__", "program"), {})
     period = 1 / finite("rate", rate, "steps a second")
     own = {"state": State(), "variables": Variables() if variables is None else variables}
@@ -64,8 +71,7 @@ def simulate(
     while (now := robot.time - start) < seconds and not (until and until()):
         samples = {"scan": robot.scan, "speed": robot.speed, "touch": robot.touch}
         values = {name: samples[name]() if name in samples else own.get(name, now) for name in asks_for}
-        result = function(**values)
-        drive = drive if result is None else result
+        drive = drive_of(function(**values), drive)
         robot.drive(drive.linear, drive.angular)
         robot.step(period)
         yield Step(now, drive, function.active if isinstance(function, Machine) else ())

@@ -1,4 +1,4 @@
-"""Tasks for who learns to program a robot, each with a check that says what is still wrong. See the lesson notebook.
+"""Tasks for who learns to program a robot, each with a check that says what is still wrong. See the lesson notebooks.
 
 The simulator is all they need.
 """

@@ -7,6 +7,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 from .._core.user_function import error_in, line_of
@@ -30,18 +31,36 @@ class _GivenUpError(BaseException):
 def call(function: Callable[..., Any], sample: Any) -> Any:
     """What a function returns for a sample.
 
-    The function runs in a thread of its own. One that is given up is ended at its next line of Python; one that waits
-    inside of a library stays until it returns.
-
     Raises:
         BrokenError: it raised, it returned None, or it took too long.
     """
+    returned = bounded(function)(sample)
+    if returned is None:
+        raise BrokenError("it returned None: does it end with a return, on every way through it?")
+    return returned
+
+
+def bounded(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The same function, with `BrokenError` for what it raises, and where it takes too long.
+
+    Each call runs in a thread of its own. One that is given up is ended at its next line of Python; one that waits
+    inside of a library stays until it returns.
+    """
+
+    @wraps(function)
+    def within_limit(*args: Any, **kwargs: Any) -> Any:
+        return _call(function, *args, **kwargs)
+
+    return within_limit
+
+
+def _call(function: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
     returned: list[Any] = []
     raised: list[BaseException] = []
 
     def run() -> None:
         try:
-            returned.append(function(sample))
+            returned.append(function(*args, **kwargs))
         except _GivenUpError:
             pass
         except BaseException as error:
@@ -52,14 +71,13 @@ def call(function: Callable[..., Any], sample: Any) -> Any:
     thread.join(LIMIT_S)
     if thread.is_alive():
         frame = sys._current_frames().get(thread.ident or 0)
-        where = line_of(function, reversed(list(traceback.walk_stack(frame)))) if frame else ""
+        at_work = getattr(function, "current", function)  # of a state machine: the function of the user
+        where = line_of(at_work, reversed(list(traceback.walk_stack(frame)))) if frame else ""
         _give_up(thread)
         raise BrokenError(f"it did not return within {LIMIT_S:g} s{where}: does a loop in it never end?")
     if raised:
         raise BrokenError(f"it raised an error, {error_in(raised[0])}") from None
-    if not returned or returned[0] is None:
-        raise BrokenError("it returned None: does it end with a return, on every way through it?")
-    return returned[0]
+    return returned[0] if returned else None
 
 
 def _give_up(thread: threading.Thread) -> None:

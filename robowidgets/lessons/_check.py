@@ -6,7 +6,18 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ._bounded import BrokenError, WrongError
-from ._tasks import TASKS, Case
+from ._case import Case
+from ._programs import back_off, follow_wall, stop_before_wall, wall_ahead
+from ._tasks import bumper_reflex, fits_through, nearest_on_the_left, slow_in_doorway, stop_at_wall
+
+TASKS: dict[str, Callable[[], Sequence[Case]]] = {
+    task.__name__: task
+    for task in (
+        *(nearest_on_the_left, fits_through, stop_at_wall, bumper_reflex, slow_in_doorway),
+        *(wall_ahead, stop_before_wall, follow_wall, back_off),
+    )
+}
+"""By the name that the answer has, in the order of the two lessons."""
 
 
 class Result:
@@ -37,18 +48,21 @@ class Result:
         return "\n".join((head, *(f"  - {line}" for line in self.wrong)))
 
 
-def check(function: Callable[..., Any]) -> Result:
-    """Check the answer to a task: a function, whose name is that of the task.
+def check(function: Callable[..., Any], task: str | None = None) -> Result:
+    """Check the answer to a task: a function, or a program or state machine that drives the simulated robot.
 
     It never raises what the function raises, and gives up a function that does not return.
 
     Args:
         function: ``nearest_on_the_left(scan)``, ``fits_through(scan)``, ``stop_at_wall(scan)``,
-            ``bumper_reflex(touch)`` or ``slow_in_doorway(scan)``; the lesson tells what each returns.
+            ``bumper_reflex(touch)`` or ``slow_in_doorway(scan)``; the lessons tell what each returns. Or
+            ``wall_ahead(scan)``; or a program, or the class of a state machine, for the tasks ``stop_before_wall``,
+            ``follow_wall`` and ``back_off``.
+        task: its name; None: the name of the function.
 
     Raises:
         TypeError: it is no function.
-        ValueError: no task has its name.
+        ValueError: no task has this name.
 
     Example:
         >>> from robowidgets import lessons
@@ -59,7 +73,7 @@ def check(function: Callable[..., Any]) -> Result:
     """
     if not callable(function):
         raise TypeError(f"check: expected the function that answers a task, without brackets, got {function!r}")
-    name = getattr(function, "__name__", "")
+    name = task or str(getattr(function, "__name__", "") or getattr(function, "name", ""))
     cases = _cases(name)
     right, wrong = 0, []
     sample = None

@@ -1,30 +1,20 @@
-"""The five tasks: the cases on which an answer is tried."""
+"""The five tasks of the lesson from picture to code: the cases on which an answer is tried."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import inf, isnan, nan, pi
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..samples import Scan, Touch, TouchMode
 from ..simulator import Robot, Scanner, World
 from ._bounded import WrongError, call, number, pair, yes_or_no
-
-Answer = Callable[..., Any]
+from ._case import Answer, Case
 
 _STEP_S = 0.1
 _EXACT_M = 0.02
-
-
-class Case(NamedTuple):
-    """One case of a task: its title, a sample to look at, and what raises `WrongError` for a wrong answer."""
-
-    title: str
-    sample: Any
-    judge: Callable[[Answer], None]
 
 
 # -- nearest on the left -----------------------------------------------------------------------------------------------
@@ -232,12 +222,6 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
             raise WrongError(f"{where} it drives with {slowest_outside:.2f} m/s: 0.5 m/s is asked for")
 
     return Case(title, at_door, judge)
-
-
-TASKS: dict[str, Callable[[], Sequence[Case]]] = {
-    task.__name__: task for task in (nearest_on_the_left, fits_through, stop_at_wall, bumper_reflex, slow_in_doorway)
-}
-"""By the name that the answer has, in the order of the lesson."""
 
 
 def _capital(hint: str) -> str:

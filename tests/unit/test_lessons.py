@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robowidgets import Scan, Touch, lessons
+from robowidgets import Scan, Touch, feeds, lessons
+from robowidgets.behaviors import Drive
 from robowidgets.lessons import _bounded
 from tests.unit.waiting import wait_for
 
@@ -100,6 +101,137 @@ class TestWrongAnswers:
         assert not result
         assert any(said in line for line in result.wrong), result
         assert result.sample is not None
+
+
+def drive_on() -> Drive:
+    return Drive(0.2)
+
+
+def ahead(scan: Scan) -> float:
+    return float(scan.distance(("-20deg", "20deg")))
+
+
+def stop(scan: Scan) -> Drive:
+    return Drive(0.2) if ahead(scan) > 0.5 else Drive()
+
+
+def follow(scan: Scan) -> Drive:
+    side = scan.distance(("-60deg", "-40deg"))
+    if not ahead(scan) > 0.5:
+        return Drive(0, 1.0)
+    return Drive(0.2, 0.0 if side > 1.0 else -0.5 if side > 0.6 else 0.5)
+
+
+def back_and_on(scan: Scan, touch: Touch, time: float, state: Any) -> Drive:
+    if any(touch.touched.values()):
+        state.bumped = time
+    since = time - state.get("bumped", -10)
+    if since < 2:
+        return Drive(-0.2) if since < 1 else Drive(0, 1.0)
+    return follow(scan)
+
+
+def back_alone(touch: Touch, time: float, state: Any) -> Drive:
+    if any(touch.touched.values()):
+        state.bumped = time
+    return Drive(-0.2 if time - state.get("bumped", -10) < 0.5 else 0.2)
+
+
+def stay_after_touch(touch: Touch, time: float, state: Any) -> Drive:
+    if any(touch.touched.values()):
+        state.bumped = time
+    since = time - state.get("bumped", -10)
+    return Drive(-0.2) if since < 1 else Drive(0.2 * ("bumped" not in state))
+
+
+def turn_right(scan: Scan) -> Drive:
+    """The wall on the left, in place of the right."""
+    side = scan.distance(("40deg", "60deg"))
+    if not ahead(scan) > 0.5:
+        return Drive(0, -1.0)
+    return Drive(0.2, 0.0 if side > 1.0 else 0.5 if side > 0.6 else -0.5)
+
+
+class Stop:
+    near = lambda scan: not ahead(scan) > 0.5  # noqa: E731
+
+    def forward() -> Drive:  # type: ignore[misc]
+        return Drive(0.2)
+
+    def at_wall() -> Drive:  # type: ignore[misc]
+        return Drive()
+
+    moves = "forward -> at_wall on near"
+
+
+class TestPrograms:
+    """Answers that drive the simulated robot: functions, machines, and either of them at work on a live robot."""
+
+    @pytest.mark.parametrize(
+        ("task", "answer"),
+        [
+            ("wall_ahead", ahead),
+            ("stop_before_wall", stop),
+            ("stop_before_wall", Stop),
+            ("follow_wall", follow),
+            ("back_off", back_and_on),
+        ],
+    )
+    def test_a_right_one_is_told_so(self, task: str, answer: Any) -> None:
+        assert str(lessons.check(answer, task)).endswith("Well done!")
+
+    @pytest.mark.parametrize(
+        ("task", "answer", "said"),
+        [
+            ("wall_ahead", lambda scan: scan.distance("front"), "a wall close beside: you returned "),
+            ("wall_ahead", lambda scan: scan.ranges[len(scan) // 2], "one ray is not enough"),
+            ("wall_ahead", lambda scan: scan.ranges[200:340].min(), "you returned nan"),
+            ("stop_before_wall", drive_on, "it hit a wall at "),
+            ("stop_before_wall", lambda scan: Drive(0.2 * (scan.distance("front") > 0.5)), "look ahead alone"),
+            ("stop_before_wall", lambda scan: Drive(0.2 * (not ahead(scan) < 0.5)), "it drives blind"),
+            ("stop_before_wall", lambda time: Drive(0.2 * (time < 2)), "drive closer"),
+            ("stop_before_wall", lambda: Drive(0.03), "after 25 s it still drives with 0.03 m/s"),
+            ("follow_wall", drive_on, "turn left sooner"),
+            ("follow_wall", stop, "turn left, and drive on"),
+            ("follow_wall", lambda: Drive(0.01), "it has not come to the wall"),
+            ("follow_wall", lambda scan: Drive(0.2) if ahead(scan) > 0.5 else Drive(0, 1.0), "turn left where it is"),
+            ("follow_wall", lambda time: Drive(0.2) if not 9.5 < time < 11 else Drive(0, 1.5), "turn right where it"),
+            ("back_off", follow, "it still pushes 1 s after"),
+            ("back_off", back_alone, "for the fourth time"),
+            ("back_off", lambda time: Drive(0.2 if time < 4 else 0.0), "it did not come to the box"),
+            ("back_off", stay_after_touch, "30 s later it is still beside the box"),
+            ("follow_wall", turn_right, "the wall is not on its right"),
+            ("follow_wall", lambda: None, "it did not move in 30 s: does it return a Drive with a speed?"),
+            ("follow_wall", lambda: 0.2, "expected a step to return Drive(linear, angular), or None"),
+            ("follow_wall", lambda scn: scn, "did you mean scan?"),
+            ("follow_wall", lambda: Drive(1 / 0), "ZeroDivisionError"),
+            ("follow_wall", int, "class int: "),
+        ],
+    )  # fmt: skip
+    def test_a_usual_mistake_is_told_apart(self, task: str, answer: Any, said: str) -> None:
+        result = lessons.check(answer, task)
+        assert not result
+        assert any(said in line for line in result.wrong), result
+
+    @pytest.mark.parametrize("answer", [stop, Stop])
+    def test_one_that_drives_a_live_robot_is_checked_on_another(self, answer: Any) -> None:
+        with feeds.simulator(wander=False) as robot:
+            program = robot.program(answer)
+            assert lessons.check(program, "stop_before_wall")
+            assert program.mode == "running"
+
+    def test_an_endless_loop_is_given_up_with_its_line(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(_bounded, "LIMIT_S", 0.2)
+
+        class Waits:
+            def forever() -> None:  # type: ignore[misc]
+                while True:
+                    pass
+
+            moves = "forever -> forever after 1"
+
+        (line,) = lessons.check(Waits, "back_off").wrong
+        assert "it did not return within 0.2 s, line " in line
 
 
 class TestResult:

@@ -1,0 +1,193 @@
+"""The tasks of the lesson on programs, each of which drives the simulated robot as fast as the computer can."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import dist, inf, pi
+from typing import Any
+
+from ..behaviors.simulation import function_of, simulate
+from ..samples import Scan
+from ..simulator import Robot, Scanner, World
+from ._bounded import BrokenError, WrongError, bounded, call, number
+from ._case import Answer, Case
+
+_EXACT_M = 0.02
+_WALL_AHEAD = (2.5, -4.0, 2.5, 4.0)
+
+
+# -- see the array -----------------------------------------------------------------------------------------------------
+
+
+def wall_ahead() -> Sequence[Case]:
+    """Metres to the nearest thing within 20 degrees of forward."""
+    world = World([_WALL_AHEAD])
+    beside = World([_WALL_AHEAD, (-1.0, 0.4, 2.5, 0.4)])
+    chair_leg = World([_WALL_AHEAD], [(1.2, 0.15, 0.02)])
+    failing = Scanner(dropout=0.2)
+    circle = Scanner(360, 2 * pi)
+    return [
+        _ahead("a wall ahead", Robot(world, seed=11).scan()),
+        _ahead("a wall close beside", Robot(beside, seed=11).scan(), "only within 20 degrees of forward"),
+        _ahead("a chair leg", Robot(chair_leg, seed=11).scan(), "one ray is not enough: take a sector"),
+        _ahead("rays that fail", Robot(world, scanner=failing, seed=11).scan(), "nan is no distance"),
+        _ahead("another scanner", Robot(world, scanner=circle, seed=11).scan(), "ask for angles, not for a slice"),
+    ]
+
+
+def _ahead(title: str, scan: Scan, hint: str = "") -> Case:
+    sector = ("-20deg", "20deg")
+    expected, ray = scan.distance(sector), scan.nearest(sector=sector)
+
+    def judge(answer: Answer) -> None:
+        given = number(call(answer, scan), "distance in metres")
+        if not abs(given - expected) <= _EXACT_M:
+            at = f", at ranges[{ray.index}]" if ray else ""
+            raise WrongError(f"you returned {given:.4g}; it is {expected:.2f} m{at}" + (f": {hint}" if hint else ""))
+
+    return Case(title, scan, judge)
+
+
+# -- stop before a wall ------------------------------------------------------------------------------------------------
+
+
+def stop_before_wall() -> Sequence[Case]:
+    """Come to rest 0.5 m from the wall ahead."""
+    beside = (1.0, 0.3, 2.5, 0.3)
+    return [
+        _stop("a wall ahead", World([_WALL_AHEAD])),
+        _stop("a wall ahead, and one close beside the way", World([_WALL_AHEAD, beside]), ": look ahead alone"),
+        _blind("a covered scanner, which sends NaN alone"),
+    ]
+
+
+def _stop(title: str, world: World, hint: str = ": drive closer") -> Case:
+    def judge(answer: Answer) -> None:
+        robot = Robot(world, seed=12)
+        for _ in _steps(answer, robot, 25):
+            if _touches(robot):
+                raise WrongError(f"it hit a wall at {robot.time:.1f} s: return Drive() where the wall is near")
+        left, speed = _WALL_AHEAD[0] - robot.pose.x, robot.speed().linear[0]
+        if abs(speed) > 0.02:
+            raise WrongError(f"after 25 s it still drives with {speed:.2f} m/s, {left:.2f} m from the wall")
+        if not 0.4 <= left <= 0.6:
+            why = hint if left > 0.6 else ": stop earlier"
+            raise WrongError(f"it stands {left:.2f} m from the wall, not 0.4 to 0.6 m{why}")
+
+    return Case(title, Robot(world, seed=12).scan(), judge)
+
+
+def _blind(title: str) -> Case:
+    covered = Robot(World([_WALL_AHEAD]), scanner=Scanner(dropout=1.0), seed=13)
+
+    def judge(answer: Answer) -> None:
+        robot = Robot(covered.world, scanner=covered.scanner, seed=13)
+        for _ in _steps(answer, robot, 2):
+            if robot.speed().linear[0] > 0.02:
+                raise WrongError("it drives blind. Drive while the distance is greater: no comparison with NaN is true")
+
+    return Case(title, covered.scan(), judge)
+
+
+# -- follow it ---------------------------------------------------------------------------------------------------------
+
+
+def follow_wall() -> Sequence[Case]:
+    """Drive to the wall, turn left, and drive on with the wall on the right, round the corners of a room."""
+    room = [(-2.5, -2.5, 2.5, -2.5), (2.5, -2.5, 2.5, 2.5), (2.5, 2.5, -2.5, 2.5), (-2.5, 2.5, -2.5, -2.5)]
+    return [
+        _follow("a wall ahead", World([(2.5, -4.0, 2.5, 9.0)]), 30),
+        _follow("the corners of a room", World(room), 60),
+    ]
+
+
+def _follow(title: str, world: World, seconds: float) -> Case:
+    def judge(answer: Answer) -> None:
+        robot = Robot(world, seed=14)
+        way, before, arrived = 0.0, robot.pose, inf
+        for _ in _steps(answer, robot, seconds):
+            distance = world.clearance(*robot.pose[:2])
+            way, before = way + dist(before[:2], robot.pose[:2]), robot.pose
+            if _touches(robot):
+                raise WrongError(f"it hit the wall at {robot.time:.1f} s: turn left sooner")
+            if distance < 0.7 and arrived == inf:
+                arrived, way = robot.time, 0.0
+            if robot.time > arrived + 5 and not 0.3 <= distance <= 0.7:
+                to_do = "turn right where it is far" if distance > 0.7 else "turn left where it is near"
+                raise WrongError(f"at {robot.time:.1f} s the wall is {distance:.2f} m away, not 0.3 to 0.7 m: {to_do}")
+        if arrived == inf:
+            raise WrongError(f"after {seconds:g} s it has not come to the wall: drive on while there is room ahead")
+        expected = 0.1 * (seconds - arrived)
+        if way < expected:
+            raise WrongError(
+                f"it went {way:.1f} m along the wall, not {expected:.1f} m or more: turn left, and drive on"
+            )
+        if not robot.scan().distance("right") < 0.8:
+            raise WrongError("the wall is not on its right: turn left at the wall")
+
+    return Case(title, Robot(world, seed=14).scan(), judge)
+
+
+# -- back off when bumped ----------------------------------------------------------------------------------------------
+
+
+def back_off() -> Sequence[Case]:
+    """Drive back from what was bumped into, turn, and drive on."""
+    hall = World([(4.0, -4.0, 4.0, 4.0)])
+    return [
+        _bump("a low box ahead", hall, (1.2, 0.0, 0.1)),
+        _bump("a low box a little to the left", hall, (1.2, 0.12, 0.1)),
+    ]
+
+
+class _Overlooked(Robot):
+    """A robot whose scanner looks over the obstacles, which are lower."""
+
+    def __init__(self, world: World, obstacle: tuple[float, float, float]) -> None:
+        super().__init__(world.with_obstacles([obstacle]), seed=15)
+        self._eyes = Robot(world, seed=15)
+
+    def scan(self) -> Scan:
+        self._eyes.move_to(*self.pose)
+        self._eyes.step(1 / self.scanner.rate)
+        return self._eyes.scan()
+
+
+def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
+    def judge(answer: Answer) -> None:
+        robot = _Overlooked(world, box)
+        touched_at, touches, was_touched = inf, 0, False
+        for _ in _steps(answer, robot, 30):
+            touched = _touches(robot)
+            if touched and not was_touched:
+                touched_at, touches = robot.time, touches + 1
+            was_touched = touched
+            if touched and robot.time > touched_at + 1:
+                raise WrongError(f"it still pushes 1 s after it bumped into the box at {touched_at:.1f} s: drive back")
+            if touches > 3:
+                raise WrongError("it bumped into the same box for the fourth time: after driving back, turn for longer")
+        if not touches:
+            raise WrongError("it did not come to the box within 30 s: drive on while there is room ahead")
+        if dist(robot.pose[:2], box[:2]) < 0.8:
+            raise WrongError("30 s later it is still beside the box: after driving back, turn, and drive on")
+
+    return Case(title, _Overlooked(world, box).scan(), judge)
+
+
+# -- all of them -------------------------------------------------------------------------------------------------------
+
+
+def _steps(program: Any, robot: Robot, seconds: float) -> Iterator[None]:
+    """Have a program drive a robot; `BrokenError` where it is no program, or never drives."""
+    start = robot.pose
+    try:
+        for _ in simulate(bounded(function_of(program)), robot, seconds):
+            yield
+    except (TypeError, ValueError) as error:
+        raise BrokenError(str(error)) from None
+    if robot.pose == start and seconds > 10:
+        raise BrokenError(f"it did not move in {seconds:g} s: does it return a Drive with a speed?")
+
+
+def _touches(robot: Robot) -> bool:
+    return any(robot.touch().touched.values())
