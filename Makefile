@@ -97,7 +97,7 @@ pictures: setup build
 	mkdir -p docs/images
 	for picture in tests/screenshots/gallery-*@2x.png; do \
 	  name=$${picture##*/gallery-}; cp "$$picture" "docs/images/$${name%@2x.png}.png"; done
-	cp tests/screenshots/gallery-drag-to-code.webp docs/images/drag-to-code.webp
+	for film in tests/screenshots/gallery-*.webp; do cp "$$film" "docs/images/$${film##*/gallery-}"; done
 	mkdir -p docs/pages
 	for page in tests/screenshots/gallery-*.html; do cp "$$page" "docs/pages/$${page##*/gallery-}"; done
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from PIL import Image
@@ -23,6 +25,8 @@ _POINTER = """() => {
 STEPS = 5
 """Frames for a way of the pointer."""
 MOVE_MS = 80
+LIVE_MS = 120
+"""Milliseconds from frame to frame of a page that goes on by itself, at least."""
 
 
 class MovingPicture:
@@ -61,6 +65,19 @@ class MovingPicture:
         self._at = (x, y)
         self._page.mouse.move(x, y)
         self.take(MOVE_MS)
+
+    def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> None:
+        """Show the page as it goes on by itself, as fast as it moves: for some seconds, or until a condition holds."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end and not until():
+            self.take_live()
+
+    def take_live(self) -> None:
+        """Add what is seen now, for the time that this takes."""
+        start = time.monotonic()
+        self.take(0)
+        time.sleep(max(0.0, start + LIVE_MS / 1000 - time.monotonic()))
+        self._durations[-1] = round(1000 * (time.monotonic() - start))
 
     def save(self, name: str) -> Path:
         """Write tests/screenshots/NAME.webp, which plays for ever."""

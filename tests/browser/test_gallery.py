@@ -307,3 +307,77 @@ def test_a_moving_picture_of_a_drag_that_becomes_code(notebook: Callable[..., No
     assert card.locator(".rw-chip-distance").inner_text() == f"{float(result.inner_text()):.2f} m"
     film.take(2500)
     film.save("gallery-drag-to-code")
+
+
+EXPLORER = """
+from ipywidgets import HBox
+from robowidgets import MachineWidget, conditions, feeds
+from robowidgets.behaviors import Drive
+from robowidgets.simulator import Robot, View, room
+robot = feeds.simulator(Robot(room("house"), seed=1), wander=False, hz=20)
+view, machine = View(robot), MachineWidget(robot)
+view.layout.width, machine.layout.width = "430px", "414px"
+view.layout.height = machine.layout.height = "440px"
+HBox([view, machine])
+"""
+EXPLORE = """\
+class Explore:
+    near = conditions.nearest_below(1.6, "front")
+    def forward(): return Drive(0.5)
+    def turn(): return Drive(0, 1)
+    moves = \"\"\"
+        forward -> turn on near
+        turn -> forward after 1.2
+    \"\"\"
+robot.program(Explore, rate=20);"""
+
+
+@pytest.mark.skipif(not DRAWS, reason="takes a minute: only for `make pictures`")
+def test_a_moving_picture_of_a_program_edited_while_it_drives(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([EXPLORER, EXPLORE], run=False, scale=1, width=1100, height=1000)
+    nb.run(0)
+    nb.resize(850, height=1000)
+    house, cell = nb.widget(0).locator(".rw-simulator"), nb.page.locator(".jp-Cell").nth(1)
+    nb.run(1)
+    nb.output(0).evaluate("(output) => output.scrollIntoView()")
+    expect(house.locator(".rw-facts")).to_contain_text("14.0")
+    box, below = nb.output(0).bounding_box(), cell.bounding_box()
+    assert box
+    assert below
+    two_lines = 36
+    height = below["y"] + below["height"] + two_lines - box["y"]
+    clip = FloatRect(x=below["x"], y=box["y"] - 4, width=below["width"], height=height)
+    rows = nb.widget(0).locator(".rw-fired-row")
+    expect(rows).to_have_count(2, timeout=20_000)
+    film = MovingPicture(nb.page, clip)
+    film.run(0.6)
+    line = cell.locator(".cm-line", has_text="def turn").bounding_box()
+    name = cell.locator(".cm-line", has_text="forward -> turn").bounding_box()
+    assert line
+    assert name
+
+    def type_in(text: str) -> None:
+        for i in range(0, len(text), 5):
+            nb.page.keyboard.insert_text(text[i : i + 5])
+            film.take_live()
+
+    def go_to(x: float, y: float) -> None:
+        film.move(x, y)
+        nb.page.mouse.click(x, y)
+
+    # From the last line to the first, so that no line moves before it is edited.
+    go_to(name["x"] + 330, name["y"] + name["height"] / 2)
+    for _ in "turn on near":
+        nb.page.keyboard.press("Shift+ArrowLeft")
+    film.take_live()
+    type_in("back on near\n        back -> turn after 0.7")
+    go_to(line["x"] + 330, line["y"] + line["height"] / 2)
+    type_in("\n    def back(): return Drive(-0.3)")
+    nb.page.keyboard.press("Control+Enter")
+    expect(nb.widget(0).locator(".rw-machine .rw-facts")).to_contain_text("v2")
+    new = rows.filter(has_text="back \u2192 turn")
+    film.run(6, until=lambda: new.count() > 0)
+    expect(new).to_have_count(1)
+    film.run(1)
+    film.save("gallery-edit-while-driving")
+    nb.python("robot.close()")

@@ -140,4 +140,9 @@ def test_a_machine_fits_a_narrow_page_and_rings_step_by_tenths_where_motion_is_r
     expect(state(widget, "turn").locator(".rw-machine-state-left")).not_to_have_text("60.0 s")
     assert widget.locator(".rw-picture").evaluate("picture => picture.scrollWidth <= picture.clientWidth")
     shoot(widget, f"machine-narrow-{theme}")
+
+    nb.python("machine.layout.height = '300px'")
+    card = widget.locator(".rw-card")
+    wait_for(lambda: card.evaluate("card => card.offsetHeight") <= 300, "the card has the height of its layout")
+    assert widget.locator(".rw-picture").evaluate("picture => picture.scrollHeight <= picture.clientHeight")
     nb.python("robot.close()")
