@@ -112,6 +112,25 @@ def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stand
     assert tasks == 7
 
 
+def test_the_lesson_on_robots_has_a_program_drive_one_and_shows_its_speeds_on_a_recording() -> None:
+    names: dict[str, Any] = {}
+    for cell in read(ROOT / "notebooks" / "from_behavior_to_robot.ipynb").cells:
+        if cell.cell_type != "code" or cell.id == "robot-11":
+            continue
+        exec(cell.source, names)
+        if cell.id == "robot-05":
+            for robot in (names["robot"], names["second"]):
+                wait_for(lambda robot=robot: robot.robot.speed().linear[0] > 0.1, "the robot drives")
+    try:
+        replay = names["replay"]
+        shown = replay.show().widgets
+        wait_for(lambda: shown["/odom"].speed and shown["/follow"].speed, "both speeds are shown")
+        assert shown["/follow"].speed.linear[0] in (0.0, pytest.approx(0.2))
+    finally:
+        replay.close()
+        names["recording"].close()
+
+
 def test_the_lesson_of_the_pad_stands_when_its_first_cell_is_run_again() -> None:
     cells = read(ROOT / "notebooks" / "drive_widget.ipynb").cells
     first, second, *_ = [cell.source for cell in cells if cell.cell_type == "code"]
