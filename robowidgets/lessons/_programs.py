@@ -27,8 +27,8 @@ def wall_ahead() -> Sequence[Case]:
     failing = Scanner(dropout=0.2)
     circle = Scanner(360, 2 * pi)
     return [
-        _ahead("a wall ahead", Robot(world, seed=11).scan()),
-        _ahead("a wall close beside", Robot(beside, seed=11).scan(), "only within 20 degrees of forward"),
+        _ahead("a wall ahead", Robot(world, seed=11).scan(), "take the nearest of all rays there"),
+        _ahead("a wall close beside", Robot(beside, seed=11).scan(), "look 20 degrees to both sides, and no farther"),
         _ahead("a chair leg", Robot(chair_leg, seed=11).scan(), "one ray is not enough: take a sector"),
         _ahead("rays that fail", Robot(world, scanner=failing, seed=11).scan(), "nan is no distance"),
         _ahead("another scanner", Robot(world, scanner=circle, seed=11).scan(), "ask for angles, not for a slice"),
