@@ -53,6 +53,9 @@ class _Router:
 
 _takes: dict[int, Callable[[str], bool]] = {}
 """By thread: what takes its prints."""
+_routers: list[_Router] = []
+"""All that were made, one for each stream. They stay, because ``print`` may hold no reference to ``sys.stdout`` while
+it writes there: one that went away meanwhile, when the last program ended, would take the process with it."""
 _lock = threading.Lock()
 
 
@@ -64,7 +67,7 @@ def capture(take: Callable[[str], bool]) -> None:
     with _lock:
         _takes[threading.get_ident()] = take
         if not isinstance(sys.stdout, _Router):
-            sys.stdout = _Router(sys.stdout)
+            sys.stdout = _router_of(sys.stdout)
 
 
 def release() -> None:
@@ -73,3 +76,11 @@ def release() -> None:
         _takes.pop(threading.get_ident(), None)
         if not _takes and isinstance(sys.stdout, _Router):
             sys.stdout = sys.stdout.inner
+
+
+def _router_of(stream: Any) -> _Router:
+    for router in _routers:
+        if router.inner is stream:
+            return router
+    _routers.append(_Router(stream))
+    return _routers[-1]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Iterator
 from typing import Any
 
@@ -245,8 +247,11 @@ def test_what_it_prints_is_kept_and_what_others_print_is_not(robot: Feed, capsys
     assert [text for _, text in talk.prints.lines] == ["step 2", "step 3", "step 4"]
     assert {"step 4", "from outside"} <= set(capsys.readouterr().out.splitlines())
     assert sys.stdout is not stdout
+    between = weakref.ref(sys.stdout)
     talk.pause()
     wait_for(lambda: sys.stdout is stdout, "nothing stands between after its end")
+    gc.collect()
+    assert between() is not None, "another thread may still be writing there, by a print without a reference to it"
 
 
 def test_a_loop_that_is_abandoned_or_replaced_is_ended(robot: Feed, script: Scripted) -> None:
