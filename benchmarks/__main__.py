@@ -72,9 +72,10 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   slider counts from its event to the end of the frame that shows the new moment; a bare round trip is one message of a
   widget that only answers, from page to kernel and back, in the same page, in turn with the clicks; to the end of the
   next frame, it is the least in which anything from the kernel can be seen. Before each click the kernel is asked what
-  the page has. It has the second that is clicked on; or it has not, and the pointer rests there for 100 ms before; or
-  it has not, and the pointer comes, presses and lets go at once, quicker than a hand: that must wait for an answer and
-  for the frame that shows it. It plays at 10 times speed from where the page has nothing yet, the kernel idle, and in a
+  the page has. It has the second that is clicked on; or it has not, and the pointer rests there for 100 ms before (of
+  the slider alone: the scanogram shows what is pointed at without a click); or it has not, and the pointer comes,
+  presses and lets go at once, quicker than a hand: that must wait for an answer and for the frame that shows it. It
+  plays at 10 times speed from where the page has nothing yet, the kernel idle, and in a
   busy loop that began before. What the page paints at most is counted while nothing plays: its animation frames, with
   the same reading back.
 - Of a feed: a robot in a process of its own publishes scans at 40 Hz. When they come is noted by a bare subscriber's
