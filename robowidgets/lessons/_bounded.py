@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
-import sys
-import threading
-import traceback
 from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
 from .._core.user_function import error_in, line_of
+from .._core.user_threads import UserThread, frames_of
 
 LIMIT_S = 2.0
 """Seconds that one call may take."""
@@ -22,10 +19,6 @@ class WrongError(Exception):
 
 class BrokenError(WrongError):
     """The function gives no answer at all, so that there is no use in trying other cases."""
-
-
-class _GivenUpError(BaseException):
-    """Ends a function that has taken too long. No Exception, which the function may catch."""
 
 
 def call(function: Callable[..., Any], sample: Any) -> Any:
@@ -61,29 +54,21 @@ def _call(function: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
     def run() -> None:
         try:
             returned.append(function(*args, **kwargs))
-        except _GivenUpError:
-            pass
         except BaseException as error:
             raised.append(error)
 
-    thread = threading.Thread(target=run, name="lesson", daemon=True)
+    thread = UserThread(run, "lesson")
     thread.start()
     thread.join(LIMIT_S)
     if thread.is_alive():
-        frame = sys._current_frames().get(thread.ident or 0)
         at_work = getattr(function, "current", function)  # of a state machine: the function of the user
-        where = line_of(at_work, reversed(list(traceback.walk_stack(frame)))) if frame else ""
-        _give_up(thread)
+        where = line_of(at_work, frames_of(thread))
+        thread.end()  # it would take the processor from all others
+        thread.join(0.5)
         raise BrokenError(f"it did not return within {LIMIT_S:g} s{where}: does a loop in it never end?")
     if raised:
         raise BrokenError(f"it raised an error, {error_in(raised[0])}") from None
     return returned[0] if returned else None
-
-
-def _give_up(thread: threading.Thread) -> None:
-    """Raise an error in another thread, which else would take the processor from all others."""
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident or 0), ctypes.py_object(_GivenUpError))
-    thread.join(0.5)
 
 
 def number(answer: Any, what: str) -> float:
