@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dis
 import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from functools import wraps
 from types import TracebackType
 from typing import Any
@@ -32,24 +34,39 @@ def shorten_tracebacks() -> None:
     def shortened(
         kind: type[BaseException], error: BaseException, traceback: TracebackType | None, *args: Any, **options: Any
     ) -> Any:
-        return whole(kind, error, _up_to_the_user(traceback), *args, **options)
+        with _shortened_causes(error):
+            return whole(kind, error, _of_the_user(traceback), *args, **options)
 
     shell.InteractiveTB.structured_traceback = shortened
 
 
-def _up_to_the_user(traceback: TracebackType | None) -> TracebackType | None:
-    """A traceback without the frames after the user's last one, if these are ours and end at a ``raise``.
+@contextmanager
+def _shortened_causes(error: BaseException) -> Iterator[None]:
+    """Shorten the tracebacks of what an error was raised from, which IPython takes from there, and put them back."""
+    with ExitStack() as stack:
+        while error.__cause__ is not None:
+            error = error.__cause__
+            stack.callback(error.with_traceback, error.__traceback__)
+            error.with_traceback(_of_the_user(error.__traceback__))
+        yield
 
-    An error that Python or another package raised there is a fault of ours: its traceback stays whole.
+
+def _of_the_user(traceback: TracebackType | None) -> TracebackType | None:
+    """A traceback without our frames that called a function of the user, and without those after the user's last one.
+
+    The latter go only if they are ours and end at a ``raise``: an error that Python or another package raised there is
+    a fault of ours, and its traceback stays whole.
     """
     entries = []
     while traceback is not None:
         entries.append(traceback)
         traceback = traceback.tb_next
     names = [str(entry.tb_frame.f_globals.get("__name__")).partition(".")[0] for entry in entries]
-    last = max((i for i, name in enumerate(names) if name not in _NOT_THE_USER), default=len(entries) - 1)
+    of_user = [i for i, name in enumerate(names) if name not in _NOT_THE_USER]
+    first, last = (of_user[0], of_user[-1]) if of_user else (0, len(entries) - 1)
     if _OURS in names[last + 1 :] and names[-1] in _CHECKS and _is_raise(entries[-1]):
         del entries[last + 1 :]
+    del entries[:first]
     kept: TracebackType | None = None
     for entry in reversed(entries):
         kept = TracebackType(kept, entry.tb_frame, entry.tb_lasti, entry.tb_lineno)

@@ -31,6 +31,7 @@ ERRORS = {
     "robowidgets.feeds.simulator().connect('/scan')": r"^TypeError: connect\('/scan'\) needs a widget",
     "robowidgets.feeds.rosbridge('nowhere')": "^ValueError: address: expected one like ws",
 }
+CONDITION = "recording.find(lambda moment: 1 / 0)"
 FAULT = "recording._messages = None; recording.at('/scan', 1)"
 # Runs each code as a cell, and prints what the notebook shows of it.
 RUN = """
@@ -53,7 +54,7 @@ print(json.dumps(texts))
 @pytest.fixture(scope="module")
 def texts() -> dict[str, str]:
     """By code, what a notebook shows when it runs."""
-    given = json.dumps([*ERRORS, "helper()", FAULT])
+    given = json.dumps([*ERRORS, "helper()", CONDITION, FAULT])
     done = subprocess.run([sys.executable, "-c", RUN, given], capture_output=True, text=True, check=True, timeout=60)
     shown: dict[str, str] = json.loads(done.stdout)
     return shown
@@ -73,6 +74,13 @@ def test_only_the_users_own_frame_is_shown(texts: dict[str, str], code: str) -> 
 
 def test_every_frame_of_the_users_own_code_is_shown(texts: dict[str, str]) -> None:
     assert [frame.endswith("in helper()") for frame in frames_of(texts["helper()"])] == [False, True]
+
+
+def test_an_error_in_a_function_of_the_user_shows_its_line_and_none_of_ours(texts: dict[str, str]) -> None:
+    raised, told = frames_of(texts[CONDITION])
+    assert raised.endswith("in <lambda>(moment)")
+    assert "ZeroDivisionError: division by zero" in texts[CONDITION]
+    assert not told.startswith("File")
 
 
 def test_a_fault_of_robowidgets_shows_every_frame(texts: dict[str, str]) -> None:
