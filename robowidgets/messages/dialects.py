@@ -1,7 +1,7 @@
 """The messages of touch sensors: one row per dialect, tried from top to bottom.
 
-Sources: the message definitions of kobuki_msgs, create_msgs, irobot_create_msgs, turtlebot3_msgs, neato2_interfaces,
-neato_node (ROS 1), gazebo_msgs, ros_gz_interfaces, std_msgs and sensor_msgs.
+Sources: the message definitions of kobuki_msgs, create_msgs, ca_msgs, irobot_create_msgs, turtlebot3_msgs,
+neato2_interfaces, neato_node (ROS 1), gazebo_msgs, ros_gz_interfaces, std_msgs and sensor_msgs.
 """
 
 from __future__ import annotations
@@ -58,14 +58,14 @@ _LIGHTS = ("left", "front left", "center left", "center right", "front right", "
 _CREATE = {"left": "is_left_pressed", "right": "is_right_pressed"} | {
     f"light {place}": f"is_light_{place.replace(' ', '_')}" for place in _LIGHTS
 }
+_CREATE_CLIFFS = {f"cliff {place}": f"is_cliff_{place.replace(' ', '_')}" for place in _LIGHTS if "center" not in place}
+_CREATE_WHEELS = {f"wheel {side}": f"is_{side}_dropped" for side in ("left", "right")}
 _NEATO = {place: place.replace(" ", "_") for place in ("left side", "left front", "right front", "right side")}
-
-
 _NEATO_ROS1 = dict(zip(_NEATO, ("leftSide", "leftFront", "rightFront", "rightSide"), strict=True))
 
 
-def _create(message: Any) -> Said:
-    return {sensor: flag(message, name) for sensor, name in _CREATE.items() if has(message, name)}
+def _flags(message: Any, names: Mapping[str, str]) -> Said:
+    return {sensor: flag(message, name) for sensor, name in names.items() if has(message, name)}
 
 
 def _neato(message: Any, names: Mapping[str, str]) -> Said:
@@ -164,6 +164,11 @@ def _contact_list(types: tuple[str, ...], items: str, first: str, second: str) -
     return Dialect(types, _with(items), TouchMode.PRESENCE, (), read, of_contacts=True)
 
 
+def _flag_levels(types: tuple[str, ...], names: Mapping[str, str]) -> Dialect:
+    read = partial(_flags, names=names)
+    return Dialect(types, _with(*names.values()), TouchMode.LEVEL, tuple(names), read)
+
+
 def _neato_bump(type_name: str, names: Mapping[str, str]) -> Dialect:
     read = partial(_neato, names=names)
     return Dialect((type_name,), _with(*names.values()), TouchMode.LEVEL, tuple(names), read)
@@ -174,8 +179,14 @@ _LEVEL, _PRESENCE = TouchMode.LEVEL, TouchMode.PRESENCE
 DIALECTS = (
     # These say True and False, as a plain mapping of names does, so they come before it. The others speak in numbers.
     Dialect(
-        ("create_msgs/Bumper", "ca_msgs/Bumper"), _with("is_left_pressed", "is_right_pressed"), _LEVEL, (), _create
+        types=("create_msgs/Bumper", "ca_msgs/Bumper"),
+        fits=_with("is_left_pressed", "is_right_pressed"),
+        mode=_LEVEL,
+        sensors=(),  # a Create 1 has no light sensors
+        read=partial(_flags, names=_CREATE),
     ),
+    _flag_levels(("create_msgs/Cliff", "ca_msgs/Cliff"), _CREATE_CLIFFS),
+    _flag_levels(("ca_msgs/Wheeldrop",), _CREATE_WHEELS),
     Dialect(("std_msgs/Bool",), lambda m: is_flag(get(m, "data")), _LEVEL, (), lambda m: {"touch": flag(m, "data")}),
     _neato_bump("neato2_interfaces/Bump", _NEATO),
     _neato_bump("neato_node/Bump", _NEATO_ROS1),

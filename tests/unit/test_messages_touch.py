@@ -62,6 +62,7 @@ FREE_KOBUKI = dict.fromkeys(
     ("left", "center", "right", "cliff left", "cliff center", "cliff right", "wheel left", "wheel right"), False
 )
 LIGHTS = ("left", "front_left", "center_left", "center_right", "front_right", "right")
+CLIFFS = ("left", "front_left", "front_right", "right")
 CREATE = {"header": HEADER, "is_left_pressed": True, "is_right_pressed": False}
 
 EVENT, LEVEL, PRESENCE = TouchMode.EVENT, TouchMode.LEVEL, TouchMode.PRESENCE
@@ -110,6 +111,18 @@ CASES = {
         LEVEL,
         {"left": True, "right": False}
         | {f"light {place.replace('_', ' ')}": place == "center_left" for place in LIGHTS},
+    ),
+    "create cliff": (
+        "create_msgs/Cliff",
+        {"header": HEADER} | {f"is_cliff_{place}": place == "front_right" for place in CLIFFS},
+        LEVEL,
+        {f"cliff {place.replace('_', ' ')}": place == "front_right" for place in CLIFFS},
+    ),
+    "create wheel": (
+        "ca_msgs/Wheeldrop",
+        {"header": HEADER, "is_left_dropped": False, "is_right_dropped": True},
+        LEVEL,
+        {"wheel left": False, "wheel right": True},
     ),
     "no hazard": ("irobot_create_msgs/HazardDetectionVector", {"header": HEADER, "detections": []}, PRESENCE, {}),
     "hazards": (
@@ -194,6 +207,8 @@ SENSORS = {
     "kobuki_msgs/SensorState": tuple(FREE_KOBUKI),
     "irobot_create_msgs/HazardDetectionVector": CREATE3,
     "turtlebot3_msgs/SensorState": ("front", "back"),
+    "create_msgs/Cliff": tuple(f"cliff {place.replace('_', ' ')}" for place in CLIFFS),
+    "ca_msgs/Wheeldrop": ("wheel left", "wheel right"),
     **dict.fromkeys(
         ("neato2_interfaces/Bump", "neato_node/Bump"), ("left side", "left front", "right front", "right side")
     ),
@@ -217,7 +232,7 @@ def test_says_what_the_message_says(case: str, form) -> None:
 def test_every_row_of_the_table_is_a_case_and_a_topic_type() -> None:
     tested = {type_name for type_name, *_ in CASES.values()}
     same = {f"{package}/{t.split('/')[1]}" for t in tested if t.startswith("kobuki") for package in KOBUKI}
-    older = {"ca_msgs/Bumper", "ros_ign_interfaces/Contacts"}
+    older = {"ca_msgs/Bumper", "ca_msgs/Cliff", "ros_ign_interfaces/Contacts"}
     assert {t.replace("/", "/msg/") for t in tested | same | older} == TOUCH_TYPES
 
 
@@ -351,7 +366,7 @@ def test_anything_else_is_refused_with_the_list_of_what_is_understood(message: o
         to_touch(message)
     text = str(error.value)
     words = "expected sensor names with True, False or None, like {'left': True}, or a message like one of "
-    assert text.startswith(f"{words}create_msgs/Bumper, std_msgs/Bool, ")
+    assert text.startswith(f"{words}create_msgs/Bumper, create_msgs/Cliff, ")
     assert all(re.search(rf"{type_name}[,;] ", text) for type_name in SENSORS)
 
 

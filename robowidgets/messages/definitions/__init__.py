@@ -1,19 +1,15 @@
 """Message definitions that the robots of our users need and that neither their files nor rosbags hold.
 
 A file each, ``<package>/msg/<Name>.msg``: the fields, in their order, are those of the package of that name, the same
-for ROS 1 and ROS 2. Sources: kobuki_msgs, create_msgs, irobot_create_msgs, turtlebot3_msgs, neato2_interfaces,
-neato_node, gazebo_msgs, ros_gz_interfaces.
+for ROS 1 and ROS 2. Sources: kobuki_msgs, create_msgs, ca_msgs, irobot_create_msgs, turtlebot3_msgs,
+neato2_interfaces, neato_node, gazebo_msgs, ros_gz_interfaces.
 """
 
 from __future__ import annotations
 
 from importlib.resources import files
 
-SAME_AS = {
-    "kobuki_ros_interfaces": "kobuki_msgs",
-    "ca_msgs": "create_msgs",
-    "ros_ign_interfaces": "ros_gz_interfaces",
-}
+SAME_AS = {"kobuki_ros_interfaces": "kobuki_msgs", "ros_ign_interfaces": "ros_gz_interfaces"}
 """Packages that hold the messages of another under their own name."""
 
 

@@ -11,7 +11,7 @@ from robowidgets.messages.touch import TOUCH_TYPES
 
 PACKAGES = (
     *("kobuki_msgs", "create_msgs", "irobot_create_msgs", "turtlebot3_msgs", "neato2_interfaces", "gazebo_msgs"),
-    *("neato_node", "ros_gz_interfaces", *SAME_AS),
+    *("ca_msgs", "neato_node", "ros_gz_interfaces", *SAME_AS),
 )
 
 # The first 16 digits of RIHS01, from the code that ROS 2 generates for these packages.
