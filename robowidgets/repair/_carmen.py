@@ -63,10 +63,8 @@ def walk_carmen(path: Path) -> Walk:
     """
     text, problems = _text(path)
     names, lines, errors = _lines(text)
-    # An estimate has no time of its own to compare with.
-    before = next((line for name, line in zip(names[-2::-1], lines[-2::-1], strict=True) if name != ESTIMATE), None)
-    if before and text.endswith(lines[-1]) and _is_before(lines[-1], before):
-        # A number that was cut off is a smaller number, so the last line cannot be trusted.
+    if len(lines) > 1 and text.endswith(lines[-1]):
+        # A whole log ends with a newline, and a number that was cut off is another number.
         names.pop()
         lines.pop()
         problems = problems or ["the log was cut off within its last line, which is left out"]
@@ -107,12 +105,6 @@ def _lines(text: bytes) -> _Lines:
             found.names.append(name)
             found.texts.append(line)
     return found
-
-
-def _is_before(line: bytes, other: bytes) -> bool:
-    """Whether a line has an earlier time than another."""
-    time, other_time = time_ns_of(line), time_ns_of(other)
-    return time is None or (other_time is not None and time < other_time)
 
 
 def _times(names: Sequence[str], lines: Sequence[bytes]) -> tuple[list[int], str]:
