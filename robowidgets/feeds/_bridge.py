@@ -9,7 +9,7 @@ from typing import Any
 
 from ..kinds import counts_every_message
 from ._websocket import LARGEST, Frame, WebSocketClient
-from .middleware import EVENTS, FeedError, Listener
+from .middleware import EVENTS, Listener
 
 Read = Callable[[Any], Any]
 """Decodes a frame into a message, or raises UnreadableError."""
@@ -154,21 +154,6 @@ def full_type(name: str) -> str:
 def short_type(name: str) -> str:
     """A type in the spelling of ROS 1: ``sensor_msgs/LaserScan``."""
     return name.replace("/msg/", "/")
-
-
-def to_json(message_type: str, message: Mapping[str, Any], operation: Mapping[str, Any]) -> str:
-    """An operation with a message, or the message itself, as JSON; FeedError for a value that JSON does not have."""
-    try:
-        return json.dumps(operation, allow_nan=False)
-    except (TypeError, ValueError) as error:
-        raise FeedError(f"{dict(message)!r} cannot be sent as a {message_type} in JSON: {error}") from None
-
-
-def is_zero(message: Any) -> bool:
-    """Whether all fields of a message are 0, apart from its header. Such a speed stops the robot."""
-    if isinstance(message, Mapping):
-        return all(is_zero(field) for name, field in message.items() if name != "header")
-    return not message
 
 
 def other_nodes(nodes: Iterable[str], bridge: str) -> tuple[str, ...]:

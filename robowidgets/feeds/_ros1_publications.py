@@ -10,6 +10,7 @@ from contextlib import suppress
 from typing import Any
 
 from ._ros1_master import Master, State
+from ._twist import fill, is_zero
 from .middleware import SEND_TIMEOUT, FeedError, NotYetError
 
 SHUT_DOWN = "rospy was shut down in this process and cannot start again: restart the kernel"
@@ -70,7 +71,7 @@ class Publications:
         """See `Middleware`. The first message of a topic waits until a subscriber has connected."""
         deadline = time.monotonic() + SEND_TIMEOUT
         kind = message_type.replace("/msg/", "/")
-        filled, moves = _filled(_class_of(kind)(), message), _moves(message)
+        filled, moves = fill(_class_of(kind)(), message), not is_zero(message)
         if self._asked.get(topic, ("",))[0] != kind:
             self._asked[topic] = kind, time.monotonic()
             self._wake()
@@ -229,22 +230,3 @@ def _class_of(kind: str) -> Any:
             f"python3-{package.replace('_', '-')}"
         )
     return message_class
-
-
-def _moves(value: Any) -> bool:
-    """Whether any number in it is not 0."""
-    if isinstance(value, Mapping):
-        return any(map(_moves, value.values()))
-    return not isinstance(value, str) and value != 0
-
-
-def _filled(message: Any, values: Mapping[str, Any]) -> Any:
-    """The message with these values in its fields; a stamp may come as ROS 2 writes it."""
-    names = {"sec": "secs", "nanosec": "nsecs"}
-    for key, value in values.items():
-        name = key if hasattr(message, key) else names.get(key, key)
-        if isinstance(value, Mapping):
-            _filled(getattr(message, name), value)
-        else:
-            setattr(message, name, value)
-    return message

@@ -6,12 +6,12 @@ import os
 import secrets
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from typing import Any
 
 from ..kinds import counts_every_message
-from ._ros2_messages import message_class
+from ._twist import fill
 from .middleware import EVENTS, SEND_TIMEOUT, Advert, Listener, NotYetError
 
 _Key = tuple[str, str, bool]
@@ -134,7 +134,7 @@ class Session:
         for wish in wishes - self._subscriptions.keys():
             self._subscribe(wish)
 
-    def publish(self, topic: str, message_type: str, message: Any, until: float) -> None:
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any], until: float) -> None:
         """Publish a message. The first one of a publisher waits, up to a time, for a matched subscriber.
 
         Raises:
@@ -153,7 +153,7 @@ class Session:
                 elif key in self._matched and self.is_young:
                     raise NotYetError(f"the subscriber of {topic} is not discovered again since rclpy was shut down")
                 self._unmatched.discard(key)
-            publisher.publish(message)
+            publisher.publish(fill(message_class(message_type)(), message))
 
     def close(self) -> None:
         """Wait a moment until every subscriber has what was published, perhaps a zero; then end everything."""
@@ -277,6 +277,20 @@ class Session:
             self._listener.on_trouble(wish[0], f"a message of {wish[0]} cannot be read: {one_line(error)}")
             self._node.destroy_subscription(self._subscriptions.pop(wish)[0])
         return bool(stuck)
+
+
+def message_class(message_type: str) -> Any:
+    """The class of a message; LookupError, with a text for a person, where it is not installed."""
+    from rosidl_runtime_py.utilities import get_message
+
+    try:
+        return get_message(message_type)
+    except (ImportError, AttributeError, LookupError, ValueError):
+        package = message_type.partition("/")[0]
+        raise LookupError(
+            f"the package {package} is not installed here, or lacks it; install "
+            f"ros-<distro>-{package.replace('_', '-')}, or source the workspace that has it, and restart the kernel"
+        ) from None
 
 
 def one_line(error: Exception) -> str:

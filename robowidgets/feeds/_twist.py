@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -90,3 +90,19 @@ def twist(message_type: str, linear: float, angular: float) -> dict[str, Any]:
         return fields_of_twist
     header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"}
     return {"header": header, "twist": fields_of_twist}
+
+
+def is_zero(message: Any) -> bool:
+    """Whether all fields of a message are 0, apart from its header. Such a speed stops the robot."""
+    if isinstance(message, Mapping):
+        return all(is_zero(field) for name, field in message.items() if name != "header")
+    return not message
+
+
+def fill(message: Any, fields: Mapping[str, Any]) -> Any:
+    """A message of rclpy or rospy with these values in its fields; ROS 1 has other names for the parts of a stamp."""
+    ros1_names = {"sec": "secs", "nanosec": "nsecs"}
+    for key, value in fields.items():
+        name = key if hasattr(message, key) else ros1_names[key]
+        setattr(message, name, fill(getattr(message, name), value) if isinstance(value, Mapping) else value)
+    return message

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ._encode import Encoder
+from ._encode import encode
 from ._reconnect_loop import ReconnectLoop, checked_domain
+from ._twist import TWIST_STAMPED
 from .feed import Feed
 from .middleware import FeedError, Listener
 
 if TYPE_CHECKING:
     from ._dds_session import Session
-
-
-_SPEED = "geometry_msgs/msg/TwistStamped"
 
 
 class Dds(ReconnectLoop):
@@ -31,7 +29,6 @@ class Dds(ReconnectLoop):
             raise TypeError(f"interface: expected the name of a network interface, such as 'eth0', got {interface!r}")
         super().__init__()
         self._domain, self._interface = checked_domain("domain", domain), interface
-        self._encoder = Encoder()
         self._session: Session | None = None
 
     @property
@@ -49,7 +46,7 @@ class Dds(ReconnectLoop):
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
-        raw = self._encoder.encode("cdr", message_type, message)
+        raw = encode("cdr", message_type, message)
         with self._lock:
             session = self._session
         if session is None:
@@ -77,8 +74,8 @@ class Dds(ReconnectLoop):
         with configured(self._domain, self._interface):
             session = Session(self._domain, listener)
             # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
-            self._encoder.encode("cdr", _SPEED, {})
-            struct(_SPEED)
+            encode("cdr", TWIST_STAMPED, {})
+            struct(TWIST_STAMPED)
             with self._lock:
                 self._session = session
             try:

@@ -12,8 +12,9 @@ from functools import partial
 from struct import Struct
 from typing import Any, NamedTuple
 
-from ._bridge import Bridge, Read, UnreadableError, is_zero, short_type, strings, to_json
+from ._bridge import Bridge, Read, UnreadableError, short_type, strings
 from ._foxglove_channels import Channel, Graph, channel_of, decoder
+from ._twist import is_zero
 from ._websocket import Frame, one_line
 from .feed import Feed
 from .middleware import FeedError
@@ -45,9 +46,9 @@ class Foxglove(Bridge):
     """
 
     def __init__(self, address: str = "ws://127.0.0.1:8765") -> None:
-        from ._encode import Encoder
+        from ._encode import encode  # here, so that the first speed does not wait for the import of rosbags
 
-        self._encoder = Encoder()
+        self._encode = encode
         self._subscriptions = 0
         self._reactions = {
             "serverInfo": self._on_info,
@@ -75,10 +76,8 @@ class Foxglove(Bridge):
             raise FeedError(
                 f"{self.where} takes messages in {taken}, of which we write none: we write cdr, ros1 and json"
             )
-        if encoding == "json":
-            payload = to_json(message_type, message, message).encode()
-        else:
-            payload = self._encoder.encode(encoding, message_type, message)
+        is_json = encoding == "json"
+        payload = json.dumps(message).encode() if is_json else self._encode(encoding, message_type, message)
         key = topic, message_type, encoding
         self._client.publish(lambda: self._frame_on(key, payload), confirm=is_zero(message))
 

@@ -85,7 +85,7 @@ class Middleware(Protocol):
         """Pass on no more messages of a topic."""
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """Send a message, given as its fields, and return when the network has taken it.
+        """Send a Twist or TwistStamped, given as its fields, and return when the network has taken it.
 
         One thread at a time calls it, never a thread of the middleware. A message is never kept for a later connection:
         it may be a speed.

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from ._reconnect_loop import ReconnectLoop, checked_domain
-from ._ros2_messages import fill, message_class
 from ._ros2_session import Session, one_line
 from .feed import Feed
 from .middleware import SEND_TIMEOUT, FeedError, Listener
@@ -70,11 +69,10 @@ class Ros2(ReconnectLoop):
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
         until = time.monotonic() + SEND_TIMEOUT
-        filled = _filled(topic, message_type, message)
         while True:
             session = self._await_session(until)
             try:
-                return session.publish(topic, message_type, filled, until)
+                return session.publish(topic, message_type, message, until)
             except FeedError:
                 raise
             except Exception as error:  # rclpy has a class of its own for each reason
@@ -159,23 +157,6 @@ def _domain_of(node: Any) -> int:
         raise FeedError(
             "node: its domain is not known any more, as rclpy was shut down; give a new node, or a domain_id"
         ) from None
-
-
-def _filled(topic: str, message_type: str, message: Mapping[str, Any]) -> Any:
-    """A message of rclpy; FeedError if it cannot be published."""
-    from rclpy.exceptions import NameValidationException
-    from rclpy.validate_topic_name import validate_topic_name
-
-    try:
-        validate_topic_name(topic)
-    except NameValidationException as error:
-        raise FeedError(f"cannot publish on {topic!r}: {one_line(error)}") from None
-    try:
-        filled = message_class(message_type)()
-    except LookupError as error:
-        raise FeedError(f"{message_type} cannot be published: {error}") from None
-    fill(filled, message)
-    return filled
 
 
 def ros2(node: Any = None, *, domain_id: int | None = None) -> Feed:

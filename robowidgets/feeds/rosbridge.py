@@ -6,13 +6,15 @@ Protocol: https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_P
 from __future__ import annotations
 
 import asyncio
+import json
 from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
 from ..kinds import counts_every_message
-from ._bridge import Bridge, UnreadableError, full_type, is_zero, other_nodes, short_type, strings, to_json
+from ._bridge import Bridge, UnreadableError, full_type, other_nodes, short_type, strings
 from ._rosbridge_frames import has_cbor, read, topic_of
+from ._twist import TWIST, TWIST_STAMPED, is_zero
 from ._websocket import Frame, one_line
 from .feed import Feed
 from .middleware import EVENTS, Advert
@@ -21,7 +23,6 @@ _POLL = 3.0
 """Seconds between two requests for the topics."""
 
 _THROTTLE_MS = 16
-_DRIVEN = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 _SUBSCRIBE = "subscribe:"
 _OURS = "rosbridge_websocket"
 _TOPICS, _PUBLISHERS, _SUBSCRIBERS = "/rosapi/topics", "/rosapi/publishers", "/rosapi/subscribers"
@@ -57,7 +58,7 @@ class Rosbridge(Bridge):
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""
         fields = _ros1_stamps(message) if self._is_ros1 else message
-        frame = to_json(message_type, message, {"op": "publish", "topic": topic, "msg": fields})
+        frame = json.dumps({"op": "publish", "topic": topic, "msg": fields})
 
         def advertised() -> str:
             if (topic, message_type) not in self._advertised:
@@ -199,9 +200,9 @@ class Rosbridge(Bridge):
         self._types = {name: full_type(kind) for name, kind in types.items()}
         self._report_topics()
         for topic, kind in self._types.items():
-            if kind in _DRIVEN:
+            if kind in (TWIST, TWIST_STAMPED):
                 self._call(_SUBSCRIBERS, topic)
-            if kind in _DRIVEN or topic in self._wanted:
+            if kind in (TWIST, TWIST_STAMPED) or topic in self._wanted:
                 self._call(_PUBLISHERS, topic)
             if topic in self._wanted and self._subscribed_as.get(topic) != kind:
                 if topic in self._subscribed_as:  # else the server would wait for the old type for ever

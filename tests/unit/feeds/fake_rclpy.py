@@ -25,10 +25,10 @@ from inspect import signature
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
+from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
-
-from robowidgets.feeds._encode import _message
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 
@@ -614,12 +614,27 @@ class Graph:
         return min((at for at in times if at > time.monotonic()), default=1e9)
 
 
+def _blank(name: str) -> Any:
+    """A message of a type, with 0, empty texts and empty arrays in its fields."""
+    return STORE.types[name](**{field: _blank_field(kind, what) for field, (kind, what) in STORE.fielddefs[name][1]})
+
+
+def _blank_field(kind: int, what: Any) -> Any:
+    if kind == Nodetype.NAME:
+        return _blank(what)
+    if kind == Nodetype.BASE:
+        return {"string": "", "bool": False}.get(what[0], 0.0 if what[0].startswith("float") else 0)
+    (inner, item), count = what
+    items = [_blank_field(inner, item)] * (count if kind == Nodetype.ARRAY else 0)
+    return np.array(items, item[0]) if inner == Nodetype.BASE and item[0] != "string" else items
+
+
 def get_message(name: str) -> Any:
     if name not in STORE.types:
         raise ModuleNotFoundError(f"No module named {name.split('/')[0]!r}")
 
     def make() -> Any:
-        return _message(STORE, name, {})
+        return _blank(name)
 
     make.name = name  # type: ignore[attr-defined]
     return make

@@ -25,7 +25,7 @@ pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip insta
 
 from robowidgets.feeds import _dds_session, _reconnect_loop
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
-from robowidgets.feeds._encode import Encoder
+from robowidgets.feeds._encode import encode
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
 from robowidgets.messages.decoding import DecodeError
@@ -223,7 +223,7 @@ def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: R
 def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Recorder) -> None:
     # Cyclone DDS writes no such bytes: they come from others who do not describe their types, as ROS 2 up to Jazzy.
     session = _dds_session.Session(DOMAIN, heard)
-    whole = Encoder().encode("cdr", TWIST, {"linear": {"x": 0.5}})
+    whole = encode("cdr", TWIST, {"linear": {"x": 0.5}})
     samples = [[opaque(TWIST)(whole[:-9])], [opaque(TWIST)(whole)]]
 
     class Reader:
@@ -279,11 +279,6 @@ def test_the_robot_hears_the_speed_that_it_listens_to(
     assert (got["linear"]["x"], got["angular"]["z"]) == (0.25, -0.5)
 
 
-def test_what_cannot_be_published_is_refused(dds: Dds) -> None:
-    with pytest.raises(FeedError, match="nobody_msgs/msg/Mystery cannot be published"):
-        dds.publish("/riddle", "nobody_msgs/msg/Mystery", {})
-
-
 def test_publishing_without_a_connection_raises(dds: Dds, heard: Recorder) -> None:
     never = Dds(DOMAIN, interface="lo")
     wait_for(lambda: heard.connected, "it takes part")
@@ -296,7 +291,7 @@ def test_publishing_without_a_connection_raises(dds: Dds, heard: Recorder) -> No
 
 def test_a_message_that_dds_does_not_take_is_told(heard: Recorder) -> None:
     session = _dds_session.Session(DOMAIN, heard)
-    raw = Encoder().encode("cdr", TWIST, {})
+    raw = encode("cdr", TWIST, {})
     session.publish("/cmd_vel", TWIST, raw)
     writer = session._writers["/cmd_vel", TWIST]
     writer._delete(writer._ref)
@@ -485,7 +480,6 @@ def test_a_range_of_any_distribution_is_read(
 
 
 def test_a_range_of_a_publisher_that_does_not_describe_it_is_read_by_the_definition_that_fits() -> None:
-    encode = Encoder().encode
     old = encode("cdr", RANGE, {"range": 1.5})
     new = old + b"\0\0\x80\x3e"  # 0.25 as float32
     decode = decoder(RANGE, "")
@@ -522,7 +516,7 @@ def test_node_names_are_understood_from_any_distribution_and_other_messages_igno
     name = struct.pack("<I2s2xI4s", 2, b"/", 4, b"nav")
     info = b"\0\1\0\0" + gid + struct.pack("<I", 1) + name + struct.pack("<II", 0, 1) + gid
     session._offers[UUID(bytes=key)] = _dds_session.Endpoint("/cmd_vel", TWIST, False, b"", None)
-    samples = [[opaque(NODES_TYPE)(info)], [opaque(TWIST)(Encoder().encode("cdr", TWIST, {}))]]
+    samples = [[opaque(NODES_TYPE)(info)], [opaque(TWIST)(encode("cdr", TWIST, {}))]]
 
     class Reader:
         def take(self, **_: Any) -> list[Any]:

@@ -431,25 +431,6 @@ def test_without_a_connection_publishing_is_an_error(ears: Ears) -> None:
     middleware.close()
 
 
-@pytest.mark.parametrize(
-    ("kind", "fields", "words"),
-    [
-        ("my_msgs/msg/Odd", {}, "my_msgs/msg/Odd cannot be published: only messages of standard ROS types can"),
-        (TWIST, {"lineal": 1}, f"a {TWIST} has no field 'lineal'; it has linear, angular"),
-        (TWIST, {"linear": 1}, "expected the fields of a geometry_msgs/msg/Vector3, x, y, z; got 1"),
-        (TWIST, {"linear": {"x": "fast"}}, f"is no {TWIST}: could not convert string to float: 'fast'"),
-    ],
-)
-def test_a_message_that_is_none_is_an_error(kind: str, fields: dict[str, Any], words: str, ears: Ears) -> None:
-    info = {"capabilities": ["clientPublish"], "supportedEncodings": ["cdr"]}
-    with OldFoxglove([channel(1)], **info) as server:
-        middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics, "the topics were told")
-        with pytest.raises(FeedError, match=words):
-            middleware.publish("/cmd_vel", kind, fields)
-        middleware.close()
-
-
 HOSTILE = [
     "no JSON", "[]", "3", '{"op": 7}', '{"op": "advertise"}', '{"op": "advertise", "channels": [1, {}, {"id": "x"}]}',
     '{"op": "advertise", "channels": [{"id": 3, "topic": 4, "encoding": []}]}',

@@ -403,10 +403,8 @@ def test_stop_of_a_feed_arrives_within_a_tenth_of_a_second_whatever_becomes_of_t
 
 
 def test_what_cannot_be_published_is_refused(ros2: Ros2) -> None:
-    with pytest.raises(FeedError, match="x_msgs/msg/Bump cannot be published: the package x_msgs is not installed"):
+    with pytest.raises(FeedError, match=r"cannot publish on '/bump': .*the package x_msgs is not installed"):
         ros2.publish("/bump", "x_msgs/msg/Bump", {})
-    with pytest.raises(FeedError, match="has no field 'speed'"):
-        ros2.publish("/cmd_vel", TWIST, {"speed": 1.0})
     with pytest.raises(FeedError, match="cannot publish on '/cmd vel': Invalid topic name"):
         ros2.publish("/cmd vel", TWIST, {})
 
