@@ -48,6 +48,7 @@ class MachineWidget(RobotWidget[MachineStep]):
 
     _esm, _css = bundle("machine_widget")
 
+    wide = True
     sample_name = "machine"
     goes_stale = False
     send_interval = 0.05

@@ -350,7 +350,7 @@ class Program:
         return self.has_view
 
     def _watch_steps(self) -> None:
-        """Find steps that do not return, and interrupts. In a thread of its own, while the program runs."""
+        """Find steps that do not return, interrupts, and a deleted robot. In a thread of its own, while it runs."""
         passed, seen, looked_at = 0.0, -1, time.monotonic()
         while True:
             time.sleep(TICK)
@@ -375,6 +375,10 @@ class Program:
                 self._interrupted = False
                 note = "paused, because the kernel was interrupted"
                 self.pause(note)
+                self._log(f"program {self.name}: {note}")
+            elif thread is not None and self._robot.is_gone:
+                note = "ended, because its robot was deleted"
+                self.close(note)
                 self._log(f"program {self.name}: {note}")
             elif is_hung:
                 error = f"{where or self.name}: a step has not returned for half a second, and was abandoned"

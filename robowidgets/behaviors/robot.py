@@ -40,6 +40,10 @@ class Robot(Protocol):
         """Its name, for a person."""
 
     @property
+    def is_gone(self) -> bool:
+        """Whether nothing outside refers to it any more."""
+
+    @property
     def stopped(self) -> bool:
         """Whether stop is latched."""
 

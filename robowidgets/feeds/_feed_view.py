@@ -1,4 +1,4 @@
-"""A running robot on the page: Stop, the widgets that fit its topics, and a status line while there is none."""
+"""A running robot on the page: Stop, the widgets that fit its topics and its program, and a status line."""
 
 from __future__ import annotations
 
@@ -9,10 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import ipywidgets
 
+from .._core.cells import take_the_place
 from .._core.coalesced_call import CoalescedCall
 from .._core.robot_widget import freeze_together
 from .._layout import WIDE, columns
 from .._widget_choice import WidgetChoice, choose_widgets
+from ..behaviors.machine import Machine
+from ..machine_widget import MachineWidget
+from ..program_widget import ProgramWidget
 from ..stop_widget import StopWidget
 from ._subscription import Target
 from ._topics import Topic
@@ -24,15 +28,16 @@ if TYPE_CHECKING:
 
 
 class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """The widgets of a feed, one per topic, added when the topic appears. `Feed.show` returns it.
+    """The widgets of a feed: of each topic, of its program and of its state machine, added when these appear.
 
-    `close` removes all of it from the page; the feed stays open.
+    `Feed.show` returns it. `close` removes all of it from the page; the feed stays open.
 
     Args:
         feed: the feed.
-        topics: names of topics; none: all that have a widget.
+        topics: names of topics; none: all that have a widget, and the program.
 
     Attributes:
+        program, machine: the widgets of the program and of its state machine; None before the first one.
         refresh: makes widgets for topics that have appeared, and shows the status; the feed calls it.
     """
 
@@ -47,7 +52,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._status = ipywidgets.HTML()
         self._columns = ipywidgets.Box([], layout=WIDE)
         self._stop = StopWidget(feed)
+        self.program: ProgramWidget | None = None
+        self.machine: MachineWidget | None = None
         super().__init__([self._stop, self._status, self._columns])
+        take_the_place(self)
 
     @property
     def widgets(self) -> dict[str, Any]:
@@ -59,8 +67,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.feed.forget(self.refresh)
         self._closed = True
         self.refresh()
-        self._stop.close()
+        for widget in (self._stop, self.program, self.machine):
+            if widget is not None:
+                widget.close()
         super().close()
+        self.feed = self.feed.twin  # a robot of which only closed views are left is deleted
 
     def _refresh(self) -> None:
         topics = [topic for topic in self.feed.topics if not self._names or topic.name in self._names]
@@ -68,7 +79,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         try:
             self._probe(() if self._closed else topics)
             wanted = () if self._closed else choose_widgets(list(self._known.values()))
-            if set(wanted) != self._shown.keys():
+            if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
         except FeedError:
             if not self.feed.is_closed:  # a feed that was closed meanwhile connects no widgets
@@ -91,6 +102,17 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             self._known[topic.name] = found
             self.refresh()
 
+    def _add_program(self) -> bool:
+        """Make the widgets of the program and of its state machine once they are there; returns whether it made one."""
+        program, shown = self.feed.programs.current, (self.program, self.machine)
+        if program is None or self._names or self._closed:
+            return False
+        if self.program is None:
+            self.program = ProgramWidget(self.feed)
+        if self.machine is None and isinstance(program.version.function, Machine):
+            self.machine = MachineWidget(self.feed)
+        return (self.program, self.machine) != shown
+
     def _set_widgets(self, wanted: Sequence[WidgetChoice]) -> None:
         there = {(choice.kind, choice.topic, choice.commanded): choice for choice in self._shown}
         shown = {}
@@ -104,8 +126,12 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
                 self.feed.disconnect(choice.command, widget.command)
             widget.close()
         self._shown = shown
-        freeze_together(shown.values())
-        old, self._columns.children = self._columns.children, columns(list(self._shown.values()))
+        machine = [] if self.machine is None else [self.machine]
+        freeze_together([*shown.values(), *machine])
+        for widget in machine:
+            widget._together = self.feed.page_name  # also with the widgets of the robot that are elsewhere
+        program = [] if self.program is None else [self.program]
+        old, self._columns.children = self._columns.children, columns([*program, *shown.values(), *machine])
         for column in old:
             column.close()
 

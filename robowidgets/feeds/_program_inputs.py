@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+import weakref
 from collections import deque
 from collections.abc import Callable, Mapping
 from itertools import pairwise
@@ -28,10 +29,20 @@ LONGEST = 2.0
 
 
 class FeedRobot:
-    """The robot of a feed, as its program sees it: see `robowidgets.behaviors.robot.Robot`."""
+    """The robot of a feed, as its program sees it: see `robowidgets.behaviors.robot.Robot`.
 
-    def __init__(self, feed: Feed) -> None:
-        self._feed = feed
+    Args:
+        feed: the feed.
+        held: the feed as the user has it, which goes when neither the user nor a widget refers to it.
+    """
+
+    def __init__(self, feed: Feed, held: weakref.ref[Feed]) -> None:
+        self._feed, self._held = feed, held
+
+    @property
+    def is_gone(self) -> bool:
+        """See `Robot`."""
+        return self._held() is None
 
     @property
     def where(self) -> str:

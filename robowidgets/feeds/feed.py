@@ -6,12 +6,14 @@ import contextlib
 import logging
 import threading
 import time
+import weakref
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from .._core.cells import running_cell, take_the_place
 from .._core.platform_fixes import let_threads_print, shorten_switch_interval
 from .._core.tables import as_html, as_text
+from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..behaviors.variables import Variables
 from ..samples import Scan, Speed
@@ -58,9 +60,13 @@ class Feed:
     """
 
     def __init__(self, middleware: Middleware) -> None:
+        # Threads refer to a twin with the same state. When the feed itself is gone, neither the user nor a widget of it
+        # is left, and its program ends.
+        twin = self.twin = object.__new__(type(self))
+        self.__dict__ = twin.__dict__ = {**vars(self)}
         self._middleware = middleware
         self._changed = threading.Condition(threading.RLock())
-        self._functions = FunctionCaller(self._show_status)
+        self._functions = FunctionCaller(twin._show_status)
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self._functions)
         self._watchers: list[Callable[[], None]] = []
         self._adverts: tuple[Advert, ...] = ()
@@ -68,19 +74,19 @@ class Feed:
         self._driven: str | None = None
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
         self._opened = time.monotonic()
-        self._subscriber = Subscriber(middleware, self._wanted)
-        self.driver = Driver(self, middleware)
+        self._subscriber = Subscriber(middleware, twin._wanted)
+        self.driver = Driver(twin, middleware)
         self.watchdog = self.driver.watchdog
-        self.programs = Programs(FeedRobot(self))
+        self.programs = Programs(FeedRobot(twin, weakref.ref(self)))
         shorten_switch_interval()
         let_threads_print()
         # Before it opens, because the feed of the earlier run may use the node, or drive the robot.
         _log_dropped(take_the_place(self))
-        open_feeds.add(self)
+        open_feeds.add(twin)
         try:
-            middleware.open(self)
+            middleware.open(twin)
         except BaseException:
-            open_feeds.discard(self)
+            open_feeds.discard(twin)
             raise
         close_first()
 
@@ -199,13 +205,13 @@ class Feed:
         return scans_of(self, topic, timeout)
 
     def show(self, *topics: str) -> FeedView:
-        """The widgets that fit its topics, live, for the page.
+        """The widgets that fit its topics, live, for the page, and those of its program and state machine.
 
-        It waits a moment for the first list of topics. Without names, topics that appear later get a widget too; a
-        named topic gets its own when it appears.
+        It waits a moment for the first list of topics. Without names, topics and programs that appear later get a
+        widget too; a named topic gets its own when it appears.
 
         Args:
-            *topics: names of the topics to show; none: all that have a widget.
+            *topics: names of the topics to show, without the program; none: all that have a widget.
 
         Raises:
             TypeError: a name is no text, but a list of them, say.
@@ -303,9 +309,13 @@ class Feed:
         for topic in topics.values():
             check_name(topic)
         self.check_open()
-        if function is not None:
-            return self.programs.install(function, rate, on, topics)
-        return lambda given: self.programs.install(given, rate, on, topics)
+
+        def install(given: Callable[..., Any]) -> Program:
+            program = self.programs.install(given, rate, on, topics)
+            self._call_watchers()  # a view shows the program from now on
+            return program
+
+        return install if function is None else install(function)
 
     def close(self) -> None:
         """Stop the robot if it is driven, disconnect, end every thread; doing it again does nothing.
@@ -325,7 +335,7 @@ class Feed:
                 self._functions.close()
                 self._middleware.close()
             finally:
-                open_feeds.discard(self)
+                open_feeds.discard(self.twin)
                 with self._changed:
                     self._table.lose("the feed is closed")
                     self._changed.notify_all()

@@ -217,14 +217,26 @@ def test_a_state_machine_is_rewritten_and_its_events_redefined_while_it_runs(ker
     expect(kernel, "NameError: name 'nowhere' is not defined")
 
 
-def test_a_robot_whose_names_are_deleted_still_stops(kernel: Kernel) -> None:
-    assert kernel.run("delete", "import gc; its = feed.close; del feed, avoid; print(gc.collect())")["status"] == "ok"
+@pytest.mark.parametrize("cell", ["del feed, avoid", "del feed", "feed = feeds.simulator(wander=False)"])
+def test_a_robot_that_is_deleted_or_whose_name_gets_another_one_gets_zero(kernel: Kernel, cell: str) -> None:
+    since = time.monotonic()
+    assert kernel.run("delete", cell)["status"] == "ok"
+    expect_zero(kernel, since)
+    assert kernel.run("open", "feed = feeds.simulator()")["status"] == "ok"  # for the tests that follow
+
+
+def test_a_deleted_robot_drives_on_while_a_view_of_it_is_there_until_the_cell_of_the_view_runs_again(
+    kernel: Kernel,
+) -> None:
+    assert kernel.run("view", "feed.show();")["status"] == "ok"
+    assert kernel.run("delete", "import gc; del feed; gc.collect()")["status"] == "ok"
     since = time.monotonic()
     wait_for(lambda: len(kernel.heard_since(since)) > 5, "it drives on")
     since = time.monotonic()
-    kernel.manager.interrupt_kernel()
+    assert kernel.run("view", "feed = feeds.simulator(wander=False); feed.show();")["status"] == "ok"
     expect_zero(kernel, since)
-    assert kernel.run("open", "its(); feed = feeds.simulator()")["status"] == "ok"  # for the tests that follow
+    expect_program = "assert avoid.mode == 'ended' and 'its robot was deleted' in avoid.note, avoid"
+    assert kernel.run("look", expect_program)["status"] == "ok"
 
 
 @pytest.mark.parametrize("end", ["restart_kernel", "shutdown_kernel"])

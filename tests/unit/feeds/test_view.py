@@ -9,6 +9,7 @@ import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget
 from robowidgets._widget_choice import choose_widgets
+from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._feed_view import FeedView
 
@@ -103,6 +104,43 @@ def test_named_topics_get_theirs_when_they_appear_and_others_none(opened: Opened
     script.listener.on_topics([ODOM, IMU, SCAN, SCAN._replace(name="/scna")])
     assert on_page(view) == ["/scna", "/odom"]
     assert words(view) == "no widget shows /imu, a sensor_msgs/msg/Imu"
+
+
+def test_a_program_and_its_machine_are_shown_from_the_first_on_and_the_machine_freezes_with_the_sensors(
+    opened: Opened,
+) -> None:
+    feed, _ = opened(SCAN, CMD_VEL)
+    view, named = feed.show(), feed.show("/scan")
+
+    @feed.program
+    def still() -> Drive:
+        return Drive()
+
+    program = view.program
+    assert program is not None
+    assert program.program is still
+    assert view.machine is None
+
+    class Walker:
+        forward = turn = None
+        moves = "forward -> turn after 2", "turn -> forward after 1"
+
+    feed.program(Walker)
+    machine, laser = view.machine, view.widgets["/scan"]
+    assert machine is not None
+    assert machine.title == "Walker"
+    assert view.program is program
+    assert program.program is not still
+    laser.paused = True
+    assert machine.paused
+    assert machine._together == laser._source["robot"], "the page freezes it with widgets elsewhere, too"
+    assert (named.program, named.machine) == (None, None)
+    later = feed.show()
+    assert later.program is not None
+    assert later.machine is not None
+    view.close()
+    assert machine.comm is None
+    assert program.comm is None
 
 
 def test_types_of_unknown_names_are_told_by_their_first_message(opened: Opened) -> None:
