@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 
@@ -21,6 +22,24 @@ class Channel(NamedTuple):
     encoding: str
     definition: str
     count: int  # type: ignore[assignment]  # hides tuple.count, which nobody asks of a channel
+
+
+def merged(files: Iterable[Iterable[Channel]]) -> tuple[tuple[Channel, ...], list[dict[int, int]]]:
+    """The channels of several files as those of one recording, numbered from 0 on.
+
+    Channels with the same topic, type, encoding and definition become one. The second result has, for each file, the
+    new ids by those in the file.
+    """
+    found: dict[Channel, Channel] = {}
+    ids: list[dict[int, int]] = []
+    for channels in files:
+        ids.append({})
+        for channel in channels:
+            same = channel._replace(id=0, count=0)
+            one = found.get(same) or same._replace(id=len(found))
+            found[same] = one._replace(count=one.count + channel.count)
+            ids[-1][channel.id] = one.id
+    return tuple(found.values()), ids
 
 
 _MESSAGE = ("ros1msg", "ros2msg")

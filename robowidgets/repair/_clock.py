@@ -6,7 +6,7 @@ from the last time before the step, in the order of arrival of the messages.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -47,6 +47,22 @@ class Arrivals(NamedTuple):
 
     times: Times
     channels: Times
+
+    def span_ns(self, channel: int) -> tuple[int, int] | None:
+        """The earliest and the latest log time of a channel; None if it has no message."""
+        own = self.times[self.channels == channel]
+        return (int(own.min()), int(own.max())) if own.size else None
+
+    def renumbered(self, ids: Mapping[int, int]) -> Arrivals:
+        """The same with other ids of channels; -1 for those that have none."""
+        known, places = np.unique(self.channels, return_inverse=True)
+        return Arrivals(self.times, np.array([ids.get(number, -1) for number in known.tolist()], np.int64)[places])
+
+
+def joined(parts: Iterable[Arrivals]) -> Arrivals:
+    """The arrivals in one file after the other."""
+    times, channels = zip(*parts, strict=True)
+    return Arrivals(np.concatenate(times), np.concatenate(channels))
 
 
 def has_clock_step(arrivals: Arrivals) -> bool:

@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..messages.channel import Channel
+from ..messages.channel import Channel, merged
 from ..messages.compression import plain
-from ._clock import Arrivals, repaired
+from ._clock import Arrivals, joined, repaired
 from ._found_messages import Walk
 from ._report import damage_lines, nothing_readable
 from .source import Message
@@ -18,7 +18,7 @@ from .source import Message
 class IndexedSource:
     """A `Source` over one file, or over the files of one recording in their order.
 
-    Channels with the same topic, type, encoding and definition are merged. With several files, problems name theirs.
+    Channels are merged. With several files, problems name theirs.
 
     Args:
         walks: the walk through each file; closed with the source.
@@ -31,17 +31,16 @@ class IndexedSource:
     def __init__(self, walks: Sequence[Walk], problems: Sequence[str] = ()) -> None:
         self._walks = walks
         self._starts = np.cumsum([0, *(len(walk.times) for walk in walks)])
-        channels: dict[Channel, int] = {}
-        ids = np.concatenate([_renumbered(walk, channels) for walk in walks])
-        times = np.concatenate([np.asarray(walk.times, np.int64) for walk in walks])
+        channels, renumber = merged(walk.channels for walk in walks)
+        arrivals = (Arrivals(np.asarray(walk.times, np.int64), np.asarray(walk.ids, np.int64)) for walk in walks)
+        times, ids = joined(part.renumbered(numbers) for part, numbers in zip(arrivals, renumber, strict=True))
         named = np.flatnonzero(ids >= 0)
         times[named], about_clock = repaired(Arrivals(times[named], ids[named]))
         order = named[np.argsort(times[named], kind="stable")]
         self._order: NDArray[np.intp] = order
-        self._times: NDArray[np.int64] = times[order]
-        self._ids: NDArray[np.int64] = ids[order]
+        self._times, self._ids = self._arrivals = Arrivals(times[order], ids[order])
         counts = np.bincount(self._ids, minlength=len(channels)).tolist()
-        self.channels = tuple(channel._replace(id=i, count=counts[i]) for channel, i in channels.items())
+        self.channels = tuple(channel._replace(count=counts[channel.id]) for channel in channels)
         self.start_ns = int(self._times[0]) if order.size else None
         self.end_ns = int(self._times[-1]) if order.size else None
         lines, damaged = [*problems], []
@@ -72,8 +71,7 @@ class IndexedSource:
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""
-        times = self._times[self._ids == channel.id]
-        return (int(times[0]), int(times[-1])) if times.size else None
+        return self._arrivals.span_ns(channel.id)
 
     def close(self) -> None:
         """See `Source`."""
@@ -86,13 +84,3 @@ class IndexedSource:
         if time_ns > limits.max:
             return len(self._times)
         return int(np.searchsorted(self._times, max(time_ns, limits.min), side="left"))
-
-
-def _renumbered(walk: Walk, channels: dict[Channel, int]) -> NDArray[np.int64]:
-    """The channel of each message, as a number among all channels; -1 if the file does not name it."""
-    ids = np.asarray(walk.ids, np.int64)
-    numbers = np.full(len(ids), -1, np.int64)
-    for channel in walk.channels:
-        same = channel._replace(id=0, count=0)
-        numbers[ids == channel.id] = channels.setdefault(same, len(channels))
-    return numbers

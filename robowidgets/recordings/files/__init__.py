@@ -68,7 +68,7 @@ def _whole(
         with ExitStack() as stack:
             source = open_first()
             stack.callback(source.close)
-            if not has_clock_step(source.arrivals()):
+            if not has_clock_step(source.arrivals):
                 stack.pop_all()
                 return FallbackSource(source, lambda: open_repaired(files, problems))
     except _SeveralError:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import cached_property
 from heapq import merge
 from itertools import pairwise
 
-from ...messages.channel import Channel
-from ...repair import RESET_NS, Arrivals, Message
-from ._index import joined, renumbered
+from ...messages.channel import Channel, merged
+from ...repair import RESET_NS, Arrivals, Message, joined
 from ._rosbags import RosbagsSource
 
 
 class Chain:
-    """A `Source` over other sources.
-
-    Channels with the same topic, type, encoding and definition are merged.
+    """A `Source` over other sources, whose channels are merged.
 
     Args:
         sources: one for each file, in their order; closed with the chain.
@@ -24,12 +22,7 @@ class Chain:
     def __init__(self, sources: Sequence[RosbagsSource]) -> None:
         self._sources = sources
         self.problems: tuple[str, ...] = ()
-        counts: dict[Channel, int] = {}
-        for source in sources:
-            for channel in source.channels:
-                counts[_same(channel)] = counts.get(_same(channel), 0) + channel.count
-        self._ids = {same: number for number, same in enumerate(counts)}
-        self.channels = tuple(same._replace(id=number, count=counts[same]) for same, number in self._ids.items())
+        self.channels, self._ids = merged(source.channels for source in sources)
         self.start_ns = min((s.start_ns for s in sources if s.start_ns is not None), default=None)
         self.end_ns = max((s.end_ns for s in sources if s.end_ns is not None), default=None)
 
@@ -38,23 +31,24 @@ class Chain:
     ) -> Iterator[Message]:
         """See `Source`."""
         wanted = {channel.id: channel for channel in channels}
-        each = (self._messages(source, wanted, start_ns, stop_ns) for source in self._sources)
+        each = (_messages(*part, wanted, start_ns, stop_ns) for part in self._parts())
         return merge(*each, key=lambda message: message[1])
 
+    @cached_property
     def arrivals(self) -> Arrivals:
         """The order of arrival in one file after the other."""
-        return joined(renumbered(s.arrivals(), {c.id: self._ids[_same(c)] for c in s.channels}) for s in self._sources)
+        return joined(s.arrivals.renumbered(ids) for s, ids in self._parts())
 
     def follows_on(self) -> bool:
         """Whether each file has the topics of the previous one and starts where that ends."""
         topics = [{(c.topic, c.type) for c in source.channels} for source in self._sources]
-        times = [times for s in self._sources if (times := s.arrivals().times).size]
+        times = [source.arrivals.times for source in self._sources if source.arrivals.times.size]
         in_order = all(later[0] >= times[-1] - RESET_NS for times, later in pairwise(times))
         return in_order and all(some <= others or others <= some for some, others in pairwise(topics))
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""
-        parts = [(s, c) for s in self._sources for c in s.channels if c.count and _same(c) == _same(channel)]
+        parts = [(s, c) for s, ids in self._parts() for c in s.channels if c.count and ids[c.id] == channel.id]
         spans = [span for source, part in parts if (span := source.span_ns(part))]
         return (min(first for first, _ in spans), max(last for _, last in spans)) if spans else None
 
@@ -63,14 +57,19 @@ class Chain:
         for source in self._sources:
             source.close()
 
-    def _messages(
-        self, source: RosbagsSource, wanted: dict[int, Channel], start_ns: int | None, stop_ns: int | None
-    ) -> Iterator[Message]:
-        ours = {c.id: wanted[self._ids[_same(c)]] for c in source.channels if self._ids[_same(c)] in wanted}
-        for channel, time_ns, data in source.messages([c for c in source.channels if c.id in ours], start_ns, stop_ns):
-            yield ours[channel.id], time_ns, data
+    def _parts(self) -> Iterator[tuple[RosbagsSource, dict[int, int]]]:
+        """The sources, each with the ids of its channels in the chain."""
+        return zip(self._sources, self._ids, strict=True)
 
 
-def _same(channel: Channel) -> Channel:
-    """The channel without its id and count, which merged channels have in common."""
-    return channel._replace(id=0, count=0)
+def _messages(
+    source: RosbagsSource,
+    ids: Mapping[int, int],
+    wanted: Mapping[int, Channel],
+    start_ns: int | None,
+    stop_ns: int | None,
+) -> Iterator[Message]:
+    """The messages of a source that belong to some channels of the chain, by their ids there."""
+    ours = [channel for channel in source.channels if ids[channel.id] in wanted]
+    for channel, time_ns, data in source.messages(ours, start_ns, stop_ns):
+        yield wanted[ids[channel.id]], time_ns, data

@@ -6,6 +6,7 @@ Files are read by rosbags only in this folder.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from ..._core.platform_fixes import bound_decompression
 from ...messages.channel import Channel, definition_text
 from ...messages.compression import plain
 from ...repair import Arrivals, Message, RecordingError, is_cut
-from ._index import BagIndex, Index, McapIndex, SqliteIndex
+from ._index import arrivals_in_bag, arrivals_in_database, arrivals_in_mcap, span_in_mcap
 
 _NEVER = 2**63 - 1
 
@@ -28,13 +29,13 @@ bound_decompression()
 
 def open_bag(path: Path) -> RosbagsSource:
     """A ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
-    return RosbagsSource(BagReader(path), BagIndex)
+    return RosbagsSource(BagReader(path), arrivals_in_bag)
 
 
 def open_mcap(path: Path) -> RosbagsSource:
     """A ``.mcap`` with an index. Raises as `open_bag`, and RecordingError when there is no index."""
     reader = McapReader(path)
-    source = RosbagsSource(reader, McapIndex)
+    source = RosbagsSource(reader, arrivals_in_mcap, span_in_mcap)
     if not reader.chunks and source.start_ns is not None:
         source.close()
         raise RecordingError("without an index rosbags reads messages in one way only, from the start to the end")
@@ -49,7 +50,7 @@ def open_sqlite(path: Path) -> RosbagsSource:
     if is_cut(path):
         raise RecordingError(f"{path}: SQLite reads zeros at the end of a database that was cut off")
     reader = Sqlite3Reader(path)
-    source = RosbagsSource(reader, SqliteIndex)
+    source = RosbagsSource(reader, arrivals_in_database)
     if reader.metadata.message_count > sum(channel.count for channel in source.channels):
         source.close()
         raise RecordingError(f"{path}: rosbags leaves out messages of topics that the database does not name")
@@ -61,15 +62,21 @@ class RosbagsSource:
 
     Args:
         reader: not yet open.
-        index: makes the index of the open reader, which has the times without reading messages.
+        arrivals_in: the order of arrival of the messages in the open reader, of all or of some, by its index.
+        span_in: `Source.span_ns` in the open reader by the id of a channel; None: by the arrivals, which are all.
     """
 
     problems: tuple[str, ...] = ()
 
-    def __init__(self, reader: Any, index: Callable[[Any], Index]) -> None:
+    def __init__(
+        self,
+        reader: Any,
+        arrivals_in: Callable[[Any], Arrivals],
+        span_in: Callable[[Any, int], tuple[int, int] | None] | None = None,
+    ) -> None:
         reader.open()
         self._reader = reader
-        self._index = index(reader)
+        self._arrivals_in, self._span_in = arrivals_in, span_in
         self._open = True
         self._connections = {c.id: c for c in reader.connections}
         self.channels = tuple(_channel(c) for c in reader.connections)
@@ -88,13 +95,14 @@ class RosbagsSource:
             for connection, time_ns, raw in self._reader.messages(connections, start_ns, stop_ns):
                 yield asked[connection.id], time_ns, plain(raw)
 
+    @cached_property
     def arrivals(self) -> Arrivals:
-        """The order of arrival by the index, of all messages or of some messages of each part."""
-        return self._index.arrivals()
+        """The order of arrival, of all messages or of some of each part."""
+        return self._arrivals_in(self._reader)
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""
-        return self._index.span_ns(channel.id)
+        return self._span_in(self._reader, channel.id) if self._span_in else self.arrivals.span_ns(channel.id)
 
     def close(self) -> None:
         """See `Source`."""
