@@ -20,8 +20,9 @@ import numpy as np
 import robowidgets
 from robowidgets import LaserWidget, Scan, ScanogramWidget, Sector, Speed, SpeedWidget, TouchWidget
 from robowidgets._core.robot_widget import RobotWidget
+from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.export._segments import pack_track
-from robowidgets.player._frames import TimedFrame, pack
+from robowidgets.player._frames import pack
 from robowidgets.samples.rays import sector_of, stretches
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
 from robowidgets.samples.sector_code import for_array, for_message, for_scan

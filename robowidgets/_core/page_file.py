@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .output_file import checked_output
+from .timed_frame import TimedFrame
 
 PER_SECOND = 20
 """Frames kept for each second of history; a faster source fills it in less time. The page has the same rule."""
@@ -19,26 +20,23 @@ MOST_BYTES = 8_000_000
 PAGES = "robowidgets.export.widget_page"
 """Makes the pages. Named as entry points do: it lies in a layer above the widgets."""
 
-Sent = tuple[float, dict[str, Any], bytes]
-"""When a sample arrived, the texts on it, and its frame."""
-
 
 class SentFrames:
     """The last frames that were sent to the page, oldest first; they are shared with the traits, not copied."""
 
     def __init__(self) -> None:
-        self._frames: deque[Sent] = deque()
+        self._frames: deque[TimedFrame] = deque()
         self._bytes = 0
 
-    def add(self, sent: Sent, seconds: float) -> None:
+    def add(self, sent: TimedFrame, seconds: float) -> None:
         """Add a frame, and forget those that a history of so many seconds does not hold."""
         frames = self._frames
         frames.append(sent)
-        self._bytes += len(sent[2])
+        self._bytes += len(sent.frame)
         while frames and (
-            len(frames) > PER_SECOND * seconds or self._bytes > MOST_BYTES or sent[0] - frames[0][0] > seconds
+            len(frames) > PER_SECOND * seconds or self._bytes > MOST_BYTES or sent.seconds - frames[0].seconds > seconds
         ):
-            self._bytes -= len(frames.popleft()[2])
+            self._bytes -= len(frames.popleft().frame)
 
     def __iter__(self) -> Any:
         return iter(tuple(self._frames))
@@ -68,6 +66,6 @@ class WritesPage:
         written: Path = import_module(PAGES).write(self, target, title, note)
         return written
 
-    def sent_frames(self) -> list[Sent]:
+    def sent_frames(self) -> list[TimedFrame]:
         """The frames of its history, oldest first; the last one is that of the newest sample."""
         raise NotImplementedError

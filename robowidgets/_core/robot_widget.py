@@ -19,10 +19,11 @@ from .base_widget import NamedWidget
 from .error_routing import called_from_cell
 from .judge import Shot
 from .pacer import pacer
-from .page_file import Sent, SentFrames, WritesPage
+from .page_file import SentFrames, WritesPage
 from .platform_fixes import message_padding
 from .png import SavesPng
 from .rate import RateMeter
+from .timed_frame import TimedFrame
 from .traits import Flag, HistorySeconds, bytes_trait
 from .watching import JudgesConditions
 
@@ -322,17 +323,17 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
                     self._unsent.update(unsent)
                 raise
             if "_frame" in keys:
-                self._sent_frames.add((self._arrived, about, frame), self.history)
+                self._sent_frames.add(TimedFrame(self._arrived, about, frame), self.history)
             self._sent = newest
             return len(frame) if "_frame" in keys else 0
 
-    def sent_frames(self) -> list[Sent]:
+    def sent_frames(self) -> list[TimedFrame]:
         """See `WritesPage`."""
         with self._send_lock:
             self._bring_up_to_date()
-            newest = (self._arrived, self._about, self._frame)
-            kept = [sent for sent in self._sent_frames if sent[2] != newest[2]]
-        return [*kept, newest] if newest[2] else kept
+            newest = TimedFrame(self._arrived, self._about, self._frame)
+            kept = [sent for sent in self._sent_frames if sent.frame != newest.frame]
+        return [*kept, newest] if newest.frame else kept
 
     def send_state(self, key: str | Iterable[str] | None = None) -> None:
         """Send traits to the page with the next sample; without names, when a page requests all of them, at once."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import robowidgets
 
+from .._core.tables import megabytes
 from ._find import QuestionError
 
 _MEGA = 1_000_000
@@ -49,7 +50,7 @@ def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
     with robowidgets.open(arguments.file) as recording:
         try:
             if arguments.size:
-                return f"{output}: about {recording.html_size(**part) / _MEGA:.1f} MB"
+                return f"{output}: about {megabytes(recording.html_size(**part))}"
             if output.exists() and not arguments.force:
                 raise FileExistsError(f"{output}: is there already; replace it with --force, or name another with -o")
             most = round(arguments.max_size * _MEGA)
@@ -59,7 +60,7 @@ def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
         finally:
             for line in recording.problems:
                 warn(f"! {line}")
-    return f"Wrote {path}: {path.stat().st_size / _MEGA:.1f} MB"
+    return f"Wrote {path}: {megabytes(path.stat().st_size)}"
 
 
 def _in_options(error: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-from .._core.tables import many
+from .._core.tables import many, megabytes
 from ..recordings.files import open_source
 from ..repair.write import write
 
@@ -40,7 +40,7 @@ def repair(file: Path, output: Path | None, *, force: bool) -> Iterator[str]:
     yield from (f"! {line}" for line in problems)
     if not (*opened, *problems):
         yield f"Nothing is wrong with {recording}"
-    amount = f"{many(written.messages, 'message')}, {written.seconds:,.1f} s, {written.size / 1e6:,.1f} MB"
+    amount = f"{many(written.messages, 'message')}, {written.seconds:,.1f} s, {megabytes(written.size)}"
     yield f"Wrote {output}: {amount}"
 
 

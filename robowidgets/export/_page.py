@@ -14,18 +14,18 @@ from ._segments import compressed
 _BREAKS_OUT = ("</script", "<script", "<!--", "</style")
 """What would end, or change the meaning of, a script or a stylesheet in a page."""
 
+_MADE = "Made with robowidgets. This page loads nothing from the web, and sends nothing."
 _NO_SCRIPT = "This page has not started: it needs a browser of 2023 or later that runs scripts."
 
 
 class Heading(NamedTuple):
-    """What stands on the page as text: title, facts, lines on problems, a note, the first samples, and the end."""
+    """What stands on the page as text: title, facts, lines on problems, a note, and the first samples."""
 
     title: str
     facts: str
     problems: Sequence[str]
     note: str
     lines: Sequence[str]
-    end: str
 
 
 class Program(NamedTuple):
@@ -80,7 +80,7 @@ def page(heading: Heading, program: Program, state: bytes, segments: Iterable[by
 <main></main>
 <section class="rw-page-text"><p class="rw-page-why">{_NO_SCRIPT}</p><pre>{escape(chr(10).join(heading.lines))}</pre>\
 </section>
-<footer class="rw-page-end"><div class="rw-page-data"></div><span>{escape(heading.end)}</span></footer>
+<footer class="rw-page-end"><div class="rw-page-data"></div><span>{_MADE}</span></footer>
 """.encode()
     yield _part("program", packed)
     yield _part("page", state)

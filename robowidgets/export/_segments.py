@@ -6,16 +6,16 @@ import base64
 import json
 import struct
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, Protocol
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._core.timed_frame import TimedFrame, table_of
 from ._floats import pack_floats, planes
 
 _LENGTH = struct.Struct("<I")
-_ROW = 3
 _COLUMN = 8
 
 
@@ -23,30 +23,7 @@ ArraysOf = Callable[[bytes], tuple[int, int]]
 """`RobotWidget.arrays_of`."""
 
 
-class Timed(Protocol):
-    """A frame and its time, in seconds from the start of the recording; negative: nothing was measured yet."""
-
-    @property
-    def seconds(self) -> float:
-        """The time."""
-
-    @property
-    def about(self) -> dict[str, Any]:
-        """The texts on the sample."""
-
-    @property
-    def frame(self) -> bytes:
-        """The bytes, as docs/frames.md lists them."""
-
-
-class Track(Protocol):
-    """The frames of one widget through time."""
-
-    def frames(self, start: float, end: float) -> Iterator[Timed]:
-        """The frame at ``start``, and all that follow up to ``end``, in seconds."""
-
-
-def segment(number: int, tracks: Iterable[tuple[Sequence[Timed], ArraysOf]]) -> bytes:
+def segment(number: int, tracks: Iterable[tuple[Sequence[TimedFrame], ArraysOf]]) -> bytes:
     """One segment as text for the page: see docs/frames.md.
 
     Args:
@@ -77,16 +54,10 @@ def in_text(data: bytes) -> bytes:
     return base64.b85encode(data).replace(b"<", b",")
 
 
-def pack_track(frames: Sequence[Timed], arrays_of: ArraysOf) -> tuple[dict[str, Any], list[bytes]]:
+def pack_track(frames: Sequence[TimedFrame], arrays_of: ArraysOf) -> tuple[dict[str, Any], list[bytes]]:
     """Facts and parts, of which the page makes the frames of a track again (js/export/tracks.ts)."""
-    abouts: list[dict[str, Any]] = []
-    rows = np.zeros((len(frames), _ROW))
-    end = 0
-    for i, timed in enumerate(frames):
-        if timed.about not in abouts:
-            abouts.append(timed.about)
-        end += len(timed.frame)
-        rows[i] = timed.seconds, abouts.index(timed.about), end
+    abouts, rows = table_of(frames)
+    end = sum(len(timed.frame) for timed in frames)
     facts: dict[str, Any] = {"count": len(frames), "bytes": end, "abouts": abouts}
     parts = [planes(rows)]
     whole = [timed.frame for timed in frames]

@@ -7,16 +7,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .._core.output_file import whole_file
+from .._core.tables import megabytes
 from ._models import Models, shown
 from ._page import Heading, Program, page
-from ._segments import Track, segment
+from ._segments import segment
 
-__all__ = ["MADE", "MAX_SIZE", "SUFFIXES", "Heading", "Models", "Page", "Track", "mega", "segment", "shown"]
+__all__ = ["MAX_SIZE", "SUFFIXES", "Heading", "Models", "Page", "segment", "shown"]
 
 SUFFIXES = (".html", ".htm")
-
-MADE = "Made with robowidgets. This page loads nothing from the web, and sends nothing."
-"""The end of each page."""
 
 MAX_SIZE = 50_000_000
 """Most bytes of a page, unless more are allowed."""
@@ -78,11 +76,6 @@ class Page(NamedTuple):
     def _check(self, size: int, path: Path, max_size: int, about: str = "about ") -> None:
         if size > max_size:
             raise ValueError(
-                f"{path.name} would take {about}{mega(size)}, and at most {mega(max_size)} are allowed: {self.advice}, "
-                f"or allow more (max_size={-(-2 * size // 10**6) * 10**6:_})"
+                f"{path.name} would take {about}{megabytes(size)}, and at most {megabytes(max_size)} are allowed: "
+                f"{self.advice}, or allow more (max_size={-(-2 * size // 10**6) * 10**6:_})"
             )
-
-
-def mega(size: float) -> str:
-    """A number of bytes, for a person."""
-    return f"{size / 1e6:.1f} MB"

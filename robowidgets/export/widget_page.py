@@ -9,15 +9,16 @@ from datetime import datetime, timezone
 from functools import partial
 from math import floor, nan
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import ipywidgets
 
 from .._core.cells import close_all
 from .._core.robot_widget import FRAME_HEADER
 from .._core.tables import many
+from .._core.timed_frame import TimedFrame
 from ..player_widget import PlayerWidget
-from .html import MADE, Heading, Models, Page, segment, shown
+from .html import Heading, Models, Page, segment, shown
 
 _SECONDS = 10.0
 """Length of a segment."""
@@ -25,19 +26,13 @@ _SECONDS = 10.0
 _WIDTH = "760px"
 
 
-class _TimedFrame(NamedTuple):
-    seconds: float
-    about: dict[str, Any]
-    frame: bytes
-
-
 def write(widget: Any, path: Path, title: str, note: str) -> Path:
     """See `WritesPage.to_html`."""
     sent = widget.sent_frames()
-    start, end = (sent[0][0], sent[-1][0]) if sent else (0.0, 0.0)
+    start, end = (sent[0].seconds, sent[-1].seconds) if sent else (0.0, 0.0)
     began = time.time() - time.monotonic() + start
     frames = [
-        _TimedFrame(arrived - start, _with_own_verdicts(about, frame), _without_rate(frame))
+        TimedFrame(arrived - start, _with_own_verdicts(about, frame), _without_rate(frame))
         for arrived, about, frame in sent
     ]
     moves = len(frames) > 1
@@ -61,17 +56,17 @@ def write(widget: Any, path: Path, title: str, note: str) -> Path:
         )
     until = f"{datetime.fromtimestamp(began + end - start, timezone.utc):%Y-%m-%d %H:%M:%S} UTC"
     facts = f"{end - start:.1f} s until {until} · {many(len(frames), 'sample')}" if moves else until
-    heading = Heading(title or widget.title or path.stem, facts, (), note, (repr(widget),), MADE)
+    heading = Heading(title or widget.title or path.stem, facts, (), note, (repr(widget),))
     numbers = range(floor((end - start) / _SECONDS) + 1) if moves else range(0)
     pack = partial(_segment, frames, widget.arrays_of)
     return Page(heading, models.program(), state, numbers, pack).write(path, None)
 
 
-def _segment(frames: Sequence[_TimedFrame], arrays_of: Any, number: int) -> bytes:
+def _segment(frames: Sequence[TimedFrame], arrays_of: Any, number: int) -> bytes:
     return segment(number, [(list(_of_segment(frames, number * _SECONDS)), arrays_of)])
 
 
-def _of_segment(frames: Sequence[_TimedFrame], start: float) -> Iterator[_TimedFrame]:
+def _of_segment(frames: Sequence[TimedFrame], start: float) -> Iterator[TimedFrame]:
     """The frame on show at the start of a segment, and those in it."""
     yield next((timed for timed in reversed(frames) if timed.seconds <= start), frames[0])
     yield from (timed for timed in frames if start <= timed.seconds < start + _SECONDS)

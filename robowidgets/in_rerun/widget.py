@@ -61,12 +61,12 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self._start_ns = recording.start_ns or 0
         self._lock = threading.RLock()
         # Answers arrive when no cell runs, so all times sent until then must be recognised.
-        self._told: deque[int] = deque(maxlen=100_000)
-        self._on_eventd: int | None = None
+        self._sent: deque[int] = deque(maxlen=100_000)
+        self._heard: int | None = None
         self._shown: int | None = None
         self._is_open = self._agrees = False
         self._clock = False
-        self._next = self._told_at = 0.0
+        self._next = self._sent_at = 0.0
         self._url = server().put(f"{next(_numbers)}.rrd", partial(_pieces, recording.path, topics))
         self._viewer = viewer(width="auto", height=HEIGHT, url=self._url)
         self._viewer._on_raw_event(self._on_event)
@@ -85,7 +85,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         """Synchronise the time with the viewer. The pacer calls it."""
         with self._lock:
             self._next = time.monotonic() + PACE
-            heard, self._on_eventd = self._on_eventd, None
+            heard, self._heard = self._heard, None
             if heard is not None:
                 self._shown = heard
         if heard is not None:
@@ -97,7 +97,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         with self._lock:
             if round(change["new"] * 1e9) == self._shown:
                 return
-            self._on_eventd = None
+            self._heard = None
         pacer.mark(self)
 
     def _send_time(self) -> None:
@@ -106,11 +106,11 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             now = round(self.time * 1e9)
             if not self._is_open or now == self._shown:
                 return
-            if self._told and time.monotonic() < self._told_at + PATIENCE:
-                pacer.mark_at(self, self._told_at + PATIENCE)
+            if self._sent and time.monotonic() < self._sent_at + PATIENCE:
+                pacer.mark_at(self, self._sent_at + PATIENCE)
                 return
-            self._shown, self._told_at = now, time.monotonic()
-            self._told.append(now)
+            self._shown, self._sent_at = now, time.monotonic()
+            self._sent.append(now)
         self._viewer.set_time_ctrl(SECONDS, duration_nanos=now, play=False)
 
     def _on_event(self, text: str) -> None:
@@ -120,7 +120,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         if kind == "recording_open":
             # The page has just loaded the recording, and has no time yet.
             with self._lock:
-                self._told.clear()
+                self._sent.clear()
                 self._is_open = True
                 self._shown, self._agrees, self._clock = None, False, False
             self._send_time()
@@ -130,16 +130,16 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         elif kind == "time_update":
             self._on_event_time(event["time"])
 
-    def _on_event_time(self, told: float) -> None:
-        now = round(told) - (self._start_ns if self._clock else 0)
+    def _on_event_time(self, nanoseconds: float) -> None:
+        now = round(nanoseconds) - (self._start_ns if self._clock else 0)
         with self._lock:
-            if now in self._told:
-                while self._told.popleft() != now:
+            if now in self._sent:
+                while self._sent.popleft() != now:
                     pass
                 self._agrees = True
                 pacer.mark(self)
             elif self._agrees and now != self._shown:
-                self._on_eventd = now
+                self._heard = now
                 pacer.mark_at(self, self._next)
 
 

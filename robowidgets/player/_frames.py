@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from math import nan
-from struct import Struct
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from .._core.robot_widget import FRAME_HEADER
+from .._core.timed_frame import TimedFrame, table_of
 from .._widget_choice import WidgetChoice
 from ..recordings import RecordingData
 from ..recordings.topics import Moment
@@ -24,21 +24,8 @@ TICK = 0.1
 BEFORE = -1.0
 """The ``seconds`` of a frame that shows that nothing was measured yet."""
 
-_ROW = Struct("<3d")
-
 Seek = Callable[[float], None]
 """Makes a widget show a topic at a time, in seconds from the start."""
-
-
-class TimedFrame(NamedTuple):
-    """A frame and its time: seconds from the start of the recording, the texts on the sample, and the bytes.
-
-    ``seconds`` is `BEFORE` where nothing was measured yet.
-    """
-
-    seconds: float
-    about: dict[str, Any]
-    frame: bytes
 
 
 class Track(Protocol):
@@ -143,14 +130,8 @@ class TouchFrames:
 
 def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
     """Frames in the format of the page: each text once, and a table of times before the bytes."""
-    abouts: list[dict[str, Any]] = []
-    rows, end = [], 0
-    for timed in frames:
-        if timed.about not in abouts:
-            abouts.append(timed.about)
-        end += len(timed.frame)
-        rows.append(_ROW.pack(timed.seconds, abouts.index(timed.about), end))
-    return abouts, b"".join([np.float64(len(frames)).tobytes(), *rows, *(timed.frame for timed in frames)])
+    abouts, rows = table_of(frames)
+    return abouts, b"".join([np.float64(len(frames)).tobytes(), rows.tobytes(), *(timed.frame for timed in frames)])
 
 
 def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], nothing: Any) -> Seek:

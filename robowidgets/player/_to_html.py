@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from datetime import datetime, timezone
 from functools import partial
 from itertools import islice
-from math import floor, isfinite
+from math import floor
 from typing import TYPE_CHECKING, Any
 
 import ipywidgets
 
 from .._core.cells import close_all
-from ..export.html import MADE, Heading, Models, Page, segment, shown
+from .._core.timed_frame import TimedFrame
+from ..export.html import Heading, Models, Page, segment, shown
 from ..kinds import LASER
 from ..recordings import RecordingData
-from ..recordings.times import has_date
+from ..recordings.times import as_date, has_date, to_ns
 from ..repair import RecordingError
 from ..scanogram_widget import ScanogramWidget
-from ._frames import TimedFrame, Track
+from ._frames import Track
 from ._overview import whole_drive
 
 if TYPE_CHECKING:
@@ -110,8 +110,7 @@ def _stretch(recording: RecordingData, wanted: Wanted) -> tuple[float, float]:
         if seconds is None:
             times.append(default)
             continue
-        if isinstance(seconds, bool) or not isinstance(seconds, (int, float)) or not isfinite(seconds):
-            raise TypeError(f"{name}: expected seconds from the start of the recording, got {seconds!r}")
+        to_ns(0, name, seconds)
         if not 0 <= seconds <= duration + ROUNDING:
             raise ValueError(f"{name}: expected seconds from 0 to {duration:.2f}, got {seconds:g}")
         times.append(min(float(seconds), duration))
@@ -223,12 +222,11 @@ def _heading(player: Player, recording: RecordingData, wanted: Wanted, span: tup
     name, duration = recording.path.name, recording.duration
     stretch = f"{duration:.2f} s" if end - start == duration else f"{start:.2f} to {end:.2f} s of {duration:.2f} s"
     start_ns = recording.start_ns or 0
-    date = datetime.fromtimestamp(start_ns / 1e9 + start, timezone.utc) if has_date(start_ns) else None
     topics = [topic for view in player.views for topic in view.choice.topics]
     facts = [
         *([name] if wanted.title else []),
         stretch,
-        *([f"{date:%Y-%m-%d %H:%M:%S} UTC"] if date else []),
+        *([as_date(start_ns + round(start * 1e9))] if has_date(start_ns) else []),
         ", ".join(topics),
         *([f"one of every {wanted.every} scans"] if wanted.every > 1 else []),
         *(["without Rerun's viewer"] if player.rerun else []),
@@ -240,7 +238,6 @@ def _heading(player: Player, recording: RecordingData, wanted: Wanted, span: tup
         recording.problems,
         wanted.note,
         [_line(moment.seconds, moment.topic, moment.sample) for moment in samples],
-        MADE,
     )
 
 

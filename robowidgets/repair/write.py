@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from mcap.writer import Writer
 
+from .._core.output_file import whole_file
 from .._core.progress import Progress
 from ..messages.channel import Channel, is_idl
 from ..messages.decoding import definition_of
@@ -29,26 +29,18 @@ class Written(NamedTuple):
 def write(source: Source, path: Path) -> Written:
     """Write all messages of a source into an MCAP file, in chunks compressed with zstd.
 
-    The file appears under its name when it is complete, and replaces an existing one. Until then a file ending in
-    ``.part`` lies beside it. A definition that the source lacks is written if the type is known. If the source fails
-    midway, the messages before are written.
+    The file is complete when it appears, and replaces an existing one. A definition that the source lacks is written
+    if the type is known. If the source fails midway, the messages before are written.
 
     Raises:
         RecordingError: the file cannot be written, or the source has no message. The text gives the reason.
     """
     if (source.start_ns or 0) < 0:
         raise RecordingError(f"{path}: cannot be written: the clock begins before 1970, and MCAP holds no such times")
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:
-        try:
-            with part.open("wb") as file:
-                count, problems = _write_messages(source, file, path.name)
-                file.flush()
-                os.fsync(file.fileno())
-            size = part.stat().st_size
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        with whole_file(path) as file:
+            count, problems = _write_messages(source, file, path.name)
+            size = file.tell()
     except OSError as error:
         raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from None
     return Written(count, ((source.end_ns or 0) - (source.start_ns or 0)) / 1e9, size, tuple(problems))

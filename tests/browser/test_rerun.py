@@ -30,7 +30,7 @@ def now(nb: Notebook) -> Locator:
 
 def viewer_follows(nb: Notebook) -> None:
     """Until the viewer has answered whatever it was told."""
-    wait_for(lambda: nb.python("print(player.rerun._agrees and not player.rerun._told)").strip() == "True", "it did")
+    wait_for(lambda: nb.python("print(player.rerun._agrees and not player.rerun._sent)").strip() == "True", "it did")
 
 
 def click_the_time_line(canvas: Locator) -> None:

@@ -9,6 +9,7 @@ from operator import index
 from threading import Lock
 from typing import Any
 
+from ..._core.tables import megabytes
 from ...repair import RecordingError
 
 DEFAULT = 1 << 30
@@ -110,11 +111,6 @@ class Memory:
         with self._lock:
             while self._cached and self._bytes + self._reserved + size > self._limit:
                 self._bytes -= _size(self._cached.popitem(last=False)[1])
-
-
-def megabytes(size: int) -> str:
-    """A number of bytes, for a person."""
-    return f"{size / 1e6:,.1f} MB" if size < 1e9 else f"{size / 1e9:,.1f} GB"
 
 
 def _size(made: Sequence[Any]) -> int:

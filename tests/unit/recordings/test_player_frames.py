@@ -12,7 +12,8 @@ import pytest
 
 from robowidgets import SpeedWidget
 from robowidgets._core.robot_widget import FRAME_HEADER
-from robowidgets.player._frames import TICK, TimedFrame, pack
+from robowidgets._core.timed_frame import TimedFrame
+from robowidgets.player._frames import TICK, pack
 from robowidgets.player.player import Player
 from robowidgets.recording import open
 

@@ -10,8 +10,8 @@ from contextlib import contextmanager
 import pytest
 
 from robowidgets._core import progress
+from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.player import _prefetcher as module
-from robowidgets.player._frames import TimedFrame
 from robowidgets.player._prefetcher import Cursor, Prefetcher
 from robowidgets.recordings import RecordingError
 

@@ -1,0 +1,37 @@
+"""Frames with their times, as pages that play take them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class TimedFrame(NamedTuple):
+    """A frame and its time, the texts on the sample, and the bytes, as docs/frames.md lists them.
+
+    ``seconds`` counts from the start of a recording, and is negative where nothing was measured yet; of a frame that
+    was sent, it is when its sample arrived, by the monotonic clock.
+    """
+
+    seconds: float
+    about: dict[str, Any]
+    frame: bytes
+
+
+def table_of(frames: Sequence[TimedFrame]) -> tuple[list[dict[str, Any]], NDArray[np.float64]]:
+    """The texts of frames, each once; and for each frame its time, the index of its texts, and the end of its bytes.
+
+    The rows have shape (N, 3). Bytes count from the start of the first frame.
+    """
+    abouts: list[dict[str, Any]] = []
+    rows = np.zeros((len(frames), 3))
+    end = 0
+    for row, timed in zip(rows, frames, strict=True):
+        if timed.about not in abouts:
+            abouts.append(timed.about)
+        end += len(timed.frame)
+        row[:] = timed.seconds, abouts.index(timed.about), end
+    return abouts, rows
