@@ -12,7 +12,10 @@ window.driver = (() => {
 
     isLoaded: () => Boolean(app()?.commands.hasCommand("docmanager:open")),
 
-    open: (path) => app().commands.execute("docmanager:open", { path }),
+    // Gives nothing back: Playwright would copy all of JupyterLab that its widget leads to.
+    async open(path) {
+      await app().commands.execute("docmanager:open", { path });
+    },
 
     // Closes all notebooks, without the question whether to save them; false if the page cannot be used again.
     closeAll() {
