@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import linecache
+import sys
 import traceback
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -22,6 +24,17 @@ def line_of(call: Callable[..., Any], frames: Iterable[tuple[FrameType, int]]) -
     code = getattr(call, "__code__", None) or getattr(type(call).__call__, "__code__", None)
     lines = [line for frame, line in frames if code is not None and frame.f_code.co_filename == code.co_filename]
     return f", line {lines[-1]}" if lines else ""
+
+
+def calling_text() -> str:
+    """The text of the cell or the file that calls robowidgets; empty where Python does not have it."""
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        frame = frame.f_back
+    if frame is None:
+        return ""
+    linecache.checkcache(frame.f_code.co_filename)
+    return "".join(linecache.getlines(frame.f_code.co_filename))
 
 
 def error_in(error: BaseException) -> str:

@@ -51,7 +51,7 @@ class Version:
     """One version of a program.
 
     ``asks_for`` are the parameters of the function, ``topics`` the topics that were named for some of them. It steps
-    ``rate`` times a second, or on each message of the topic ``on``.
+    ``rate`` times a second, or on each message of the topic ``on``. ``text`` is that of the cell or file it stands in.
     """
 
     function: Callable[..., Any]
@@ -60,6 +60,7 @@ class Version:
     rate: float = RATE
     on: str | None = None
     number: int = 1
+    text: str = ""
 
 
 class Program:

@@ -9,7 +9,7 @@ from typing import Any
 from weakref import WeakSet
 
 from .._core.cells import on_interrupt
-from .._core.user_function import name_of
+from .._core.user_function import calling_text, name_of
 from ..samples.checks import finite
 from ._parameters import parameters_of
 from .machine import Machine
@@ -72,7 +72,7 @@ class Programs:
             function.adopt(program.version.function)
         self.current = program
         self.variables.begin_version()
-        program.replace(Version(function, asks_for, dict(topics), steps, on, number + 1))
+        program.replace(Version(function, asks_for, dict(topics), steps, on, number + 1, calling_text()))
         program.note = note
         _all.add(program)
         on_interrupt(_interrupt_all)

@@ -1,40 +1,60 @@
-"""Encoding speeds without ROS."""
+"""Encoding messages without ROS."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
+import numpy as np
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-_lock = threading.Lock()  # rosbags generates the code of a store without locking
-_STORES = {"cdr": Stores.ROS2_HUMBLE, "ros1": Stores.ROS1_NOETIC}
+from ..messages.channel import Channel
+from ..messages.decoding import DecodeError, one_line, store_of
+from ..messages.fields import reader
+
+_IN_ROS1 = {"sec": "secs", "nanosec": "nsecs"}
 
 
-def encode(encoding: str, message_type: str, fields: Mapping[str, Any]) -> bytes:
-    """The bytes of a message without arrays in ``cdr`` or ``ros1``; a field that is left out is zero or empty."""
-    with _lock:
-        store = _store(encoding)
-        write = store.serialize_ros1 if encoding == "ros1" else store.serialize_cdr
-        return bytes(write(_message(store, message_type, fields), message_type))
+def encode(encoding: str, message_type: str, message: Any) -> bytes:
+    """The bytes of a message in ``cdr`` or ``ros1``, given as an object or as its fields, of ROS 1 or ROS 2.
+
+    A field that is left out is zero or empty; one that the type does not have, such as ``header.seq``, is not encoded.
+
+    Raises:
+        ValueError: the type is not known, or a value does not fit. The text is one line for a person.
+    """
+    try:
+        store = store_of(Channel(0, "", message_type, encoding, "", 0))
+    except DecodeError:
+        raise ValueError(f"{message_type} is not a known type") from None
+    write = store.serialize_ros1 if encoding == "ros1" else store.serialize_cdr
+    try:
+        return bytes(write(_message(store, message_type, message), message_type))
+    except Exception as error:  # whatever rosbags and numpy raise for a value that does not fit
+        raise ValueError(f"a message does not fit {message_type}: {one_line(error)}") from None
 
 
-@lru_cache
-def _store(encoding: str) -> Typestore:
-    """One store for the process: generating the code of a type takes milliseconds."""
-    return get_typestore(_STORES[encoding])
-
-
-def _message(store: Typestore, type_name: str, fields: Mapping[str, Any]) -> Any:
+def _message(store: Typestore, type_name: str, message: Any) -> Any:
+    get = reader(message)
     values: dict[str, Any] = {}
-    definition: Any = store.fielddefs[type_name][1]
-    for name, (kind, what) in definition:
-        if kind == Nodetype.NAME:
-            values[name] = _message(store, what, fields.get(name, {}))
-        else:
-            values[name] = fields.get(name, "" if what[0] == "string" else 0)
+    for name, (kind, what) in store.fielddefs[type_name][1]:
+        given = get(name, None)
+        if given is None and name in _IN_ROS1:
+            given = get(_IN_ROS1[name], None)
+        values[name] = _value(store, kind, what, given)
     return store.types[type_name](**values)
+
+
+def _value(store: Typestore, kind: int, what: Any, given: Any) -> Any:
+    if kind == Nodetype.NAME:
+        return _message(store, what, {} if given is None else given)
+    if kind == Nodetype.BASE:
+        return given if given is not None else "" if what[0] == "string" else 0
+    (inner, name), count = what
+    is_numeric = inner == Nodetype.BASE and name[0] != "string"
+    if given is None:
+        given = [0 if is_numeric else None] * (count if kind == Nodetype.ARRAY else 0)
+    if is_numeric:
+        # rospy has bytes for uint8[].
+        return np.frombuffer(given, np.uint8) if isinstance(given, bytes) else np.asarray(given, name[0])
+    return [_value(store, inner, name, item) for item in given]

@@ -13,6 +13,9 @@ from .middleware import Advert
 _HEADS = ("topic", "type", "published", "heard", "widget")
 _MANY = 12
 
+YOURS = " (your program)"
+"""Suffix of the topic on which a program drives a recording."""
+
 Table = tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[str]]
 
 

@@ -8,10 +8,8 @@ from contextlib import ExitStack
 from typing import Any
 
 from .._core.command_watchdog import RECENT
+from ..messages.standard import TWIST, TWIST_STAMPED
 from .middleware import Advert, FeedError, Middleware
-
-TWIST = "geometry_msgs/msg/Twist"
-TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 
 
 class TwistPublisher:

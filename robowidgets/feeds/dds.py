@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ..messages.standard import TWIST_STAMPED
 from ._encode import encode
 from ._reconnect_loop import ReconnectLoop, checked_domain
-from ._twist import TWIST_STAMPED
 from .feed import Feed
 from .middleware import FeedError, Listener
 

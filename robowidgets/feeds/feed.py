@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import os
 import threading
 import time
 import weakref
@@ -16,6 +17,7 @@ from .._core.tables import as_html, as_text
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..behaviors.variables import Variables
+from ..messages.standard import TWIST
 from ..samples import Scan, Speed
 from ..samples.checks import finite
 from ._callbacks import Function, FunctionCaller
@@ -28,11 +30,11 @@ from ._subscriber import Subscriber
 from ._subscription import Target, target_of
 from ._subscription_table import SubscriptionTable
 from ._topics import Table, Topic, check_name, table_of, topics_of
-from ._twist import TWIST
 from .middleware import Advert, FeedError, Middleware
 
 if TYPE_CHECKING:
     from ._feed_view import FeedView
+    from ._recorder import Recorder
 
 log = logging.getLogger("robowidgets")
 
@@ -230,6 +232,33 @@ class Feed:
         self.watch(view.refresh)
         view.refresh()
         return view
+
+    def record(self, path: str | os.PathLike[str], *topics: str) -> Recorder:
+        """Write what the robot sends into an MCAP file, until the result is closed, as a context manager or by `close`.
+
+        Beside the topics it has the speeds that are sent, and the text and the states of each version of the program.
+        `robowidgets.open` and other tools read it, also when the process dies before it is closed. Writing holds up
+        neither the robot nor the program: `problems` of the result says what is missing in the file.
+
+        Args:
+            path: the file, such as ``"run.mcap"``, which must not exist yet.
+            *topics: names of topics, which may appear later; none: all that have a widget.
+
+        Raises:
+            TypeError: no path, or a name is no text. ValueError: the name does not end in ``.mcap``.
+            OSError: the file exists, or cannot be written.
+            FeedError: the feed is closed.
+
+        Example:
+            >>> with feed.record("run.mcap"):  # doctest: +SKIP
+            ...     time.sleep(10)
+        """
+        from ._recorder import Recorder
+
+        for topic in topics:
+            check_name(topic)
+        self.check_open()
+        return Recorder(self, path, topics)
 
     def drive(self, linear: float = 0.0, angular: float = 0.0) -> None:
         """Publish a speed, cut to the limits of `driving`; unless it is renewed in time, zero follows.

@@ -12,13 +12,11 @@ import numpy as np
 
 from ..recordings import RecordingData
 from ..samples.checks import finite
+from ._topics import YOURS
 from .feed import Feed
 from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 
 _SHORTEST_ROUND = 0.1
-
-YOURS = " (your program)"
-"""Suffix of the topic on which a program drives a recording."""
 
 
 class Played:

@@ -12,9 +12,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..kinds import counts_every_message
+from ..messages.standard import TWIST, TWIST_STAMPED
 from ._bridge import Bridge, UnreadableError, full_type, other_nodes, short_type, strings
 from ._rosbridge_frames import has_cbor, read, topic_of
-from ._twist import TWIST, TWIST_STAMPED, is_zero
+from ._twist import is_zero
 from ._websocket import Frame, one_line
 from .feed import Feed
 from .middleware import EVENTS, Advert

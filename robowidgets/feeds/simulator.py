@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..messages import to_speed
+from ..messages.standard import TWIST
 from ..samples.checks import finite
 from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
 from ..simulator import wander as wander_about
-from ._twist import TWIST
 from .feed import Feed
 from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
 

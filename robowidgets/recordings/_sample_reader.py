@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any
 
 from .._core.progress import Progress
@@ -18,6 +18,7 @@ from .columns._decoders import Decoder
 from .columns._memory import Memory
 from .columns._store import Store
 from .columns.series import Series
+from .program_log import TEXT
 from .topics import Moment, Topic
 
 _SHORTEST = 1e-3
@@ -131,6 +132,18 @@ class Messages:
                     except ValueError as error:
                         self._note(channel, time_ns, error)
                     bar.update(1)
+        except (RecordingError, ValueError) as error:
+            self._stop(error)
+
+    def texts(self, is_wanted: Callable[[str], bool]) -> Iterator[tuple[str, float, str]]:
+        """Topic, seconds and text of the ``std_msgs/String`` on some topics, in the order of time."""
+        channels = [
+            c for c in self._source.channels if c.type == TEXT and c.encoding in ENCODINGS and is_wanted(c.topic)
+        ]
+        decoders = {channel.id: decoder_of(channel) for channel in channels}
+        try:
+            for channel, time_ns, raw in self._source.messages(channels):
+                yield channel.topic, self._seconds(time_ns), decoders[channel.id](raw).data
         except (RecordingError, ValueError) as error:
             self._stop(error)
 

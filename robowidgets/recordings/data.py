@@ -22,6 +22,7 @@ from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .files import open_source
+from .program_log import PROGRAM, STATES, ProgramVersion, StateSpan, spans_of, version_of
 from .time_slice import TimeSlice
 from .times import seconds_at, to_ns
 from .topics import Moment, Topic, UnknownTopicError, check, named, only, shown
@@ -219,6 +220,27 @@ class RecordingData:
         """The transforms of odometry and tf, in the order of time."""
         self._check_open()
         return self._messages.transforms()
+
+    @property
+    def states(self) -> tuple[StateSpan, ...]:
+        """The spans in which states of a program were active, by start; none unless `Feed.record` wrote the file.
+
+        Raises:
+            RecordingError: the recording is closed.
+        """
+        self._check_open()
+        return spans_of(self._messages.texts(lambda topic: topic.startswith(STATES)), self.duration)
+
+    @property
+    def programs(self) -> tuple[ProgramVersion, ...]:
+        """The versions of the programs that drove, with their text; none unless `Feed.record` wrote the file.
+
+        Raises:
+            RecordingError: the recording is closed.
+        """
+        self._check_open()
+        said = self._messages.texts(lambda topic: topic == PROGRAM)
+        return tuple(version_of(seconds, text) for _, seconds, text in said)
 
     def info(self) -> str:
         """The table of the topics, as text."""

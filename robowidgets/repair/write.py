@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -46,32 +46,26 @@ def write(source: Source, path: Path) -> Written:
     return Written(count, ((source.end_ns or 0) - (source.start_ns or 0)) / 1e9, size, tuple(problems))
 
 
-def _write_messages(source: Source, file: BinaryIO, name: str) -> tuple[int, list[str]]:
-    """Write all messages; returns their number, and lines on missing parts."""
-    writer = Writer(file)
-    encodings = {channel.encoding for channel in source.channels}
-    writer.start(_PROFILES.get(encodings.pop(), "") if len(encodings) == 1 else "", "robowidgets")
-    ids, problems = _register(writer, source.channels)
-    count = 0
-    try:
-        with Progress(sum(channel.count for channel in source.channels), f"Writing {name}") as bar:
-            for channel, time_ns, data in source.messages(source.channels):
-                writer.add_message(ids[channel.id], time_ns, data, time_ns)
-                count += 1
-                bar.update(1)
-    except RecordingError as error:
-        if not count:
-            raise
-        problems.append(f"the file can be read no further: {error}")
-    writer.finish()
-    return count, problems
+class McapWriter:
+    """Messages written as MCAP: in chunks compressed with zstd, each schema once.
 
+    Args:
+        file: open for writing; the caller closes it.
+        encodings: of all messages that will be written.
+        chunk_size: bytes of messages that are compressed together.
+    """
 
-def _register(writer: Writer, channels: Sequence[Channel]) -> tuple[dict[int, int], list[str]]:
-    """Register the channels; returns their ids in the file by those in the source, and lines on missing definitions."""
-    schemas: dict[tuple[str, str, str], int] = {}
-    ids, problems = {}, []
-    for channel in channels:
+    def __init__(self, file: BinaryIO, encodings: Collection[str], chunk_size: int = 1 << 20) -> None:
+        self._writer = Writer(file, chunk_size=chunk_size)
+        profile = _PROFILES.get(next(iter(encodings)), "") if len(encodings) == 1 else ""
+        self._writer.start(profile, "robowidgets")
+        self._schemas: dict[tuple[str, str, str], int] = {}
+        self._ids: dict[int, int] = {}
+        self.problems: list[str] = []
+        """Lines on missing definitions."""
+
+    def register(self, channel: Channel) -> None:
+        """Name a channel, before its messages; the file says its definition, as far as the type is known."""
         name, encoding, text = channel.type, "", definition_of(channel)
         if channel.encoding == "ros1":
             name, encoding = name.replace("/msg/", "/"), "ros1msg"
@@ -80,9 +74,39 @@ def _register(writer: Writer, channels: Sequence[Channel]) -> tuple[dict[int, in
         else:
             text = ""
         if channel.encoding not in _PROFILES:
-            problems.append(f"{channel.topic}: its messages, encoded as {channel.encoding!r}, have no definition now")
+            self.problems.append(
+                f"{channel.topic}: its messages, encoded as {channel.encoding!r}, have no definition now"
+            )
         key = name, encoding, text
-        if name and key not in schemas:
-            schemas[key] = writer.register_schema(name, encoding, text.encode())
-        ids[channel.id] = writer.register_channel(channel.topic, channel.encoding, schemas.get(key, 0))
-    return ids, problems
+        if name and key not in self._schemas:
+            self._schemas[key] = self._writer.register_schema(name, encoding, text.encode())
+        schema = self._schemas.get(key, 0)
+        self._ids[channel.id] = self._writer.register_channel(channel.topic, channel.encoding, schema)
+
+    def add(self, channel: Channel, time_ns: int, data: bytes) -> None:
+        """Write a message of a channel."""
+        self._writer.add_message(self._ids[channel.id], time_ns, data, time_ns)
+
+    def finish(self) -> None:
+        """Write the index."""
+        self._writer.finish()
+
+
+def _write_messages(source: Source, file: BinaryIO, name: str) -> tuple[int, list[str]]:
+    """Write all messages; returns their number, and lines on missing parts."""
+    writer = McapWriter(file, {channel.encoding for channel in source.channels})
+    for channel in source.channels:
+        writer.register(channel)
+    count, problems = 0, list(writer.problems)
+    try:
+        with Progress(sum(channel.count for channel in source.channels), f"Writing {name}") as bar:
+            for channel, time_ns, data in source.messages(source.channels):
+                writer.add(channel, time_ns, data)
+                count += 1
+                bar.update(1)
+    except RecordingError as error:
+        if not count:
+            raise
+        problems.append(f"the file can be read no further: {error}")
+    writer.finish()
+    return count, problems

@@ -1,0 +1,107 @@
+"""What a recording holds of the program that drove: its versions, and the states of its machines.
+
+`Feed.record` writes them as ``std_msgs/String``: the text of each version on one topic, and the active state of each
+machine on a topic of its own, which tools that show changes of text over time show as a band.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable
+from itertools import pairwise
+from typing import NamedTuple
+
+TEXT = "std_msgs/msg/String"
+PROGRAM = "/robowidgets/program"
+STATES = "/robowidgets/states/"
+"""With the path of a machine, such as ``Walker/avoid``; an empty text says that the machine is not active."""
+
+MOST_ROWS = 3
+"""Rows of a band of states."""
+
+_HEAD = re.compile(r"# (.*), version (\d+)\n")
+
+
+class ProgramVersion(NamedTuple):
+    """A version of a program: from when it was in force, in seconds from the start of the recording, and its text."""
+
+    seconds: float
+    name: str
+    number: int
+    text: str
+
+
+class StateSpan(NamedTuple):
+    """A span in which a state was active, in seconds from the start of the recording.
+
+    ``path`` names machines and states from the outermost on, such as ``Walker.avoid.turn``.
+    """
+
+    start: float
+    end: float
+    path: str
+
+    @property
+    def machine(self) -> str:
+        """The machine that the state belongs to."""
+        return self.path.rpartition(".")[0]
+
+    @property
+    def name(self) -> str:
+        """The name of the state alone."""
+        return self.path.rpartition(".")[2]
+
+
+def program_text(name: str, number: int, text: str) -> str:
+    """The message for a version of a program."""
+    return f"# {name}, version {number}\n{text}"
+
+
+def state_topic(machine: str) -> str:
+    """The topic with the states of a machine."""
+    return STATES + machine.replace(".", "/")
+
+
+def version_of(seconds: float, message: str) -> ProgramVersion:
+    """The version in a message of `program_text`."""
+    head = _HEAD.match(message)
+    if head is None:
+        return ProgramVersion(seconds, "", 0, message)
+    return ProgramVersion(seconds, head[1], int(head[2]), message[head.end() :])
+
+
+def spans_of(said: Iterable[tuple[str, float, str]], end: float) -> tuple[StateSpan, ...]:
+    """The spans of states in messages: topic, seconds and text of each, in the order of time."""
+    spans: list[StateSpan] = []
+    active: dict[str, tuple[float, str]] = {}
+
+    def close(machine: str, at: float) -> None:
+        start, name = active.pop(machine, (at, ""))
+        if name:
+            spans.append(StateSpan(start, at, f"{machine}.{name}"))
+
+    for topic, seconds, name in said:
+        machine = topic.removeprefix(STATES).replace("/", ".")
+        if active.get(machine, (0.0, ""))[1] != name:
+            close(machine, seconds)
+            active[machine] = seconds, name
+    for machine in list(active):
+        close(machine, end)
+    return tuple(sorted(spans))
+
+
+def rows_of(spans: Iterable[StateSpan]) -> list[list[StateSpan]]:
+    """The spans as rows in which none overlap: outer machines first, nested ones below, at most `MOST_ROWS` rows."""
+    by_machine: defaultdict[str, list[StateSpan]] = defaultdict(list)
+    for span in spans:
+        by_machine[span.machine].append(span)
+    depths = {machine: sum(machine.startswith(f"{outer}.") for outer in by_machine) for machine in by_machine}
+    rows: list[list[StateSpan]] = [[] for _ in range(MOST_ROWS)]
+    for machine in sorted(depths, key=lambda machine: depths[machine]):
+        for number, row in enumerate(rows[depths[machine] :], depths[machine]):
+            both = sorted([*row, *by_machine[machine]])
+            if all(before.end <= after.start for before, after in pairwise(both)):
+                rows[number] = both
+                break
+    return [row for row in rows if row]

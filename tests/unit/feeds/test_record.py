@@ -1,0 +1,285 @@
+"""Recording a feed: a file that other tools read, whatever the middleware, and that holds up nobody."""
+
+from __future__ import annotations
+
+import errno
+import logging
+import signal
+import subprocess
+import sys
+import threading
+import time
+from itertools import pairwise
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
+
+import robowidgets
+from robowidgets import Speed, Touch, TouchMode, feeds
+from robowidgets.behaviors import Drive
+from robowidgets.feeds import Advert, Feed, FeedError, _recorder
+from robowidgets.recordings.program_log import rows_of
+from robowidgets.repair.write import McapWriter
+
+from ..waiting import threads_named, wait_for
+from .scripted import CMD_VEL, ODOM, SCAN, Scripted, scan
+
+KOBUKI = Advert("/bumper", "kobuki_msgs/msg/BumperEvent", wanted=False)
+TOUCH = Advert("/touch", "robowidgets/msg/Touch", wanted=False)
+KILLED = """
+import os, sys, time
+from robowidgets import feeds
+from robowidgets.behaviors import Drive
+class Walker:
+    def forward(): return Drive(0.1)
+    def turn(): return Drive(0, 0.5)
+    moves = "forward -> turn after 0.2", "turn -> forward after 0.2"
+robot = feeds.simulator(wander=False, hz=50)
+recorder = robot.record(sys.argv[1])
+robot.program(Walker, rate=20)
+while recorder.written["/scan"] < 20:
+    time.sleep(0.01)
+print("ready", flush=True)
+time.sleep(60)
+"""
+
+
+class Nested:
+    def forward() -> Drive:  # type: ignore[misc]
+        return Drive(0.1)
+
+    class avoid:  # noqa: N801
+        stop = turn = None
+        moves = "stop -> turn after 0.05"
+
+    moves = "forward -> avoid after 0.1", "avoid -> forward after 0.15"
+
+
+def decoded(path: Path) -> dict[str, list[Any]]:
+    """The messages of a file by topic, as rosbags reads them with the definitions in the file alone."""
+    with AnyReader([path], default_typestore=get_typestore(Stores.EMPTY)) as reader:
+        found: dict[str, list[Any]] = {topic: [] for topic in reader.topics}
+        for connection, _, raw in reader.messages():
+            found[connection.topic].append(reader.deserialize(raw, connection.msgtype))
+    return found
+
+
+def test_a_run_opens_here_and_in_other_tools_with_its_states_and_the_text_of_its_program(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    with feeds.simulator(wander=False, hz=50) as robot:
+        with robot.record(path) as recorder:
+            robot.program(Nested, rate=50)
+            wait_for(lambda: recorder.written["/robowidgets/states/Nested"] >= 6, "the machine has moved")
+            robot.program(Nested, rate=50)
+            wait_for(lambda: recorder.written["/robowidgets/program"] == 2, "the second version is written")
+            wait_for(lambda: recorder.written["/scan"] >= 2, "scans have come")
+        count = sum(recorder.written.values())
+        assert (recorder.closed, recorder.problems) == (True, ())
+        time.sleep(0.05)
+        assert sum(recorder.written.values()) == count
+    assert not threads_named("robowidgets-recorder")
+
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    assert summary.statistics.message_count == count
+    messages = decoded(path)
+    assert {topic: type(some[0]).__name__ for topic, some in messages.items()} == {
+        "/scan": "sensor_msgs__msg__LaserScan",
+        "/odom": "geometry_msgs__msg__TwistStamped",
+        "/cmd_vel": "geometry_msgs__msg__Twist",
+        "/bumper": "ros_gz_interfaces__msg__Contacts",
+        **{f"/robowidgets/{name}": "std_msgs__msg__String" for name in ("program", "states/Nested")},
+        "/robowidgets/states/Nested/avoid": "std_msgs__msg__String",
+    }
+    assert max(twist.linear.x for twist in messages["/cmd_vel"]) == 0.1
+
+    with robowidgets.open(path) as recording:
+        assert recording.problems == ()
+        assert {topic.widget for topic in recording.topics} == {"laser", "speed", "touch", None}
+        assert len(recording.scans("/scan")) == len(messages["/scan"])
+        states, programs = recording.states, recording.programs
+        duration = recording.duration
+    assert [(one.name, one.number) for one in programs] == [("Nested", 1), ("Nested", 2)]
+    assert "class Nested:" in programs[0].text
+    assert programs[0].seconds < programs[1].seconds <= duration
+    outer = [span for span in states if span.machine == "Nested"]
+    assert [span.name for span in outer[:4]] == ["forward", "avoid", "forward", "avoid"]
+    assert all(before.end == after.start for before, after in pairwise(outer))
+    assert outer[0].end - outer[0].start == pytest.approx(0.1, abs=0.08)
+    inner = next(span for span in states if span.path == "Nested.avoid.stop")
+    assert inner.start == outer[1].start
+    rows = rows_of(states)
+    assert [{span.machine for span in row} for row in rows] == [{"Nested"}, {"Nested.avoid"}]
+
+
+def test_messages_of_every_middleware_are_written_as_those_of_ros_2(tmp_path: Path) -> None:
+    script = Scripted(SCAN, ODOM, KOBUKI, TOUCH)
+    with Feed(script) as feed:
+        recorder = feed.record(tmp_path / "run.mcap")
+        say = script.listener.on_message
+        header = {"seq": 7, "stamp": {"secs": 3, "nsecs": 4}, "frame_id": "laser"}
+        say("/scan", {**scan(1.0, 2.0), "ranges": [1.0, None], "header": header})  # rosbridge, of ROS 1
+        vector = SimpleNamespace(x=0.25, y=0.0, z=0.0)
+        twist = SimpleNamespace(linear=vector, angular=vector)
+        stamp = SimpleNamespace(sec=5, nanosec=6)
+        odometry = SimpleNamespace(
+            header=SimpleNamespace(stamp=stamp, frame_id="odom"),
+            child_frame_id="base",
+            pose=SimpleNamespace(pose=None, covariance=np.ones(36)),
+            twist=SimpleNamespace(twist=twist, covariance=[2.0] * 36),
+        )
+        say("/odom", odometry)  # rclpy
+        say("/bumper", SimpleNamespace(bumper=1, state=1))
+        say("/touch", Touch({"left": True}, TouchMode.EVENT))
+        say("/touch", Touch({"right": True}, TouchMode.EVENT))
+        say("/touch", Touch({"left": False}, TouchMode.EVENT))
+        recorder.close()
+        assert recorder.problems == ()
+    messages = decoded(tmp_path / "run.mcap")
+    (one,) = messages["/scan"]
+    assert (one.header.stamp.sec, one.header.stamp.nanosec, one.header.frame_id) == (3, 4, "laser")
+    np.testing.assert_array_equal(one.ranges, np.array([1.0, np.nan], np.float32))
+    (one,) = messages["/odom"]
+    assert (one.twist.twist.linear.x, one.header.stamp.sec, one.pose.covariance[0]) == (0.25, 5, 1.0)
+    assert [(one.bumper, one.state) for one in messages["/bumper"]] == [(1, 1)]
+    touched = [[contact.collision1.name for contact in one.contacts] for one in messages["/touch"]]
+    assert touched == [["left"], ["left", "right"], ["right"]]
+
+
+def test_named_topics_are_recorded_from_when_they_appear_and_others_are_not(tmp_path: Path) -> None:
+    script = Scripted(SCAN)
+    with Feed(script) as feed:
+        recorder = feed.record(tmp_path / "run.mcap", "/imu", "/odm")
+        script.listener.on_topics([SCAN, Advert("/imu", "my_msgs/msg/Odd")])
+        script.listener.on_message("/scan", scan())
+        script.listener.on_message("/imu", {"x": 1})
+        script.listener.on_message("/imu", {"x": 1})
+        recorder.close()
+        assert recorder.written == {}
+        assert recorder.problems == (
+            "/imu cannot be recorded: my_msgs/msg/Odd is not a known type",
+            "no such topic /odm; there are /scan, /imu",
+        )
+        assert repr(recorder).startswith(f"{tmp_path / 'run.mcap'}: 0 messages, closed\n⚠ /imu")
+
+
+def test_speeds_that_are_sent_are_recorded_where_nobody_else_publishes_them(tmp_path: Path) -> None:
+    with Feed(Scripted(CMD_VEL._replace(name="/base/cmd_vel"))) as feed:
+        feed.driving = feeds.Driving(topic="/base/cmd_vel", hold=0.1)
+        with feed.record(tmp_path / "run.mcap") as recorder:
+            feed.drive(0.25, 0.5)
+            wait_for(lambda: recorder.written["/base/cmd_vel"] >= 2, "the speed and the zero after it are written")
+    speeds = [(one.linear.x, one.angular.z) for one in decoded(tmp_path / "run.mcap")["/base/cmd_vel"]]
+    assert (speeds[0], speeds[-1]) == ((0.25, 0.5), (0.0, 0.0))
+
+
+def test_what_a_program_drives_on_a_recording_is_recorded_beside_it(tmp_path: Path) -> None:
+    with feeds.recording(robowidgets.SAMPLE, speed=20) as feed, feed.record(tmp_path / "run.mcap") as recorder:
+        feed.program(lambda: Drive(0.125))
+        wait_for(lambda: recorder.written["/cmd_vel (your program)"], "its speed is written")
+        wait_for(lambda: recorder.written["/bumper"], "what was recorded is written")
+    messages = decoded(tmp_path / "run.mcap")
+    assert {one.twist.linear.x for one in messages["/cmd_vel_by_program"]} == {0.125}
+    assert {"/scan", "/odom", "/bumper", "/cmd_vel"} <= messages.keys()
+
+
+def test_a_slow_disk_holds_up_nobody_and_what_is_dropped_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(_recorder, "MOST_WAITING", 10)
+    goes_on, write = threading.Event(), McapWriter.add
+    monkeypatch.setattr(McapWriter, "add", lambda *args: goes_on.wait(20) and write(*args))
+    script = Scripted(SCAN)
+    with Feed(script) as feed:
+        recorder = feed.record(tmp_path / "run.mcap")
+        began = time.monotonic()
+        for _ in range(50):
+            script.listener.on_message("/scan", scan())
+        assert time.monotonic() - began < 1
+        monkeypatch.setattr(_recorder, "CLOSE_TIMEOUT", 0.1)
+        recorder.close()
+        assert "the disk is slow: the file is not complete yet" in caplog.text
+        goes_on.set()
+        wait_for(lambda: not threads_named("robowidgets-recorder"), "the file is complete")
+    kept = len(decoded(tmp_path / "run.mcap")["/scan"])
+    assert 10 <= kept <= 12
+    assert recorder.problems == (f"/scan: {50 - kept} messages dropped, because writing did not keep up",)
+    assert f"{50 - kept} messages dropped" in caplog.text
+
+
+def test_a_full_disk_ends_the_recording_in_one_line_and_the_robot_is_driven_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    script = Scripted(SCAN, CMD_VEL)
+    with Feed(script) as feed:
+        recorder = feed.record(tmp_path / "run.mcap")
+        script.listener.on_message("/scan", scan())
+        wait_for(lambda: recorder.written["/scan"], "a scan is written")
+
+        def fill(*_: object) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        monkeypatch.setattr(McapWriter, "add", fill)
+        caplog.set_level(logging.ERROR, "robowidgets")
+        script.listener.on_message("/scan", scan())
+        wait_for(lambda: recorder.closed, "the recording has ended")
+        wait_for(lambda: not threads_named("robowidgets-recorder"), "its thread has ended")
+        assert recorder.problems == ("recording has ended: No space left on device",)
+        assert len(caplog.records) == 1
+        feed.drive(0.2)
+        assert script.speeds[-1] == (0.2, 0.0)
+        assert ("unsubscribe", "/scan") in script.asked
+
+
+def test_a_path_that_cannot_be_written_is_refused_and_nothing_is_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    script = Scripted(SCAN)
+    with Feed(script) as feed:
+        first = feed.record(path)
+        with pytest.raises(FileExistsError, match=r"run.mcap' exists; delete it, or name another file"):
+            feed.record(path)
+        assert not first.closed
+        with pytest.raises(FileNotFoundError, match="there is no folder"):
+            feed.record(tmp_path / "missing" / "run.mcap")
+        with pytest.raises(ValueError, match=r"expected a name that ends in .mcap, got 'run.bag'"):
+            feed.record("run.bag")
+        with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan'\]"):
+            feed.record("run.mcap", ["/scan"])  # type: ignore[arg-type]
+    assert first.closed, "closing the feed completes the file"
+    with pytest.raises(FeedError, match="is closed"):
+        feed.record(tmp_path / "other.mcap")
+    assert [file.name for file in tmp_path.iterdir()] == ["run.mcap"]
+
+
+def test_the_file_of_a_killed_process_opens_with_all_but_the_last_moments(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    process = subprocess.Popen([sys.executable, "-c", KILLED, path], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+    with robowidgets.open(path) as recording:
+        assert len(recording.problems) == 1
+        assert recording.problems[0].startswith("the recorder was stopped before it closed the file: read all of its")
+        assert len(recording.scans("/scan")) >= 10
+        assert {span.path for span in recording.states} == {"Walker.forward", "Walker.turn"}
+        assert recording.programs[0].name == "Walker"
+
+
+def test_a_speed_without_a_type_of_its_own_is_stamped(tmp_path: Path) -> None:
+    script = Scripted(Advert("/speed", "geometry_msgs/msg/TwistStamped"))
+    with Feed(script) as feed, feed.record(tmp_path / "run.mcap") as recorder:
+        script.listener.on_message("/speed", Speed((0.5, 0.0, 0.0)))
+        wait_for(lambda: recorder.written["/speed"], "it is written")
+    (one,) = decoded(tmp_path / "run.mcap")["/speed"]
+    assert (one.twist.linear.x, abs(one.header.stamp.sec - time.time()) < 60) == (0.5, True)
