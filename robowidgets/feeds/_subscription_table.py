@@ -35,6 +35,11 @@ class SubscriptionTable:
         self.down = down
         self._widgets: dict[RobotWidget[Any], list[_Connected]] = {}
 
+    @property
+    def widgets(self) -> tuple[RobotWidget[Any], ...]:
+        """The widgets that are connected, once each."""
+        return tuple(self._widgets)
+
     def connect(self, topic: str, targets: Sequence[Target]) -> None:
         """Add targets to a topic, except those that it has already."""
         subscription = self.by_topic.get(topic)

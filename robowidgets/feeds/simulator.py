@@ -10,6 +10,7 @@ from typing import Any
 from ..messages import to_speed
 from ..messages.standard import TWIST
 from ..samples.checks import finite
+from ..shapes.drawing import DrawsShapes
 from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
 from ..simulator import wander as wander_about
@@ -131,6 +132,10 @@ class SimulatorFeed(Feed):
     def __init__(self, robot: Robot, hz: float, wander: bool) -> None:
         self.robot = robot
         super().__init__(Simulated(robot, hz, wander))
+
+    def drawn(self) -> list[dict[str, Any]]:
+        """What programs draw on the laser widgets that are connected, as the page reads it."""
+        return [form for widget in self._table.widgets if isinstance(widget, DrawsShapes) for form in widget.forms()]
 
 
 def simulator(

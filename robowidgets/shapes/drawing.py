@@ -127,13 +127,17 @@ class DrawsShapes(RobotWidget[Scan]):
             self._drop(time.monotonic())
             return MappingProxyType({name: one.function or one.shapes for name, one in self._drawn.items()})
 
+    def forms(self) -> list[dict[str, Any]]:
+        """What is drawn now, as the page reads it, without the seconds that it has left."""
+        with self._sample_lock:
+            forms = self._forms(time.monotonic())
+        return [{key: value for key, value in form.items() if key != "left"} for form in forms]
+
     # -- for the base --------------------------------------------------------------------------------------------------
 
     def _on_sample(self) -> dict[str, Any]:
         """The shapes, as texts on the newest sample. Called with the lock of the samples."""
-        now = time.monotonic()
-        self._drop(now)
-        forms = [form for name, one in self._drawn.items() for form in one.forms(name, one.shapes, now)]
+        forms = self._forms(time.monotonic())
         return {"shapes": forms} if forms else {}
 
     def _drawn_on(self, scan: Scan) -> dict[str, Any]:
@@ -192,6 +196,10 @@ class DrawsShapes(RobotWidget[Scan]):
         self._changed = True
         if (drawn and drawn.ends) or (before and before.ends):
             self._expiry.plan(one.ends for one in self._drawn.values())
+
+    def _forms(self, now: float) -> list[dict[str, Any]]:
+        self._drop(now)
+        return [form for name, one in self._drawn.items() for form in one.forms(name, one.shapes, now)]
 
     def _drop(self, now: float) -> None:
         """Forget shapes whose time is over."""

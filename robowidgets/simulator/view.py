@@ -5,12 +5,14 @@ from __future__ import annotations
 import struct
 import threading
 import time
+import weakref
 from collections import deque
 from collections.abc import Iterable
 from math import hypot
 from typing import Any
 
 import numpy as np
+import traitlets
 
 from .._core.base_widget import NamedWidget, bundle
 from .._core.pacer import pacer
@@ -23,9 +25,10 @@ from .robot import Robot
 INTERVAL = 1 / 30
 """Seconds between two pictures, at least."""
 
-HEADER = struct.Struct("<14d")
-"""Time, robot (x, y, yaw, radius), scan (x, y, yaw, angle_min, angle_increment, range_max), numbers of rays, of places
-on the path and of obstacles. The ranges follow, then triples (time, x, y) and (x, y, radius), all as float32."""
+HEADER = struct.Struct("<15d")
+"""Time, robot (x, y, yaw, radius), scan (x, y, yaw, 1 or -1 for upside down, angle_min, angle_increment, range_max),
+numbers of rays, of places on the path and of obstacles. The ranges follow, then triples (time, x, y) and
+(x, y, radius), all as float32."""
 
 PATH_SECONDS = 30.0
 _PATH_STEP = 0.05
@@ -35,6 +38,8 @@ _MOST_OBSTACLES = 200
 
 class View(NamedWidget):
     """A simulated robot in its room, from above and to scale, with its readings and the path of the last 30 s.
+
+    Of a feed, it also shows what programs draw on the laser widgets that are connected to the feed.
 
     On the page, robot and obstacles are dragged, the robot is turned by its handle, and obstacles are put and removed:
     by pointer, touch or keys (``n`` next thing, arrows, ``[`` ``]``, ``o``, Delete). What has no room stays where it
@@ -61,6 +66,7 @@ class View(NamedWidget):
     footer = Flag(True, help="Whether places stand below the picture.").tag(sync=True)
     _frame = bytes_trait(echo_update=False)
     _walls = bytes_trait(echo_update=False)
+    _shapes: traitlets.List[Any] = traitlets.List().tag(sync=True, echo_update=False)
 
     def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
         """Take the robot as a positional argument."""
@@ -70,15 +76,15 @@ class View(NamedWidget):
         simulated = robot if isinstance(robot, Robot) else getattr(robot, "robot", None)
         if not isinstance(simulated, Robot):
             raise TypeError(f"View(): expected a robot of robowidgets.simulator, or its feed, got {robot!r}")
-        self._robot = simulated
+        self._robot, self._feed = simulated, weakref.ref(robot)
         self._shown_world = simulated.world
         self._send_lock = threading.RLock()
         self._path: deque[tuple[float, float, float]] = deque()
         self._marked_at = 0.0
-        self._sent = b""
+        self._sent: tuple[bytes, list[Any]] = (b"", [])
         super().__init__(**{"title": "simulator", **kwargs})
         self._walls = simulated.world.walls.astype("<f4").tobytes()
-        self._frame = self._sent = self._pack()
+        self._frame, self._shapes = self._sent = self._pack(), self._drawn()
         self.on_msg(self._on_page)
         simulated.watch(self._on_step)
 
@@ -122,11 +128,12 @@ class View(NamedWidget):
             if self.comm is None:
                 return 0
             self._update()
-            if self._frame == self._sent:
-                return 0
-            self._sent = self._frame
-            super().send_state("_frame")
-            return len(self._sent)
+            before, self._sent = self._sent, (self._frame, self._shapes)
+            names = ("_frame", "_shapes")
+            changed = [name for name, old, new in zip(names, before, self._sent, strict=True) if old != new]
+            if changed:
+                super().send_state(changed)
+            return len(self._frame) if "_frame" in changed else 0
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
         """The synced traits, with the newest picture: what a new view, a reload and a saved notebook get."""
@@ -141,8 +148,12 @@ class View(NamedWidget):
         if world.walls is not self._shown_world.walls:
             self._walls = world.walls.astype("<f4").tobytes()
         self._shown_world = world
-        # Without sending it, as setting the trait would.
-        self._trait_values["_frame"] = self._pack()
+        # Without sending them, as setting the traits would.
+        self._trait_values |= {"_frame": self._pack(), "_shapes": self._drawn()}
+
+    def _drawn(self) -> list[Any]:
+        feed: Any = self._feed()
+        return feed.drawn() if hasattr(feed, "drawn") else []
 
     def _pack(self) -> bytes:
         robot, path = self._robot, np.array([*self._path], "<f4")
@@ -154,7 +165,7 @@ class View(NamedWidget):
         ranges = np.where(is_met, scan.ranges, np.where(is_nothing, np.inf, np.nan))
         obstacles = robot.world.obstacles.astype("<f4")
         turn = -1 if scanner.upside_down else 1
-        geometry = (turn * scan.angle_min, turn * scan.angle_increment, scan.range_max)
+        geometry = (turn, scan.angle_min, scan.angle_increment, scan.range_max)
         counts = (len(ranges), len(path), len(obstacles))
         header = HEADER.pack(robot.time, *robot.pose, robot.radius, x, y, yaw, *geometry, *counts)
         return header + ranges.astype("<f4").tobytes() + path.tobytes() + obstacles.tobytes()

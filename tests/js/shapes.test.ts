@@ -4,6 +4,7 @@ import { pathOf } from "../../robowidgets/js/laser/draw_shape.ts";
 import { Occupancy, overlaps } from "../../robowidgets/js/laser/guides.ts";
 import type { Host, Stage } from "../../robowidgets/js/laser/layer.ts";
 import type { Box, Point } from "../../robowidgets/js/laser/projection.ts";
+import type { Scan } from "../../robowidgets/js/laser/scan.ts";
 import { boxAt, PLACES } from "../../robowidgets/js/laser/shape_labels.ts";
 import { ShapeLayer } from "../../robowidgets/js/laser/shape_layer.ts";
 import {
@@ -13,6 +14,8 @@ import {
   lasting,
   type Metres,
   placesOf,
+  readingOf,
+  toPicture,
   untilNext,
 } from "../../robowidgets/js/laser/shapes.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
@@ -24,12 +27,13 @@ const NEAR = (a: Metres, b: Metres) => near(a[0], b[0], 1e-6) && near(a[1], b[1]
 
 test("the index of a ray stands for its reading in the scan on show, and for nothing without one", () => {
   const scan = scanOf([2, Number.NaN, 4], { angleMin: -90 * DEGREE, angleIncrement: 90 * DEGREE });
-  const places = placesOf([[1, 0.5], 0, 2], scan) as Metres[];
+  const of = (shown: Scan | null) => (index: number) => readingOf(shown, index);
+  const places = placesOf([[1, 0.5], 0, 2], of(scan)) as Metres[];
   assert.deepEqual(places[0], [1, 0.5]);
   assert.ok(NEAR(places[1] as Metres, [0, -2]) && NEAR(places[2] as Metres, [0, 4]));
-  assert.equal(placesOf([0, 1], scan), null, "no reading");
-  assert.equal(placesOf([3], scan), null, "no such ray");
-  assert.equal(placesOf([0], null), null, "no scan");
+  assert.equal(placesOf([0, 1], of(scan)), null, "no reading");
+  assert.equal(placesOf([3], of(scan)), null, "no such ray");
+  assert.equal(placesOf([0], of(null)), null, "no scan");
 });
 
 test("an arc runs counter-clockwise from its first angle to its second, across the seam too", () => {
@@ -90,7 +94,9 @@ test("words stand beside a shape and never on it", () => {
 
 test("what lies beyond the view is no part of the picture", () => {
   const projection = { centerX: 100, centerY: 100, radius: 100, viewRange: 4, forward: Math.PI / 2 };
-  const path = (...places: Metres[]) => pathOf(projection, shape("line"), places);
+  const toPoint = (place: Metres) => toPicture(projection, place);
+  const isInView = ({ x, y }: Point) => Math.hypot(x - 100, y - 100) <= 100;
+  const path = (...places: Metres[]) => pathOf(toPoint, isInView, shape("line"), places);
   assert.deepEqual(path([5, -1], [5, 1]), []);
   const across = path([2, -9], [2, 9]);
   assert.ok(across.length > 10 && across.every(({ x, y }) => Math.hypot(x - 100, y - 100) <= 100));

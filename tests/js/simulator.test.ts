@@ -1,5 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import type { Theme } from "../../robowidgets/js/shared/theme.ts";
+import type { Shape } from "../../robowidgets/js/shared/traits.ts";
+import { drawShapes } from "../../robowidgets/js/simulator/draw_shapes.ts";
 import { Edits } from "../../robowidgets/js/simulator/edits.ts";
 import {
   boundsOf,
@@ -13,6 +16,7 @@ import {
   thingAt,
   toFloor,
   toPixel,
+  toPlace,
   toScene,
   toWalls,
   withThing,
@@ -29,6 +33,7 @@ function scene(): Scene {
       x: 0,
       y: 0,
       yaw: 0,
+      turn: 1,
       angleMin: 0,
       angleIncrement: Math.PI / 2,
       rangeMax: 4,
@@ -40,7 +45,7 @@ function scene(): Scene {
 }
 
 function frame(): DataView {
-  const header = [1.5, 1, 2, 0.5, 0.2, 1, 2, 0.4, -1, 0.5, 6, 2, 1, 1];
+  const header = [1.5, 1, 2, 0.5, 0.2, 1, 2, 0.4, -1, -1, 0.5, 6, 2, 1, 1];
   const values = [3, Infinity, 0.5, 0.9, 2, 4, 5, 0.3];
   const bytes = new DataView(new ArrayBuffer(8 * header.length + 4 * values.length));
   for (const [i, value] of header.entries()) bytes.setFloat64(8 * i, value, true);
@@ -51,7 +56,10 @@ function frame(): DataView {
 test("a frame is read as Python packs it", () => {
   const { time, robot, scan, path, obstacles } = toScene(frame()) as Scene;
   assert.deepEqual([time, robot], [1.5, { x: 1, y: 2, yaw: 0.5, radius: 0.2 }]);
-  assert.deepEqual([scan.yaw, scan.rangeMax, [...scan.ranges]], [0.4, 6, [3, Infinity]]);
+  assert.deepEqual(
+    [scan.yaw, scan.turn, scan.angleMin, scan.rangeMax, [...scan.ranges]],
+    [0.4, -1, -1, 6, [3, Infinity]],
+  );
   assert.deepEqual(
     path.map(({ x, y }) => [x, y].map(Math.fround)),
     [[Math.fround(0.9), 2]],
@@ -127,4 +135,52 @@ test("what was moved stays there until Python has answered the last edit and sen
   assert.equal(edits.apply(scene()).obstacles[0]?.x, 9);
   model.tell({ edit: "a-3", refused: "no room" });
   assert.deepEqual([edits.thing, refusals], [null, ["no room"]]);
+});
+
+test("a place of the scanner's frame is where the scanner stands and looks, mirrored where it hangs upside down", () => {
+  const scan = { ...scene().scan, x: 2, y: 1, yaw: Math.PI / 2 };
+  const rounded = ({ x, y }: { x: number; y: number }) => [x, y].map((value) => Number(value.toFixed(6)));
+  assert.deepEqual(rounded(toPlace(scan, [1, 0.5])), [1.5, 2]);
+  assert.deepEqual(rounded(toPlace({ ...scan, turn: -1 }, [1, 0.5])), [2.5, 2]);
+  const ray = endsOf({ ...scan, turn: -1, angleMin: Math.PI / 2 })[0];
+  assert.deepEqual(ray && rounded(ray), [3, 1], "so are its rays");
+});
+
+test("what a program drew stands in the room, where it is seen from the scanner, and has its name", () => {
+  const calls: [string, ...unknown[]][] = [];
+  const context = new Proxy(
+    {},
+    {
+      get:
+        (_, name) =>
+        (...given: unknown[]) =>
+          calls.push([String(name), ...given]) && { width: 30 },
+      set: () => true,
+    },
+  );
+  const shapes: Shape[] = [
+    { name: "gap", kind: "line", at: [0, [0, 1]] },
+    {
+      name: "gap",
+      kind: "line",
+      at: [
+        [1, 1],
+        [1, 0.5],
+      ],
+    },
+    { name: "gone", kind: "points", at: [1] },
+  ];
+  const shown = { ...scene(), scan: { ...scene().scan, yaw: Math.PI / 2 } };
+  const projection = fit({ west: -2, east: 2, south: -2, north: 2 }, { width: 424, height: 440 });
+  drawShapes(context as CanvasRenderingContext2D, projection, shown, shapes, {} as Theme);
+  const pixels = calls
+    .filter(([name]) => /moveTo|lineTo/.test(name))
+    .map(([, x, y]) => [x, y].map(Number).map(Math.round));
+  const at = (x: number, y: number) => Object.values(toPixel(projection, { x, y })).map(Math.round);
+  assert.deepEqual(pixels.slice(0, 2), [at(0, 1), at(-1, 0)], "the reading of a ray, and a place to its left");
+  assert.deepEqual(
+    calls.filter(([name]) => name === "fillText").map(([, text]) => text),
+    ["gap"],
+    "no ray, no shape",
+  );
 });

@@ -1,7 +1,7 @@
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
 import type { Point, Projection } from "./projection.ts";
-import { arcPlaces, isCircle, type Metres, toPicture } from "./shapes.ts";
+import { arcPlaces, isCircle, type Metres } from "./shapes.ts";
 
 const WIDTH = 2;
 /** Half the length of the tick at the end of a line, in pixels. */
@@ -25,15 +25,18 @@ export function clipToView(context: CanvasRenderingContext2D, projection: Projec
   context.restore();
 }
 
+/** Where a place is in the picture. */
+export type ToPoint = (place: Metres) => Point;
+
 /** Draws a shape without its words, which stand in the picture as a text does. */
 export function drawShape(
   context: CanvasRenderingContext2D,
-  projection: Projection,
+  toPoint: ToPoint,
   shape: Shape,
   places: Metres[],
   theme: Theme,
 ): void {
-  const points = outlineOf(projection, shape, places);
+  const points = outlineOf(toPoint, shape, places);
   context.strokeStyle = context.fillStyle = shape.color ?? theme.own;
   context.lineWidth = WIDTH;
   context.lineJoin = "round";
@@ -44,7 +47,7 @@ export function drawShape(
       context.arc(x, y, RING, 0, 2 * Math.PI);
     }
   } else if (shape.kind === "pose") {
-    tracePose(context, points[0] as Point, (shape.yaw ?? 0) + projection.forward);
+    tracePose(context, points[0] as Point, directionOf(toPoint, shape, places));
   } else if (shape.kind !== "text") {
     for (const [i, { x, y }] of points.entries()) {
       if (i) context.lineTo(x, y);
@@ -86,20 +89,25 @@ function tipOf({ x, y }: Point, angle: number, length = ARROW): Point {
   return { x: x + length * Math.cos(angle), y: y - length * Math.sin(angle) };
 }
 
+/** The direction of a pose in the picture. */
+function directionOf(toPoint: ToPoint, { yaw = 0 }: Shape, [place]: Metres[]): number {
+  const [x, y] = place as Metres;
+  const [from, to] = [toPoint([x, y]), toPoint([x + Math.cos(yaw), y + Math.sin(yaw)])];
+  return Math.atan2(from.y - to.y, to.x - from.x);
+}
+
 /** The corners of a shape in the picture. */
-function outlineOf(projection: Projection, shape: Shape, places: Metres[]): Point[] {
+function outlineOf(toPoint: ToPoint, shape: Shape, places: Metres[]): Point[] {
   const corners = shape.kind === "arc" ? arcPlaces(shape, places[0] as Metres) : places;
-  return corners.map((place) => toPicture(projection, place));
+  return corners.map(toPoint);
 }
 
 /** Points of the picture along a shape, a few pixels apart, as far as the view reaches. */
-export function pathOf(projection: Projection, shape: Shape, places: Metres[]): Point[] {
-  const points = outlineOf(projection, shape, places);
-  const { centerX, centerY, radius } = projection;
-  const isInView = ({ x, y }: Point) => Math.hypot(x - centerX, y - centerY) <= radius;
+export function pathOf(toPoint: ToPoint, isInView: (point: Point) => boolean, shape: Shape, places: Metres[]): Point[] {
+  const points = outlineOf(toPoint, shape, places);
   if (shape.kind === "points" || shape.kind === "text") return points.filter(isInView);
   const closed = shape.kind === "polygon" ? [...points, points[0] as Point] : points;
-  if (shape.kind === "pose") closed.push(tipOf(points[0] as Point, (shape.yaw ?? 0) + projection.forward));
+  if (shape.kind === "pose") closed.push(tipOf(points[0] as Point, directionOf(toPoint, shape, places)));
   const path: Point[] = [];
   for (const [i, from] of closed.slice(0, -1).entries()) {
     const to = closed[i + 1] as Point;

@@ -13,7 +13,7 @@ export interface ShapeLabel {
   lines: string[];
 }
 
-const LINE = 15;
+export const LINE = 15;
 /** Pixels between a shape and its words, best first. */
 const GAPS = [8, 18, 30];
 const ROBOT = 10;
@@ -93,7 +93,7 @@ export function boxAt(path: Point[], width: number, height: number, place: numbe
   return { x, y, width, height };
 }
 
-function isWithin(inner: Box, outer: Box): boolean {
+export function isWithin(inner: Box, outer: Box): boolean {
   return (
     inner.x >= outer.x &&
     inner.y >= outer.y &&
@@ -106,12 +106,18 @@ function fontOf(line: number, theme: Theme): string {
   return `${line ? "" : "650 "}12px ${theme.font}`;
 }
 
-function widthOf(context: CanvasRenderingContext2D, text: string, line: number, theme: Theme): number {
+export function widthOf(context: CanvasRenderingContext2D, text: string, line: number, theme: Theme): number {
   context.font = fontOf(line, theme);
   return context.measureText(text).width;
 }
 
-function writeLabel(context: CanvasRenderingContext2D, box: Box, lines: string[], shape: Shape, theme: Theme): void {
+export function writeLabel(
+  context: CanvasRenderingContext2D,
+  box: Box,
+  lines: string[],
+  shape: Shape,
+  theme: Theme,
+): void {
   for (const [i, line] of lines.entries()) {
     const y = box.y + LINE * (i + 0.5);
     write(context, line, box.x, y, shape.color ?? theme.own, fontOf(i, theme), "left", theme.area);

@@ -5,7 +5,7 @@ import { clipToView, drawShape, pathOf } from "./draw_shape.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
 import type { Point } from "./projection.ts";
 import { ShapeLabels } from "./shape_labels.ts";
-import { describeShape, lasting, type Metres, placesOf, untilNext } from "./shapes.ts";
+import { describeShape, lasting, type Metres, placesOf, readingOf, toPicture, untilNext } from "./shapes.ts";
 
 /** A shape that can be drawn now, and its places in metres. */
 export interface Placed {
@@ -59,18 +59,24 @@ export class ShapeLayer implements Layer {
 
   #placed(stage: Stage): Placed[] {
     return this.#shapes.flatMap((shape) => {
-      const places = placesOf(shape.at, stage.scan);
+      const places = placesOf(shape.at, (index) => readingOf(stage.scan, index));
       return places ? [{ shape, places }] : [];
     });
   }
 
   #drawShapes(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
     const { projection, occupied } = stage;
-    this.#drawn = this.#placed(stage).map((one) => ({ ...one, path: pathOf(projection, one.shape, one.places) }));
+    const { centerX, centerY, radius } = projection;
+    const toPoint = (place: Metres) => toPicture(projection, place);
+    const isInView = ({ x, y }: Point) => Math.hypot(x - centerX, y - centerY) <= radius;
+    this.#drawn = this.#placed(stage).map((one) => ({
+      ...one,
+      path: pathOf(toPoint, isInView, one.shape, one.places),
+    }));
     for (const { x, y } of this.#drawn.flatMap(({ path }) => path)) occupied.mark(x, y);
     // One clip for all: a clip of its own for each shape takes longer than all else here.
     clipToView(context, projection, () => {
-      for (const { shape, places } of this.#drawn) drawShape(context, projection, shape, places, theme);
+      for (const { shape, places } of this.#drawn) drawShape(context, toPoint, shape, places, theme);
     });
   }
 

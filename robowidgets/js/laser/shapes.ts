@@ -11,12 +11,12 @@ const TURN = 2 * Math.PI;
 const PIECE = Math.PI / 90;
 
 /** The places of a shape in metres; null when one is a ray without a reading. */
-export function placesOf(at: Spot[], scan: Scan | null): Metres[] | null {
-  const places = at.map((spot) => (typeof spot === "number" ? readingOf(scan, spot) : spot));
+export function placesOf(at: Spot[], readingOf: (index: number) => Metres | null): Metres[] | null {
+  const places = at.map((spot) => (typeof spot === "number" ? readingOf(spot) : spot));
   return places.every((place) => place !== null) ? places : null;
 }
 
-function readingOf(scan: Scan | null, index: number): Metres | null {
+export function readingOf(scan: Scan | null, index: number): Metres | null {
   if (scan?.kinds[index] !== READING) return null;
   const [range, angle] = [scan.ranges[index] as number, angleOf(scan, index)];
   return [range * Math.cos(angle), range * Math.sin(angle)];

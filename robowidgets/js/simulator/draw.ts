@@ -4,6 +4,7 @@ import type { Theme } from "../shared/theme.ts";
 import { ticks } from "../shared/ticks.ts";
 import {
   endsOf,
+  floorOf,
   handleOf,
   type Place,
   type Projection,
@@ -32,16 +33,13 @@ const NOSE = [
 
 /** The floor, and below it the scale. */
 export function drawFloor(context: Context, projection: Projection, theme: Theme): void {
-  const { scale, bounds } = projection;
-  const [from, to] = [
-    toPixel(projection, { x: bounds.west, y: bounds.north }),
-    toPixel(projection, { x: bounds.east, y: bounds.south }),
-  ];
+  const { scale } = projection;
+  const floor = floorOf(projection);
   context.fillStyle = theme.area;
-  context.fillRect(from.x, from.y, to.x - from.x, to.y - from.y);
-  const length = ticks(0, (bounds.east - bounds.west) / 2, 2)[1] ?? 1;
-  const y = to.y + 15;
-  const [west, east] = [to.x - length * scale, to.x - 0.5];
+  context.fillRect(floor.x, floor.y, floor.width, floor.height);
+  const length = ticks(0, floor.width / scale / 2, 2)[1] ?? 1;
+  const [right, y] = [floor.x + floor.width, floor.y + floor.height + 15];
+  const [west, east] = [right - length * scale, right - 0.5];
   context.beginPath();
   for (const x of [west, east]) line(context, { x, y: y - 3 }, { x, y: y + 3 });
   line(context, { x: west, y }, { x: east, y });
@@ -52,18 +50,25 @@ export function drawFloor(context: Context, projection: Projection, theme: Theme
 /** What the scanner has seen to be free. */
 export function drawFree(context: Context, projection: Projection, { scan }: Scene, theme: Theme): void {
   const from = toPixel(projection, scan);
-  const { bounds, left, top, scale } = projection;
+  clipToFloor(context, projection, () => {
+    context.beginPath();
+    context.moveTo(from.x, from.y);
+    for (const end of endsOf(scan)) {
+      const { x, y } = end ? toPixel(projection, end) : from;
+      context.lineTo(x, y);
+    }
+    fill(context, theme.seen);
+  });
+}
+
+/** Calls a function that draws on the floor only. */
+export function clipToFloor(context: Context, projection: Projection, draw: () => void): void {
+  const { x, y, width, height } = floorOf(projection);
   context.save();
   context.beginPath();
-  context.rect(left, top, (bounds.east - bounds.west) * scale, (bounds.north - bounds.south) * scale);
+  context.rect(x, y, width, height);
   context.clip();
-  context.beginPath();
-  context.moveTo(from.x, from.y);
-  for (const end of endsOf(scan)) {
-    const { x, y } = end ? toPixel(projection, end) : from;
-    context.lineTo(x, y);
-  }
-  fill(context, theme.seen);
+  draw();
   context.restore();
 }
 
@@ -78,7 +83,7 @@ export function drawWalls(context: Context, projection: Projection, walls: Float
   context.lineCap = "butt";
 }
 
-/** Obstacles, path, readings and the robot, and a ring round the thing that keys and buttons act on. */
+/** Obstacles, path and readings, and a ring round the obstacle that keys and buttons act on. */
 export function drawThings(
   context: Context,
   projection: Projection,
@@ -102,9 +107,6 @@ export function drawThings(
     const { x, y } = toPixel(projection, end);
     context.fillRect(x - DOT / 2, y - DOT / 2, DOT, DOT);
   }
-  drawRobot(context, projection, scene, moved !== null && typeof moved !== "number", theme);
-  if (selected === "robot")
-    ring(context, toPixel(projection, scene.robot), robotRadius(projection, scene.robot), theme);
 }
 
 function drawPath(context: Context, projection: Projection, { path, robot, time }: Scene, theme: Theme): void {
@@ -120,9 +122,17 @@ function drawPath(context: Context, projection: Projection, { path, robot, time 
   context.globalAlpha = 1;
 }
 
-/** A disc with its nose inside, and the handle that turns it. */
-function drawRobot(context: Context, projection: Projection, { robot }: Scene, isMoved: boolean, theme: Theme): void {
+/** A disc with its nose inside, the handle that turns it, and a ring round it while keys and buttons act on it. */
+export function drawRobot(
+  context: Context,
+  projection: Projection,
+  { robot }: Scene,
+  selected: Thing | null,
+  moved: Thing | null,
+  theme: Theme,
+): void {
   const [at, radius] = [toPixel(projection, robot), robotRadius(projection, robot)];
+  const isMoved = moved !== null && typeof moved !== "number";
   const handle = handleOf(projection, robot);
   const toward = (angle: number, distance: number, from = at): Place => ({
     x: from.x + distance * Math.cos(robot.yaw + angle),
@@ -144,6 +154,7 @@ function drawRobot(context: Context, projection: Projection, { robot }: Scene, i
     context.lineTo(x, y);
   }
   fill(context, theme.background);
+  if (selected === "robot") ring(context, at, radius, theme);
 }
 
 function ring(context: Context, at: Place, radius: number, theme: Theme): void {

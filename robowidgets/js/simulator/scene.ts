@@ -1,3 +1,5 @@
+import type { Box } from "../laser/projection.ts";
+import type { Metres } from "../laser/shapes.ts";
 import { copyOf, Reader, toBytes } from "../shared/bytes.ts";
 import type { Size } from "../shared/canvas.ts";
 
@@ -29,6 +31,8 @@ export interface Scene {
 
 /** A scan, and where it was taken. */
 interface Scan extends Pose {
+  /** 1, or -1 for a scanner that hangs upside down. */
+  turn: number;
   angleMin: number;
   angleIncrement: number;
   rangeMax: number;
@@ -42,16 +46,16 @@ export function toScene(frame: unknown): Scene | null {
   if (!bytes) return null;
   const reader = new Reader(bytes);
   const [time, x, y, yaw, radius] = reader.float64s(5) as [number, number, number, number, number];
-  const [scanX, scanY, scanYaw, angleMin, angleIncrement, rangeMax] = reader.float64s(6) as Six;
+  const [scanX, scanY, scanYaw, turn, angleMin, angleIncrement, rangeMax] = reader.float64s(7) as Seven;
   const [rays, places, discs] = reader.float64s(3) as [number, number, number];
   const ranges = reader.float32s(rays);
   const path = triples(reader.float32s(3 * places)).map(([time, x, y]) => ({ time, x, y }));
   const obstacles = triples(reader.float32s(3 * discs)).map(([x, y, radius]) => ({ x, y, radius }));
-  const scan = { x: scanX, y: scanY, yaw: scanYaw, angleMin, angleIncrement, rangeMax, ranges };
+  const scan = { x: scanX, y: scanY, yaw: scanYaw, turn, angleMin, angleIncrement, rangeMax, ranges };
   return { time, robot: { x, y, yaw, radius }, scan, path, obstacles };
 }
 
-type Six = [number, number, number, number, number, number];
+type Seven = [number, number, number, number, number, number, number];
 
 function triples(values: Float32Array): [number, number, number][] {
   return Array.from({ length: values.length / 3 }, (_, i) => [...values.subarray(3 * i, 3 * i + 3)] as Triple);
@@ -65,11 +69,24 @@ export function toWalls(bytes: unknown): Float32Array {
   return view ? new Float32Array(copyOf(view, 0, view.byteLength)) : new Float32Array();
 }
 
-/** The places that the rays reach: for a ray that met nothing the end of its reach, and null without a reading. */
-export function endsOf({ x, y, yaw, angleMin, angleIncrement, rangeMax, ranges }: Scan): (Place | null)[] {
-  return Array.from(ranges, (range, i) => {
-    const [reach, angle] = [Math.min(range, rangeMax), yaw + angleMin + i * angleIncrement];
-    return Number.isNaN(range) ? null : { x: x + reach * Math.cos(angle), y: y + reach * Math.sin(angle) };
+/** Where on the floor something in the frame of the scanner is. */
+export function toPlace({ x, y, yaw, turn }: Scan, [ahead, left]: Metres): Place {
+  const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
+  return { x: x + cos * ahead - sin * turn * left, y: y + sin * ahead + cos * turn * left };
+}
+
+/** The end of a ray, in the frame of the scanner: of one that met nothing that of its reach; null without a reading. */
+export function endOf({ angleMin, angleIncrement, rangeMax, ranges }: Scan, index: number): Metres | null {
+  const [range = NaN, angle] = [ranges[index], angleMin + index * angleIncrement];
+  const reach = Math.min(range, rangeMax);
+  return Number.isNaN(range) ? null : [reach * Math.cos(angle), reach * Math.sin(angle)];
+}
+
+/** The places that the rays reach. */
+export function endsOf(scan: Scan): (Place | null)[] {
+  return Array.from(scan.ranges, (_, i) => {
+    const end = endOf(scan, i);
+    return end && toPlace(scan, end);
   });
 }
 
@@ -128,6 +145,12 @@ export function fit(bounds: Bounds, { width, height }: Size): Projection {
     top: MARGIN + (height - MARGIN - BELOW - high * scale) / 2,
     bounds,
   };
+}
+
+/** The floor in pixels. */
+export function floorOf({ scale, left, top, bounds }: Projection): Box {
+  const { west, east, north, south } = bounds;
+  return { x: left, y: top, width: (east - west) * scale, height: (north - south) * scale };
 }
 
 export function toPixel({ scale, left, top, bounds }: Projection, { x, y }: Place): Place {

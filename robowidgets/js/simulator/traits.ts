@@ -1,8 +1,10 @@
-import type { CardTraits } from "../shared/traits.ts";
+import type { CardTraits, Shape } from "../shared/traits.ts";
 
 export interface SimulatorTraits extends CardTraits {
   /** The robot, its newest scan, its path and the obstacles: see `toScene`. */
   _frame: DataView;
   /** The walls as float32: x1, y1, x2, y2 of each, metres. */
   _walls: DataView;
+  /** What programs drew on the newest scan. */
+  _shapes: Shape[];
 }

@@ -5,7 +5,8 @@ import { isPlain, on } from "../shared/events.ts";
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
 import { lacksKernel, type Model, onChange } from "../shared/model.ts";
 import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
-import { drawFloor, drawFree, drawThings, drawWalls } from "./draw.ts";
+import { drawFloor, drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
+import { drawShapes } from "./draw_shapes.ts";
 import { Edits } from "./edits.ts";
 import {
   BELOW,
@@ -78,6 +79,7 @@ export class SimulatorView {
     this.#tell = throttle(() => this.#updateText(), READING_MS, signal);
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["_walls"], () => this.#onWalls(), signal);
+    onChange(model, ["_shapes"], this.#redraw, signal);
     this.#watchInput(picture, signal);
     const onSize = (surface: Surface) => {
       this.#surface = surface;
@@ -124,7 +126,10 @@ export class SimulatorView {
     drawFree(context, projection, scene, theme);
     drawWalls(context, projection, this.#walls, theme);
     const isActive = picture.matches(":focus-within, :hover") && this.#isEditable;
-    drawThings(context, projection, scene, isActive ? this.#selected : null, this.#edits.thing, theme);
+    const [selected, moved] = [isActive ? this.#selected : null, this.#edits.thing];
+    drawThings(context, projection, scene, selected, moved, theme);
+    drawShapes(context, projection, scene, this.#model.get("_shapes"), theme);
+    drawRobot(context, projection, scene, selected, moved, theme);
     this.#tell();
   }
 

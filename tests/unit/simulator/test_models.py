@@ -136,7 +136,7 @@ def test_a_scanner_is_mounted_where_it_is_told_and_may_hang_upside_down() -> Non
     assert hanging.measure(post, 0.0, 0.0, 0.0, rng).nearest().index == 0
     robot = Robot(post, scanner=replace(hanging, mount=(0.1, 0.0, 0.0)))
     header = HEADER.unpack_from(View(robot).get_state()["_frame"])
-    assert header[5:10] == pytest.approx((0.1, 0.0, 0.0, pi / 2, -pi / 4)), "the view shows where its rays truly go"
+    assert header[5:11] == pytest.approx((0.1, 0.0, 0.0, -1, -pi / 2, pi / 4)), "the view shows where its rays truly go"
 
 
 @pytest.mark.parametrize(("given", "error", "words"), [

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robowidgets import feeds
+from robowidgets import Arc, LaserWidget, Line, feeds
 from robowidgets.simulator import Robot, Scanner, View, World, room
 from robowidgets.simulator.view import HEADER, PATH_SECONDS
 
@@ -48,7 +48,7 @@ def test_a_page_gets_the_robot_its_scan_its_path_and_the_room() -> None:
     header, ranges, path, obstacles = shown(view)
     assert header[:5] == (1.0, *robot.pose, 0.18)
     assert header[5:8] == tuple(robot.scan_pose)
-    assert header[8:11] == pytest.approx((-1.5, 1.5, 4.0))
+    assert header[8:12] == pytest.approx((1, -1.5, 1.5, 4.0))
     assert ranges.tolist() == [np.inf, pytest.approx(3.0 - robot.scan_pose.x), np.inf]
     assert path[-1, 1] == pytest.approx(robot.pose.x, abs=0.1)
     assert np.diff(path[:, 1]).min() > 0.04
@@ -56,6 +56,26 @@ def test_a_page_gets_the_robot_its_scan_its_path_and_the_room() -> None:
     assert np.frombuffer(view._walls, "<f4").tolist() == [3, -2, 3, 2]
     assert repr(view) == f"<View simulator: robot at x {robot.pose.x:.2f}, y 0.00 m, 1 obstacle>"
     view.close()
+
+
+def test_a_page_gets_what_is_drawn_on_the_lasers_of_the_robot_until_its_time_is_over() -> None:
+    with feeds.simulator(wander=False, hz=50) as feed:
+        laser, other, view = LaserWidget(), LaserWidget(), View(feed)
+        feed.connect("/scan", laser)
+        laser.draw("wall", Line((1, -1), 5), color="green")
+        laser.draw("soon", Arc(0.4), lifetime=0.2)
+        other.draw("elsewhere", Line((1, -1), (1, 1)))
+        wall, soon = view.get_state()["_shapes"]
+        assert wall == {"name": "wall", "kind": "line", "at": [[1.0, -1.0], 5], "color": "green"}
+        assert soon["name"] == "soon"
+        wait_for(lambda: view._shapes == [wall], "its time is over")
+        sent: list[Any] = []
+        view.comm.send = lambda data, **_: sent.append(data["state"])
+        laser.draw("wall", None)
+        wait_for(lambda: any(state.get("_shapes") == [] for state in sent), "the page is told with a step")
+        count = len(sent)
+        wait_for(lambda: len(sent) > count + 3, "steps go on")
+        assert not any("_shapes" in state for state in sent[count + 1 :])
 
 
 def test_a_path_is_as_long_as_the_page_shows_it() -> None:

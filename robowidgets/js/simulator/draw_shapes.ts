@@ -1,0 +1,53 @@
+import { drawShape, pathOf } from "../laser/draw_shape.ts";
+import { overlaps } from "../laser/guides.ts";
+import { type Box, holds } from "../laser/projection.ts";
+import { boxAt, isWithin, LINE, PLACES, widthOf, writeLabel } from "../laser/shape_labels.ts";
+import { type Metres, placesOf } from "../laser/shapes.ts";
+import type { Theme } from "../shared/theme.ts";
+import type { Shape } from "../shared/traits.ts";
+import { clipToFloor } from "./draw.ts";
+import { endOf, floorOf, type Place, type Projection, robotRadius, type Scene, toPixel, toPlace } from "./scene.ts";
+
+/** What programs drew on the newest scan, where it is on the floor; its names stand beside it. */
+export function drawShapes(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  { scan, robot }: Scene,
+  shapes: Shape[],
+  theme: Theme,
+): void {
+  const floor = floorOf(projection);
+  const toPoint = (place: Metres) => toPixel(projection, toPlace(scan, place));
+  const readingOf = (index: number) => (Number.isFinite(scan.ranges[index]) ? endOf(scan, index) : null);
+  const drawn = shapes.flatMap((shape) => {
+    const places = placesOf(shape.at, readingOf);
+    return places ? [{ shape, places, path: pathOf(toPoint, (point) => holds(floor, point), shape, places) }] : [];
+  });
+  clipToFloor(context, projection, () => {
+    for (const { shape, places } of drawn) drawShape(context, toPoint, shape, places, theme);
+  });
+
+  const paths = drawn.flatMap(({ shape, path }) => (shape.kind === "text" ? [] : path));
+  const taken = [boxOf(toPixel(projection, robot), robotRadius(projection, robot))];
+  const isFree = (box: Box) =>
+    isWithin(box, floor) && !taken.some((other) => overlaps(box, other, 2)) && !paths.some((at) => holds(box, at));
+  const named = new Set<string>();
+  for (const { shape, path } of drawn) {
+    const isText = shape.kind === "text";
+    if (!isText && named.has(shape.name)) continue;
+    named.add(shape.name);
+    const text = (isText && shape.text) || shape.name;
+    const width = widthOf(context, text, 0, theme);
+    for (let place = 0; place < PLACES; place++) {
+      const box = boxAt(path, width, LINE, place, isText);
+      if (!box || !isFree(box)) continue;
+      taken.push(box);
+      writeLabel(context, box, [text], shape, theme);
+      break;
+    }
+  }
+}
+
+function boxOf({ x, y }: Place, radius: number): Box {
+  return { x: x - radius, y: y - radius, width: 2 * radius, height: 2 * radius };
+}
