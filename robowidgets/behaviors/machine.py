@@ -292,8 +292,8 @@ class Machine:
     def _call(self, function: Callable[..., Any], since: float, of: Callable[[Any], Any] = lambda value: value) -> Any:
         """Call a function of the user with what it asks for; ``of`` wraps the samples."""
         self.current = function
-        values = {**self._values, SINCE: since}
-        return function(**{name: of(values[name]) for name in _parameters(function)})
+        values = self._values
+        return function(**{name: since if name == SINCE else of(values[name]) for name in _parameters(function)})
 
 
 _KNOWN = (*(kind.sample_name for kind in KINDS.values()), *GIVEN, SINCE)

@@ -130,7 +130,7 @@ class Driver:
 
     def _within(self, linear: float, angular: float) -> Velocity:
         velocity = self._driving.within(linear, angular)
-        self._status.cut = self._driving.cut(linear, angular)
+        self._status.cut = "" if velocity == (linear, angular) else self._driving.cut(linear, angular)
         return velocity
 
     def _try_drive(self, velocity: Velocity, stops: int) -> bool:

@@ -6,7 +6,7 @@ import threading
 import time
 import weakref
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -77,6 +77,7 @@ class _Latest:
         self._messages: deque[Any] = deque(maxlen=1)
         self._times: deque[float] = deque(maxlen=3)
         self._sample: Any = None
+        self._goes_stale = False
         self._touches: TouchTracker | None = None
         self._target: Target = feed.attach(topic, self._put)
 
@@ -90,6 +91,18 @@ class _Latest:
             messages = list(self._messages)
             self._messages.clear()
             times = list(self._times)
+        touched = self._take(messages) if messages else set()
+        if self._sample is None:
+            raise NotReadyError(self._feed.status_of(self.topic) or f"waiting for {self.topic}")
+        age = time.monotonic() - times[-1]
+        if self._goes_stale and age > STALE:
+            gaps = [later - earlier for earlier, later in pairwise(times)]
+            if age > min(2 * min(gaps, default=0.0), LONGEST):
+                raise NotReadyError(self._feed.status_of(self.topic) or f"no {name} comes on {self.topic} any more")
+        return self._touch_of(touched) if self._touches is not None else self._sample
+
+    def _take(self, messages: Sequence[Any]) -> set[str]:
+        """Read messages; returns the touch sensors that were touched. NotReadyError if a message cannot be read."""
         known = next((topic for topic in self._feed.topics if topic.name == self.topic), None)
         topic = known or Topic(self.topic, "", None, False, True, None)
         touched: set[str] = set()
@@ -103,15 +116,8 @@ class _Latest:
                 touched |= {sensor for sensor, state in sample.touched.items() if state}
                 self._touches = self._touches or TouchTracker()
                 self._touches.apply(sample, time.monotonic_ns())
-        if self._sample is None:
-            raise NotReadyError(self._feed.status_of(self.topic) or f"waiting for {self.topic}")
-        kind = next((kind for kind in KINDS.values() if isinstance(self._sample, kind.sample)), None)
-        if kind is not None and kind.goes_stale:
-            gaps = [later - earlier for earlier, later in pairwise(times)]
-            limit = min(max(STALE, 2 * min(gaps, default=0.0)), LONGEST)
-            if time.monotonic() - times[-1] > limit:
-                raise NotReadyError(self._feed.status_of(self.topic) or f"no {name} comes on {self.topic} any more")
-        return self._touch_of(touched) if self._touches is not None else self._sample
+        self._goes_stale = any(kind.goes_stale for kind in KINDS.values() if isinstance(self._sample, kind.sample))
+        return touched
 
     def _put(self, message: Any) -> None:
         """Store a message; of touch sensors each one counts. In the transport's thread."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import atan2, cos, degrees, isfinite, pi, sin
 from operator import index as as_index
 from typing import Any, NamedTuple
@@ -28,7 +28,7 @@ from .checks import (
     to_radians,
 )
 from .problem import Problem
-from .sector import Asked, in_sector, order_in_sector, to_sector
+from .sector import Asked, Sector, in_sector, order_in_sector, to_sector
 from .validity import CODES_END, Validity
 
 MAX_RAYS = 1_000_000
@@ -226,7 +226,7 @@ class Scan(HasAge):
     @cached_property
     def angles(self) -> NDArray[np.float64]:
         """Angle of every ray as the scanner counts it, in radians, shape (R,): a full circle may run from 0 to 2 pi."""
-        return frozen(self.angle_min + np.arange(len(self)) * self.angle_increment)
+        return _angles(self.angle_min, self.angle_increment, len(self))
 
     @cached_property
     def validity(self) -> NDArray[np.uint8]:
@@ -410,8 +410,19 @@ def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32
 
 
 def inside(like: Scan, sector: Asked | None) -> NDArray[np.bool_]:
-    """Whether each ray of scans with the same angles lies in a sector, shape (R,)."""
-    return np.ones(len(like), bool) if sector is None else in_sector(like.angles, to_sector(sector))
+    """Whether each ray of scans with the same angles lies in a sector, shape (R,), read-only."""
+    if sector is None:
+        return frozen(np.ones(len(like), bool))
+    return _inside(like.angle_min, like.angle_increment, len(like), to_sector(sector))
+
+
+@lru_cache(maxsize=100)
+def _inside(angle_min: float, angle_increment: float, count: int, sector: Sector) -> NDArray[np.bool_]:
+    return frozen(in_sector(_angles(angle_min, angle_increment, count), sector))
+
+
+def _angles(angle_min: float, angle_increment: float, count: int) -> NDArray[np.float64]:
+    return frozen(angle_min + np.arange(count) * angle_increment)
 
 
 def indices_at(like: Scan, angles: NDArray[np.float64]) -> NDArray[np.intp]:

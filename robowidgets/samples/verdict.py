@@ -121,6 +121,7 @@ class Trace:
         """A scan that notes what is read in it; another sample as it is."""
         if not isinstance(sample, Scan):
             return sample
+        _ = sample.angles  # found once for the scan and all that trace it
         traced = object.__new__(_TracedScan)
         traced.__dict__.update(sample.__dict__, _trace=self)
         return traced
