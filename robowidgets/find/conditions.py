@@ -15,7 +15,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from math import degrees, inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -252,12 +252,37 @@ class _Not(Condition):
         return f"~{self._part}"
 
 
-class _Touched(Condition):
+class _OfOneTopic(Condition):
+    """A condition on the last sample of a kind, or of one topic of that kind."""
+
+    kind: ClassVar[Kind]
+
+    def __init__(self, topic: str | None) -> None:
+        self._topic = topic
+
+    def judge(self, moment: Any) -> Verdict:
+        """See `Condition`."""
+        sample = last(moment, self.kind, self._topic)
+        return Verdict(None) if sample is None else self._judge(sample)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        return frozenset({self.kind.sample_name})
+
+    @abstractmethod
+    def _judge(self, sample: Any) -> Verdict:
+        """What the condition says of a sample."""
+
+
+class _Touched(_OfOneTopic):
+    kind = TOUCH
+
     def __init__(self, label: str | None, topic: str | None) -> None:
+        super().__init__(topic)
         if label is not None and not isinstance(label, str):
             raise TypeError(f"label: expected the name of a sensor, got {label!r}")
         self._label = label
-        self._topic = topic
 
     def steps(self, search: Search) -> Steps:
         touches = search.recording.touches(self._topic)
@@ -268,11 +293,7 @@ class _Touched(Condition):
         states = touches.states if self._label is None else touches.states[:, [labels.index(self._label)]]
         return steps(touches.times_ns, self._test(states, touches.lists_touches))
 
-    def judge(self, moment: Any) -> Verdict:
-        """See `Condition`."""
-        touch: Touch | None = last(moment, TOUCH, self._topic)
-        if touch is None:
-            return Verdict(None)
+    def _judge(self, touch: Touch) -> Verdict:
         lists_touches = touch.mode is TouchMode.PRESENCE
         if self._label is not None and self._label not in touch.sensors and not lists_touches:
             # As long as a sensor that speaks by events alone is silent, nothing is known of it.
@@ -281,11 +302,6 @@ class _Touched(Condition):
         states = np.array([[_state(touch, name) for name in names]], np.uint8)
         touched = [name for name, state in zip(names, states[0], strict=True) if state == TouchState.TOUCHED]
         return Verdict(_VALUES[int(self._test(states, lists_touches)[0])], ", ".join(touched))
-
-    @property
-    def reads(self) -> frozenset[str]:
-        """See `Condition`."""
-        return frozenset({TOUCH.sample_name})
 
     @staticmethod
     def _test(states: NDArray[np.uint8], lists_touches: bool) -> NDArray[np.int8]:
@@ -298,8 +314,11 @@ class _Touched(Condition):
         return f"{self._label or 'anything'} touched"
 
 
-class _NearestBelow(Condition):
+class _NearestBelow(_OfOneTopic):
+    kind = LASER
+
     def __init__(self, distance: float, sector: Asked | None, topic: str | None) -> None:
+        super().__init__(topic)
         self._distance = number("distance", distance)
         if not 0 < self._distance < inf:
             raise ValueError(f"distance: expected metres above 0, got {self._distance!r}")
@@ -309,7 +328,6 @@ class _NearestBelow(Condition):
             start, end = (f"{degrees(angle):.4g}°" for angle in (self._sector.start, self._sector.end))
             angles = f"between {start} and {end}"
             self._where = f" in {sector}" if isinstance(sector, str) else f" {angles}"
-        self._topic = topic
 
     def steps(self, search: Search) -> Steps:
         def test(chunk: ScanChunk) -> NDArray[np.int8]:
@@ -329,22 +347,13 @@ class _NearestBelow(Condition):
         indices = away.argmin(axis=1)
         search.met(chunk.times_ns[rows], away.min(axis=1), indices, chunk.like.angles[indices])
 
-    def judge(self, moment: Any) -> Verdict:
-        """See `Condition`."""
-        scan: Scan | None = last(moment, LASER, self._topic)
-        if scan is None:
-            return Verdict(None)
+    def _judge(self, scan: Scan) -> Verdict:
         value = _VALUES[int(self._test(single_scan(scan, 0))[0])]
         text = "" if value is None else fact(scan.distance(self._sector), "<", self._distance)
         if not value:
             return Verdict(value, text)
         is_near = ray_distances(scan.ranges, scan) < np.float32(self._distance)
         return Verdict(value, text, np.flatnonzero(is_near & inside(scan, self._sector)), scan.nearest(self._sector))
-
-    @property
-    def reads(self) -> frozenset[str]:
-        """See `Condition`."""
-        return frozenset({LASER.sample_name})
 
     def _test(self, chunk: ScanChunk) -> NDArray[np.int8]:
         away = distances(chunk.ranges, chunk.like, self._sector)
@@ -354,32 +363,25 @@ class _NearestBelow(Condition):
         return f"nearest below {self._distance:g} m{self._where}"
 
 
-class _SpeedAbove(Condition):
+class _SpeedAbove(_OfOneTopic):
+    kind = SPEED
+
     def __init__(self, limit: float, axis: str, topic: str | None) -> None:
+        super().__init__(topic)
         self._limit = number("limit", limit)
         if not self._limit >= 0:
             raise ValueError(f"limit: expected a speed, 0 or more, got {self._limit!r}")
         if axis not in AXES:
             raise ValueError(f"axis: expected one of {', '.join(AXES)}, got {axis!r}")
         self._axis = axis
-        self._topic = topic
 
     def steps(self, search: Search) -> Steps:
         return search.over(search.recording.speeds(self._topic), self._test)
 
-    def judge(self, moment: Any) -> Verdict:
-        """See `Condition`."""
-        speed: Speed | None = last(moment, SPEED, self._topic)
-        if speed is None:
-            return Verdict(None)
+    def _judge(self, speed: Speed) -> Verdict:
         value = _VALUES[int(self._test(single_speed(speed, 0))[0])]
         size = abs(speed.values[AXES.index(self._axis)])
         return Verdict(value, "" if value is None else fact(size, ">", self._limit, self._unit))
-
-    @property
-    def reads(self) -> frozenset[str]:
-        """See `Condition`."""
-        return frozenset({SPEED.sample_name})
 
     @property
     def _unit(self) -> str:

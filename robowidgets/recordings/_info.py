@@ -1,10 +1,9 @@
-"""A recording as a table, as text and as HTML."""
+"""A recording as a table of its topics."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from .._core import tables as _table
 from .._core.tables import many
 from .times import as_date, has_date
 from .topics import Topic
@@ -23,14 +22,11 @@ def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int |
     return f"{path}: {', '.join(parts)}"
 
 
-def as_text(head: str, topics: Sequence[Topic], problems: Iterable[str]) -> str:
-    """The table as text, for a terminal."""
-    return _table.as_text(head, _HEADS, [_cells(topic) for topic in topics], _RIGHT, problems)
-
-
-def as_html(head: str, topics: Sequence[Topic], problems: Iterable[str]) -> str:
-    """The table as HTML. All texts are escaped, because they come from a file."""
-    return _table.as_html(head, _HEADS, [_cells(topic) for topic in topics], _RIGHT, problems)
+def table(
+    head: str, topics: Sequence[Topic], problems: Iterable[str]
+) -> tuple[str, tuple[str, ...], list[tuple[str, ...]], tuple[int, ...], Iterable[str]]:
+    """The arguments of `tables.as_text` and `tables.as_html`."""
+    return head, _HEADS, [_cells(topic) for topic in topics], _RIGHT, problems
 
 
 def _cells(topic: Topic) -> tuple[str, ...]:

@@ -9,11 +9,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from .._core.tables import as_html, as_text
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..repair import RecordingError
 from ..samples import Problem
 from ._doctor import Report, examine
-from ._info import as_html, as_text, heading
+from ._info import heading, table
 from ._sample_reader import Messages
 from .columns._clock_problems import Clock, about_clocks, clock_of
 from .columns._memory import Memory
@@ -244,7 +245,7 @@ class RecordingData:
 
     def info(self) -> str:
         """The table of the topics, as text."""
-        return as_text(self._heading(), self.topics, self.problems)
+        return as_text(*self._table())
 
     def doctor(self) -> Report:
         """A check-up: what the topics hold (rays, angles, limits, frames, rate, jitter, lost scans), and the problems.
@@ -291,7 +292,10 @@ class RecordingData:
         return self.info()
 
     def _repr_html_(self) -> str:
-        return as_html(self._heading(), self.topics, self.problems)
+        return as_html(*self._table())
+
+    def _table(self) -> Any:
+        return table(self._heading(), self.topics, self.problems)
 
     def _heading(self) -> str:
         return heading(str(self.path), self.topics, self.duration, self.start_ns)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, count, groupby, islice
+from itertools import chain, groupby, islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +20,6 @@ from .chunks import ScanChunk, compact, merged
 
 BATCH_BYTES = 1 << 20
 """About how many bytes of messages are decoded together, and kept in memory together."""
-
-_numbers = count()
 
 
 class Batch(NamedTuple):
@@ -47,11 +45,10 @@ class Place(NamedTuple):
     rays: int
 
 
-@dataclass
+@dataclass(eq=False)
 class _Index:
     """The batches, places and times that a pass through the topic found."""
 
-    id: int = field(default_factory=lambda: next(_numbers))
     batches: list[Batch] = field(default_factory=list)
     places: list[Place] = field(default_factory=list)
     times: list[NDArray[np.int64]] = field(default_factory=list)
@@ -157,7 +154,7 @@ class Store:
             try:
                 for batch, messages in _batches(self._source.messages(self._channels)):
                     chunks = index.add_batch(batch, self._decode(messages))
-                    self.memory.put((index.id, len(index.batches) - 1), chunks)
+                    self.memory.put((index, len(index.batches) - 1), chunks)
                     bar.update(len(messages))
                     yield from chunks
             except RecordingError as error:
@@ -166,7 +163,7 @@ class Store:
         self._index = index
 
     def _batch(self, index: _Index, number: int) -> Any:
-        return self.memory.get((index.id, number), lambda: self._decode(self._read(index.batches[number])))
+        return self.memory.get((index, number), lambda: self._decode(self._read(index.batches[number])))
 
     def _read(self, batch: Batch) -> list[Message]:
         messages = self._source.messages(self._channels, batch.first_ns, batch.last_ns + 1)

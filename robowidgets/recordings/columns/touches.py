@@ -68,8 +68,8 @@ class _Rows:
         self.labels: list[str] = []
         self.times, self.stamps = array("q"), array("q")
         self.said = bytearray()
-        self._blocks: list[tuple[int, int, bytearray]] = []
-        """First row, number of sensors, their states. Each new sensor starts a new block."""
+        self._states: list[bytes] = []
+        """For each row the states of the sensors that were known by then."""
 
     @property
     def nbytes(self) -> int:
@@ -86,30 +86,24 @@ class _Rows:
     def add(self, tracker: TouchTracker, time_ns: int, stamp_ns: int, said: bool) -> None:
         """Add a row with the states of the tracker at a time. The tracker forgets no sensor, and keeps their order."""
         states = tracker.states(time_ns)
-        if not self._blocks or len(states) > len(self.labels):
-            self.labels = list(states)
-            self._blocks.append((len(self.times), len(states), bytearray()))
-        self.times.append(time_ns)
-        self.stamps.append(stamp_ns)
-        self.said.append(said)
-        self._blocks[-1][-1].extend(sensor.state for sensor in states.values())
+        self.labels = list(states)
+        self._add(time_ns, stamp_ns, said, bytes(sensor.state for sensor in states.values()))
 
     def repeat(self, time_ns: int, stamp_ns: int) -> None:
         """Add a row for a message that repeats the states of the last row."""
-        self.times.append(time_ns)
-        self.stamps.append(stamp_ns)
-        self.said.append(True)
-        _, sensors, block = self._blocks[-1]
-        block.extend(block[len(block) - sensors :])
+        self._add(time_ns, stamp_ns, True, self._states[-1])
 
     def states(self) -> NDArray[np.uint8]:
         """The states, shape (N, L); UNKNOWN before the first message of a sensor."""
-        states = np.full((len(self.times), len(self.labels)), TouchState.UNKNOWN, np.uint8)
-        for first, sensors, block in self._blocks:
-            if sensors:
-                part = np.frombuffer(block, np.uint8).reshape(-1, sensors)
-                states[first : first + len(part), :sensors] = part
-        return states
+        sensors, unknown = len(self.labels), bytes([TouchState.UNKNOWN])
+        states = b"".join(row.ljust(sensors, unknown) for row in self._states)
+        return np.frombuffer(states, np.uint8).reshape(len(self._states), sensors)
+
+    def _add(self, time_ns: int, stamp_ns: int, said: bool, states: bytes) -> None:
+        self.times.append(time_ns)
+        self.stamps.append(stamp_ns)
+        self.said.append(said)
+        self._states.append(states)
 
 
 class Touches(Series[Touch]):
