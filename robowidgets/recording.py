@@ -13,9 +13,9 @@ from .recordings.data import RecordingData
 if TYPE_CHECKING:
     from .find._predicate import Instant
     from .find.conditions import Condition
+    from .find.spans import Spans
     from .in_rerun.widget import RerunWidget
     from .player.player import Player
-    from .recordings.spans import Spans
     from .scanogram_widget import ScanogramWidget
 
 

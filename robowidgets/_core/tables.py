@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from html import escape
+from math import degrees
 
 
 def as_text(
@@ -52,6 +53,11 @@ def _cells(tag: str, cells: Sequence[str], right: Collection[int]) -> str:
         f'<{tag} style="text-align:{"right" if i in right else "left"}">{escape(cell)}</{tag}>'
         for i, cell in enumerate(cells)
     )
+
+
+def degrees_of(angle: float) -> str:
+    """An angle in radians as degrees: ``−31.2°``."""
+    return f"{degrees(angle):.1f}°".replace("-", "\N{MINUS SIGN}")
 
 
 def often(count: int) -> str:

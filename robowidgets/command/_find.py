@@ -14,9 +14,9 @@ import robowidgets
 
 from ..find import conditions
 from ..find.conditions import Condition
+from ..find.spans import Spans
 from ..kinds import LASER, SPEED, TOUCH
 from ..recording import Recording
-from ..recordings.spans import Spans
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import SECTORS, Asked, to_sector

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.progress import Progress, without_bars
-from ..recordings.spans import Span, Spans
+from ..recordings.span import Span
 from ..samples.checks import shortest
 from ._steps import NO, Steps, spans, steps
 from .conditions import condition
 from .silence import mark_stale
+from .spans import Spans
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData

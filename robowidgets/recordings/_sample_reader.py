@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from typing import Any, TypeVar
 
 from .._core.progress import Progress
 from .._core.tables import listed
@@ -36,6 +36,8 @@ _SILENCE_STEPS = 10
 _REPAIR = "robowidgets repair writes all that can be read to a file that every tool reads"
 _SILENT = "did its node or its sensor start late, or stop early?"
 _LEFT_OUT = "see what publishes them"
+
+Found = TypeVar("Found")
 
 
 class Messages:
@@ -122,30 +124,15 @@ class Messages:
 
     def transforms(self) -> Iterator[Transform]:
         """The transforms of odometry and tf, in the order of time."""
-        channels = [c for c in self._source.channels if c.type in (ODOMETRY, *TRANSFORMS) and c.encoding in ENCODINGS]
-        try:
-            decoders = {channel.id: decoder_of(channel) for channel in channels}
-            with Progress(sum(channel.count for channel in channels), "Reading where the robot was") as bar:
-                for channel, time_ns, raw in self._source.messages(channels):
-                    try:
-                        yield from transforms_of(decoders[channel.id](raw), channel.topic, time_ns)
-                    except ValueError as error:
-                        self._note(channel, time_ns, error)
-                    bar.update(1)
-        except (RecordingError, ValueError) as error:
-            self._stop(error)
+        channels = [channel for channel in self._source.channels if channel.type in (ODOMETRY, *TRANSFORMS)]
+        return self._read(channels, transforms_of, "Reading where the robot was")
 
     def texts(self, is_wanted: Callable[[str], bool]) -> Iterator[tuple[str, float, str]]:
         """Topic, seconds and text of the ``std_msgs/String`` on some topics, in the order of time."""
-        channels = [
-            c for c in self._source.channels if c.type == TEXT and c.encoding in ENCODINGS and is_wanted(c.topic)
-        ]
-        decoders = {channel.id: decoder_of(channel) for channel in channels}
-        try:
-            for channel, time_ns, raw in self._source.messages(channels):
-                yield channel.topic, self._seconds(time_ns), decoders[channel.id](raw).data
-        except (RecordingError, ValueError) as error:
-            self._stop(error)
+        channels = [channel for channel in self._source.channels if channel.type == TEXT and is_wanted(channel.topic)]
+        return self._read(
+            channels, lambda message, topic, time_ns: [(topic, self._seconds(time_ns), message.data)], "Reading texts"
+        )
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
@@ -183,20 +170,44 @@ class Messages:
         except (RecordingError, ValueError):
             return None
 
+    def _read(
+        self, channels: Sequence[Channel], read: Callable[[Any, str, int], Iterable[Found]], what: str
+    ) -> Iterator[Found]:
+        """What a function finds in messages that are no samples: it takes a message, its topic and its time."""
+        channels = [channel for channel in channels if channel.encoding in ENCODINGS]
+        try:
+            decoders = {channel.id: decoder_of(channel) for channel in channels}
+            with Progress(sum(channel.count for channel in channels), what) as bar:
+                for channel, time_ns, raw in self._source.messages(channels):
+                    try:
+                        yield from read(decoders[channel.id](raw), channel.topic, time_ns)
+                    except ValueError as error:
+                        self._note(channel, time_ns, error)
+                    bar.update(1)
+        except (RecordingError, ValueError) as error:
+            self._stop(error)
+
     def _list(self, found: list[tuple[Channel, Kind | None, str]]) -> tuple[Topic, ...]:
-        topics: dict[tuple[str, str], Topic] = {}
-        channels: defaultdict[tuple[str, str], list[Channel]] = defaultdict(list)
-        for channel, kind, problem in found:
-            key = (channel.topic, channel.type)
-            widget = kind.name if kind else None
-            channels[key].append(channel)
-            topic = topics.get(key) or Topic(
-                *key, 0, None, widget, kind is not None and kind.is_command(channel.topic), ""
+        """The topics of channels with their kinds and the reasons why they cannot be read."""
+        by_topic: defaultdict[tuple[str, str], list[tuple[Channel, Kind | None, str]]] = defaultdict(list)
+        for one in found:
+            by_topic[one[0].topic, one[0].type].append(one)
+        topics = []
+        for (name, type_name), own in by_topic.items():
+            channels = [channel for channel, _, _ in own]
+            kind = next((kind for _, kind, _ in own if kind), None)
+            topics.append(
+                Topic(
+                    name,
+                    type_name,
+                    count=sum(channel.count for channel in channels),
+                    rate=self._rate(channels),
+                    widget=kind.name if kind else None,
+                    commanded=kind is not None and kind.is_command(name),
+                    problem=next((problem for _, _, problem in own if problem), ""),
+                )
             )
-            topics[key] = topic._replace(
-                count=topic.count + channel.count, widget=topic.widget or widget, problem=topic.problem or problem
-            )
-        return tuple(topic._replace(rate=self._rate(channels[key])) for key, topic in topics.items())
+        return tuple(topics)
 
     def _rate(self, channels: Sequence[Channel]) -> float | None:
         """The mean rate of the messages of these channels in the time from the first to the last of them."""

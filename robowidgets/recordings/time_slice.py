@@ -9,7 +9,7 @@ from ..samples.time_span import time_span
 from .columns.scans import Scans
 from .columns.speeds import Speeds
 from .columns.touches import Touches
-from .spans import Span
+from .span import Span
 from .times import to_ns
 from .topics import Moment
 

@@ -7,7 +7,7 @@ import struct
 from pathlib import Path
 
 from ..messages.channel import Channel
-from ._byte_range import ByteRange, FileRange, find
+from ._byte_range import ByteRange, find
 from ._found_messages import Walk
 from ._record_reader import RecordReader
 from ._records import MAX_TEXT, Damage, Layout, Record
@@ -46,21 +46,27 @@ def walk_bag(path: Path) -> Walk:
 
     Source: http://wiki.ros.org/Bags/Format/2.0
     """
-    file = FileRange(path)
-    try:
-        _check_format(file)
-        return _Reader(file).walk()
-    except BaseException:
-        file.close()
-        raise
+    return _Reader(path).walk()
 
 
 class _Reader(RecordReader):
     """One walk through a bag."""
 
-    def __init__(self, file: FileRange) -> None:
-        super().__init__(file, _LAYOUT, start=len(MAGIC))
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, _LAYOUT, start=len(MAGIC))
         self.by_id: dict[int, Channel] = {}
+
+    def check(self) -> None:
+        """See `RecordReader`."""
+        name, head = self.file.name, self.file.read(0, 64)
+        if head.startswith(MAGIC):
+            return
+        if version := _VERSION.match(head):
+            raise RecordingError(
+                f"{name}: a bag of format {version[1].decode()}: only ROS 1 bags of format 2.0 can be read; "
+                f"with ROS 1 installed, 'rosbag filter {name} new.bag True' writes it as 2.0"
+            )
+        raise foreign(name, "a ROS 1 bag of format 2.0", head)
 
     def channels(self) -> list[Channel]:
         """The connections."""
@@ -106,18 +112,6 @@ class _Reader(RecordReader):
             count=0,
         )
         self.by_id.setdefault(channel.id, channel)
-
-
-def _check_format(file: FileRange) -> None:
-    head = file.read(0, 64)
-    if head.startswith(MAGIC):
-        return
-    if version := _VERSION.match(head):
-        raise RecordingError(
-            f"{file.name}: a bag of format {version[1].decode()}: only ROS 1 bags of format 2.0 can be read; "
-            f"with ROS 1 installed, 'rosbag filter {file.name} new.bag True' writes it as 2.0"
-        )
-    raise foreign(file.name, "a ROS 1 bag of format 2.0", head)
 
 
 def _record_at(data: ByteRange, pos: int) -> Record | None:

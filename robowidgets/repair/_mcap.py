@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..messages.channel import Channel, definition_text
-from ._byte_range import ByteRange, FileRange, find
+from ._byte_range import ByteRange, find
 from ._found_messages import Walk
 from ._record_reader import RecordReader
 from ._records import MAX_TEXT, Damage, Layout, Record
@@ -43,15 +43,7 @@ def walk_mcap(path: Path) -> Walk:
 
     Source: https://mcap.dev/spec
     """
-    file = FileRange(path)
-    try:
-        head = file.read(0, 64)
-        if not head.startswith(MAGIC):
-            raise foreign(file.name, "an MCAP file", head)
-        return _Reader(file).walk()
-    except BaseException:
-        file.close()
-        raise
+    return _Reader(path).walk()
 
 
 class _Schema(NamedTuple):
@@ -69,10 +61,16 @@ class _NamedChannel(NamedTuple):
 class _Reader(RecordReader):
     """One walk through an MCAP file."""
 
-    def __init__(self, file: FileRange) -> None:
-        super().__init__(file, _LAYOUT, start=len(MAGIC))
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, _LAYOUT, start=len(MAGIC))
         self.schemas: dict[int, _Schema] = {}
         self.named: dict[int, _NamedChannel] = {}
+
+    def check(self) -> None:
+        """See `RecordReader`."""
+        head = self.file.read(0, 64)
+        if not head.startswith(MAGIC):
+            raise foreign(self.file.name, "an MCAP file", head)
 
     def channels(self) -> list[Channel]:
         """The channels with their schemas. A schema may lie anywhere in the file, even after its channel."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from pathlib import Path
 
 from ..messages.channel import Channel
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
@@ -15,17 +16,24 @@ class RecordReader(ABC):
     """One walk through a file.
 
     Args:
-        file: the file.
+        path: the file.
         layout: how its records lie in it.
         start: the offset of its first record.
+
+    Raises:
+        RecordingError: it cannot be opened.
     """
 
-    def __init__(self, file: FileRange, layout: Layout, start: int) -> None:
-        self.file = file
+    def __init__(self, path: Path, layout: Layout, start: int) -> None:
+        self.file = FileRange(path)
         self.layout = layout
         self.start = start
         self.damage = Damage(unfinished=True)
-        self.found = FoundMessages(file)
+        self.found = FoundMessages(self.file)
+
+    @abstractmethod
+    def check(self) -> None:
+        """Raise RecordingError for a file in another format."""
 
     @abstractmethod
     def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
@@ -36,13 +44,18 @@ class RecordReader(ABC):
         """The channels that were found."""
 
     def walk(self) -> Walk:
-        """Read the whole file."""
+        """Read the whole file, which an error closes."""
         try:
-            for record in with_bar(find_records(self.file, self.layout, self.damage, self.start), self.file):
-                self.record(self.file, record, -1, self.damage)
-        except OSError as error:
-            self.damage.disk = error.strerror or str(error)
-        return self.found.as_walk(self.channels(), self.damage)
+            self.check()
+            try:
+                for record in with_bar(find_records(self.file, self.layout, self.damage, self.start), self.file):
+                    self.record(self.file, record, -1, self.damage)
+            except OSError as error:
+                self.damage.disk = error.strerror or str(error)
+            return self.found.as_walk(self.channels(), self.damage)
+        except BaseException:
+            self.file.close()
+            raise
 
     def inflated(self, record: Record, compression: str) -> bytes | None:
         """Index the records of a compressed chunk, as far as it decompresses; returns its data if that is whole."""

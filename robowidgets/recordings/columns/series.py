@@ -15,7 +15,7 @@ from ...messages.channel import Channel
 from ...repair import RecordingError
 from ..times import to_ns
 from ..topics import Moment
-from . import _tables
+from . import tables
 from ._clock_problems import about_clock
 from ._decoders import Decoder, SampleDecoder
 from ._store import Store
@@ -192,7 +192,7 @@ class Series(Generic[Taken]):
         Raises:
             ImportError: pandas is not installed.
         """
-        return _tables.to_pandas(self.columns())
+        return tables.to_pandas(self.columns())
 
     def to_polars(self) -> Any:
         """A polars DataFrame: a row for each sample, its ranges as an array.
@@ -200,7 +200,7 @@ class Series(Generic[Taken]):
         Raises:
             ImportError: polars is not installed.
         """
-        return _tables.to_polars(self.columns())
+        return tables.to_polars(self.columns())
 
     def to_arrow(self) -> Any:
         """An Arrow table: a row for each sample, its ranges as a list of fixed size.
@@ -208,7 +208,7 @@ class Series(Generic[Taken]):
         Raises:
             ImportError: pyarrow is not installed.
         """
-        return _tables.to_arrow(self.columns())
+        return tables.to_arrow(self.columns())
 
     def __repr__(self) -> str:
         times = self.seconds

@@ -16,10 +16,11 @@ import robowidgets
 from robowidgets import RecordingError, conditions
 from robowidgets.find._predicate import Function
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
+from robowidgets.find.spans import Spans
 from robowidgets.kinds import KINDS, LASER
 from robowidgets.messages.definitions import definitions
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.recordings.spans import Span, Spans
+from robowidgets.recordings.span import Span
 
 from ...conftest import ROOT
 from . import hazards, robot, sweeps

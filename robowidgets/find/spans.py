@@ -4,43 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from html import escape
-from math import degrees
-from typing import Any, NamedTuple, overload
+from typing import Any, overload
 
-from .columns._tables import library
+from .._core.tables import degrees_of, often
+from ..recordings.columns.tables import library
+from ..recordings.span import Span
 
 _SHOWN = 20
-
-
-class Span(NamedTuple):
-    """A span: start, end and length in seconds from the start of the recording, and start and end by its clock.
-
-    ``end`` is the time of the first sample for which the condition is no longer true, or the time at which the last
-    sample is stale, or the end of the recording. It equals ``start`` if the condition is true for one of several
-    samples of one time and not for the last of them. ``silent`` names the topics with a gap in the span, if the
-    condition contains a gap.
-
-    ``nearest`` is the distance in metres, as in `Scan.distance`, of the nearest thing that was met in the span,
-    ``index`` that of its ray, and ``angle`` that of the ray in radians; all three are None for conditions that look at
-    no distance.
-    """
-
-    start: float
-    end: float
-    seconds: float
-    start_ns: int
-    end_ns: int
-    silent: tuple[str, ...] = ()
-    nearest: float | None = None
-    index: int | None = None  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
-    angle: float | None = None
-
-    @property
-    def met(self) -> str:
-        """What was met, for a person: ``"0.15 m at [173], -31.2°"``; empty for conditions that look at no distance."""
-        if self.nearest is None or self.angle is None:
-            return ""
-        return f"{self.nearest:.2f} m at [{self.index}], {_degrees(self.angle)}"
 
 
 class Spans(Sequence[Span]):
@@ -115,23 +85,18 @@ class Spans(Sequence[Span]):
 
     def _table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         """Heads and rows; with columns of what was met and of silent topics if there are any."""
-        shown = self._spans[:_SHOWN]
-        return self.heads, [_cells(span, self.heads) for span in shown]
+        heads = self.heads
+        return heads, [tuple(_cell(getattr(span, head), head) for head in heads) for span in self._spans[:_SHOWN]]
 
     def _heading(self) -> str:
         if not self._spans:
             return f"{self.condition}: never"
-        times = "once" if len(self) == 1 else f"{len(self):,} times"
-        return f"{self.condition}: {times}, {self.seconds:.2f} s together"
+        return f"{self.condition}: {often(len(self))}, {self.seconds:.2f} s together"
 
     def _notes(self) -> list[str]:
         more = [f"  ... and {len(self) - _SHOWN:,} more"] if len(self) > _SHOWN else []
         stopped = [] if self.is_complete else [f"! stopped at {self.until:.2f} s: nothing after that was looked at"]
         return [*more, *stopped, *(f"! {line}" for line in self.problems)]
-
-
-def _cells(span: Span, heads: Sequence[str]) -> tuple[str, ...]:
-    return tuple(_cell(getattr(span, head), head) for head in heads)
 
 
 def _cell(value: Any, head: str) -> str:
@@ -141,13 +106,9 @@ def _cell(value: Any, head: str) -> str:
     if value is None:
         return ""
     if head == "angle":
-        return _degrees(value)
+        return degrees_of(value)
     return f"[{value}]" if head == "index" else f"{value:.2f}" + " m" * (head == "nearest")
 
 
 def _row(tag: str, cells: Sequence[str]) -> str:
     return "<tr>" + "".join(f'<{tag} style="text-align:right">{escape(cell)}</{tag}>' for cell in cells) + "</tr>"
-
-
-def _degrees(angle: float) -> str:
-    return f"{degrees(angle):.1f}°".replace("-", "\N{MINUS SIGN}")
