@@ -9,7 +9,7 @@ import anywidget
 import traitlets
 
 from ._core.base_widget import bundle
-from ._core.time_traits import Marks, Seconds, TimeSpan
+from ._core.time_traits import Marks, Seconds, States, TimeSpan
 from ._core.traits import Flag
 
 Span = tuple[float, float]
@@ -36,6 +36,7 @@ class PlayerWidget(anywidget.AnyWidget):
     loop = Flag(False, help="Whether it begins again at the end; of the selection, if there is one.").tag(sync=True)
     selection = TimeSpan(help="What is looped: (start, end) in seconds from the start, or None.").tag(sync=True)
     marks = Marks(help="What is marked on the slider: (start, end, text), in seconds from the start.").tag(sync=True)
+    states = States(help="Rows of states below the slider: (start, end, path), in seconds.").tag(sync=True)
 
     _begin = traitlets.Float(0.0, help="Seconds at which it begins.").tag(sync=True)
     _segment = traitlets.Float(1.0).tag(sync=True)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._core.base_widget import NamedWidget, bundle
 from ._core.limit_traits import Pair
 from ._core.png import SavesPng
-from ._core.time_traits import Marks, TimeSpan
+from ._core.time_traits import Marks, States, TimeSpan
 from ._core.traits import Flag, bytes_trait
 from .samples import AXES, Scan
 from .samples.scan_problems import of_ranges
@@ -65,6 +65,8 @@ class ScanogramWidget(SavesPng, NamedWidget):
             "median", so that what was there most of the time is seen. The view writes it too.
         marks: (start, end, text) in seconds from the start, of what is marked above the scans, or what
             `Recording.find` gives; keys n and p go from one to the next.
+        states: rows of (start, end, path), the states of a program below the scans, outer machines first; the path is
+            such as "Walker.avoid.turn". Those of a recording are there.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
 
     Raises:
@@ -94,6 +96,10 @@ class ScanogramWidget(SavesPng, NamedWidget):
         (NEAREST, MEDIAN), NEAREST, help="Which of the readings that share a pixel is shown; the view writes it too."
     ).tag(sync=True)
     marks = Marks(help="What is marked above the scans: (start, end, text), in seconds from the start.").tag(sync=True)
+
+    states = States(help="Rows of states below the scans, outer machines first: (start, end, path), in seconds.").tag(
+        sync=True
+    )
 
     footer = Flag(True, help="Whether the legend stands below the picture.").tag(sync=True)
 

@@ -70,5 +70,17 @@ class Marks(traitlets.TraitType[Any, Any]):
         return *seconds, str(text)
 
 
+class States(Marks):
+    """Rows of states, each as (start, end, path) in the order of time; the path is such as ``Walker.avoid.turn``."""
+
+    def validate(self, obj: Any, value: Any) -> Any:
+        """The rows as tuples; TraitError names the state that is wrong."""
+        try:
+            return tuple(super(States, self).validate(obj, row) for row in value)
+        except TypeError:
+            expected = "rows of states, each (start, end, path)"
+            raise traitlets.TraitError(f"{self.name}: expected {expected}; got {value!r}") from None
+
+
 def _label(condition: str, met: str) -> str:
     return f"{condition}: {met}" if met else condition

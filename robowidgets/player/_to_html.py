@@ -161,6 +161,8 @@ def _models(player: Player, picture: ScanogramWidget | None, span: tuple[float, 
         bar,
         {
             **shown_at,
+            # The scanogram shows all rows.
+            "states": bar.states[: 1 if picture else None],
             "playing": False,
             "selection": selection,
             "duration": span[1],

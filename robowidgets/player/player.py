@@ -29,6 +29,7 @@ from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
 from ..player_widget import PlayerWidget
 from ..recordings import RecordingData
+from ..recordings.program_log import rows_of
 from ..recordings.times import has_date
 from ..scanogram_widget import ScanogramWidget
 from ._frames import Track
@@ -202,6 +203,8 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             _followers=[self.scanogram.model_id] if self.scanogram else [],
             _start=start_ns / 1e9 if has_date(start_ns) else None,
             _note=note,
+            # The scanogram shows all rows.
+            states=rows_of(self.recording.states)[: 1 if self.scanogram else None],
             _first=list(self._first_segments(int(seconds // SEGMENT))),
         )
 

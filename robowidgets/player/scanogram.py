@@ -17,6 +17,7 @@ from ..recordings.columns.chunks import ScanChunk
 from ..recordings.columns.scans import Scans as ScanSeries
 from ..recordings.columns.speeds import Speeds
 from ..recordings.columns.touches import Touches
+from ..recordings.program_log import rows_of
 from ..recordings.topics import Topic
 from ..repair import RecordingError
 from ..samples import Scan, TouchState
@@ -135,6 +136,7 @@ def _fill(
 
     _put_speeds(widget, recording, of_the_robot(SPEED), span)
     _put_touches(widget, recording, [t.name for t in of_the_robot(TOUCH)], span)
+    widget.states = rows_of(recording.states)
 
 
 def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries, span: Span) -> None:

@@ -1,13 +1,15 @@
+import { statesAt, toWords } from "../scanogram/states.ts";
 import { make, makeButton, makeIcon, mount, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toClock, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { type Model, NO_KERNEL, setTraits } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
-import { applyTheme, watchTheme } from "../shared/theme.ts";
+import { applyTheme, type Theme, watchTheme } from "../shared/theme.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import { MarkList } from "./mark_list.ts";
 import type { Playback } from "./playback.ts";
+import { StateBand } from "./state_band.ts";
 import type { PlayerTraits } from "./traits.ts";
 
 const PLAY = "M3 1.2l7 4.8-7 4.8z";
@@ -38,6 +40,8 @@ export class PlayerBar {
   readonly #words = make("span", "rw-play-words");
   readonly #note = make("div", "rw-play-note");
   readonly #list: MarkList;
+  readonly #states: StateBand;
+  #theme: Theme | null = null;
   #drawn: unknown[] = [];
   #icon = "";
 
@@ -58,7 +62,10 @@ export class PlayerBar {
     this.#clock.append(this.#date, this.#timeOfDay);
     this.#moment.append(this.#time, this.#duration, this.#clock);
     const track = make("div", "rw-play-line");
-    track.append(this.#marks, this.#slider, this.#words);
+    const draw = perAnimationFrame(() => this.#draw(), signal);
+    const point = (time: number | null) => playback.point(time);
+    this.#states = new StateBand((time) => playback.seek(time), point, draw, signal);
+    track.append(this.#marks, this.#slider, this.#words, this.#states.root);
     const toMark = (direction: -1 | 1) => () => playback.toMark(direction);
     this.#list = new MarkList((time) => playback.seek(time), signal);
     on(this.#list.toggle, "click", () => this.#draw(), signal);
@@ -76,9 +83,12 @@ export class PlayerBar {
     keepKeys(this.#root, signal);
     mount(element, this.#root, signal);
 
-    const draw = perAnimationFrame(() => this.#draw(), signal);
     playback.listen(draw, signal);
-    watchTheme(() => applyTheme(this.#root), signal);
+    const onTheme = () => {
+      this.#theme = null;
+      draw();
+    };
+    watchTheme(onTheme, signal);
     draw();
   }
 
@@ -127,7 +137,7 @@ export class PlayerBar {
 
   #draw(): void {
     const { time, shown, begin, duration, playing, waits } = this.#playback;
-    if (!this.#root.dataset.rwTheme) applyTheme(this.#root);
+    this.#theme ??= applyTheme(this.#root);
     setText(this.#time, toFixed(shown, DECIMALS));
     const whole = toFixed(duration, DECIMALS);
     setText(this.#duration, ` / ${whole} s`);
@@ -137,7 +147,11 @@ export class PlayerBar {
     this.#slider.min = String(begin);
     this.#slider.max = String(duration);
     if (Number(this.#slider.value) !== time) this.#slider.value = String(time);
-    this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${whole} seconds`;
+    const states = this.#model.get("states");
+    const active = statesAt(states, time).map(([, , path]) => toWords(path));
+    const state = active.length ? `, ${active.at(-1)}` : "";
+    this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${whole} seconds${state}`;
+    this.#states.update(states, [begin, duration], shown, this.#theme);
     const icon = playing ? PAUSE : PLAY;
     if (this.#icon !== icon) {
       this.#icon = icon;

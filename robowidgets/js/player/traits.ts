@@ -1,3 +1,4 @@
+import type { StateSpan } from "../scanogram/states.ts";
 import type { Mark } from "../shared/marks.ts";
 
 export interface PlayerTraits {
@@ -11,6 +12,8 @@ export interface PlayerTraits {
   loop: boolean;
   selection: [number, number] | null;
   marks: Mark[];
+  /** Rows of states below the slider, outer machines first. */
+  states: StateSpan[][];
   /** Seconds of a segment. */
   _segment: number;
   /** Names of the models of the widgets that show frames. */

@@ -14,7 +14,7 @@ export function textFont(theme: Theme, size = 11): string {
   return `${size}px ${theme.font}`;
 }
 
-/** The time axis, with a label in ink at the line, which takes the place of the numbers there. */
+/** The time axis, with a label in ink at the line, of the time and the state, in place of the numbers there. */
 export function drawTimes(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
@@ -22,10 +22,14 @@ export function drawTimes(
   whole: number,
   line: number | null,
   theme: Theme,
+  state = "",
 ): void {
   const { right, bottom } = layout;
   context.font = textFont(theme);
-  const taken = line === null ? null : drawMoment(context, axis, layout, toMoment(line, whole), line, theme);
+  const taken =
+    line === null
+      ? null
+      : drawMoment(context, axis, layout, [toMoment(line, whole), state].filter(Boolean).join(" \u00b7 "), line, theme);
   context.font = textFont(theme);
   context.textAlign = "center";
   context.textBaseline = "top";

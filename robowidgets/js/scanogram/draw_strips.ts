@@ -176,6 +176,12 @@ export function drawSpans(
   }
 }
 
-function drawLabel(context: CanvasRenderingContext2D, band: Band, left: number, text: string, theme: Theme): void {
+export function drawLabel(
+  context: CanvasRenderingContext2D,
+  band: Band,
+  left: number,
+  text: string,
+  theme: Theme,
+): void {
   write(context, text, left - 8, band.top + band.height / 2 + 0.5, theme.muted, textFont(theme), "right");
 }

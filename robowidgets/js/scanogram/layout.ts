@@ -1,5 +1,6 @@
 import type { Size } from "../shared/canvas.ts";
 import type { Whole } from "./data.ts";
+import { ROW, ROW_STEP } from "./states.ts";
 
 /** A horizontal band of the picture. */
 export interface Band {
@@ -21,6 +22,8 @@ export interface Layout {
   /** One for each axis of the speeds, as far as there is room. */
   speeds: Band[];
   touch: Band | null;
+  /** One for each row of states. */
+  states: Band[];
   /** Where the numbers of the time axis begin. */
   bottom: number;
   height: number;
@@ -37,7 +40,7 @@ const LEAST = 110;
 /** Height of the scans from which the angles have their indices below them. */
 const ROOMY = 200;
 
-export function layOut({ width, height }: Size, whole: Whole | null, notice: number): Layout {
+export function layOut({ width, height }: Size, whole: Whole | null, notice: number, rows = 0): Layout {
   const [left, margin] = width < 400 ? [58, 8] : [64, 16];
   const bottom = height - AXIS;
   let top = bottom;
@@ -45,6 +48,8 @@ export function layOut({ width, height }: Size, whole: Whole | null, notice: num
     top -= size + GAP;
     return { top: top + GAP, height: size };
   };
+  const all = rows ? take(rows * ROW_STEP - (ROW_STEP - ROW)) : null;
+  const states = Array.from({ length: rows }, (_, i) => ({ top: (all?.top ?? 0) + i * ROW_STEP, height: ROW }));
   const touch = whole?.touch ? take(TOUCH) : null;
   const room = Math.floor((top - TOP - notice - LEAST) / (SPEED + GAP));
   const count = Math.min(whole?.speed?.axes.length ?? 0, Math.max(0, room));
@@ -53,5 +58,5 @@ export function layOut({ width, height }: Size, whole: Whole | null, notice: num
   const marks = { top: scans.top - MARKS - 2, height: MARKS };
   const indices = scans.height >= ROOMY;
   const across = { left, width: Math.max(20, width - left - margin), right: width - 2 };
-  return { ...across, marks, scans, indices, speeds, touch, bottom, height };
+  return { ...across, marks, scans, indices, speeds, touch, states, bottom, height };
 }

@@ -6,12 +6,13 @@ import type { NamedSpan, Whole } from "./data.ts";
 import type { Band } from "./layout.ts";
 import type { Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
-import { describeMark, describePlace, describeSpeed, describeTouches } from "./text.ts";
+import { stateAt } from "./states.ts";
+import { describeMark, describePlace, describeSpeed, describeState, describeTouches } from "./text.ts";
 
 /** The thing under the pointer, its place, and the text of its pop-up; null when there is none. */
 export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { y: number; words: RayWords }) | null {
   const { whole, blocks } = state;
-  const { left, width, scans, speeds, touch } = scene.layout;
+  const { left, width, scans, speeds, touch, states } = scene.layout;
   if (!whole || !blocks || point.x < left || point.x >= left + width) return null;
   const time = toTime(scene.axis, point.x);
   const isIn = ({ top, height }: Band) => point.y >= top && point.y < top + height;
@@ -27,6 +28,11 @@ export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { 
   const perPixel = (scene.axis.span[1] - scene.axis.span[0]) / width;
   if (touch && isIn(touch)) {
     return beside(whole.touch && describeTouches(near(whole.touch.spans, time, perPixel), whole.touch.title, time));
+  }
+  const row = states.findIndex(isIn);
+  if (row >= 0) {
+    const active = stateAt(state.states[row] ?? [], time);
+    return beside(active && describeState(active));
   }
   // Its pop-up keeps off the other marks.
   const isAbove = point.y < scans.top;

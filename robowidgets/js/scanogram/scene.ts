@@ -3,12 +3,13 @@ import type { Theme } from "../shared/theme.ts";
 import { type TimeAxis, toX } from "./axis.ts";
 import type { Whole } from "./data.ts";
 import { drawAngles, drawFrame, drawTimes, drawTriangle } from "./draw_axes.ts";
-import { drawSpans, drawSpeed, drawTouches } from "./draw_strips.ts";
-import { type Layout, layOut } from "./layout.ts";
+import { drawLabel, drawSpans, drawSpeed, drawTouches } from "./draw_strips.ts";
+import { type Band, type Layout, layOut } from "./layout.ts";
 import { fitColors, toRaster } from "./paint.ts";
 import { toPalette } from "./palette.ts";
 import { type Rows, toRows } from "./rows.ts";
 import type { State } from "./state.ts";
+import { cutName, drawActive, drawStates, machineOf, nameOf, type StateSpan, statesAt } from "./states.ts";
 import type { Span } from "./traits.ts";
 
 const NO_ROWS: Rows = { rayOf: [], angles: [], rowOf: [], byAngle: false };
@@ -31,6 +32,7 @@ export class Scene {
   readonly #pixels = document.createElement("canvas");
   #size: Surface = { width: 0, height: 0, ratio: 1 };
   #whole: Whole | null = null;
+  #states: StateSpan[][] = [];
   #palette: { key: string; colors: Uint32Array } | null = null;
 
   constructor(parent: HTMLElement) {
@@ -43,14 +45,15 @@ export class Scene {
     return Math.round(this.layout.width * devicePixelRatio);
   }
 
-  measure(size: Surface, whole: Whole | null, span: Span, notice: number): void {
+  measure(size: Surface, whole: Whole | null, states: StateSpan[][], span: Span, notice: number): void {
+    this.#states = states;
     this.#size = size;
     if (whole !== this.#whole) {
       this.#whole = whole;
       this.rows = whole ? toRows(whole.sweep) : NO_ROWS;
       this.#palette = null;
     }
-    this.layout = layOut(size, whole, notice);
+    this.layout = layOut(size, whole, notice, states.length);
     this.axis = { span, left: this.layout.left, width: this.layout.width };
   }
 
@@ -84,6 +87,10 @@ export class Scene {
     if (layout.touch && whole.touch) {
       drawTouches(context, axis, layout.touch, whole.touch.spans, theme);
     }
+    for (const [band, row] of this.#stateRows()) {
+      drawLabel(context, band, layout.left, cutName(context, machineOf(row), layout.left - 12, theme), theme);
+      drawStates(context, axis, band.top, row, theme);
+    }
   }
 
   /**
@@ -96,7 +103,8 @@ export class Scene {
     const { layout, axis } = this;
     const { left, width, bottom } = layout;
     const line = pointed?.time ?? time;
-    drawTimes(context, axis, layout, this.#whole.span[1], line, theme);
+    const active = statesAt(this.#states, line).at(-1);
+    drawTimes(context, axis, layout, this.#whole.span[1], line, theme, active ? nameOf(active[2]) : "");
     context.save();
     context.beginPath();
     context.rect(left - 7, 0, width + 14, bottom + 4);
@@ -104,10 +112,16 @@ export class Scene {
     if (selection) this.#drawSelection(context, selection, theme);
     if (line !== time) this.#drawFlag(context, time, theme.muted, theme);
     this.#drawLine(context, line, theme);
+    // Over the line, which would strike out their names.
+    for (const [band, row] of this.#stateRows()) drawActive(context, axis, band.top, row, line, theme);
     this.#drawFlag(context, line, theme.ink, theme);
     const row = pointed?.row ?? null;
     if (row !== null) drawRing(context, toX(axis, line), this.toY(row), theme);
     context.restore();
+  }
+
+  #stateRows(): [Band, StateSpan[]][] {
+    return this.layout.states.map((band, i) => [band, this.#states[i] ?? []]);
   }
 
   /** Where the cursor stays while a person points elsewhere; the line itself has a flag in ink. */

@@ -5,6 +5,7 @@ import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { throttle } from "../shared/schedule.ts";
 import { Blocks } from "./blocks.ts";
 import { type Detail, decodeDetail, decodeWhole, type NamedSpan, type Whole } from "./data.ts";
+import type { StateSpan } from "./states.ts";
 import type { Pixel, Pointing, ScanogramTraits, Span } from "./traits.ts";
 
 const ASK_MS = 120;
@@ -28,7 +29,7 @@ export class State {
     this.#signal = signal;
     this.#ask = throttle(() => this.#askNow(), ASK_MS, signal);
     const tell = () => this.#tell();
-    onChange(model, ["_frame", "_about", "view", "color_range", "pixel", "marks"], tell, signal);
+    onChange(model, ["_frame", "_about", "view", "color_range", "pixel", "marks", "states"], tell, signal);
     onChange(model, ["_detail"], () => this.#onDetail(), signal);
     onAbort(signal, () => clearTimeout(this.#late));
   }
@@ -56,6 +57,10 @@ export class State {
 
   get marks(): NamedSpan[] {
     return this.#model.get("marks").map(([start, end, name]) => ({ start, end, name }));
+  }
+
+  get states(): StateSpan[][] {
+    return this.#model.get("states");
   }
 
   /** The start of the next mark, or of the one before. */

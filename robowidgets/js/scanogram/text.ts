@@ -4,6 +4,7 @@ import { toCount, toDegrees, toFixed, toMany, toMetres } from "../shared/format.
 import { toSeconds } from "./axis.ts";
 import type { Place } from "./blocks.ts";
 import { kindOf, type NamedSpan, type Sweep, type Whole } from "./data.ts";
+import { nameOf, type StateSpan, toWords as toPath } from "./states.ts";
 import type { Pixel } from "./traits.ts";
 
 const SYMBOLS: Record<number, string> = {
@@ -77,6 +78,11 @@ export function describeTouches(touches: NamedSpan[], title: string, time: numbe
 /** What the pop-up says of a mark. */
 export function describeMark(mark: NamedSpan): RayWords {
   return { expression: mark.name, distance: toWords(mark), details: "marked" };
+}
+
+/** What the pop-up says of a state. */
+export function describeState([start, end, path]: StateSpan): RayWords {
+  return { expression: toPath(path), distance: nameOf(path), details: toWords({ start, end, name: "" }) };
 }
 
 function toWords({ start, end }: NamedSpan): string {

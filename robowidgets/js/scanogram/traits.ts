@@ -1,5 +1,6 @@
 import type { Mark } from "../shared/marks.ts";
 import type { FrameTraits } from "../shared/traits.ts";
+import type { StateSpan } from "./states.ts";
 
 /** Seconds from the start. */
 export type Span = [number, number];
@@ -17,6 +18,8 @@ export interface ScanogramTraits extends FrameTraits {
   color_range: [number, number] | null;
   pixel: Pixel;
   marks: Mark[];
+  /** Rows of states below the strips, outer machines first. */
+  states: StateSpan[][];
   /** Start and end of the finer detail that the page lacks, and for how many columns. */
   _wanted: number[];
   _detail: DataView;

@@ -181,7 +181,7 @@ export class ScanogramView {
     this.#median.ariaPressed = String(this.#state.pixel === "median");
     this.#all.disabled = lengthOf(view) >= lengthOf(whole?.span);
     const { theme } = this.#card;
-    this.#scene.measure(this.#size, whole, view, this.#card.noticeHeight);
+    this.#scene.measure(this.#size, whole, this.#state.states, view, this.#card.noticeHeight);
     this.#scene.drawBase(this.#state, theme);
     this.#legend.place(this.#model.get("header"), this.#model.get("footer"), this.#size.width);
     this.#legend.drawKey(whole, this.#scene.colors, theme);

@@ -20,7 +20,7 @@ const NAMES = [
 export type Theme = Record<(typeof NAMES)[number] | "background" | "font", string> & { dark: boolean };
 
 const prefersDark = () => matchMedia("(prefers-color-scheme: dark)");
-const forcesColors = () => matchMedia("(forced-colors: active)");
+export const forcesColors = () => matchMedia("(forced-colors: active)");
 
 function isDark(): boolean {
   // The system's colours hold whatever the host's theme, and this query tells how dark they are.
