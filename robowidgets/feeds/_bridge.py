@@ -7,9 +7,9 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from ..kinds import counts_every_message
+from ._topics import queue_length
 from ._websocket import LARGEST, Frame, WebSocketClient
-from .middleware import EVENTS, Listener
+from .middleware import Listener
 
 Read = Callable[[Any], Any]
 """Decodes a frame into a message, or raises UnreadableError."""
@@ -127,11 +127,8 @@ class Bridge:
         raise NotImplementedError
 
     def _keep(self, topic: str, kind: str, read: Read, frame: Any) -> None:
-        """Queue a frame for decoding; it replaces the previous one unless its type is an event."""
-        waiting = self._pending.setdefault(topic, deque(maxlen=EVENTS))
-        if not counts_every_message(kind):
-            waiting.clear()
-        waiting.append((read, frame))
+        """Queue a frame for decoding."""
+        self._pending.setdefault(topic, deque(maxlen=queue_length(kind))).append((read, frame))
 
     def _flaw(self, topic: str, message: Any) -> str:  # noqa: ARG002
         """The reason why a decoded message is refused; empty if it is not."""

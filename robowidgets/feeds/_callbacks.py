@@ -17,10 +17,8 @@ from .._core.pacer import pacer
 from .._core.tables import many
 from .._core.user_function import line_of, name_of
 from .._core.user_threads import UserThread, frames_of
-from ..kinds import counts_every_message
 from ._sample_reader import SampleReader
-from ._topics import Table, Topic
-from .middleware import EVENTS
+from ._topics import Table, Topic, queue_length
 
 log = logging.getLogger("robowidgets")
 
@@ -121,9 +119,7 @@ class FunctionCaller:
         with self._changed:
             if self._closed or not any(function.topic == topic.name for function in self._functions):
                 return
-            waiting = self._waiting.setdefault(topic.name, deque(maxlen=EVENTS))
-            if not counts_every_message(topic.type):
-                waiting.clear()
+            waiting = self._waiting.setdefault(topic.name, deque(maxlen=queue_length(topic.type)))
             waiting.append((message, topic))
             if self._thread is None:
                 self._start()

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from ipaddress import ip_address
 from typing import Any
+from weakref import WeakValueDictionary
 from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException
@@ -19,31 +18,22 @@ _LOOPBACK = (
 )
 
 _lock = threading.Lock()
-_used: dict[tuple[int, str], tuple[Any, int]] = {}
+_used: WeakValueDictionary[tuple[int, str], Any] = WeakValueDictionary()
 
 
-@contextmanager
-def configured(domain: int, interface: str | None) -> Iterator[None]:
-    """Configure a domain to use an interface, for as long as the context lasts; equal configurations are shared.
+def configured(domain: int, interface: str | None) -> Any:
+    """A domain that uses an interface, for as long as the result is kept; None for the default interface.
 
     Raises:
         DDSException: there is no such interface, or the process uses the domain with another configuration.
     """
     if interface is None:
-        yield
-        return
-    key = domain, interface
+        return None
     with _lock:
-        configured_domain, count = _used.get(key, (None, 0))
-        _used[key] = (configured_domain or _domain(domain, interface), count + 1)
-    try:
-        yield
-    finally:
-        with _lock:
-            configured_domain, count = _used.pop(key)
-            if count > 1:
-                _used[key] = (configured_domain, count - 1)
-            del configured_domain
+        found = _used.get((domain, interface))
+        if found is None:
+            found = _used[domain, interface] = _domain(domain, interface)
+        return found
 
 
 def _domain(domain: int, interface: str) -> Any:

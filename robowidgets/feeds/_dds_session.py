@@ -19,7 +19,10 @@ from cyclonedds.util import duration
 
 from ..kinds import counts_every_message
 from ..messages.decoding import Decode, DecodeError
+from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
+from ._qos import not_coming, not_received
+from ._topics import adverts_of
 from .middleware import EVENTS, Advert, FeedError, Listener
 
 _MANY = 1000
@@ -36,27 +39,16 @@ _SETTLING = 0.05
 """Seconds for which it waits after that. The subscriber must discover our writer, too, and DDS does not report when it
 has. A best-effort subscriber would lose the message, a reliable one would get it 0.1 s later."""
 
-_OTHER_FIELDS = "defines the fields of its type in another way"
-_DOES = {
-    2: "keeps no earlier messages (durability)",
-    4: "promises no rate (deadline)",
-    6: "wants to be the only one (exclusive ownership)",
-    8: "promises no sign of life (liveliness)",
-    11: "is best-effort",
-    23: "encodes its messages in another way (XCDR2)",
-    24: _OTHER_FIELDS,
+_POLICIES = {
+    2: "durability",
+    4: "deadline",
+    6: "ownership",
+    8: "liveliness",
+    11: "reliability",
+    23: "data representation",
+    24: "type consistency",
 }
-"""Reasons why a publisher is incompatible with our readers, by the number of the policy in the DDS specification."""
-
-_EXPECTS = {
-    2: "expects earlier messages (durability)",
-    4: "expects messages at a promised rate (deadline)",
-    6: "expects one publisher only (exclusive ownership)",
-    8: "expects a sign of life (liveliness)",
-    23: "expects messages encoded in another way (XCDR2)",
-    24: _OTHER_FIELDS,
-}
-"""Reasons why a subscriber is incompatible with our writers, by the same numbers."""
+"""The policies by which publisher and subscriber may be incompatible, by their numbers in the DDS specification."""
 
 
 class Endpoint(NamedTuple):
@@ -92,8 +84,9 @@ class Session:
         DDSException: the network cannot be used.
     """
 
-    def __init__(self, domain: int, listener: Listener) -> None:
+    def __init__(self, domain: int, listener: Listener, interface: str | None = None) -> None:
         self._listener = listener
+        self._domain = configured(domain, interface)
         self._participant = DomainParticipant(domain)
         self._own = self._participant.guid
         self._waitset = WaitSet(self._participant)
@@ -143,10 +136,7 @@ class Session:
         for wish, reader in self._readers.items():
             status = reader.reader.get_requested_incompatible_qos_status()
             if status.total_count_change > 0:
-                does = _reason(_DOES, status.last_policy_id)
-                self._listener.on_trouble(
-                    wish.topic, f"a publisher of {wish.topic} {does}, so its messages do not come"
-                )
+                self._listener.on_trouble(wish.topic, not_coming(wish.topic, _policy(status)))
 
     def _set_readers(self, topics: set[str]) -> None:
         wishes = {wish for topic in topics for wish in _wishes(topic, self._offers.values())}
@@ -235,7 +225,9 @@ class Session:
         writer = DataWriter(self._participant, Topic(self._participant, dds_topic(topic), struct(type_name)), qos)
         self._writers[topic, type_name] = writer
         until = time.monotonic() + _MATCHING
-        while not (matched := self._matched(writer)) and not _incompatible_policy(writer) and time.monotonic() < until:
+        while not (matched := self._matched(writer)) and time.monotonic() < until:
+            if writer.get_offered_incompatible_qos_status().total_count:
+                break
             time.sleep(0.005)
         if matched:
             time.sleep(_SETTLING)
@@ -249,10 +241,10 @@ class Session:
     def _report_unheard(self) -> None:
         reasons: dict[str, str] = {}
         for (topic, kind), writer in list(self._writers.items()):
-            policy = _incompatible_policy(writer)
+            status = writer.get_offered_incompatible_qos_status()
             reasons.setdefault(topic, "")
-            if policy and self._wants_of(topic, kind) - self._matched(writer):
-                reasons[topic] = f"a subscriber of {topic} {_reason(_EXPECTS, policy)}, so it receives nothing"
+            if status.total_count and self._wants_of(topic, kind) - self._matched(writer):
+                reasons[topic] = not_received(topic, _policy(status))
         for topic, reason in reasons.items():
             self._listener.on_unheard(topic, reason)
 
@@ -265,21 +257,12 @@ class Session:
         for key, offer in self._offers.items():
             offered.setdefault((offer.topic, offer.type), set()).add(names.get(key.bytes, ""))
         wanted = {(want.topic, want.type) for want in self._wants.values()}
-        return [
-            Advert(*key, key in offered, key in wanted, tuple(sorted(offered.get(key, set()) - {""})))
-            for key in sorted(offered.keys() | wanted)
-            if key[0] != NODES
-        ]
+        return [advert for advert in adverts_of(offered, wanted) if advert.name != NODES]
 
 
-def _incompatible_policy(writer: Any) -> int:
-    """The number of the policy by which a subscriber was last incompatible with a writer; 0 when none was."""
-    status = writer.get_offered_incompatible_qos_status()
-    return status.last_policy_id if status.total_count else 0
-
-
-def _reason(by_policy: Mapping[int, str], policy: int) -> str:
-    return by_policy.get(policy, f"disagrees on policy {policy}")
+def _policy(status: Any) -> str:
+    """The name of the policy by which an endpoint was last incompatible with ours."""
+    return _POLICIES.get(status.last_policy_id, f"policy {status.last_policy_id}")
 
 
 def _endpoint(topic: str, kind: str, sample: Any) -> Endpoint:

@@ -19,8 +19,7 @@ from ..machine_widget import MachineWidget
 from ..program_widget import ProgramWidget
 from ..stop_widget import StopWidget
 from ._subscription import Target
-from ._topics import Topic
-from ._undecided_kind import decided, is_open
+from ._topics import Topic, decided, is_open
 from .middleware import FeedError
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from ..samples import Touch, TouchState
 from ..samples.touch_tracker import TouchTracker
 from ._sample_reader import SampleReader
 from ._subscription import Target
-from ._topics import Topic
+from ._topics import queue_length
 
 if TYPE_CHECKING:
     from .feed import Feed
@@ -74,7 +74,7 @@ class _Latest:
         self._feed, self.topic, self._on_message = feed, topic, on_message
         self._reader = SampleReader()
         self._lock = threading.Lock()
-        self._messages: deque[Any] = deque(maxlen=1)
+        self._messages: deque[Any] = deque()
         self._times: deque[float] = deque(maxlen=3)
         self._sample: Any = None
         self._goes_stale = False
@@ -88,8 +88,7 @@ class _Latest:
     def read(self, name: str) -> Any:
         """The newest sample. NotReadyError if there is none, or if it is too old."""
         with self._lock:
-            messages = list(self._messages)
-            self._messages.clear()
+            messages, self._messages = self._messages, deque()
             times = list(self._times)
         touched = self._take(messages) if messages else set()
         if self._sample is None:
@@ -103,8 +102,7 @@ class _Latest:
 
     def _take(self, messages: Sequence[Any]) -> set[str]:
         """Read messages; returns the touch sensors that were touched. NotReadyError if a message cannot be read."""
-        known = next((topic for topic in self._feed.topics if topic.name == self.topic), None)
-        topic = known or Topic(self.topic, "", None, False, True, None)
+        topic = self._feed.topic_of(self.topic)
         touched: set[str] = set()
         for message in messages:
             try:
@@ -122,8 +120,8 @@ class _Latest:
     def _put(self, message: Any) -> None:
         """Store a message; of touch sensors each one counts. In the transport's thread."""
         with self._lock:
-            if self._messages.maxlen == 1 and _is_touch(self._feed, self.topic):
-                self._messages = deque(self._messages, maxlen=100)
+            if not self._messages:
+                self._messages = deque(maxlen=queue_length(self._feed.topic_of(self.topic).type))
             self._messages.append(message)
             self._times.append(time.monotonic())
         self._on_message()
@@ -134,12 +132,6 @@ class _Latest:
         states = self._touches.states(time.monotonic_ns())
         known = {name: None if one.state is TouchState.UNKNOWN else bool(one.state) for name, one in states.items()}
         return Touch({**known, **dict.fromkeys(touched, True)})
-
-
-def _is_touch(feed: Feed, name: str) -> bool:
-    return any(
-        topic.name == name and topic.widget is not None and KINDS[topic.widget].every_message for topic in feed.topics
-    )
 
 
 class FeedInputs:

@@ -2,60 +2,29 @@
 
 from __future__ import annotations
 
-import threading
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 
 from ._backoff import Backoff
-from .middleware import CLOSE_TIMEOUT, Listener
+from ._threaded import ThreadedMiddleware
+from .middleware import Listener
 
 LAST_DOMAIN = 232
 
 
-class ReconnectLoop(ABC):
-    """Runs a session in a thread, and the next one after a growing pause; stores the wanted topics."""
+class ReconnectLoop(ThreadedMiddleware):
+    """Runs a session in a thread, and the next one after a growing pause."""
 
     def __init__(self) -> None:
+        super().__init__()
         self._backoff = Backoff()
-        self._lock = threading.Lock()
-        self._wanted: set[str] = set()
-        self._thread: threading.Thread | None = None
-
-    def subscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        with self._lock:
-            self._wanted.add(topic)
-            self._wake()
-
-    def unsubscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        with self._lock:
-            self._wanted.discard(topic)
-            self._wake()
-
-    def close(self) -> None:
-        """See `Middleware`."""
-        self._backoff.close()
-        with self._lock:
-            self._wake()
-        thread = self._thread
-        if thread is not None and thread is not threading.current_thread():
-            thread.join(CLOSE_TIMEOUT)
-
-    def _start(self, name: str, listener: Listener) -> None:
-        self._thread = threading.Thread(target=self._run, args=(listener,), name=name, daemon=True)
-        self._thread.start()
 
     def _run(self, listener: Listener) -> None:
-        while not self._backoff.closed:
+        while not self._closed.is_set():
             reason = self._run_session(listener)
-            if not self._backoff.closed:
+            if not self._closed.is_set():
                 pause = self._backoff.next_pause()
                 listener.on_lost(reason, pause)
-                self._backoff.wait(pause)
-
-    @abstractmethod
-    def _wake(self) -> None:
-        """Wake the thread after a change of the wanted topics, or to end it. Called with the lock held."""
+                self._closed.wait(pause)
 
     @abstractmethod
     def _run_session(self, listener: Listener) -> str:

@@ -11,6 +11,8 @@ from contextlib import ExitStack, suppress
 from typing import Any
 
 from ..kinds import counts_every_message
+from ._qos import not_coming, not_received
+from ._topics import adverts_of
 from ._twist import fill
 from .middleware import EVENTS, SEND_TIMEOUT, Advert, Listener, NotYetError
 
@@ -115,15 +117,12 @@ class Session:
                 continue  # a DDS program without ROS may use names that rclpy refuses
             self._offers[topic] = offers
             for info in offers:
-                offered.setdefault((topic, info.topic_type), set()).update(_full_name(info))
+                offered.setdefault((topic, info.topic_type), set()).add(_full_name(info))
             wanted.update((topic, info.topic_type) for info in self._others(wants))
             if topic in self._unheard and self._all_matched(topic, wants):
                 self._unheard.discard(topic)
                 self._listener.on_unheard(topic, "")
-        return [
-            Advert(*key, key in offered, key in wanted, tuple(sorted(offered.get(key, ()))))
-            for key in sorted(offered.keys() | wanted)
-        ]
+        return adverts_of(offered, wanted)
 
     def follow(self, topics: Iterable[str]) -> None:
         """Subscribe to these topics, with the types that `look` found last, and to no others."""
@@ -166,25 +165,19 @@ class Session:
             self._listener.on_unheard(topic, "")
 
     def _publisher(self, key: tuple[str, str]) -> Any:
-        from rclpy.qos import QoSProfile, qos_policy_name_from_kind
+        from rclpy.qos import QoSProfile
 
-        events = _events()
         topic, message_type = key
 
         def refused(event: Any) -> None:
             self._unheard.add(topic)
-            policy = qos_policy_name_from_kind(event.last_policy_kind).lower()
-            self._listener.on_unheard(topic, _not_received(topic, policy))
+            self._listener.on_unheard(topic, not_received(topic, _policy(event)))
 
-        def make(**callbacks: Any) -> Any:
-            on_event = events.PublisherEventCallbacks(use_default_callbacks=False, **callbacks)
+        def make(on_event: Any) -> Any:
             kind = message_class(message_type)
             return self._node.create_publisher(kind, topic, QoSProfile(depth=1), event_callbacks=on_event)
 
-        try:
-            return make(incompatible_qos=refused)
-        except events.UnsupportedEventTypeError:  # Zenoh, where every subscriber is compatible
-            return make()
+        return _with_events(make, "PublisherEventCallbacks", refused)
 
     def _await_match(self, publisher: Any, key: tuple[str, str], until: float) -> bool:
         """Wait for a subscriber of another node, which would miss earlier messages; returns whether there is one."""
@@ -242,9 +235,6 @@ class Session:
 
     def _subscription(self, known: Any, topic: str, qos: Any) -> tuple[Any, Any]:
         from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-        from rclpy.qos import qos_policy_name_from_kind
-
-        events = _events()
 
         def receive(message: Any) -> None:
             if self._is_wanted(topic):
@@ -252,20 +242,15 @@ class Session:
                 self._listener.on_message(topic, message)
 
         def refused(event: Any) -> None:
-            self._listener.on_trouble(
-                topic, _not_coming(topic, qos_policy_name_from_kind(event.last_policy_kind).lower())
-            )
+            self._listener.on_trouble(topic, not_coming(topic, _policy(event)))
 
-        def make(**callbacks: Any) -> tuple[Any, Any]:
-            on_event = events.SubscriptionEventCallbacks(use_default_callbacks=False, **callbacks)
+        def make(on_event: Any) -> tuple[Any, Any]:
             group = MutuallyExclusiveCallbackGroup()  # of its own: see `_drop_unreadable`
             create = self._node.create_subscription
             return create(known, topic, receive, qos, callback_group=group, event_callbacks=on_event), group
 
-        try:
-            return make(incompatible_qos=refused)
-        except events.UnsupportedEventTypeError:  # Zenoh, where every publisher is compatible
-            return make()
+        made: tuple[Any, Any] = _with_events(make, "SubscriptionEventCallbacks", refused)
+        return made
 
     def _drop_unreadable(self, error: Exception) -> bool:
         """End the subscription whose message led to an error, until the next `look`; returns whether there is one.
@@ -298,9 +283,9 @@ def one_line(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def _full_name(info: Any) -> list[str]:
+def _full_name(info: Any) -> str:
     """The name of the node of an endpoint, with its namespace; empty where it is unknown."""
-    return [] if info.node_name in _UNKNOWN else [f"{info.node_namespace.rstrip('/')}/{info.node_name}"]
+    return "" if info.node_name in _UNKNOWN else f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
 def _wishes(topic: str, offers: Iterable[Any]) -> set[_Key]:
@@ -315,20 +300,21 @@ def _wishes(topic: str, offers: Iterable[Any]) -> set[_Key]:
     return {(topic, kind, kept) for kind, kept in by_type.items()}
 
 
-def _events() -> Any:
-    """The module of rclpy with the event callbacks."""
+def _with_events(make: Callable[[Any], Any], callbacks: str, refused: Callable[[Any], None]) -> Any:
+    """What a function makes of event callbacks, of which one is called for an endpoint with an incompatible QoS."""
     try:
-        from rclpy import event_handler
+        from rclpy import event_handler as events
     except ImportError:  # before Iron
-        from rclpy import qos_event as event_handler
-    return event_handler
+        from rclpy import qos_event as events
+    callbacks_of = getattr(events, callbacks)
+    try:
+        return make(callbacks_of(use_default_callbacks=False, incompatible_qos=refused))
+    except events.UnsupportedEventTypeError:  # Zenoh, where every endpoint is compatible
+        return make(callbacks_of(use_default_callbacks=False))
 
 
-def _not_coming(topic: str, policy: str) -> str:
-    does = {"reliability": "is best-effort", "durability": "keeps no earlier messages (durability)"}
-    return f"a publisher of {topic} {does.get(policy, f'disagrees on {policy}')}, so its messages do not come"
+def _policy(event: Any) -> str:
+    """The name of the policy by which an endpoint was last incompatible with ours."""
+    from rclpy.qos import qos_policy_name_from_kind
 
-
-def _not_received(topic: str, policy: str) -> str:
-    does = {"durability": "expects earlier messages (durability)"}
-    return f"a subscriber of {topic} {does.get(policy, f'disagrees on {policy}')}, so it does not receive what is sent"
+    return str(qos_policy_name_from_kind(event.last_policy_kind)).lower()

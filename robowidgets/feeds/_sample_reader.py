@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..kinds import KINDS
-from ._topics import Topic
-from ._undecided_kind import decided, is_open
+from ._topics import Topic, decided, is_open
 
 
 class SampleReader:

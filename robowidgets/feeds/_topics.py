@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from .._core.tables import many
-from ..kinds import is_undecided, kind_of_type
-from .middleware import Advert
+from ..kinds import counts_every_message, is_standard, is_undecided, kind_of_message, kind_of_type
+from .middleware import EVENTS, Advert
 
 _HEADS = ("topic", "type", "published", "heard", "widget")
 _MANY = 12
@@ -36,12 +36,47 @@ class Topic(NamedTuple):
     wanted: bool | None
 
 
+def unlisted(name: str) -> Topic:
+    """A topic of which nothing is known but its name."""
+    return Topic(name, "", None, False, True, None)
+
+
+def is_open(topic: Topic) -> bool:
+    """Whether only a message can decide the widget of a topic, because its type has several kinds, or is unknown."""
+    if topic.widget or not topic.offered or not topic.type:
+        return False
+    return is_undecided(topic.type) or not is_standard(topic.type)
+
+
+def decided(topic: Topic, message: Any) -> Topic:
+    """The topic with the widget that shows its messages, if one does."""
+    kind = kind_of_message(message, topic.type)
+    if kind is None:
+        return topic
+    return topic._replace(widget=kind.name, commanded=kind.is_command(topic.name))
+
+
+def queue_length(type_name: str) -> int:
+    """The length of a queue of messages: the newest replaces the others, unless every message of the type counts."""
+    return EVENTS if counts_every_message(type_name) else 1
+
+
 def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
     """The topics that a middleware lists, by name, in its order."""
     by_name: dict[str, list[Advert]] = {}
     for advert in adverts:
         by_name.setdefault(advert.name, []).append(advert)
     return {name: _topic(name, same) for name, same in by_name.items()}
+
+
+def adverts_of(
+    publishers: Mapping[tuple[str, str], Collection[str]], subscribed: Collection[tuple[str, str]]
+) -> list[Advert]:
+    """Adverts of topics, by topic and type: the nodes that publish them (empty: unnamed), and those subscribed to."""
+    return [
+        Advert(*key, key in publishers, key in subscribed, tuple(sorted(filter(None, publishers.get(key, ())))))
+        for key in sorted({*publishers, *subscribed})
+    ]
 
 
 def _topic(name: str, adverts: Sequence[Advert]) -> Topic:

@@ -63,6 +63,7 @@ class WebSocketClient:
         self._handler = handler
         self._subprotocols = subprotocols
         self._backoff = Backoff()
+        self._closed = threading.Event()
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -84,13 +85,13 @@ class WebSocketClient:
     @property
     def closed(self) -> bool:
         """Whether it is closed for good."""
-        return self._backoff.closed
+        return self._closed.is_set()
 
     def close(self) -> None:
         """End the connection and the thread; called in that thread, it ends after the current call."""
         with self._lock:
             if not self.closed:
-                self._backoff.close()
+                self._closed.set()
                 if self._loop is not None and self._task is not None:
                     self._loop.call_soon_threadsafe(self._task.cancel)
         if self._thread is not None and self._thread is not threading.current_thread():
@@ -150,7 +151,7 @@ class WebSocketClient:
                 if not self.closed:
                     pause = self._backoff.next_pause()
                     self._handler.on_lost(reason, pause, self._too_big)
-                    self._backoff.wait(pause)
+                    self._closed.wait(pause)
 
     async def _session(self) -> str:
         """Connect, and run until the connection ends; returns the reason."""

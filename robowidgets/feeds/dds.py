@@ -67,37 +67,31 @@ class Dds(ReconnectLoop):
         return ""
 
     def _in_domain(self, listener: Listener) -> None:
-        from ._dds_domain import configured
         from ._dds_session import Session
         from ._dds_types import struct
 
-        with configured(self._domain, self._interface):
-            session = Session(self._domain, listener)
-            # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
-            encode("cdr", TWIST_STAMPED, {})
-            struct(TWIST_STAMPED)
+        session = Session(self._domain, listener, self._interface)
+        # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
+        encode("cdr", TWIST_STAMPED, {})
+        struct(TWIST_STAMPED)
+        with self._lock:
+            self._session = session
+        try:
+            listener.on_connected()
+            self._backoff.reset()
+            while not self._closed.is_set():
+                self._step(session)
+        finally:
             with self._lock:
-                self._session = session
-            try:
-                listener.on_connected()
-                self._backoff.reset()
-                while not self._backoff.closed:
-                    self._step(session)
-            finally:
-                with self._lock:
-                    self._session = None
+                self._session = None
 
     def _step(self, session: Session) -> None:
         session.look()
-        with self._lock:
-            wanted = set(self._wanted)
-        session.follow(wanted)
+        session.follow(self._wanted)
         for wish in session.wishes:
-            with self._lock:
-                if self._backoff.closed or wish.topic not in self._wanted:
-                    continue
-            session.messages(wish)
-        if not self._backoff.closed:
+            if wish.topic in self._wanted and not self._closed.is_set():
+                session.messages(wish)
+        if not self._closed.is_set():
             session.wait()
 
 

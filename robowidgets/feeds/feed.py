@@ -29,7 +29,7 @@ from ._scan_iterator import scans_of
 from ._subscriber import Subscriber
 from ._subscription import Target, target_of
 from ._subscription_table import SubscriptionTable
-from ._topics import Table, Topic, check_name, table_of, topics_of
+from ._topics import Table, Topic, check_name, table_of, topics_of, unlisted
 from .middleware import Advert, FeedError, Middleware
 
 if TYPE_CHECKING:
@@ -422,8 +422,7 @@ class Feed:
             return
         if subscription.take(message):
             self._show_status(topic)
-        known = (self._table.topics or {}).get(topic)
-        self._functions.put(known or Topic(topic, "", None, False, True, None), message)
+        self._functions.put(self.topic_of(topic), message)
 
     def on_trouble(self, topic: str, reason: str) -> None:
         """See `Listener`."""
@@ -482,6 +481,10 @@ class Feed:
             self._opened + PATIENCE - time.monotonic(),
         )
 
+    def topic_of(self, name: str) -> Topic:
+        """A topic as it is known now."""
+        return (self._table.topics or {}).get(name) or unlisted(name)
+
     def status_of(self, topic: str) -> str:
         """The problems of a topic, connected or not; empty if there are none."""
         with self._changed:
@@ -526,8 +529,7 @@ class Feed:
     def show_sent(self, topic: str, speed: Speed) -> None:
         """Show a speed that was sent as commanded, unless the middleware reports it like those of other publishers."""
         subscription = self._table.by_topic.get(topic)
-        known = (self._table.topics or {}).get(topic)
-        if subscription is not None and known is not None and not known.offered:
+        if subscription is not None and not self.topic_of(topic).offered:
             subscription.take(speed)
             self._show_status(topic)
 

@@ -12,14 +12,15 @@ import numpy as np
 
 from ..recordings import RecordingData
 from ..samples.checks import finite
+from ._threaded import ThreadedMiddleware
 from ._topics import YOURS
 from .feed import Feed
-from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
+from .middleware import Advert, FeedError, Listener
 
 _SHORTEST_ROUND = 0.1
 
 
-class Played:
+class Played(ThreadedMiddleware):
     """A recording as a `Middleware`: it plays in a thread of its own, from the moment of opening.
 
     Args:
@@ -29,13 +30,11 @@ class Played:
     """
 
     def __init__(self, recording: RecordingData, speed: float, loop: bool) -> None:
+        super().__init__()
         self._recording = recording
         self._speed = speed
         self._loop = loop
-        self._subscribed: frozenset[str] = frozenset()
         self._changed = threading.Event()
-        self._closed = False
-        self._thread: threading.Thread | None = None
         self._listener: Listener
         self._adverts: list[Advert] = []
 
@@ -52,22 +51,11 @@ class Played:
             Advert(topic.name, topic.type, publishers=("the recording",)) for topic in self._recording.topics
         ]
         listener.on_topics(self._adverts)
-        self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-player", daemon=True)
-        self._thread.start()
-
-    def subscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        self._subscribed |= {topic}
-        self._changed.set()
-
-    def unsubscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        self._subscribed -= {topic}
-        self._changed.set()
+        self._start("robowidgets-player", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`. Nothing moves; the speed is listed beside the recorded one, under a topic of its own."""
-        if self._closed:
+        if self._closed.is_set():
             raise FeedError(f"{self.where} is closed")
         if all(known.name != topic for known in self._recording.topics):
             return  # the feed itself shows what it publishes
@@ -79,12 +67,12 @@ class Played:
 
     def close(self) -> None:
         """See `Middleware`."""
-        self._closed = True
-        self._changed.set()
+        super().close()
         if self._thread is None:
             self._recording.close()
-        elif self._thread is not threading.current_thread():
-            self._thread.join(CLOSE_TIMEOUT)
+
+    def _wake(self) -> None:
+        self._changed.set()
 
     def _run(self, listener: Listener) -> None:
         shown = {topic.name for topic in self._recording.topics if topic.widget}
@@ -93,10 +81,10 @@ class Played:
         with self._recording:
             while True:
                 self._changed.clear()
-                if self._closed:
+                if self._closed.is_set():
                     return
-                names = self._subscribed & shown
-                for name in self._subscribed & others:
+                names = self._wanted & shown
+                for name in self._wanted & others:
                     listener.on_trouble(name, f"{name}: a recording publishes only topics that a widget shows")
                 ended = self._play(listener, names, started)
                 if ended and self._loop:

@@ -106,7 +106,7 @@ class Ros1(ReconnectLoop):
             self._report(topic, reason)
 
     def _report(self, topic: str, reason: str) -> None:
-        if self._listener is not None and not self._backoff.closed and topic in self._wanted:
+        if self._listener is not None and not self._closed.is_set() and topic in self._wanted:
             self._listener.on_trouble(topic, reason)
 
     def _wake(self) -> None:
@@ -121,13 +121,13 @@ class Ros1(ReconnectLoop):
     def _run_session(self, listener: Listener) -> str:
         """Poll the master until neither it nor a connection is left; returns the reason why the master is lost."""
         self._connected = False
-        while not self._backoff.closed:
+        while not self._closed.is_set():
             reason = self._poll(listener)
             if not reason:
                 self._wakeup.wait(POLL)
                 self._wakeup.clear()
             elif self._connected:
-                self._backoff.wait(self._backoff.next_pause())
+                self._closed.wait(self._backoff.next_pause())
             else:
                 return reason
         return ""
@@ -160,7 +160,7 @@ class Ros1(ReconnectLoop):
         live = {topic for topic, subscription in self._subscriptions.items() if _is_live(subscription)}
         if before or reason:
             lost = f"master lost, trying again: {reason}" if reason else ""
-            for topic in list(self._wanted):
+            for topic in self._wanted:
                 self._report(topic, DATA_COME if lost and topic in live else lost)
         return bool(live) or self._publications.connected
 
@@ -178,7 +178,7 @@ class Ros1(ReconnectLoop):
             if topic not in self._wanted or state.types.get(topic, subscription.kind) != subscription.kind:
                 del self._subscriptions[topic]
                 subscription.subscriber.unregister()
-        for topic in list(self._wanted):
+        for topic in self._wanted:
             if topic in self._subscriptions:
                 self._look_after(topic, state)
             elif topic in state.types:
@@ -229,7 +229,7 @@ class Ros1(ReconnectLoop):
         return adverts
 
     def _receive(self, message: Any, topic: str) -> None:
-        if self._backoff.closed or topic not in self._wanted or self._listener is None:
+        if self._closed.is_set() or topic not in self._wanted or self._listener is None:
             return
         if isinstance(message, self._rospy.AnyMsg):
             try:

@@ -83,7 +83,7 @@ class Ros2(ReconnectLoop):
         """The session, or the next one when rclpy's signal handler has shut it down."""
         with self._changed:
             while True:
-                if self._backoff.closed or self._down:
+                if self._closed.is_set() or self._down:
                     raise FeedError(self._down or f"{self.where} is closed")
                 if self._session is not None:
                     if self._session.ok():
@@ -101,7 +101,7 @@ class Ros2(ReconnectLoop):
         try:
             self._set_session(None)
             shut_down = False
-            while not self._backoff.closed:
+            while not self._closed.is_set():
                 self._use_session(listener, shut_down)
                 shut_down = True
         except Exception as error:  # rclpy has a class of its own for each reason
@@ -130,10 +130,9 @@ class Ros2(ReconnectLoop):
         self._backoff.reset()
         listener.on_topics(adverts)
         due = 0.0
-        followed: set[str] = set()
-        while not self._backoff.closed and session.ok():
-            with self._lock:
-                wanted = set(self._wanted)
+        followed: frozenset[str] = frozenset()
+        while not self._closed.is_set() and session.ok():
+            wanted = self._wanted
             if wanted != followed or time.monotonic() >= due:
                 followed, due = wanted, time.monotonic() + (EARLY_LOOK if session.is_young else LOOK)
                 listener.on_topics(session.look())
@@ -146,8 +145,7 @@ class Ros2(ReconnectLoop):
             self._changed.notify_all()
 
     def _is_wanted(self, topic: str) -> bool:
-        with self._lock:
-            return topic in self._wanted and not self._backoff.closed
+        return topic in self._wanted and not self._closed.is_set()
 
 
 def _domain_of(node: Any) -> int:

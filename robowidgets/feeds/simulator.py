@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -14,8 +13,9 @@ from ..shapes.drawing import DrawsShapes
 from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
 from ..simulator import wander as wander_about
+from ._threaded import ThreadedMiddleware
 from .feed import Feed
-from .middleware import CLOSE_TIMEOUT, Advert, FeedError, Listener
+from .middleware import Advert, FeedError, Listener
 
 TOPICS = (
     Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
@@ -29,7 +29,7 @@ LET_GO = 3.0
 _LATEST = 1.0
 
 
-class Simulated:
+class Simulated(ThreadedMiddleware):
     """A simulated robot as a `Middleware`: it runs in real time, in a thread of its own.
 
     While speeds come on ``/cmd_vel``, it obeys them. Else it wanders about and backs off from obstacles, or stands
@@ -43,14 +43,12 @@ class Simulated:
     """
 
     def __init__(self, robot: Robot, hz: float, wander: bool = True) -> None:
+        super().__init__()
         self._robot = robot
         self._step = 1 / hz
         self._wanders = wander
         self._driven: tuple[float, float, float] | None = None if wander else (0.0, 0.0, 0.0)
         self._driven_at = 0.0
-        self._subscribed: frozenset[str] = frozenset()
-        self._ended = threading.Event()
-        self._thread: threading.Thread | None = None
 
     @property
     def where(self) -> str:
@@ -63,49 +61,37 @@ class Simulated:
         has_bumpers = bool(self._robot.model.touch_type)
         bumper = Advert("/bumper", self._robot.model.touch_type, wanted=False)
         listener.on_topics((*TOPICS, bumper) if has_bumpers else TOPICS)
-        self._thread = threading.Thread(target=self._run, args=(listener,), name="robowidgets-simulator", daemon=True)
-        self._thread.start()
-
-    def subscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        self._subscribed |= {topic}
-
-    def unsubscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        self._subscribed -= {topic}
+        self._start("robowidgets-simulator", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
         """See `Middleware`. It takes every message with a speed."""
         if topic != "/cmd_vel":
             raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
         speed = to_speed(message)
-        if self._ended.is_set():
+        if self._closed.is_set():
             raise FeedError("the simulated robot is closed")
         self._driven_at = time.monotonic()
         self._driven = (speed.linear[0], speed.angular[2], speed.linear[1])
-
-    def close(self) -> None:
-        """See `Middleware`."""
-        self._ended.set()
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(CLOSE_TIMEOUT)
 
     def _run(self, listener: Listener) -> None:
         ways = wander_about(self._robot)
         scan = None
         due = time.monotonic()
-        while not self._ended.wait(max(0.0, due - time.monotonic())):
+        while not self._closed.wait(max(0.0, due - time.monotonic())):
             # Catches up with time that a busy cell took from this thread, up to `_LATEST` seconds.
             due = max(due + self._step, time.monotonic() - _LATEST)
             ways = self._steer(ways)
             self._robot.step(self._step)
             samples: dict[str, Any] = {"/odom": self._robot.speed(), "/cmd_vel": self._robot.command()}
-            if "/bumper" in self._subscribed:
+            if "/bumper" in self._wanted:
                 samples["/bumper"] = self._robot.model.to_message(self._robot.touch())
-            if "/scan" in self._subscribed and self._robot.scan() is not scan:
+            if "/scan" in self._wanted and self._robot.scan() is not scan:
                 scan = samples["/scan"] = self._robot.scan()
-            for topic in self._subscribed & samples.keys():
+            for topic in self._wanted & samples.keys():
                 listener.on_message(topic, samples[topic])
+
+    def _wake(self) -> None:
+        """Nothing to do: each step looks at the wanted topics."""
 
     def _steer(self, ways: Iterator[None]) -> Iterator[None]:
         driven = self._driven

@@ -1,7 +1,5 @@
 """Pauses between attempts."""
 
-import threading
-
 from robowidgets.feeds._backoff import FIRST, JITTER, LONGEST, Backoff
 
 
@@ -23,17 +21,3 @@ def test_the_first_pause_is_short_again_once_it_worked():
         backoff.next_pause()
     backoff.reset()
     assert backoff.next_pause() <= FIRST
-
-
-def test_a_wait_passes_or_ends_at_once_when_it_is_closed():
-    backoff = Backoff()
-    assert backoff.wait(0.001)
-    ended = []
-    waiting = threading.Thread(target=lambda: ended.append(backoff.wait(60.0)))
-    waiting.start()
-    backoff.close()
-    backoff.close()
-    waiting.join(5.0)
-    assert ended == [False]
-    assert backoff.closed
-    assert not backoff.wait(60.0)

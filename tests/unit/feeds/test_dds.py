@@ -23,7 +23,7 @@ import pytest
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install cyclonedds")
 
-from robowidgets.feeds import _dds_session, _reconnect_loop
+from robowidgets.feeds import _dds_session, _threaded
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
 from robowidgets.feeds._encode import encode
 from robowidgets.feeds.dds import Dds
@@ -406,7 +406,7 @@ def test_closing_does_not_wait_for_long_for_a_robot_that_does_nothing_any_more(
 def test_closing_does_not_wait_for_long_for_a_message_that_is_handed_on(
     dds: Dds, heard: Recorder, robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_reconnect_loop, "CLOSE_TIMEOUT", 0.1)
+    monkeypatch.setattr(_threaded, "CLOSE_TIMEOUT", 0.1)
     held, go_on = threading.Event(), threading.Event()
 
     def hold() -> None:

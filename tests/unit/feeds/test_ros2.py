@@ -452,7 +452,7 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told_until_it_is_gone
     assert heard.troubles == [
         (
             "/cmd_vel",
-            "a subscriber of /cmd_vel expects earlier messages (durability), so it does not receive what is sent",
+            "a subscriber of /cmd_vel expects earlier messages (durability), so it receives nothing",
         )
     ]
     offer(graph, "/scan", SCAN)
