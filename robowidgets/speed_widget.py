@@ -196,8 +196,8 @@ class SpeedWidget(RobotWidget[Reading]):
 
     def _describe(self) -> str:
         shown = self._on_show()
-        both = {"measured": shown.measured, "commanded": shown.commanded}
-        return "; ".join(f"{name} {_in_words(speed)}" for name, speed in both.items() if speed)
+        both = ((self.bars, shown.measured), ("commanded", shown.commanded))
+        return "; ".join(f"{name} {_in_words(speed)}" for name, speed in both if speed)
 
     def _take(self, method: str, message: Any, unnamed: tuple[Any, ...], fields: dict[str, Any]) -> None:
         try:

@@ -120,6 +120,6 @@ def _unheard(name: str, adverts: Sequence[Advert]) -> str:
 
 def _contested(name: str, adverts: Sequence[Advert]) -> str:
     """Text for a topic on which another node publishes speeds, too; empty when none does."""
-    others = [advert for advert in adverts if advert.name == name and advert.offered]
-    names = dict.fromkeys(publisher for advert in others for publisher in advert.publishers)
+    others = [a.publishers for a in adverts if a.name == name and a.offered and a.publishers is not None]
+    names = dict.fromkeys(publisher for publishers in others for publisher in publishers)
     return f"{', '.join(names) or 'somebody else'} publishes {name}, too" if others else ""

@@ -558,7 +558,11 @@ class Feed:
         if self._driven is not None and all(advert.name != self._driven for advert in adverts):
             reports = any(advert.wanted is not None for advert in adverts)
             adverts.append(Advert(self._driven, TWIST, offered=False, wanted=False if reports else None))
-        self._table.learn(topics_of(adverts))
+        topics = topics_of(adverts)
+        driven = topics.get(self._driven or "")
+        if driven is not None and not driven.offered:  # whatever its name says
+            topics[driven.name] = driven._replace(commanded=True)
+        self._table.learn(topics)
 
     def _tables(self) -> list[Table]:
         tables = [table_of(self.where, self.topics, self.status)]

@@ -28,14 +28,14 @@ class Advert(NamedTuple):
 
     ``type`` is written as ``sensor_msgs/msg/LaserScan``, also for ROS 1; empty when it is unknown. ``offered`` is True
     if another node publishes it, ``wanted`` if another node subscribes to it (None: unknown). ``publishers`` are the
-    names of the other nodes that publish it, as far as the middleware reports them.
+    names of the other nodes that publish it, as far as the middleware reports them; None for a recording.
     """
 
     name: str
     type: str
     offered: bool = True
     wanted: bool | None = None
-    publishers: tuple[str, ...] = ()
+    publishers: tuple[str, ...] | None = ()
 
 
 class Listener(Protocol):

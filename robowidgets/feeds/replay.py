@@ -47,9 +47,7 @@ class Played(ThreadedMiddleware):
         """See `Middleware`."""
         listener.on_connected()
         self._listener = listener
-        self._adverts = [
-            Advert(topic.name, topic.type, publishers=("the recording",)) for topic in self._recording.topics
-        ]
+        self._adverts = [Advert(topic.name, topic.type, publishers=None) for topic in self._recording.topics]
         listener.on_topics(self._adverts)
         self._start("robowidgets-player", listener)
 
@@ -59,7 +57,7 @@ class Played(ThreadedMiddleware):
             raise FeedError(f"{self.where} is closed")
         if all(known.name != topic for known in self._recording.topics):
             return  # the feed itself shows what it publishes
-        own = Advert(f"{topic}{YOURS}", message_type, publishers=("your program",))
+        own = Advert(f"{topic}{YOURS}", message_type)
         if own not in self._adverts:
             self._adverts = [*self._adverts, own]
             self._listener.on_topics(self._adverts)
