@@ -70,7 +70,7 @@ class MachineWidget(RobotWidget[MachineStep]):
         self._in_force: Version | None = None
         super().__init__(**kwargs)
         # Its group is the robot: so the page freezes it with all widgets of the robot, and them with it.
-        self._robot = self._together = robot.page_name
+        self._robot = self._together = robot.connection.page_name
         self._source = {"robot": self._robot, "status": "waiting for a state machine"}
         programs.watch(self._on_step)
         self._on_step()

@@ -34,8 +34,18 @@ class _Driver(Protocol):
     def page_seen(self) -> None: ...
 
 
+class _Connection(Protocol):
+    is_closed: bool
+
+    def watch(self, on_change: Callable[[], None]) -> None: ...
+    def forget(self, on_change: Callable[[], None]) -> None: ...
+
+
 class DrivenFeed(Protocol):
     """The part of a feed that pad and Stop use."""
+
+    @property
+    def connection(self) -> _Connection: ...
 
     @property
     def watchdog(self) -> CommandWatchdog: ...
@@ -45,10 +55,6 @@ class DrivenFeed(Protocol):
     def driving(self) -> _Driving: ...
     @property
     def drive_status(self) -> str: ...
-    @property
-    def is_closed(self) -> bool: ...
-    def watch(self, on_change: Callable[[], None]) -> None: ...
-    def forget(self, on_change: Callable[[], None]) -> None: ...
 
 
 class DrivingWidget(NamedWidget):
@@ -114,14 +120,14 @@ class DrivingWidget(NamedWidget):
         self._watchdog, self._feed, self._owns, self._cause = watchdog, feed, owns, ""
         watchdog.watch(self._on_change)
         if feed is not None:
-            feed.watch(self._on_change)
+            feed.connection.watch(self._on_change)
         self._on_change()
 
     def _detach(self, cause: str = "") -> None:
         """Use no watchdog any more; a robot that only this widget drives is stopped."""
         watchdog, feed, owns = self._watchdog, self._feed, self._owns
         if feed is not None:
-            feed.forget(self._on_change)
+            feed.connection.forget(self._on_change)
         watchdog.forget(self._on_change)
         if owns:
             try:
@@ -156,7 +162,7 @@ class DrivingWidget(NamedWidget):
     def _on_change(self) -> None:
         """Note errors and have the pacer send the state. Any thread may call it; it does not wait."""
         feed = self._feed
-        if feed is not None and feed.is_closed:
+        if feed is not None and feed.connection.is_closed:
             self._detach("the feed is closed")
             return
         with self._error_lock:

@@ -14,7 +14,7 @@ from ._twist import TwistPublisher
 from .middleware import FeedError, Middleware, NotYetError
 
 if TYPE_CHECKING:
-    from .feed import Feed
+    from ._connection import Connection
 
 PAGE_TIMEOUT = 3.0
 """Seconds without a message from any page after which no page is there."""
@@ -30,15 +30,15 @@ class Driver:
     """Checks speeds against limits, connection and latch, and hands them to the watchdog of a feed.
 
     Args:
-        feed: the feed; it knows the connection and the topics.
+        connection: that of the feed, with its topics.
         middleware: the middleware that publishes the speeds.
 
     Attributes:
         watchdog: sends the speeds.
     """
 
-    def __init__(self, feed: Feed, middleware: Middleware) -> None:
-        self._feed = feed
+    def __init__(self, connection: Connection, middleware: Middleware) -> None:
+        self._connection = connection
         self._driving = Driving()
         self._changing = threading.Lock()
         """Held while the settings change, so that no speed gets between the zero on the old topic and the new one."""
@@ -69,17 +69,17 @@ class Driver:
     @property
     def status(self) -> str:
         """See `Feed.drive_status`."""
-        return self._feed.status or self._status.of(self._driving.topic, self._feed.adverts)
+        return self._connection.status or self._status.of(self._driving.topic, self._connection.adverts)
 
     def drive(self, linear: float, angular: float) -> None:
         """See `Feed.drive`."""
         velocity, stops = self._within(linear, angular), self.watchdog.stops
-        self._feed.await_subscriber(self._driving.topic)
+        self._connection.await_subscriber(self._driving.topic)
         if self._connected_by is None:
             self._connected_by = time.monotonic() + CONNECT_TIMEOUT
         try:
             while not self._try_drive(velocity, stops):
-                self._feed.wait_until(lambda: False, RETRY_PAUSE)
+                self._connection.wait_until(lambda: False, RETRY_PAUSE)
         finally:
             self._log_status()
 
@@ -95,7 +95,7 @@ class Driver:
         finally:
             self._log_status()
         error_before = self.watchdog.error
-        return "" if error_before is None else f"cannot drive: {self._feed.status or error_before}"
+        return "" if error_before is None else f"cannot drive: {self._connection.status or error_before}"
 
     def drive_by_hand(self, linear: float, angular: float, press: str) -> None:
         """Publish the speed of a press on a pad, without waiting. Raises as `Feed.drive`."""
@@ -105,13 +105,13 @@ class Driver:
     def stop(self) -> None:
         """See `Feed.stop`."""
         self._status.cut = ""
-        self._feed.await_subscriber(self._driving.topic)
-        self._feed.check_open()
+        self._connection.await_subscriber(self._driving.topic)
+        self._connection.check_open()
         try:
             self.watchdog.sent_in_time(self.watchdog.stop())
         except (FeedError, TimeoutError) as error:
             follows = "; zero follows when it can be sent" if self.watchdog.owes_zero else ""
-            raise FeedError(f"cannot stop: {self._feed.status or error}{follows}") from None
+            raise FeedError(f"cannot stop: {self._connection.status or error}{follows}") from None
 
     def page_seen(self) -> None:
         """Record that a page shows the feed or a pad of it."""
@@ -145,16 +145,16 @@ class Driver:
             is_connecting = isinstance(error, NotYetError) and time.monotonic() < (self._connected_by or 0.0)
             if is_connecting and self.watchdog.stops == stops:
                 return False
-            raise FeedError(f"cannot drive: {self._feed.status or error}") from None
+            raise FeedError(f"cannot drive: {self._connection.status or error}") from None
         return True
 
     def _request(self, velocity: Velocity, driver: str) -> Request:
         """Check a speed and request it from the watchdog; FeedError if a check fails."""
-        self._feed.check_open()
-        if self._feed.status:
-            raise FeedError(f"cannot drive: {self._feed.status}")
+        self._connection.check_open()
+        if self._connection.status:
+            raise FeedError(f"cannot drive: {self._connection.status}")
         if velocity != ZERO:
-            self._feed.list_driven(self._driving.topic)
+            self._connection.list_driven(self._driving.topic)
         with self._changing:
             if self._driving.needs_page and time.monotonic() - self._page_at > PAGE_TIMEOUT:
                 raise FeedError(
@@ -169,12 +169,12 @@ class Driver:
     def _send(self, linear: float, angular: float) -> None:
         """The sink of the watchdog, called in its thread."""
         if linear or angular:
-            self._feed.check_open()
-        self._twists.send(self._driving.topic, linear, angular, self._feed.adverts)
+            self._connection.check_open()
+        self._twists.send(self._driving.topic, linear, angular, self._connection.adverts)
 
     def _log_status(self) -> None:
         """Log why the robot may not move as commanded; after a speed was requested, which may be zero."""
-        self._status.log(self._feed.where, self._driving.topic, self._feed.adverts)
+        self._status.log(self._connection.where, self._driving.topic, self._connection.adverts)
 
     def _after_send(self) -> None:
         watchdog = self.watchdog
@@ -182,4 +182,4 @@ class Driver:
             self._by_hand, self._status.cut = False, ""  # the press is over, and so is the cut of its speed
         if watchdog.error is None:
             linear, angular = watchdog.sent
-            self._feed.show_sent(self._driving.topic, Speed((linear, 0.0, 0.0), (0.0, 0.0, angular)))
+            self._connection.show_sent(self._driving.topic, Speed((linear, 0.0, 0.0), (0.0, 0.0, angular)))

@@ -41,7 +41,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
     """
 
     def __init__(self, feed: Feed, topics: Sequence[str] = ()) -> None:
-        self.feed = feed
+        self._feed: Feed | None = feed
+        self._connection = feed.connection
         self._names = topics
         self._known: dict[str, Topic] = {}
         self._shown: dict[WidgetChoice, Any] = {}
@@ -55,6 +56,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.machine: MachineWidget | None = None
         super().__init__([self._stop, self._status, self._columns])
         take_the_place(self)
+        self._connection.watch(self.refresh)
+        self.refresh()
 
     @property
     def widgets(self) -> dict[str, Any]:
@@ -63,17 +66,17 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def close(self) -> None:
         """Remove it from the page; doing it again does nothing."""
-        self.feed.forget(self.refresh)
+        self._connection.forget(self.refresh)
         self._closed = True
         self.refresh()
         for widget in (self._stop, self.program, self.machine):
             if widget is not None:
                 widget.close()
         super().close()
-        self.feed = self.feed.twin  # a robot of which only closed views are left is deleted
+        self._feed = None  # a feed of which only closed views are left is deleted
 
     def _refresh(self) -> None:
-        topics = [topic for topic in self.feed.topics if not self._names or topic.name in self._names]
+        topics = [topic for topic in self._connection.topics if not self._names or topic.name in self._names]
         self._known.update((topic.name, topic) for topic in topics if topic.widget)
         try:
             self._probe(() if self._closed else topics)
@@ -81,7 +84,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
         except FeedError:
-            if not self.feed.is_closed:  # a feed that was closed meanwhile connects no widgets
+            if not self._connection.is_closed:  # a feed that was closed meanwhile connects no widgets
                 raise
         self._show_status()
 
@@ -89,13 +92,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         """Subscribe to the topics whose widget only a message can decide."""
         for topic in topics:
             if topic.name not in self._probes and is_open(topic):
-                self._probes[topic.name] = self.feed.attach(topic.name, partial(self._decide, topic))
+                self._probes[topic.name] = self._connection.attach(topic.name, partial(self._decide, topic))
         if self._closed:
             for name, probe in self._probes.items():
-                self.feed.detach(name, probe)
+                self._connection.detach(name, probe)
 
     def _decide(self, topic: Topic, message: Any) -> None:
-        self.feed.detach(topic.name, self._probes[topic.name])
+        self._connection.detach(topic.name, self._probes[topic.name])
         found = decided(topic, message)
         if found.widget:
             self._known[topic.name] = found
@@ -103,13 +106,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def _add_program(self) -> bool:
         """Make the widgets of the program and of its state machine once they are there; returns whether it made one."""
-        program, shown = self.feed.programs.current, (self.program, self.machine)
-        if program is None or self._names or self._closed:
+        program, shown, feed = self._connection.programs.current, (self.program, self.machine), self._feed
+        if program is None or feed is None or self._names or self._closed:
             return False
         if self.program is None:
-            self.program = ProgramWidget(self.feed)
+            self.program = ProgramWidget(feed)
         if self.machine is None and isinstance(program.version.function, Machine):
-            self.machine = MachineWidget(self.feed)
+            self.machine = MachineWidget(feed)
         return (self.program, self.machine) != shown
 
     def _set_widgets(self, wanted: Sequence[WidgetChoice]) -> None:
@@ -120,15 +123,15 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             shown[choice] = self._make(choice) if before is None else self._with_command(before, choice)
         for choice in there.values():
             widget = self._shown[choice]
-            self.feed.disconnect(choice.topic, widget)
+            self._connection.disconnect(choice.topic, widget)
             if choice.command:
-                self.feed.disconnect(choice.command, widget.command)
+                self._connection.disconnect(choice.command, widget.command)
             widget.close()
         self._shown = shown
         machine = [] if self.machine is None else [self.machine]
         freeze_together([*shown.values(), *machine])
         for widget in machine:
-            widget._together = self.feed.page_name  # also with the widgets of the robot that are elsewhere
+            widget._together = self._connection.page_name  # also with the widgets of the robot that are elsewhere
         program = [] if self.program is None else [self.program]
         old, self._columns.children = self._columns.children, columns([*program, *shown.values(), *machine])
         for column in old:
@@ -136,9 +139,9 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def _make(self, choice: WidgetChoice) -> Any:
         widget = choice.make()
-        self.feed.connect(choice.topic, widget)
+        self._connection.connect(choice.topic, widget)
         if choice.command:
-            self.feed.connect(choice.command, widget.command)
+            self._connection.connect(choice.command, widget.command)
         return widget
 
     def _with_command(self, before: WidgetChoice, choice: WidgetChoice) -> Any:
@@ -146,30 +149,34 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         widget = self._shown[before]
         if before.command != choice.command:
             if before.command:
-                self.feed.disconnect(before.command, widget.command)
+                self._connection.disconnect(before.command, widget.command)
             if choice.command:
-                self.feed.connect(choice.command, widget.command)
+                self._connection.connect(choice.command, widget.command)
         return widget
 
     def _show_status(self) -> None:
         """Show the status of the topics without a widget; a widget shows the status of its own topic."""
-        there = {topic.name: topic for topic in self.feed.topics}
+        there = {topic.name: topic for topic in self._connection.topics}
         shown = {name for choice in self._shown for name in choice.topics}
         missing = [name for name in self._names if name not in shown]
-        if self.feed.status:
-            lines = [self.feed.status] if missing or not shown else []
+        if self._connection.status:
+            lines = [self._connection.status] if missing or not shown else []
         elif missing:
-            lines = [_not_shown(there[name]) if name in there else self.feed.status_of(name) for name in missing]
-        elif troubles := [trouble for name in self._probes.keys() - shown if (trouble := self.feed.trouble_of(name))]:
+            lines = [_not_shown(there[name]) if name in there else self._connection.status_of(name) for name in missing]
+        elif troubles := [
+            trouble for name in self._probes.keys() - shown if (trouble := self._connection.trouble_of(name))
+        ]:
             lines = troubles
         elif shown:
             lines = []
         elif there:
             lines = [f"no widget shows any of the topics there are: {', '.join(there)}"]
-        elif self.feed.is_listed:
-            lines = [f"connected to {self.feed.where}, where there is no topic yet"]
+        elif self._connection.is_listed:
+            lines = [f"connected to {self._connection.where}, where there is no topic yet"]
         else:
-            lines = [f"connected to {self.feed.where}, waiting to hear which topics there are; connect() takes any"]
+            lines = [
+                f"connected to {self._connection.where}, waiting to hear which topics there are; connect() takes any"
+            ]
         text = "<br>".join(escape(line) for line in lines)
         if text != self._status.value:
             self._status.value = text

@@ -6,9 +6,12 @@ import atexit
 import logging
 import os
 import time
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from .._core.command_watchdog import stop_all
+
+if TYPE_CHECKING:
+    from ._connection import Connection
 
 log = logging.getLogger("robowidgets")
 
@@ -16,17 +19,7 @@ END_TIMEOUT = 4.0
 """Seconds after which no further feed is closed."""
 
 
-class Closable(Protocol):
-    """A feed."""
-
-    def close(self) -> None:
-        """Close it."""
-
-    def on_fork(self) -> None:
-        """Close in a forked process, without the threads."""
-
-
-open_feeds: set[Closable] = set()
+open_feeds: set[Connection] = set()
 """The feeds that are closed at the end of the process; a forked process has none."""
 
 
@@ -41,7 +34,7 @@ def _close_all() -> None:
     until = time.monotonic() + END_TIMEOUT
     for one in list(open_feeds):
         if time.monotonic() > until:
-            log.error("the process ends without waiting for a feed to close: %r", one)
+            log.error("the process ends without waiting for a feed to close: %s", one.where)
             return
         _close(one)
 
@@ -52,7 +45,7 @@ def _forget_all() -> None:
     open_feeds.clear()
 
 
-def _close(one: Closable) -> None:
+def _close(one: Connection) -> None:
     try:
         one.close()
     except Exception:  # the other feeds must be closed, too

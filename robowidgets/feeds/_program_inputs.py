@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-import weakref
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
@@ -19,7 +18,7 @@ from ._subscription import Target
 from ._topics import queue_length
 
 if TYPE_CHECKING:
-    from .feed import Feed
+    from ._connection import Connection
 
 STALE = 0.4
 """Seconds without a message after which a sample is too old to drive by; for slow topics, twice their period."""
@@ -32,46 +31,46 @@ class FeedRobot:
     """The robot of a feed, as its program sees it: see `robowidgets.behaviors.robot.Robot`.
 
     Args:
-        feed: the feed.
-        held: the feed as the user has it, which goes when neither the user nor a widget refers to it.
+        connection: that of the feed.
+        is_deleted: whether the feed is deleted, because neither the user nor a widget refers to it.
     """
 
-    def __init__(self, feed: Feed, held: weakref.ref[Feed]) -> None:
-        self._feed, self._held = feed, held
+    def __init__(self, connection: Connection, is_deleted: Callable[[], bool]) -> None:
+        self._connection, self._is_deleted = connection, is_deleted
 
     @property
     def is_gone(self) -> bool:
         """See `Robot`."""
-        return self._held() is None
+        return self._is_deleted()
 
     @property
     def where(self) -> str:
         """See `Robot`."""
-        return self._feed.where
+        return self._connection.where
 
     @property
     def stopped(self) -> bool:
         """See `Robot`."""
-        return self._feed.stopped
+        return self._connection.watchdog.stopped
 
     def listen(self, wake: Callable[[], None]) -> FeedInputs:
         """See `Robot`."""
-        return FeedInputs(self._feed, wake)
+        return FeedInputs(self._connection, wake)
 
     def drive(self, linear: float, angular: float) -> str:
         """See `Robot`."""
-        return self._feed.driver.drive_by_program(linear, angular)
+        return self._connection.driver.drive_by_program(linear, angular)
 
     def halt(self) -> None:
         """See `Robot`."""
-        self._feed.watchdog.stop_program()
+        self._connection.watchdog.stop_program()
 
 
 class _Latest:
     """The newest message of a topic, read as a sample when the program asks for it."""
 
-    def __init__(self, feed: Feed, topic: str, on_message: Callable[[], None]) -> None:
-        self._feed, self.topic, self._on_message = feed, topic, on_message
+    def __init__(self, connection: Connection, topic: str, on_message: Callable[[], None]) -> None:
+        self._connection, self.topic, self._on_message = connection, topic, on_message
         self._reader = SampleReader()
         self._lock = threading.Lock()
         self._messages: deque[Any] = deque()
@@ -79,11 +78,11 @@ class _Latest:
         self._sample: Any = None
         self._goes_stale = False
         self._touches: TouchTracker | None = None
-        self._target: Target = feed.attach(topic, self._put)
+        self._target: Target = connection.attach(topic, self._put)
 
     def close(self) -> None:
         """Take no more messages."""
-        self._feed.detach(self.topic, self._target)
+        self._connection.detach(self.topic, self._target)
 
     def read(self, name: str) -> Any:
         """The newest sample. NotReadyError if there is none, or if it is too old."""
@@ -92,17 +91,19 @@ class _Latest:
             times = list(self._times)
         touched = self._take(messages) if messages else set()
         if self._sample is None:
-            raise NotReadyError(self._feed.status_of(self.topic) or f"waiting for {self.topic}")
+            raise NotReadyError(self._connection.status_of(self.topic) or f"waiting for {self.topic}")
         age = time.monotonic() - times[-1]
         if self._goes_stale and age > STALE:
             gaps = [later - earlier for earlier, later in pairwise(times)]
             if age > min(2 * min(gaps, default=0.0), LONGEST):
-                raise NotReadyError(self._feed.status_of(self.topic) or f"no {name} comes on {self.topic} any more")
+                raise NotReadyError(
+                    self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
+                )
         return self._touch_of(touched) if self._touches is not None else self._sample
 
     def _take(self, messages: Sequence[Any]) -> set[str]:
         """Read messages; returns the touch sensors that were touched. NotReadyError if a message cannot be read."""
-        topic = self._feed.topic_of(self.topic)
+        topic = self._connection.topic_of(self.topic)
         touched: set[str] = set()
         for message in messages:
             try:
@@ -121,7 +122,7 @@ class _Latest:
         """Store a message; of touch sensors each one counts. In the transport's thread."""
         with self._lock:
             if not self._messages:
-                self._messages = deque(maxlen=queue_length(self._feed.topic_of(self.topic).type))
+                self._messages = deque(maxlen=queue_length(self._connection.topic_of(self.topic).type))
             self._messages.append(message)
             self._times.append(time.monotonic())
         self._on_message()
@@ -137,8 +138,8 @@ class _Latest:
 class FeedInputs:
     """The newest samples of a feed that a program asks for: see `robowidgets.behaviors.robot.Inputs`."""
 
-    def __init__(self, feed: Feed, wake: Callable[[], None]) -> None:
-        self._feed, self._wake = feed, wake
+    def __init__(self, connection: Connection, wake: Callable[[], None]) -> None:
+        self._connection, self._wake = connection, wake
         self._wanted: dict[str, str | None] = {}
         self._on: str | None = None
         self._latest: dict[str, _Latest] = {}
@@ -148,7 +149,7 @@ class FeedInputs:
 
     def choose(self, wanted: Mapping[str, str | None], on: str | None) -> None:
         """See `Inputs`."""
-        self._feed.check_open()
+        self._connection.check_open()
         self._wanted, self._on, self._chosen = dict(wanted), on, {}
         self._find()
         self._prune()
@@ -165,7 +166,7 @@ class FeedInputs:
 
     def why_silent(self, on: str) -> str:
         """See `Inputs`."""
-        return self._feed.status_of(on) or f"waiting for {on}"
+        return self._connection.status_of(on) or f"waiting for {on}"
 
     def close(self) -> None:
         """See `Inputs`."""
@@ -186,7 +187,7 @@ class FeedInputs:
 
     def _attach(self, topic: str) -> None:
         if topic not in self._latest:
-            self._latest[topic] = _Latest(self._feed, topic, lambda: self._wake() if self._on == topic else None)
+            self._latest[topic] = _Latest(self._connection, topic, lambda: self._wake() if self._on == topic else None)
 
     def _prune(self) -> None:
         for topic in [topic for topic in self._latest if topic not in self._chosen.values() and topic != self._on]:
@@ -195,12 +196,12 @@ class FeedInputs:
     def _candidates(self, name: str) -> list[str]:
         """The topics with a kind of sample; the topic that wakes the program comes before the others."""
         kind = _kind(name)
-        found = [topic.name for topic in self._feed.topics if topic.widget == kind.name and not topic.commanded]
+        found = [topic.name for topic in self._connection.topics if topic.widget == kind.name and not topic.commanded]
         return [self._on] if self._on in found else found
 
     def _missing(self, name: str) -> str:
-        if self._feed.status:
-            return self._feed.status
+        if self._connection.status:
+            return self._connection.status
         found = self._candidates(name)
         if found:
             return f"{len(found)} topics have a {name}: {', '.join(found)}; name one: program({name}={found[0]!r})"

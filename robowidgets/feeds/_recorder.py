@@ -30,7 +30,7 @@ from ._topics import YOURS, Topic, no_such
 from .middleware import FeedError
 
 if TYPE_CHECKING:
-    from .feed import Feed
+    from ._connection import Connection
 
 log = logging.getLogger("robowidgets")
 
@@ -51,7 +51,7 @@ class Recorder:
     waits for the disk. As a context manager it closes the file; so do closing the feed, and running its cell again.
 
     Args:
-        feed: the feed.
+        connection: that of the feed.
         path: the file.
         topics: names of topics; none: all that a widget shows.
 
@@ -62,8 +62,8 @@ class Recorder:
 
     """
 
-    def __init__(self, feed: Feed, path: str | os.PathLike[str], topics: tuple[str, ...]) -> None:
-        self._feed, self._names = feed, topics
+    def __init__(self, connection: Connection, path: str | os.PathLike[str], topics: tuple[str, ...]) -> None:
+        self._connection, self._names = connection, topics
         self.path = checked_output("record", path, (".mcap",))
         self.written: Counter[str] = Counter()
         self._dropped: Counter[str] = Counter()
@@ -88,8 +88,8 @@ class Recorder:
         self._thread = threading.Thread(target=self._run, name="robowidgets-recorder", daemon=True)
         self._thread.start()
         self.refresh = CoalescedCall(self._refresh)
-        feed.watch(self.refresh)
-        feed.programs.watch(self._on_step)
+        connection.watch(self.refresh)
+        connection.programs.watch(self._on_step)
         self.refresh()
         self._on_step()
 
@@ -106,7 +106,9 @@ class Recorder:
             for topic, count in list(self._dropped.items())
         )
         missing = (
-            no_such(name, [t.name for t in self._feed.topics]) for name in self._names if name not in self._targets
+            no_such(name, [t.name for t in self._connection.topics])
+            for name in self._names
+            if name not in self._targets
         )
         return tuple(filter(None, (self._failed, *dropped, *self._unwritable.values(), *missing)))
 
@@ -138,13 +140,13 @@ class Recorder:
     # -- in the threads of the feed and of the program: they wait for nothing ------------------------------------------
 
     def _refresh(self) -> None:
-        if self._feed.is_closed:
+        if self._connection.is_closed:
             self.close()
-        for topic in () if self._closed else self._feed.topics:
+        for topic in () if self._closed else self._connection.topics:
             if topic.name not in self._targets and topic.type and self._is_wanted(topic):
                 one = topic._replace(type=topic.type.split(", ")[0])
                 try:
-                    self._targets[topic.name] = self._feed.attach(topic.name, partial(self._take, one))
+                    self._targets[topic.name] = self._connection.attach(topic.name, partial(self._take, one))
                 except FeedError:  # closed meanwhile, of which it tells in a moment
                     return
 
@@ -159,7 +161,7 @@ class Recorder:
 
     def _on_step(self) -> None:
         """Note another version of the program, and the states that it is in now."""
-        program = self._feed.programs.current
+        program = self._connection.programs.current
         if program is None or self._closed:
             return
         with self._lock:
@@ -182,10 +184,10 @@ class Recorder:
         return self._epoch_ns + time.monotonic_ns()
 
     def _detach(self) -> None:
-        self._feed.programs.forget(self._on_step)
-        self._feed.forget(self.refresh)
+        self._connection.programs.forget(self._on_step)
+        self._connection.forget(self.refresh)
         for topic, target in list(self._targets.items()):
-            self._feed.detach(topic, target)
+            self._connection.detach(topic, target)
 
     # -- in the thread that writes -------------------------------------------------------------------------------------
 

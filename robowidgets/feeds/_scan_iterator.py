@@ -11,13 +11,13 @@ from ..messages import ScanReader
 from ..samples import Scan
 
 if TYPE_CHECKING:
-    from .feed import Feed
+    from ._connection import Connection
 
 FIRST_TIMEOUT = 10.0
 """Seconds for the first scan: the robot may have to be connected and its topic discovered."""
 
 
-def scans_of(feed: Feed, topic: str, timeout: float) -> Iterator[Scan]:
+def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Scan]:
     """See `Feed.scans`."""
     arrived = threading.Condition()
     newest: list[Any] = []
@@ -27,20 +27,20 @@ def scans_of(feed: Feed, topic: str, timeout: float) -> Iterator[Scan]:
             newest[:] = [message]
             arrived.notify()
 
-    target = feed.attach(topic, take)
+    target = connection.attach(topic, take)
     read, limit = ScanReader(), max(timeout, FIRST_TIMEOUT)
     try:
         while True:
             until = time.monotonic() + limit
             with arrived:
                 # In short steps, to notice when the feed is closed.
-                while not newest and not feed.is_closed and (left := until - time.monotonic()) > 0:
+                while not newest and not connection.is_closed and (left := until - time.monotonic()) > 0:
                     arrived.wait(min(left, 0.1))
                 message = newest.pop() if newest else None
             if message is None:
-                why = feed.status_of(topic)
+                why = connection.status_of(topic)
                 raise TimeoutError(f"no scan of {topic} for {limit:g} s" + (f": {why}" if why else ""))
             limit = timeout
             yield read(message)
     finally:
-        feed.detach(topic, target)
+        connection.detach(topic, target)

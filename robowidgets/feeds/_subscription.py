@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from .._core.log_once import LogOnce
@@ -30,7 +30,7 @@ class Target(NamedTuple):
         return self.widget is not None and getattr(self.call, "__name__", "") == "update"
 
 
-def target_of(given: Any) -> Target | Callable[[Any], object]:
+def _target_of(given: Any) -> Target | Callable[[Any], object]:
     """The target for a widget, or for a method of one (`SpeedWidget.command`); a function as it is."""
     if isinstance(given, RobotWidget):
         update = getattr(given, "update", None)
@@ -45,6 +45,13 @@ def target_of(given: Any) -> Target | Callable[[Any], object]:
     raise TypeError(
         f"expected a widget, a method of one like speed.command, or a function of a message; got {given!r}{hint}"
     )
+
+
+def sorted_targets(targets: Sequence[Any]) -> tuple[list[Target], list[Callable[[Any], object]]]:
+    """The targets of `connect`, separated into those of widgets and functions."""
+    every = [_target_of(target) for target in targets]
+    ours = [one for one in every if isinstance(one, Target)]
+    return ours, [one for one in every if not isinstance(one, Target)]
 
 
 class Subscription:

@@ -121,7 +121,8 @@ class SimulatorFeed(Feed):
 
     def drawn(self) -> list[dict[str, Any]]:
         """What programs draw on the laser widgets that are connected, as the page reads it."""
-        return [form for widget in self._table.widgets if isinstance(widget, DrawsShapes) for form in widget.forms()]
+        widgets = [widget for widget in self.connection.widgets if isinstance(widget, DrawsShapes)]
+        return [form for widget in widgets for form in widget.forms()]
 
 
 def simulator(

@@ -275,11 +275,11 @@ import threading, time
 from robowidgets import DriveWidget, feeds
 feed = feeds.simulator(wander=False)
 heard, refused, runs = [], "", True
-publish = feed._middleware.publish
+publish = feed.connection.middleware.publish
 def record(topic, kind, message):
     publish(topic, kind, message)
     heard.append((time.monotonic(), message["linear"]["x"], message["angular"]["z"]))
-feed._middleware.publish = record
+feed.connection.middleware.publish = record
 def program():
     global refused
     while runs:

@@ -23,11 +23,11 @@ from robowidgets.stop_widget import StopWidget
 
 feed = feeds.simulator(wander=False)
 heard, refused = [], ""
-publish = feed._middleware.publish
+publish = feed.connection.middleware.publish
 def record(topic, kind, message):
     publish(topic, kind, message)
     heard.append((time.time(), message["linear"]["x"], message["angular"]["z"]))
-feed._middleware.publish = record
+feed.connection.middleware.publish = record
 
 runs = True
 def program():
@@ -168,7 +168,7 @@ def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_cod
     nb.python("feed.watchdog.take('p-1'); feed.driver.drive_by_hand(-0.3, 0, 'p-1')")
     says(nb, "nobody drives")
     assert (-0.3, 0) in [tuple(speed) for _, *speed in eval(nb.python("heard"))]
-    nb.python("feed.on_unheard('/cmd_vel', 'the robot does not take what is sent'); feed.watchdog.stop()")
+    nb.python("feed.connection.on_unheard('/cmd_vel', 'the robot does not take what is sent'); feed.watchdog.stop()")
     says(nb, "nobody drives", "the robot does not take what is sent")
 
 
@@ -309,13 +309,16 @@ def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
 
 LOOKS = {
     "program": (PROGRAM, ""),
-    "status": (PROGRAM, "feed.on_unheard('/cmd_vel', 'nobody listens to /cmd_vel; speeds go to /base/cmd_vel')"),
+    "status": (
+        PROGRAM,
+        "feed.connection.on_unheard('/cmd_vel', 'nobody listens to /cmd_vel; speeds go to /base/cmd_vel')",
+    ),
     "stopped": ("nobody may drive", "feed.stopped = True"),
-    "free": ("nobody drives", "runs = feed.stopped = False; feed.on_unheard('/cmd_vel', '')"),
+    "free": ("nobody drives", "runs = feed.stopped = False; feed.connection.on_unheard('/cmd_vel', '')"),
     "failed": (
         "nobody drives",
         "def fail(*message): raise feeds.FeedError('the socket is not writable: no route to host')\n"
-        "feed._middleware.publish = fail\nfeed.watchdog.stop()",
+        "feed.connection.middleware.publish = fail\nfeed.watchdog.stop()",
     ),
 }
 

@@ -421,7 +421,7 @@ def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middlew
     driven(feed, "/gone/cmd_vel", hold=1.0)
     feed.drive(0.25, 0.0)
     wait_for(lambda: there.heard, "the robot hears a speed")
-    asked = feed._middleware._publications
+    asked = feed.connection.middleware._publications
     master.kill()
     try:
         wait_for(lambda: asked.master_lost, "the master is lost")
@@ -433,7 +433,7 @@ def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middlew
         there.process.wait()
         wait_for(lambda: feed.status, "nobody is left")
         with pytest.raises(FeedError, match="/gone/cmd_vel: nobody is connected, and there is no ROS master at http:"):
-            feed._middleware.publish("/gone/cmd_vel", STAMPED, {})
+            feed.connection.middleware.publish("/gone/cmd_vel", STAMPED, {})
     finally:
         master.start()
 
@@ -471,7 +471,7 @@ feed = feeds.ros1()
 feed.driving = feeds.Driving("/exit/cmd_vel", hold=60.0)
 wait_for(lambda: any(topic.name == "/exit/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
 feed.drive(0.25)
-wait_for(lambda: feed._middleware._publications.connected, "the robot hears it")
+wait_for(lambda: feed.connection.middleware._publications.connected, "the robot hears it")
 {end}
 """
     subprocess.run([sys.executable, "-c", script], cwd=ROOT, timeout=60)
@@ -491,7 +491,7 @@ def test_other_publishers_of_a_topic_are_named(middleware, publish):
 def test_an_error_of_any_kind_is_told_and_it_is_tried_again(feed, monkeypatch):
     wait_for(lambda: not feed.status, "it is connected")
     with monkeypatch.context() as patch:
-        patch.setattr(feed._middleware, "_adverts_of", lambda state: state["odd"])
+        patch.setattr(feed.connection.middleware, "_adverts_of", lambda state: state["odd"])
         wait_for(lambda: "the rospy node of this process cannot be used: tuple indices must be" in feed.status, "told")
     wait_for(lambda: not feed.status, "it is connected again")
 
@@ -502,17 +502,17 @@ def test_what_rospy_logs_may_be_empty(feed):
 
 def test_only_types_that_are_installed_can_be_published(feed):
     with pytest.raises(FeedError, match="cannot publish acme_msgs/Go: the Python package acme_msgs is not installed; "):
-        feed._middleware.publish("/go", "acme_msgs/msg/Go", {})
+        feed.connection.middleware.publish("/go", "acme_msgs/msg/Go", {})
 
 
 def test_a_robot_that_comes_later_is_driven_in_the_type_that_it_listens_to(feed, robot):
     wait_for(lambda: feed.topics, "the topics are known")
     with pytest.raises(FeedError, match="cannot publish geometry_msgs/Twist on /go/cmd_vel: nobody listens to it"):
-        feed._middleware.publish("/go/cmd_vel", "geometry_msgs/msg/Twist", {})
+        feed.connection.middleware.publish("/go/cmd_vel", "geometry_msgs/msg/Twist", {})
     heard = robot("/go/cmd_vel").heard
     driven(feed, "/go/cmd_vel")
     with pytest.raises(FeedError, match="cannot publish geometry_msgs/Twist on /go/cmd_vel: it is geometry_msgs/Twist"):
-        feed._middleware.publish("/go/cmd_vel", "geometry_msgs/msg/Twist", {})
+        feed.connection.middleware.publish("/go/cmd_vel", "geometry_msgs/msg/Twist", {})
     feed.drive(0.25)
     wait_for(lambda: heard, "the robot hears a TwistStamped")
     assert heard[0] == 0.25
@@ -524,7 +524,7 @@ def test_another_type_on_a_topic_that_is_published_already_is_refused(feed, robo
     feed.drive(0.25)
     wait_for(lambda: heard, "the robot hears a TwistStamped")
     with pytest.raises(FeedError, match="cannot publish geometry_msgs/Twist on /two/cmd_vel: geometry_msgs/TwistStamp"):
-        feed._middleware.publish("/two/cmd_vel", "geometry_msgs/msg/Twist", {})
+        feed.connection.middleware.publish("/two/cmd_vel", "geometry_msgs/msg/Twist", {})
 
 
 def test_a_feed_may_be_closed_twice_and_in_a_callback(feed, publish):
@@ -581,7 +581,7 @@ def test_a_master_that_does_not_answer_is_told_of_and_holds_up_nobody(master, mo
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
         with feeds.ros1() as feed:
             wait_for(lambda: "(no answer within 0.2 s)" in feed.status, "the feed says that it does not answer")
-            thread, started = feed._middleware._thread, time.monotonic()
+            thread, started = feed.connection.middleware._thread, time.monotonic()
         assert time.monotonic() - started < CLOSE_TIMEOUT
         assert not thread.is_alive()
 

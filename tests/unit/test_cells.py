@@ -83,7 +83,7 @@ def test_a_feed_is_closed_when_its_cell_opens_another(begin: Callable[[str, str]
     earlier = feeds.simulator()
     begin("b", "2")
     with feeds.simulator():
-        assert not earlier.is_closed
+        assert not earlier.connection.is_closed
     begin("a", "3")
     with feeds.simulator() as now:
-        assert (earlier.is_closed, now.is_closed) == (True, False)
+        assert (earlier.connection.is_closed, now.connection.is_closed) == (True, False)

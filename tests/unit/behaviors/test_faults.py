@@ -178,9 +178,9 @@ def hang(scan):
     "cell",
     [
         "feed.close()",
-        "feed.on_lost('no route', 1.0)",
+        "feed.connection.on_lost('no route', 1.0)",
         "feed.driving = feeds.Driving(hold=0.5, needs_page=True)",
-        "feed._middleware.unsubscribe('/scan')",
+        "feed.connection.middleware.unsubscribe('/scan')",
     ],
 )
 def test_a_robot_that_is_closed_lost_blind_or_unseen_gets_zero(kernel: Kernel, cell: str) -> None:

@@ -25,7 +25,7 @@ Driven = Callable[..., tuple[Feed, Scripted]]
 @pytest.fixture
 def driven(monkeypatch: pytest.MonkeyPatch) -> Iterator[Driven]:
     """Opens feeds on a script, which wait for somebody who listens for a moment only, and closes them."""
-    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert, connected: bool = True, **driving: float) -> tuple[Feed, Scripted]:
@@ -306,7 +306,7 @@ def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(d
 def test_stopping_waits_a_moment_for_the_robot_and_for_somebody_who_listens(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 20.0)
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 20.0)
     feed, script = driven(connected=False)
     heard = threading.Timer(0.1, lambda: script.listener.on_topics([SCAN, STAMPED]))
     listed = threading.Timer(0.05, lambda: (script.listener.on_topics([SCAN]), heard.start()))
@@ -360,13 +360,13 @@ def test_the_middleware_is_closed_whatever_keeps_zero_from_being_sent(
 
 
 def test_driving_waits_a_moment_for_the_robot_and_no_longer(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 20.0)
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 20.0)
     feed, script = driven(connected=False)
     reached = threading.Timer(0.05, lambda: (script.connect(), script.listener.on_topics([STAMPED])))
     reached.start()
     feed.drive(0.1)
     assert script.sent[0][1] == STAMPED.type
-    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.05)
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.05)
     other, _ = driven(connected=False)
     with pytest.raises(FeedError, match="cannot drive: connecting to the script"):
         other.drive(0.1)

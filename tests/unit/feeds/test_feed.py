@@ -128,7 +128,7 @@ def test_once_a_topic_that_was_mended_delivers_the_widget_is_titled_after_it_and
     script.listener.on_message("/scan", scan())
     assert laser.title == "/scan"
     assert source(laser) == {"topic": "/scan", "type": SCAN.type, "status": "", "error": "", "lost": False}
-    assert feed.status_of("/scna") == complaint
+    assert feed.connection.status_of("/scna") == complaint
     script.listener.on_lost("no route to host", 1.0)
     script.listener.on_connected()
     assert (laser.title, source(laser)["status"]) == ("/scan", "waiting for /scan")
@@ -465,7 +465,7 @@ def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_l
     feed.driving = feeds.Driving(hold=60.0)
     feed.drive(0.1)
     reading, writing = os.pipe()
-    with in_other_hands(feed._changed), in_other_hands(feed.watchdog._changed):
+    with in_other_hands(feed.connection._changed), in_other_hands(feed.watchdog._changed):
         child = os.fork()
         if child == 0:
             try:
@@ -539,7 +539,7 @@ def test_at_the_end_feeds_are_closed_before_what_a_middleware_brings_along_and_o
         "both = [feeds.simulator(), feeds.simulator()]\n"
         "for feed in both:\n"
         "    feed.drive(0.25, 0.0)\n"
-        "    feed._middleware.close = fail\n"
+        "    feed.connection.middleware.close = fail\n"
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     end = ["the end of the middleware"] * 2

@@ -30,7 +30,7 @@ def gate() -> Iterator[threading.Event]:
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
     """Opens feeds on a script, and closes them."""
-    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert) -> tuple[Feed, Scripted]:
@@ -132,7 +132,7 @@ def test_what_has_not_come_back_for_a_second_is_named_with_its_line_on_widget_an
     words = f"your function `behave`, line {line}, has not returned for"
     wait_for(lambda: source(laser)["error"].startswith(f"{words} 2 s"), "the widget counts the seconds")
     assert words in repr(feed)
-    assert words in feed.status_of("/scan")
+    assert words in feed.connection.status_of("/scan")
     gate.set()
     wait_for(lambda: source(laser)["error"] == "", "it came back")
 
@@ -247,7 +247,7 @@ def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_drop
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     cell = ["feed", "run 1"]
-    for module in ("_core.cells", "feeds._callbacks", "feeds.feed"):
+    for module in ("_core.cells", "feeds._callbacks", "feeds._connection"):
         monkeypatch.setattr(f"robowidgets.{module}.running_cell", lambda: tuple(cell))
     monkeypatch.setattr("robowidgets._core.cells._made", {})
     first = Feed(Scripted(SCAN))
@@ -258,7 +258,7 @@ def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_drop
     with Feed(Scripted(SCAN)):
         words = "the feed was opened anew; no longer connected: `behave` (/scan). Run their cells again"
         assert [record.message for record in caplog.records] == [words]
-        assert first.is_closed
+        assert first.connection.is_closed
 
 
 class TestScans:

@@ -25,7 +25,7 @@ def test_a_recording_is_played_to_its_end_at_any_speed() -> None:
     laser = LaserWidget()
     with feeds.recording(SAMPLE, speed=100) as feed:
         began = time.monotonic()
-        feed.attach("/scan", got.append)
+        feed.connection.attach("/scan", got.append)
         feed.connect("/scan", laser)
         wait_for(lambda: "end" in laser._source.get("status", ""), "it is at its end")
         assert laser._source["status"] == "sample.mcap is at its end"
@@ -67,8 +67,8 @@ def test_topics_that_are_connected_later_join_at_the_same_time() -> None:
 def test_a_topic_that_no_widget_shows_is_said_not_to_come(tmp_path: Path) -> None:
     with feeds.recording(robot.write(tmp_path / "drive")) as feed:
         feed.connect("/log", lambda _: None)
-        wait_for(lambda: "only" in feed.status_of("/log"), "it is said")
-        assert feed.status_of("/log") == "/log: a recording publishes only topics that a widget shows"
+        wait_for(lambda: "only" in feed.connection.status_of("/log"), "it is said")
+        assert feed.connection.status_of("/log") == "/log: a recording publishes only topics that a widget shows"
 
 
 def test_a_real_recording_plays(data: Path) -> None:

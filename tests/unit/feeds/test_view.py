@@ -23,7 +23,7 @@ Opened = Callable[..., tuple[Feed, Scripted]]
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
     """Opens feeds on a script, which wait in vain for a moment only, and closes them."""
-    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert, connected: bool = True) -> tuple[Feed, Scripted]:
@@ -182,7 +182,7 @@ def test_a_connection_that_is_lost_is_told_by_the_widgets_themselves(opened: Ope
 
 
 def test_showing_waits_for_the_first_topics(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds.feed.PATIENCE", 20.0)
+    monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 20.0)
     feed, script = opened()
     threading.Timer(0.05, lambda: script.listener.on_topics([SCAN])).start()
     assert on_page(feed.show()) == ["/scan"]

@@ -174,5 +174,5 @@ def test_the_feed_of_a_robot_speaks_its_dialect_and_a_widget_reads_it() -> None:
     with feeds.simulator("pr2", hz=100.0, wander=False) as feed:
         assert "/bumper" not in [topic.name for topic in feed.topics]
         twist = {"linear": {"x": 0.0, "y": 0.4, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
-        feed._middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", twist)
+        feed.connection.middleware.publish("/cmd_vel", "geometry_msgs/msg/Twist", twist)
         wait_for(lambda: feed.robot.speed().linear[1] > 0.1, "it drives sideways")

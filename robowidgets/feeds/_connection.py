@@ -1,0 +1,354 @@
+"""The connection of a feed: its topics, who is connected to them, and driving."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import threading
+import time
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any
+
+from .._core.cells import running_cell, take_the_place
+from .._core.platform_fixes import let_threads_print, shorten_switch_interval
+from .._core.robot_widget import RobotWidget
+from ..behaviors.program import Program
+from ..behaviors.programs import Programs
+from ..messages.standard import TWIST
+from ..samples import Speed
+from ._callbacks import FunctionCaller
+from ._driver import Driver
+from ._open_feeds import close_first, open_feeds
+from ._program_inputs import FeedRobot
+from ._subscriber import Subscriber
+from ._subscription import Target, sorted_targets
+from ._subscription_table import SubscriptionTable
+from ._topics import Topic, check_name, topics_of, unlisted
+from .middleware import Advert, FeedError, Middleware
+
+log = logging.getLogger("robowidgets")
+
+PATIENCE = 2.0
+"""Seconds after opening for which `show`, `drive` and `stop` wait for the topics and for a subscriber."""
+
+
+class Connection:
+    """The part of a feed that threads refer to: its middleware's `Listener`, its topics and subscriptions, driving.
+
+    None of it refers to the `Feed`. So the feed is deleted when neither the user nor a widget has it any more, and then
+    its program ends.
+
+    Args:
+        middleware: the connection to the robot, which `open` opens.
+        is_deleted: whether the feed is deleted.
+
+    Attributes:
+        functions: the connected functions.
+        adverts: the topics as the middleware listed them last.
+        is_closed: whether `close` was called, or this is a forked process.
+        is_forked: whether it stayed with the process that was forked.
+        driver, watchdog, programs: what drives the robot.
+    """
+
+    def __init__(self, middleware: Middleware, is_deleted: Callable[[], bool]) -> None:
+        self.middleware = middleware
+        self._changed = threading.Condition(threading.RLock())
+        self.functions = FunctionCaller(self._show_status)
+        self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
+        self._watchers: list[Callable[[], None]] = []
+        self.adverts: tuple[Advert, ...] = ()
+        self._reached = self.is_closed = self.is_forked = False
+        self._driven: str | None = None
+        """The topic on which this feed publishes speeds and nobody else publishes anything."""
+        self._opened = time.monotonic()
+        self._subscriber = Subscriber(middleware, self._wanted)
+        self.driver = Driver(self, middleware)
+        self.watchdog = self.driver.watchdog
+        self.programs = Programs(FeedRobot(self, is_deleted))
+
+    def open(self) -> None:
+        """Connect, and close what an earlier run of the same cell opened. FeedError if it can never work."""
+        shorten_switch_interval()
+        let_threads_print()
+        # Before it opens, because the feed of the earlier run may use the node, or drive the robot.
+        _log_dropped(take_the_place(self))
+        open_feeds.add(self)
+        try:
+            self.middleware.open(self)
+        except BaseException:
+            open_feeds.discard(self)
+            raise
+        close_first()
+
+    @property
+    def where(self) -> str:
+        """See `Feed.where`."""
+        return self.middleware.where
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """See `Feed.topics`."""
+        return tuple((self._table.topics or {}).values())
+
+    @property
+    def status(self) -> str:
+        """See `Feed.status`."""
+        return self._table.down
+
+    @property
+    def widgets(self) -> tuple[RobotWidget[Any], ...]:
+        """The widgets that are connected."""
+        return self._table.widgets
+
+    def connect(self, topic: str, *targets: Any, raw: bool = False) -> None:
+        """See `Feed.connect`."""
+        check_name(topic)
+        if not targets:
+            raise TypeError(f"connect({topic!r}) needs a widget, or a function of a sample")
+        ours, functions = sorted_targets(targets)
+        self._connect(topic, ours)
+        with self._changed:
+            self.functions.connect(topic, functions, raw)
+            self._table.prune()
+        self._subscriber.update()
+
+    def disconnect(self, topic: str, *targets: Any) -> None:
+        """See `Feed.disconnect`."""
+        check_name(topic)
+        ours, functions = sorted_targets(targets)
+        with self._changed:
+            self.functions.disconnect(topic, functions if targets else None)
+            self._table.disconnect(topic, ours if targets else None)
+            self._show_status(topic)
+        self._subscriber.update()
+
+    def install(
+        self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
+    ) -> Program:
+        """Run a function as the program; see `Feed.program`."""
+        program = self.programs.install(function, rate, on, topics)
+        self._call_watchers()  # a view shows the program from now on
+        return program
+
+    def close(self) -> None:
+        """See `Feed.close`."""
+        with self._changed:
+            if self.is_closed:
+                return
+            self.is_closed = True
+        try:
+            self.programs.close()
+            with contextlib.suppress(FeedError, TimeoutError):  # the watchdog logs it
+                self.watchdog.close()
+        finally:
+            try:
+                self.functions.close()
+                self.middleware.close()
+            finally:
+                open_feeds.discard(self)
+                with self._changed:
+                    self._table.lose("the feed is closed")
+                    self._changed.notify_all()
+                self._call_watchers()
+
+    # -- what the middleware calls: see `Listener` ---------------------------------------------------------------------
+
+    def on_connected(self) -> None:
+        """See `Listener`."""
+        with self._changed:
+            if self.is_closed:
+                return
+            self._table.down, self._reached = "", True
+            self._table.show_all()
+            self._changed.notify_all()
+        self.driver.on_connected()
+        self._call_watchers()
+
+    def on_lost(self, reason: str, again_in: float) -> None:
+        """See `Listener`."""
+        with self._changed:
+            if self.is_closed:
+                return
+            lost = "connection lost" if self._reached else f"cannot reach {self.where}"
+            self._table.lose(f"{lost}, trying again in {again_in:.2g} s: {reason}")
+        self.watchdog.on_lost()
+        self._call_watchers()
+
+    def on_topics(self, topics: Sequence[Advert]) -> None:
+        """See `Listener`."""
+        with self._changed:
+            if self.is_closed or (self.is_listed and self.adverts == tuple(topics)):
+                return
+            self.adverts = tuple(topics)
+            self._list_topics()
+            self._changed.notify_all()
+        self._call_watchers()
+
+    def on_message(self, topic: str, message: Any) -> None:
+        """See `Listener`."""
+        subscription = self._table.by_topic.get(topic)
+        if subscription is None or self.is_closed:
+            return
+        if subscription.take(message):
+            self._show_status(topic)
+        self.functions.put(self.topic_of(topic), message)
+
+    def on_trouble(self, topic: str, reason: str) -> None:
+        """See `Listener`."""
+        subscription = self._table.by_topic.get(topic)
+        if subscription is None or self.is_closed or subscription.trouble == reason:
+            return
+        with self._changed:
+            subscription.trouble = reason
+            self._table.show(subscription)
+        self._call_watchers()
+
+    def on_unheard(self, topic: str, reason: str) -> None:
+        """See `Listener`."""
+        if self.driver.on_unheard(topic, reason):
+            self._call_watchers()
+
+    # -- for this package ----------------------------------------------------------------------------------------------
+
+    @property
+    def is_listed(self) -> bool:
+        """Whether the middleware has listed the topics."""
+        return self._table.topics is not None
+
+    @property
+    def page_name(self) -> str:
+        """The name by which the page knows the widgets of this robot."""
+        return self._table.robot
+
+    def check_open(self) -> None:
+        """FeedError unless the feed is open, in this process."""
+        if self.is_closed:
+            why = "stayed with the process that was forked" if self.is_forked else "is closed"
+            raise FeedError(f"the feed of {self.where} {why}: open it again")
+
+    def wait_until(self, condition: Callable[[], bool], seconds: float) -> None:
+        """Wait until a condition is true or the feed is closed, for some seconds at most."""
+        until = time.monotonic() + seconds
+        with self._changed:
+            while not condition() and not self.is_closed and (left := until - time.monotonic()) > 0:
+                self._changed.wait(left)
+
+    def await_topics(self, names: Collection[str]) -> None:
+        """Wait a moment until these topics have a widget, or, without names, any topic."""
+
+        def are_there() -> bool:
+            there = {topic.name for topic in self.topics if topic.widget}
+            return there.issuperset(names) if names else bool(there)
+
+        self.wait_until(are_there, PATIENCE)
+
+    def await_subscriber(self, topic: str) -> None:
+        """Wait, on a feed that was just opened, for the connection and for a subscriber to a topic."""
+        self.wait_until(
+            lambda: self._reached and (bool(self.status) or self._has_subscriber(topic)),
+            self._opened + PATIENCE - time.monotonic(),
+        )
+
+    def topic_of(self, name: str) -> Topic:
+        """A topic as it is known now."""
+        return (self._table.topics or {}).get(name) or unlisted(name)
+
+    def status_of(self, topic: str) -> str:
+        """The problems of a topic, connected or not; empty if there are none."""
+        with self._changed:
+            return self._table.status_of(topic)
+
+    def trouble_of(self, topic: str) -> str:
+        """The reason of the middleware why no message of a topic comes or can be read; empty if there is none."""
+        subscription = self._table.by_topic.get(topic)
+        return subscription.trouble if subscription is not None else ""
+
+    def watch(self, on_change: Callable[[], None]) -> None:
+        """Call a function whenever topics or connection have changed, and on closing, from any thread."""
+        with self._changed:
+            self._watchers.append(on_change)
+
+    def forget(self, on_change: Callable[[], None]) -> None:
+        """Remove a function that was added by `watch`."""
+        with self._changed:
+            if on_change in self._watchers:
+                self._watchers.remove(on_change)
+
+    def attach(self, topic: str, take: Callable[[Any], object]) -> Target:
+        """Pass the messages of a topic to code of this package, in the transport's thread; it must return at once."""
+        target = Target(take, None)
+        self._connect(topic, [target])
+        return target
+
+    def detach(self, topic: str, target: Target) -> None:
+        """End an `attach`."""
+        with self._changed:
+            self._table.disconnect(topic, [target])
+        self._subscriber.update()
+
+    def list_driven(self, topic: str) -> None:
+        """List a topic on which only this feed publishes, so that a widget can show what is sent."""
+        if topic != self._driven:
+            self._driven = topic
+            with self._changed:
+                self._list_topics()
+            self._call_watchers()
+
+    def show_sent(self, topic: str, speed: Speed) -> None:
+        """Show a speed that was sent as commanded, unless the middleware reports it like those of other publishers."""
+        subscription = self._table.by_topic.get(topic)
+        if subscription is not None and not self.topic_of(topic).offered:
+            subscription.take(speed)
+            self._show_status(topic)
+
+    def on_fork(self) -> None:
+        """Close in a forked process: the threads stayed with its parent, perhaps holding the lock."""
+        self._changed = threading.Condition(threading.RLock())
+        self.is_closed = self.is_forked = True
+
+    def _has_subscriber(self, topic: str) -> bool:
+        """Whether a topic has a subscriber; or the middleware reports none on any topic."""
+        known = [advert.wanted for advert in self.adverts if advert.wanted is not None]
+        here = any(advert.name == topic and advert.wanted for advert in self.adverts)
+        return self.is_listed and (here or bool(self.adverts and not known))
+
+    def _connect(self, topic: str, targets: Sequence[Target]) -> None:
+        with self._changed:
+            self.check_open()
+            self._table.connect(topic, targets)
+        self._subscriber.update()
+
+    def _list_topics(self) -> None:
+        adverts = list(self.adverts)
+        if self._driven is not None and all(advert.name != self._driven for advert in adverts):
+            reports = any(advert.wanted is not None for advert in adverts)
+            adverts.append(Advert(self._driven, TWIST, offered=False, wanted=False if reports else None))
+        topics = topics_of(adverts)
+        driven = topics.get(self._driven or "")
+        if driven is not None and not driven.offered:  # whatever its name says
+            topics[driven.name] = driven._replace(commanded=True)
+        self._table.learn(topics)
+
+    def _show_status(self, topic: str) -> None:
+        with self._changed:
+            subscription = self._table.by_topic.get(topic)
+            if subscription is not None:
+                self._table.show(subscription)
+
+    def _wanted(self) -> Collection[str] | None:
+        with self._changed:
+            return None if self.is_closed else tuple(self._table.by_topic)
+
+    def _call_watchers(self) -> None:
+        # Without the lock: a view may make widgets and connect them.
+        for on_change in list(self._watchers):
+            on_change()
+
+
+def _log_dropped(closed: Sequence[Any]) -> None:
+    """Log the functions of other cells that were connected to a feed which a new run of its cell closed."""
+    cell, _ = running_cell()
+    functions = [function for feed in closed if isinstance(feed, Connection) for function in feed.functions.functions]
+    names = [f"`{function.name}` ({function.topic})" for function in functions if function.cell != cell]
+    if names:
+        log.warning("the feed was opened anew; no longer connected: %s. Run their cells again", ", ".join(names))
