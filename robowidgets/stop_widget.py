@@ -37,9 +37,5 @@ class StopWidget(DrivingWidget):
         watchdog = robot if isinstance(robot, CommandWatchdog) else getattr(robot, "watchdog", None)
         if not isinstance(watchdog, CommandWatchdog):
             raise TypeError(f"StopWidget(): expected a feed or a watchdog, got {robot!r}")
-        self._is_bare = robot is watchdog
         super().__init__(**kwargs)
-        self._attach(watchdog, None if self._is_bare else robot)
-
-    def _is_ready(self) -> bool:
-        return self._is_bare or super()._is_ready()
+        self._attach(watchdog, None if robot is watchdog else robot)

@@ -78,7 +78,7 @@ class DrivingWidget(NamedWidget):
         self._renew_at = 0.0
         self._cause = ""
         self._forget_errors()
-        self._watchdog = CommandWatchdog(lambda *_: None)
+        self._idle = self._watchdog = CommandWatchdog(lambda *_: None)
         super().__init__(**kwargs)
         self.on_msg(self._on_page)
 
@@ -135,7 +135,8 @@ class DrivingWidget(NamedWidget):
             except Exception as error:
                 self._log_once(f"the robot could not be told to stop: {_described(error)}")
         self._end_press("nothing")
-        self._watchdog, self._feed, self._owns = CommandWatchdog(lambda *_: None), None, False
+        self._idle = self._watchdog = CommandWatchdog(lambda *_: None)
+        self._feed, self._owns = None, False
         self._forget_errors()
         self._cause = cause
         pacer.mark(self)
@@ -151,7 +152,7 @@ class DrivingWidget(NamedWidget):
         raise ValueError(f"act: a Stop has no {message.act}")
 
     def _is_ready(self) -> bool:
-        return self._feed is not None or self._owns
+        return self._watchdog is not self._idle
 
     def _forget_errors(self) -> None:
         self._not_driven = self._not_stopped = ""

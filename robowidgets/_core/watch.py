@@ -147,7 +147,7 @@ class Watch:
 
     def __repr__(self) -> str:
         count = f"{self._count} change{'' if self._count == 1 else 's'}"
-        return f"<{self.name}: {', '.join(filter(None, (self._words(), self._verdict.text, count)))}>"
+        return f"<{self.name}: {', '.join(filter(None, (self._status(), self._verdict.text, count)))}>"
 
     # -- for the thread that judges ------------------------------------------------------------------------------------
 
@@ -160,7 +160,7 @@ class Watch:
         except BaseException as error:  # not even a SystemExit may end the thread that judges
             with self._changed:
                 self._error, self._verdict = error_in(error), UNKNOWN
-                self._tell()
+                self._notify()
             return
         with self._changed:
             if self._sample is not None and verdict.value != self._verdict.value:
@@ -170,13 +170,13 @@ class Watch:
             if self._since is None or verdict.value != self._verdict.value:
                 self._since = time.monotonic()
             self._verdict, self._sample = verdict, sample
-            self._tell()
+            self._notify()
 
     def end(self, reason: str) -> None:
         """Judge no more; whoever waits is told the reason."""
         with self._changed:
             self._ended = reason
-            self._tell()
+            self._notify()
 
     def lamp(self) -> dict[str, Any]:
         """What the page shows of it, all plain values: see `Lamp` in js/shared/lamps.ts."""
@@ -206,12 +206,12 @@ class Watch:
     def _why_off(self) -> str:
         return f"switched off, {self._error}" if self._error else self._ended
 
-    def _tell(self) -> None:
+    def _notify(self) -> None:
         self._changed.notify_all()
         for wake in self._wakers:
             wake()
 
-    def _words(self) -> str:
+    def _status(self) -> str:
         if self._why_off:
             return self._why_off
         if self.value is None:
@@ -219,9 +219,9 @@ class Watch:
         return f"{'true' if self.value else 'false'} for {time.monotonic() - (self._since or 0):.1f} s"
 
     def _too_late(self, seconds: float, value: bool) -> TimeoutError:
-        said = f" ({self._verdict.text})" if self._verdict.text and self.value is not None else ""
+        compared = f" ({self._verdict.text})" if self._verdict.text and self.value is not None else ""
         return TimeoutError(
-            f"{self.name} was not {'true' if value else 'false'} within {seconds:g} s: it is {self._words()}{said}"
+            f"{self.name} was not {'true' if value else 'false'} within {seconds:g} s: it is {self._status()}{compared}"
         )
 
 
