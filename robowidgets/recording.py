@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .recordings.data import RecordingData
 
 if TYPE_CHECKING:
+    from .doctor.report import Report
     from .find._predicate import Instant
     from .find.conditions import Condition
     from .find.spans import Spans
@@ -85,6 +86,28 @@ class Recording(RecordingData):
 
         self._check_open()
         return find(self, condition, topics)
+
+    def doctor(self) -> Report:
+        """A check-up: what the topics hold (rays, angles, limits, frames, rate, jitter, lost scans), and the problems.
+
+        It reads all scans and speeds, and finds what `Scan.problems` finds in any of them, rates that fall, pauses,
+        stamps by another clock, and topics of which nothing came. Each problem names a remedy.
+
+        Raises:
+            RecordingError: the recording is closed.
+
+        Example:
+            >>> import robowidgets
+            >>> robowidgets.open(robowidgets.SAMPLE).doctor().problems
+            ()
+        """
+        # Imported lazily: reading samples needs no check-up.
+        from .doctor.report import examine
+
+        series = {name: self.series(name) for name in self._by_name()}
+        for one in series.values():
+            len(one)  # Reads it, which finds the problems of its clock and of its messages.
+        return examine(self._heading(), self.topics, series, self._with_remedies())
 
     def show(self, *topics: str, scanogram: bool | None = None, rerun: bool = False) -> Player:
         """The widgets that fit its topics, with a player for its time, for the page.

@@ -13,7 +13,6 @@ from .._core.tables import as_html, as_text
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..repair import RecordingError
 from ..samples import Problem
-from ._doctor import Report, examine
 from ._info import heading, table
 from ._sample_reader import Messages
 from .columns._clock_problems import Clock, about_clocks, clock_of
@@ -246,25 +245,6 @@ class RecordingData:
     def info(self) -> str:
         """The table of the topics, as text."""
         return as_text(*self._table())
-
-    def doctor(self) -> Report:
-        """A check-up: what the topics hold (rays, angles, limits, frames, rate, jitter, lost scans), and the problems.
-
-        It reads all scans and speeds, and finds what `Scan.problems` finds in any of them, rates that fall, pauses,
-        stamps by another clock, and topics of which nothing came. Each problem names a remedy.
-
-        Raises:
-            RecordingError: the recording is closed.
-
-        Example:
-            >>> import robowidgets
-            >>> robowidgets.open(robowidgets.SAMPLE).doctor().problems
-            ()
-        """
-        series = {name: self.series(name) for name in self._by_name()}
-        for one in series.values():
-            len(one)  # Reads it, which finds the problems of its clock and of its messages.
-        return examine(self._heading(), self.topics, series, self._with_remedies())
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""

@@ -20,7 +20,7 @@ LAYERS = (
     "__main__ command",
     "__init__ recording",
     "player in_rerun export",
-    "find feeds",
+    "find doctor feeds",
     "recordings",
     "*_widget _widget_choice _layout _together",
     "behaviors lessons",

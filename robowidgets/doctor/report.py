@@ -12,13 +12,13 @@ import numpy as np
 from .._core import tables
 from .._core.tables import listed, many, often
 from ..kinds import KINDS
+from ..recordings.columns.scans import Scans
+from ..recordings.columns.series import Series
+from ..recordings.times import has_date
+from ..recordings.topics import Topic
 from ..samples import Problem
 from ..samples.scan_problems import of_ranges
 from ._timing import Timing, timing_of
-from .columns.scans import Scans
-from .columns.series import Series
-from .times import has_date
-from .topics import Topic
 
 _HEADS = ("topic", "samples", "Hz", "jitter", "lost", "rays", "angles", "step", "limits", "frame")
 _RIGHT = (1, 2, 3, 4, 5, 7)
