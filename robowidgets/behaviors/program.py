@@ -296,11 +296,11 @@ class Program:
             return version, None
         now = time.monotonic()
         self.origin = now if self.origin is None else self.origin
-        own = {"time": now - self.origin, "state": self.state, "variables": self.variables}
-        values = {**values, **own}
-        if any(name not in values for name in version.asks_for):
+        values.update(time=now - self.origin, state=self.state, variables=self.variables)
+        try:
+            return version, {name: values[name] for name in version.asks_for}
+        except KeyError:
             return version, None  # the next version has chosen other samples, and is in force in a moment
-        return version, {name: values[name] for name in version.asks_for}
 
     def _step(self, me: threading.Thread, version: Version, values: dict[str, Any]) -> bool:
         """Make one step; returns whether this thread is still wanted."""
