@@ -13,6 +13,7 @@ from weakref import WeakSet
 
 from .cells import on_failed_cell
 from .user_threads import is_abandoned
+from .watched import Watched
 
 log = logging.getLogger("robowidgets")
 
@@ -47,7 +48,7 @@ class RefusedError(Exception):
     """A speed that is not sent: stop is latched, a hand drives, or nobody waits for the caller. The text says which."""
 
 
-class CommandWatchdog:
+class CommandWatchdog(Watched):
     """Sends speeds to a sink from a thread of its own: 50 a second at most, the newest wins, zero at once.
 
     Zero follows a speed that is not renewed in time. The thread runs no code of a caller except the sink, and it lives
@@ -60,9 +61,9 @@ class CommandWatchdog:
     """
 
     def __init__(self, send: Callable[[float, float], object], *, not_sent: type[Exception] | tuple[()] = ()) -> None:
+        super().__init__()
         self._send, self._not_sent = send, not_sent
         self._changed = threading.Condition()
-        self._watchers: tuple[Callable[[], None], ...] = ()
         self._thread: threading.Thread | None = None
         self._wanted: Velocity | None = None
         """The newest speed, while it is not sent yet."""
@@ -232,20 +233,9 @@ class CommandWatchdog:
 
     # -- watchers ------------------------------------------------------------------------------------------------------
 
-    def watch(self, on_change: Callable[[], None]) -> None:
-        """Call a function whenever the speed, the driver or an error changes. It must return at once."""
-        with self._changed:
-            self._watchers += (on_change,)
-
-    def forget(self, on_change: Callable[[], None]) -> None:
-        """Remove a function that was added by `watch`."""
-        with self._changed:
-            self._watchers = tuple(other for other in self._watchers if other != on_change)
-
     def _call_watchers(self) -> None:
         try:
-            for on_change in self._watchers:
-                on_change()
+            super()._call_watchers()
         except Exception:  # no watcher may keep zero from being sent
             log.exception("a change of the driven speed could not be shown")
 

@@ -15,6 +15,7 @@ from .._core.log_once import LogOnce
 from .._core.rate import RateMeter
 from .._core.user_function import line_of
 from .._core.user_threads import UserThread, frames_of
+from .._core.watched import Watched
 from ._prints import Prints, capture, release
 from .drive import STANDSTILL, Drive
 from .robot import GIVEN, NotReadyError, Robot
@@ -63,7 +64,7 @@ class Version:
     text: str = ""
 
 
-class Program:
+class Program(Watched):
     """A program of a robot: its versions, its state, and the thread that calls it step by step.
 
     `robowidgets.feeds.Feed.program` makes it. It may be called like its function.
@@ -93,6 +94,7 @@ class Program:
     """
 
     def __init__(self, name: str, robot: Robot, variables: Variables) -> None:
+        super().__init__()
         self.name, self.state, self.variables = name, State(), variables
         self.version = Version(lambda: None, number=0)
         self.mode, self.error, self.waiting, self.note = PAUSED, "", "", ""
@@ -118,7 +120,6 @@ class Program:
         self._due = self._steps_a_second = 0.0
         self._waiting_since = 0.0
         self._rate = RateMeter()
-        self._watchers: list[Callable[[], None]] = []
         self._log = LogOnce(log.warning)
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
@@ -157,7 +158,7 @@ class Program:
                 self._leave()
                 self._start()
             self._changed.notify_all()
-        self._tell()
+        self._call_watchers()
 
     def run(self) -> None:
         """Go on, after a pause or an error."""
@@ -165,7 +166,7 @@ class Program:
             if self._thread is None and self.mode != ENDED:
                 self.error = self.note = ""
                 self._start()
-        self._tell()
+        self._call_watchers()
 
     def pause(self, note: str = "") -> None:
         """Make no more steps, and stop the robot."""
@@ -177,7 +178,7 @@ class Program:
             if self._thread is None and self.mode != ENDED:
                 self.error = self.note = ""
                 self._start(once=True)
-        self._tell()
+        self._call_watchers()
 
     def close(self, note: str = "") -> None:
         """End it, and stop the robot."""
@@ -192,20 +193,7 @@ class Program:
             thread.abandon()
             self._robot.halt()
 
-    def watch(self, on_change: Callable[[], None]) -> None:
-        """Call a function after each step and each change, from any thread. It must return at once."""
-        self._watchers.append(on_change)
-
-    def forget(self, on_change: Callable[[], None]) -> None:
-        """Remove a function that was added by `watch`."""
-        if on_change in self._watchers:
-            self._watchers.remove(on_change)
-
     # -- within --------------------------------------------------------------------------------------------------------
-
-    def _tell(self) -> None:
-        for on_change in list(self._watchers):
-            on_change()
 
     def _wake(self) -> None:
         with self._changed:
@@ -239,7 +227,7 @@ class Program:
             self.returned = STANDSTILL
             self._changed.notify_all()
         self._robot.halt()
-        self._tell()
+        self._call_watchers()
 
     def _run(self, once: bool) -> None:
         """Make steps until another thread takes over. In the thread of the program."""
@@ -254,7 +242,7 @@ class Program:
                     with self._changed:
                         if self._thread is me:
                             self._leave()
-                    self._tell()
+                    self._call_watchers()
                     return
         finally:
             release()
@@ -338,13 +326,13 @@ class Program:
         if refused:
             self._robot.halt()
         self._set_waiting(refused)
-        self._tell()
+        self._call_watchers()
         return True
 
     def _set_waiting(self, why: str) -> None:
         if why != self.waiting:
             self.waiting, self._waiting_since = why, time.monotonic()
-            self._tell()
+            self._call_watchers()
 
     def _take_print(self, text: str) -> bool:
         self.prints.add(text, time.monotonic() - (self.origin or time.monotonic()))

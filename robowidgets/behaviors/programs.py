@@ -10,6 +10,7 @@ from weakref import WeakSet
 
 from .._core.cells import on_interrupt
 from .._core.user_function import calling_text, name_of
+from .._core.watched import Watched
 from ..samples.checks import finite
 from ._parameters import parameters_of
 from .machine import Machine
@@ -23,7 +24,7 @@ FASTEST = 200.0
 """Steps a second."""
 
 
-class Programs:
+class Programs(Watched):
     """The programs of one robot, of which one at a time drives it.
 
     Args:
@@ -35,11 +36,11 @@ class Programs:
     """
 
     def __init__(self, robot: Robot) -> None:
+        super().__init__()
         self._robot = robot
         self.variables = Variables()
         self.current: Program | None = None
         self._known: dict[str, Program] = {}
-        self._watchers: list[Callable[[], None]] = []
 
     def install(
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
@@ -63,7 +64,7 @@ class Programs:
         if program is None or program.mode == ENDED:
             state, number = (program.state, program.version.number) if program else (None, 0)
             program = self._known[name] = Program(name, self._robot, self.variables)
-            program.watch(self._tell)
+            program.watch(self._call_watchers)
             if state is not None:
                 program.state = state
         else:
@@ -76,29 +77,13 @@ class Programs:
         program.note = note
         _all.add(program)
         on_interrupt(_interrupt_all)
-        self._tell()
+        self._call_watchers()
         return program
-
-    def watch(self, on_change: Callable[[], None]) -> None:
-        """Call a function whenever another program drives, and after each step and each change of a program.
-
-        From any thread, that of the program above all. It must return at once.
-        """
-        self._watchers.append(on_change)
-
-    def forget(self, on_change: Callable[[], None]) -> None:
-        """Remove a function that was added by `watch`."""
-        if on_change in self._watchers:
-            self._watchers.remove(on_change)
 
     def close(self) -> None:
         """End the program."""
         if self.current is not None:
             self.current.close("the robot is closed")
-
-    def _tell(self) -> None:
-        for on_change in list(self._watchers):
-            on_change()
 
 
 _all: WeakSet[Program] = WeakSet()

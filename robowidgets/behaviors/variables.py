@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from .._core.watched import Watched
 from ..samples.checks import finite
 
 
@@ -42,7 +43,7 @@ class Variable:
     unit: str = ""
 
 
-class Variables:
+class Variables(Watched):
     """The variables of a robot's programs: seen live on the page, and set there by hand while a program runs.
 
     Numbers, switches (True and False) and texts. Any thread may read and set them.
@@ -63,8 +64,6 @@ class Variables:
     _table: dict[str, Variable]
     _edited: set[str]
     """The sliders whose first value has changed since the newest version of a program."""
-
-    _watchers: list[Callable[[], None]]
 
     def slider(self, name: str, value: float, low: float, high: float, unit: str = "") -> None:
         """Declare a number with a slider. Declared again with the same first value, it keeps what was set meanwhile.
@@ -113,16 +112,7 @@ class Variables:
             if name not in self._edited:
                 self._table[name] = replace(known, before=known.value)
         self._edited.clear()
-        self._tell()
-
-    def watch(self, on_change: Callable[[], None]) -> None:
-        """Call a function whenever a variable changes, from any thread. It must return at once."""
-        self._watchers.append(on_change)
-
-    def forget(self, on_change: Callable[[], None]) -> None:
-        """Remove a function that was added by `watch`."""
-        if on_change in self._watchers:
-            self._watchers.remove(on_change)
+        self._call_watchers()
 
     @property
     def table(self) -> dict[str, Variable]:
@@ -145,7 +135,7 @@ class Variables:
 
     def __delattr__(self, name: str) -> None:
         self._table.pop(name, None)
-        self._tell()
+        self._call_watchers()
 
     def __iter__(self) -> Iterator[str]:
         return iter(dict(self._table))
@@ -157,11 +147,7 @@ class Variables:
         if not name.isidentifier() or name.startswith("_") or hasattr(type(self), name):
             raise ValueError(f"expected a name such as 'near' for a variable, got {name!r}")
         self._table[name] = variable
-        self._tell()
-
-    def _tell(self) -> None:
-        for on_change in list(self._watchers):
-            on_change()
+        self._call_watchers()
 
 
 def _named(value: float, low: float, high: float) -> tuple[tuple[str, float], ...]:

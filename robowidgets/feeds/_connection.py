@@ -12,6 +12,7 @@ from typing import Any
 from .._core.cells import running_cell, take_the_place
 from .._core.platform_fixes import let_threads_print, shorten_switch_interval
 from .._core.robot_widget import RobotWidget
+from .._core.watched import Watched
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..messages.standard import TWIST
@@ -32,7 +33,7 @@ PATIENCE = 2.0
 """Seconds after opening for which `show`, `drive` and `stop` wait for the topics and for a subscriber."""
 
 
-class Connection:
+class Connection(Watched):
     """The part of a feed that threads refer to: its middleware's `Listener`, its topics and subscriptions, driving.
 
     None of it refers to the `Feed`. So the feed is deleted when neither the user nor a widget has it any more, and then
@@ -51,11 +52,11 @@ class Connection:
     """
 
     def __init__(self, middleware: Middleware, is_deleted: Callable[[], bool]) -> None:
+        super().__init__()
         self.middleware = middleware
         self._changed = threading.Condition(threading.RLock())
         self.functions = FunctionCaller(self._show_status)
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
-        self._watchers: list[Callable[[], None]] = []
         self.adverts: tuple[Advert, ...] = ()
         self._reached = self.is_closed = self.is_forked = False
         self._driven: str | None = None
@@ -263,17 +264,6 @@ class Connection:
         subscription = self._table.by_topic.get(topic)
         return subscription.trouble if subscription is not None else ""
 
-    def watch(self, on_change: Callable[[], None]) -> None:
-        """Call a function whenever topics or connection have changed, and on closing, from any thread."""
-        with self._changed:
-            self._watchers.append(on_change)
-
-    def forget(self, on_change: Callable[[], None]) -> None:
-        """Remove a function that was added by `watch`."""
-        with self._changed:
-            if on_change in self._watchers:
-                self._watchers.remove(on_change)
-
     def attach(self, topic: str, take: Callable[[Any], object]) -> Target:
         """Pass the messages of a topic to code of this package, in the transport's thread; it must return at once."""
         target = Target(take, None)
@@ -338,11 +328,6 @@ class Connection:
     def _wanted(self) -> Collection[str] | None:
         with self._changed:
             return None if self.is_closed else tuple(self._table.by_topic)
-
-    def _call_watchers(self) -> None:
-        # Without the lock: a view may make widgets and connect them.
-        for on_change in list(self._watchers):
-            on_change()
 
 
 def _log_dropped(closed: Sequence[Any]) -> None:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .._core.watched import Watched
 from ..samples import Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
 from ._contact import PRESSED_WITHIN, contact_angles, pressed, push_out
@@ -40,7 +41,7 @@ class Pose(NamedTuple):
     yaw: float
 
 
-class Robot:
+class Robot(Watched):
     """A round robot with a laser scanner and, as a rule, a differential drive and bumpers.
 
     It obeys `drive` within the limits of its motors. It slides along a wall or an obstacle that it hits at an angle,
@@ -98,7 +99,7 @@ class Robot:
         self._world = world
         self._lock = threading.Lock()
         """Held while the robot moves and measures: a page may move it meanwhile."""
-        self._watchers: list[Callable[[], None]] = []
+        super().__init__()
         self._known_room = (world, 0.0, 0.0, -inf)
         """A world, a place, and metres to what is nearest to it, at least."""
         self.radius = finite("radius", self.model.radius if radius is None else radius, "metres")
@@ -244,15 +245,6 @@ class Robot:
                 next(behavior)
             self.step(min(period, max(end - self.time, _NANOSECOND)))
 
-    def watch(self, on_change: Callable[[], None]) -> None:
-        """Call a function after each step and whenever the robot or its world is changed, in the thread that did it."""
-        self._watchers.append(on_change)
-
-    def forget(self, on_change: Callable[[], None]) -> None:
-        """Remove a function that was added by `watch`."""
-        if on_change in self._watchers:
-            self._watchers.remove(on_change)
-
     def scan(self) -> Scan:
         """The newest scan; the same object until the scanner, at its own rate, has taken the next."""
         with self._lock:
@@ -294,10 +286,6 @@ class Robot:
                 f"pose: expected a place with {self.radius:g} m of room, got ({x:g}, {y:g}), "
                 f"{room:.3f} m from the nearest wall or obstacle"
             )
-
-    def _call_watchers(self) -> None:
-        for on_change in list(self._watchers):
-            on_change()
 
     def _has_room(self, x: float, y: float, more: float = 0.0) -> bool:
         """Whether nothing is nearer than the body and so many metres more.
