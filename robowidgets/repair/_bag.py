@@ -10,7 +10,7 @@ from ..messages.channel import Channel
 from ._byte_range import ByteRange, find
 from ._found_messages import Walk
 from ._record_reader import RecordReader
-from ._records import MAX_TEXT, Damage, Layout, Record
+from ._records import MAX_TEXT, Damage, Record
 from ._report import foreign
 from .source import RecordingError
 
@@ -52,8 +52,13 @@ def walk_bag(path: Path) -> Walk:
 class _Reader(RecordReader):
     """One walk through a bag."""
 
+    magic = MAGIC
+    index_ops = frozenset((_INDEX, _CHUNK_INFO))
+    inner_ops = frozenset((_MESSAGE, _CONNECTION))
+    chunk_op = _CHUNK
+
     def __init__(self, path: Path) -> None:
-        super().__init__(path, _LAYOUT, start=len(MAGIC))
+        super().__init__(path)
         self.by_id: dict[int, Channel] = {}
 
     def check(self) -> None:
@@ -85,6 +90,39 @@ class _Reader(RecordReader):
         elif record.op == _FILE and chunk < 0:
             self.header(record)
 
+    def record_at(self, data: ByteRange, pos: int) -> Record | None:
+        """See `RecordReader`."""
+        raw = data.read(pos, 4)
+        if len(raw) < 4:
+            return None
+        size = _uint(raw)
+        if size > _MAX_HEADER:
+            return None
+        raw = data.read(pos + 4, size + 4)
+        if len(raw) < size + 4:
+            return None
+        fields = _fields(raw[:size])
+        if fields is None or len(fields.get("op", b"")) != 1:
+            return None
+        op = fields["op"][0]
+        needed = _NEEDED.get(op)
+        if needed is None or any(
+            name not in fields or length not in (None, len(fields[name])) for name, length in needed.items()
+        ):
+            return None
+        body = pos + 4 + size + 4
+        plain_chunk = op == _CHUNK and fields["compression"] == _PLAIN
+        end = body if plain_chunk else body + _uint(raw[size:])
+        return Record(op, pos, body, end, fields)
+
+    def next_record(self, data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
+        """See `RecordReader`: one that has the fields which its op requires."""
+        for pos in find(data, _HEADER, _HEADER_LENGTH, start):
+            record = self.record_at(data, pos)
+            if record and record.op not in barred:
+                return pos
+        return None
+
     def header(self, record: Record) -> None:
         """Read from the bag header whether the file was finished, and whether its end is missing."""
         if encryptor := record.fields.get("encryptor"):
@@ -114,40 +152,6 @@ class _Reader(RecordReader):
         self.by_id.setdefault(channel.id, channel)
 
 
-def _record_at(data: ByteRange, pos: int) -> Record | None:
-    raw = data.read(pos, 4)
-    if len(raw) < 4:
-        return None
-    size = _uint(raw)
-    if size > _MAX_HEADER:
-        return None
-    raw = data.read(pos + 4, size + 4)
-    if len(raw) < size + 4:
-        return None
-    fields = _fields(raw[:size])
-    if fields is None or len(fields.get("op", b"")) != 1:
-        return None
-    op = fields["op"][0]
-    needed = _NEEDED.get(op)
-    if needed is None or any(
-        name not in fields or length not in (None, len(fields[name])) for name, length in needed.items()
-    ):
-        return None
-    body = pos + 4 + size + 4
-    plain_chunk = op == _CHUNK and fields["compression"] == _PLAIN
-    end = body if plain_chunk else body + _uint(raw[size:])
-    return Record(op, pos, body, end, fields)
-
-
-def _next_record(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-    """The offset of the next record that has the fields which its op requires; None if there is none."""
-    for pos in find(data, _HEADER, _HEADER_LENGTH, start):
-        record = _record_at(data, pos)
-        if record and record.op not in barred:
-            return pos
-    return None
-
-
 def _fields(raw: bytes) -> dict[str, bytes] | None:
     """The ``name=value`` fields of a header; None if it does not consist of a few such fields."""
     fields: dict[str, bytes] = {}
@@ -170,13 +174,3 @@ def _uint(raw: bytes) -> int:
 
 def _text(raw: bytes) -> str:
     return raw.decode("utf-8", errors="replace")
-
-
-_LAYOUT = Layout(
-    _record_at,
-    _next_record,
-    last_op=None,
-    index_ops=frozenset((_INDEX, _CHUNK_INFO)),
-    inner_ops=frozenset((_MESSAGE, _CONNECTION)),
-    chunk_op=_CHUNK,
-)

@@ -12,12 +12,11 @@ from ..messages.channel import Channel, definition_text
 from ._byte_range import ByteRange, find
 from ._found_messages import Walk
 from ._record_reader import RecordReader
-from ._records import MAX_TEXT, Damage, Layout, Record
+from ._records import MAX_TEXT, Damage, Record
 from ._report import foreign
 
 MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(2, 7)
-_INDEX_OPS = frozenset((0x07, 0x08, 0x0A, 0x0B, 0x0D, 0x0E))
 # The least number of bytes in a record of each op, 0x01 (header) to 0x0F (end of data).
 _LEAST = dict(enumerate((8, 20, 14, 16, 22, 40, 6, 68, 36, 40, 46, 8, 20, 17, 4), start=1))
 _PRIVATE = 0x80
@@ -61,8 +60,14 @@ class _NamedChannel(NamedTuple):
 class _Reader(RecordReader):
     """One walk through an MCAP file."""
 
+    magic = MAGIC
+    last_op = _FOOTER
+    index_ops = frozenset((0x07, 0x08, 0x0A, 0x0B, 0x0D, 0x0E))
+    inner_ops = frozenset((_SCHEMA, _CHANNEL, _MESSAGE))
+    chunk_op = _CHUNK
+
     def __init__(self, path: Path) -> None:
-        super().__init__(path, _LAYOUT, start=len(MAGIC))
+        super().__init__(path)
         self.schemas: dict[int, _Schema] = {}
         self.named: dict[int, _NamedChannel] = {}
 
@@ -91,6 +96,37 @@ class _Reader(RecordReader):
             self.chunk(record)
         elif record.op == _FOOTER:
             damage.unfinished = False
+
+    def record_at(self, data: ByteRange, pos: int) -> Record | None:
+        """See `RecordReader`."""
+        head = data.read(pos, _HEAD.size)
+        if len(head) < _HEAD.size:
+            return None
+        op, size = _HEAD.unpack(head)
+        if size < _LEAST.get(op, 0) or (op not in _LEAST and op < _PRIVATE):
+            return None
+        body = pos + _HEAD.size
+        if op == _CHUNK:
+            return _chunk_at(data, pos, body + size)
+        return Record(op, pos, body, body + size) if body + size <= data.size else None
+
+    def next_record(self, data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
+        """See `RecordReader`: one that others follow without a gap, or that ends the file."""
+        for pos in find(data, _RECORD, _HEAD.size, start):
+            if data.read(pos, 1)[0] not in barred and self.is_chain(data, pos):
+                return pos
+        return None
+
+    def is_chain(self, data: ByteRange, pos: int) -> bool:
+        """Whether several records follow each other from an offset on, or one that ends the file."""
+        for _ in range(_IN_A_ROW):
+            record = self.record_at(data, pos)
+            if not record:
+                return False
+            if record.op == _FOOTER or record.end >= data.size:
+                return True
+            pos = record.end
+        return True
 
     def message(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
         """Index a message."""
@@ -141,19 +177,6 @@ class _Reader(RecordReader):
         return value
 
 
-def _record_at(data: ByteRange, pos: int) -> Record | None:
-    head = data.read(pos, _HEAD.size)
-    if len(head) < _HEAD.size:
-        return None
-    op, size = _HEAD.unpack(head)
-    if size < _LEAST.get(op, 0) or (op not in _LEAST and op < _PRIVATE):
-        return None
-    body = pos + _HEAD.size
-    if op == _CHUNK:
-        return _chunk_at(data, pos, body + size)
-    return Record(op, pos, body, body + size) if body + size <= data.size else None
-
-
 def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
     """The chunk at an offset, if its lengths agree or if at least all of its data is in the file; else None."""
     body = pos + _HEAD.size + _CHUNK_HEAD.size
@@ -173,25 +196,6 @@ def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
     return Record(_CHUNK, pos, body, end if compression else body, fields)
 
 
-def _next_record(data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
-    """The offset of the next record that others follow without a gap, or that ends the file; None if there is none."""
-    for pos in find(data, _RECORD, _HEAD.size, start):
-        if data.read(pos, 1)[0] not in barred and _is_chain(data, pos):
-            return pos
-    return None
-
-
-def _is_chain(data: ByteRange, pos: int) -> bool:
-    for _ in range(_IN_A_ROW):
-        record = _record_at(data, pos)
-        if not record:
-            return False
-        if record.op == _FOOTER or record.end >= data.size:
-            return True
-        pos = record.end
-    return True
-
-
 def _strings(raw: bytes, count: int) -> list[str]:
     """The first strings of a record, each after its length; struct.error if some are missing."""
     strings = []
@@ -202,13 +206,3 @@ def _strings(raw: bytes, count: int) -> list[str]:
         strings.append(value.decode("utf-8", errors="replace"))
         pos += 4 + size
     return strings
-
-
-_LAYOUT = Layout(
-    _record_at,
-    _next_record,
-    last_op=_FOOTER,
-    index_ops=_INDEX_OPS,
-    inner_ops=frozenset((_SCHEMA, _CHANNEL, _MESSAGE)),
-    chunk_op=_CHUNK,
-)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -81,32 +82,26 @@ def _walk_file(path: Path) -> Walk:
 
 def _walk_packed(path: Path) -> Walk:
     """The walk through a file that was compressed as a whole: through a temporary copy of the decompressed data."""
-    folder = TemporaryDirectory(prefix="robowidgets-")
     try:
-        copy = Path(folder.name, path.name.removesuffix(path.suffix) if path.suffix in _ZSTD_SUFFIXES else path.name)
-        limit = max(_MOST_UNPACKED, _MOST_RATIO * path.stat().st_size)
-        with path.open("rb") as packed, copy.open("wb") as unpacked:
-            whole = inflate_to(unpacked.write, "zstd", iter(lambda: packed.read(_BLOCK), b""), limit)
-        if not copy.stat().st_size:
-            raise RecordingError(f"{path.name}: its zstd data is damaged or cut off where it starts; copy it again")
-        with copy.open("rb") as file:
-            if file.read(4) == ZSTD_MAGIC:
-                raise RecordingError(f"{path.name}: expected a recording in zstd, got zstd within zstd")
-        walk = _walk_file(copy)
-    except BaseException as error:
-        folder.cleanup()
-        if isinstance(error, OSError):
-            raise RecordingError(f"{path.name}: cannot be unpacked: {error.strerror or error}") from None
-        raise
+        with ExitStack() as stack:
+            folder = stack.enter_context(TemporaryDirectory(prefix="robowidgets-"))
+            name = path.name.removesuffix(path.suffix) if path.suffix in _ZSTD_SUFFIXES else path.name
+            copy = Path(folder, name)
+            limit = max(_MOST_UNPACKED, _MOST_RATIO * path.stat().st_size)
+            with path.open("rb") as packed, copy.open("wb") as unpacked:
+                whole = inflate_to(unpacked.write, "zstd", iter(lambda: packed.read(_BLOCK), b""), limit)
+            if not copy.stat().st_size:
+                raise RecordingError(f"{path.name}: its zstd data is damaged or cut off where it starts; copy it again")
+            with copy.open("rb") as file:
+                if file.read(4) == ZSTD_MAGIC:
+                    raise RecordingError(f"{path.name}: expected a recording in zstd, got zstd within zstd")
+            walk = _walk_file(copy)
+            stack.callback(walk.close)
+            walk.close = stack.pop_all().close
+    except OSError as error:
+        raise RecordingError(f"{path.name}: cannot be unpacked: {error.strerror or error}") from None
     if not whole and not damage_lines(walk.damage, 0, 0):
         walk.problems += ("its zstd data is damaged or cut off: read what comes before",)
-    close = walk.close
-
-    def close_and_clean() -> None:
-        close()
-        folder.cleanup()
-
-    walk.close = close_and_clean
     return walk
 
 

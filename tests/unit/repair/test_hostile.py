@@ -114,7 +114,7 @@ def test_a_megabyte_of_decoys_ends_soon_and_costs_no_message_before_it(tmp_path:
 
 
 def test_many_damaged_places_are_given_up_at_some_point(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.repair._records.MAX_PLACES", 5)
+    monkeypatch.setattr("robowidgets.repair._record_reader.MAX_PLACES", 5)
     held = messages(60)
     parts = [mcap_messages(held[i : i + 4]) for i in range(0, 60, 4)]
     path = tmp_path / "x.mcap"
