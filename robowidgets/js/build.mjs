@@ -19,9 +19,23 @@ const options = {
 
 // Jupyter imports the script anew for each widget, and a page keeps every module that it has imported. So the first one
 // runs the code, and the others take what it made: a page then has the code of a widget once, not once per instance.
+// JupyterLab keeps the models of closed widgets, too. So each model gets the first one's script and style in place of its
+// own, which are equal: nothing is sent. The last one is set again, because Backbone keeps what was before the last set.
 function share(script) {
   const key = `robowidgets ${createHash("sha256").update(script).digest("hex").slice(0, 16)}`;
-  return `const run=()=>{${script}return widget.default};export default globalThis[Symbol.for("${key}")]??=run();\n`;
+  return `const run=()=>{${script}
+const made=widget.default,first={};
+return()=>{
+  const own=typeof made==="function"?made():made;
+  return{...own,initialize(given){
+    for(const name of["_esm","_css","_css"]){
+      const text=given.model.get(name);
+      if(text&&text===(first[name]??=text))given.model.set(name,first[name]);
+    }
+    return own.initialize?.(given);
+  }}
+}};export default globalThis[Symbol.for("${key}")]??=run();
+`;
 }
 
 if (watch) {
