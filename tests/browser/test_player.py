@@ -450,6 +450,23 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
     shoot(nb.output(1), "recording-show-forced-1143")
 
 
+def test_four_sensors_stand_whole_in_their_card_on_one_screen(plain_page: Open, data: Path) -> None:
+    nb = opened(plain_page, data / "good" / "neato_fsm", "recording.show('/scan', '/odom', '/bump')", height=720)
+    card = nb.output(1).locator(".rw-touch")
+    for width, high in ((1143, 172), (1100, 172), (900, 240)):
+        nb.resize(width, 720)
+        assert boxes(nb)["recording"][3] == 562
+        assert boxes(nb)["touch"][3] == high
+        assert card.locator(".rw-picture").evaluate("picture => picture.scrollHeight <= picture.clientHeight")
+        assert card.locator(".rw-tile").evaluate_all(
+            "tiles => tiles.every((tile) => tile.scrollWidth <= tile.clientWidth)"
+        )
+        footer = card.locator(".rw-footer")
+        assert footer.evaluate("footer => footer.scrollWidth <= footer.clientWidth")
+        expect(footer.locator(".rw-state:not([hidden])")).to_have_text(["0touched", "4free"])
+        shoot(nb.output(1), f"recording-four-sensors-{width}")
+
+
 def test_pointing_at_the_scanogram_shows_that_moment_everywhere_while_a_cell_runs(notebook: Open) -> None:
     nb = opened(notebook, Path(robowidgets.SAMPLE), "player = recording.show()\nplayer", width=1280, height=720)
     nb.python("import time\nplayer.time = 24.1\nwhile len(player._prefetcher._sent) < 58: time.sleep(0.05)")

@@ -10,6 +10,7 @@ export class Footer {
   readonly #counts = new Map<TouchState, HTMLElement>();
   readonly #beside = make("span", "rw-beside");
   readonly #touches = make("span", "rw-touches");
+  readonly #unknown: HTMLElement;
 
   constructor(element: HTMLElement) {
     const list = make("span", "rw-counts");
@@ -22,6 +23,7 @@ export class Footer {
       list.append(item);
       this.#counts.set(state, count);
     }
+    this.#unknown = list.lastElementChild as HTMLElement;
     element.append(list, this.#beside, this.#touches);
   }
 
@@ -32,6 +34,8 @@ export class Footer {
     setText(this.#beside, beside);
     this.#beside.title = beside;
     for (const [state, element] of this.#counts) setText(element, toCount(counts[state]));
+    // The other two come and go, and keep their places.
+    this.#unknown.hidden = counts.unknown === 0;
     setText(this.#touches, toTouches(touches));
   }
 }

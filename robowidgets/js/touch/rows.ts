@@ -9,9 +9,9 @@ export interface Box {
 export const GAP = 8;
 const KINDS = /^(cliff|wheel|light|button|proximity|stall) /;
 const NARROWEST = 92;
-/** Of three or fewer, such as the bumpers of a robot, which stay side by side in a card of 260 pixels. */
+/** Of a few, such as the bumpers of a robot: three stay side by side in a card of 260 pixels, four in one of 340. */
 const NARROWEST_OF_FEW = 72;
-const FEW = 3;
+const FEW = 4;
 /** Height of a rectangle that is one of many. */
 const LOW = 58;
 const HIGH = 92;
