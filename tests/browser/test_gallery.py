@@ -49,8 +49,8 @@ scanogram.time, scanogram.selection = moment, (moment - 2, moment + 4)
 
 
 @every_theme
-def test_pictures_of_the_widgets(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
-    nb = notebook([WIDGETS, "laser", "speed", "touch", "player", "scanogram"], scale=2, theme=theme)
+def test_pictures_of_the_widgets(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([WIDGETS, "laser", "speed", "touch", "player", "scanogram"], scale=2, theme=theme)
     nb.resize(680)
     nb.widget(1).locator(".rw-freeze").click()
     nb.python("for i in range(37): laser.update(laser.scan)")
@@ -87,8 +87,8 @@ VBox([drive, laser])
 
 
 @every_theme
-def test_pictures_of_what_was_found(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
-    nb = notebook([FOUND], scale=2, theme=theme)
+def test_pictures_of_what_was_found(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([FOUND], scale=2, theme=theme)
     nb.resize(764, height=1600)
     drive = nb.output(0).locator(".rw-scanogram")
     drive.locator(".rw-scanogram-chip").wait_for(state="hidden")
@@ -137,8 +137,8 @@ pad
 
 
 @every_theme
-def test_pictures_of_the_drive_pad(notebook: Callable[..., Notebook], theme: Literal["light", "dark"]) -> None:
-    nb = notebook([PAD], scale=2, theme=theme)
+def test_pictures_of_the_drive_pad(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([PAD], scale=2, theme=theme)
     card = nb.widget(0).locator(".rw-card")
     box = card.locator(".rw-pad").bounding_box()
     assert box is not None

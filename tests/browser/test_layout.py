@@ -83,7 +83,8 @@ def test_rows_and_grids_shrink_to_the_room_that_there_is(notebook: Callable[...,
     row = "HBox([laser(), speed(), touch()])"
     grid = "GridBox([laser() for _ in range(4)], layout=Layout(grid_template_columns='repeat(2, 1fr)'))"
     many = "HBox([laser(), speed(), touch(), scanogram(), DriveWidget()])"
-    nb = notebook([SETUP, row, grid, "HBox([laser()])", many])
+    column = "HBox([laser(), speed(), VBox([touch(), DriveWidget()])])"
+    nb = notebook([SETUP, row, grid, "HBox([laser()])", many, column])
     for width in (320, 700, 900):
         nb.resize(width)
         for index, least in ((1, 600), (2, 400), (3, 200), (4, 1000)):
@@ -96,6 +97,10 @@ def test_rows_and_grids_shrink_to_the_room_that_there_is(notebook: Callable[...,
         shoot(nb.output(2), f"grid-{width}")
     widths = [card.bounding_box() for card in nb.output(4).locator(".rw-card").all()]
     assert [box["width"] for box in widths if box] == pytest.approx([200] * 5), "no narrower than can be read"
+    nb.resize(1500)
+    widths = [card.bounding_box() for card in nb.output(5).locator(".rw-card").all()]
+    assert [box["width"] for box in widths if box] == pytest.approx([380] * 4, abs=3), "no wider than they need"
+    shoot(nb.output(5), "row-1500")
 
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])

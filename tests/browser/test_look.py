@@ -6,10 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
 
 from .chromium import shoot
-from .notebook import Notebook
 from .plain_page import PlainPage
 
 TILT = """
@@ -66,23 +64,6 @@ try:
 except TypeError:
     pass
 """
-
-
-def test_widgets_stand_side_by_side_in_a_row(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook(
-        [
-            "import ipywidgets\nfrom robowidgets import *\n"
-            "laser = LaserWidget()\n"
-            "laser.update(ranges=[1, 2, 3], angle_min=-1, angle_increment=1, range_min=0.1, range_max=4)\n"
-            "ipywidgets.HBox([laser, SpeedWidget(), ipywidgets.VBox([TouchWidget(), DriveWidget()])])"
-        ],
-        width=1700,
-    )
-    cards = nb.output(0).locator(".rw-card")
-    expect(cards).to_have_count(4)
-    boxes = [card.bounding_box() for card in cards.all()]
-    assert [box["width"] for box in boxes if box] == pytest.approx([380] * 4, abs=3)
-    shoot(nb.output(0), "row-light")
 
 
 def test_laser_states(plain_page: Callable[..., PlainPage]) -> None:
