@@ -30,13 +30,12 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import nbformat
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_playwright
 
 from . import chromium, export
 from .console import Console
-from .notebook import Notebook
+from .notebook import Notebook, notebook_of
 from .plain_page import PageServer, PlainPage
 from .server import LabServer
 
@@ -156,13 +155,7 @@ def notebook(
     ) -> Notebook:
         name = re.sub(r"\W+", "-", request.node.nodeid.split("::", 1)[-1]).strip("-")
         path = f"{name}-{len(pages)}.ipynb"
-        kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
-        nbformat.write(
-            nbformat.v4.new_notebook(
-                cells=[nbformat.v4.new_code_cell(source) for source in cells], metadata={"kernelspec": kernel}
-            ),
-            lab.files / path,
-        )
+        (lab.files / path).write_text(notebook_of(cells))
         if lab_pages.get((scale, touch)):
             page, console = lab_pages[scale, touch].pop()
             console.forget()

@@ -12,12 +12,12 @@ from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
 
-import nbformat
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from ..unit.waiting import wait_for
 from .chromium import SCREENSHOTS
+from .notebook import notebook_of
 
 CELLS = (
     "import robowidgets\nrecording = robowidgets.open(robowidgets.SAMPLE)",
@@ -110,10 +110,7 @@ def test_marimo_shows_each_widget_and_is_dark_with_it(browser: Browser, tmp_path
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_voila_shows_widgets_and_recordings_and_is_dark_with_them(browser: Browser, tmp_path: Path, theme: str) -> None:
     pytest.importorskip("voila")
-    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
-    cells = [nbformat.v4.new_code_cell(source) for source in (*CELLS, SHOW)]
-    notebook = nbformat.v4.new_notebook(cells=cells, metadata={"kernelspec": kernel})
-    nbformat.write(notebook, tmp_path / "robot.ipynb")
+    (tmp_path / "robot.ipynb").write_text(notebook_of((*CELLS, SHOW)))
     run = ["voila", "robot.ipynb", "--no-browser", "--Voila.ip=127.0.0.1", f"--theme={theme}"]
     with serving(tmp_path, lambda port: [*run, f"--port={port}"]) as url:
         context = browser.new_context()

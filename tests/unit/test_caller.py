@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
-import nbformat
 import pytest
-from nbclient import NotebookClient
 
 SETUP = """
 import asyncio, threading
@@ -73,8 +72,11 @@ TEXT = "angle_min: expected a finite number of radians, got nan"
 
 
 @pytest.fixture(scope="module")
-def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[nbformat.NotebookNode]]:
+def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
     """What each cell left."""
+    import nbformat  # takes two seconds, of each process that collects tests
+    from nbclient import NotebookClient
+
     home = tmp_path_factory.mktemp("kernel")
     own = {name: str(home) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_DATA_DIR", "JUPYTER_CONFIG_DIR", "IPYTHONDIR")}
     cells = [nbformat.v4.new_code_cell(source) for source in (SETUP, *CELLS.values())]
@@ -84,15 +86,11 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[nbformat
 
 
 @pytest.mark.parametrize("caller", CELLS)
-def test_an_error_is_raised_to_a_person_and_kept_from_a_callback(
-    outputs: dict[str, list[nbformat.NotebookNode]], caller: str
-) -> None:
+def test_an_error_is_raised_to_a_person_and_kept_from_a_callback(outputs: dict[str, list[Any]], caller: str) -> None:
     errors = [(output.ename, output.evalue) for output in outputs[caller] if output.output_type == "error"]
     assert errors == ([("ValueError", TEXT)] if caller in RAISES else [])
 
 
-def test_of_all_callbacks_the_log_tells_the_same_error_once(
-    outputs: dict[str, list[nbformat.NotebookNode]],
-) -> None:
+def test_of_all_callbacks_the_log_tells_the_same_error_once(outputs: dict[str, list[Any]]) -> None:
     written = [output.text for cell in outputs.values() for output in cell if output.output_type == "stream"]
     assert written == [f"LaserWidget /scan: a message could not be shown: {TEXT}\n"]

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 
-import nbformat
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -64,6 +63,8 @@ _lab.run(Path(sys.argv[1]), 0, False, print)
 
 
 def write(file, sources, kernel=KERNEL):
+    import nbformat  # takes two seconds, of each process that collects tests
+
     cells = [nbformat.v4.new_code_cell(source) for source in sources]
     if file.stem == "whole":
         cells[1].metadata.update(LIVE)
@@ -78,6 +79,8 @@ def environment(folder):
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     """What came of each notebook: its cells, what was said, whether it is trusted, what its kernels answer."""
+    import nbformat
+
     folder = tmp_path_factory.mktemp("notebooks")
     for name, sources in NOTEBOOKS.items():
         write(folder / f"{name}.ipynb", sources, KERNEL | ({"name": "cobol"} if name == "foreign" else {}))
@@ -102,6 +105,8 @@ def texts(notebook):
 
 
 def test_a_notebook_holds_what_its_cells_show_and_the_state_of_its_widgets(run):
+    import nbformat
+
     notebook, said, trusted, answers = run["whole"]
     nbformat.validate(notebook)
     view = notebook.cells[0].outputs[0].data["application/vnd.jupyter.widget-view+json"]
