@@ -12,6 +12,7 @@ from ._core.short_traceback import shorten_tracebacks
 from ._together import together
 from .drive_widget import DriveWidget
 from .laser_widget import LaserWidget
+from .path_widget import PathWidget
 from .samples import Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity
 from .scanogram_widget import ScanogramWidget
 from .shapes import Arc, Line, Points, Polygon, Pose, Text
@@ -41,6 +42,7 @@ __all__ = [
     "LaserWidget",
     "Line",
     "MachineWidget",
+    "PathWidget",
     "Points",
     "Polygon",
     "Pose",

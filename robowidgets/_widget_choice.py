@@ -17,6 +17,10 @@ class Shown(Protocol):
         """The name of the topic."""
 
     @property
+    def type(self) -> str:
+        """Its message type; several are joined by a comma."""
+
+    @property
     def widget(self) -> str | None:
         """The name of its kind; None if no widget shows it."""
 
@@ -53,7 +57,7 @@ class WidgetChoice(NamedTuple):
 def choose_widgets(topics: Iterable[Shown]) -> tuple[WidgetChoice, ...]:
     """A choice for each topic of a kind, in the order of the kinds, without those that go with a measured topic.
 
-    A measured topic gets the first commanded one of its robot.
+    A measured topic gets the first commanded one of its robot. The second widgets of topics come last.
     """
     chosen: list[WidgetChoice] = []
     listed = list(topics)
@@ -65,7 +69,14 @@ def choose_widgets(topics: Iterable[Shown]) -> tuple[WidgetChoice, ...]:
             for topic in shown
             if topic.name not in command_of.values()
         )
-    return tuple(chosen)
+    types = {topic.name: topic.type.split(", ") for topic in listed}
+    more = [
+        WidgetChoice(kind, choice.topic)
+        for choice in chosen
+        for kind in choice.kind.also
+        if not choice.commanded and not kind.types.isdisjoint(types[choice.topic])
+    ]
+    return (*chosen, *more)
 
 
 def _paired(measured: list[str], commands: list[str]) -> dict[str, str]:

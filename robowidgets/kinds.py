@@ -18,7 +18,7 @@ import numpy as np
 from .messages import ScanReader, to_scan, to_speed, to_touch
 from .messages.fields import Shape, unwrap
 from .messages.touch import TOUCH_TYPES
-from .samples import Problem, Scan, Speed, Touch
+from .samples import Pose, Problem, Scan, Speed, Touch
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,7 @@ class Kind:
         options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
         goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
         every_message: whether each message counts, as an event does; of other kinds the newest is enough.
+        also: rows with the same samples and a second widget, for topics of their types.
     """
 
     name: str
@@ -65,6 +66,7 @@ class Kind:
     options: Mapping[str, Any] = field(default_factory=dict)
     goes_stale: bool = True
     every_message: bool = False
+    also: tuple[Kind, ...] = ()
 
     def reader(self) -> Callable[[Any], Any]:
         """A new reader for the messages of one topic."""
@@ -120,6 +122,18 @@ LASER = Kind(
     # A room is much smaller than what many scanners can see.
     options={"view_range": "auto"},
 )
+PATH = Kind(
+    name="path",
+    sample_name="speed",
+    noun="odometry",
+    sample=Speed,
+    read=to_speed,
+    types=frozenset({"nav_msgs/msg/Odometry"}),
+    widget="robowidgets.path_widget:PathWidget",
+    nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
+    frames="robowidgets.player._frames:PathFrames",
+)
+"""No kind of its own: odometry says how fast the robot is, and also where, so its topics have two widgets."""
 SPEED = Kind(
     name="speed",
     sample_name="speed",
@@ -142,6 +156,7 @@ SPEED = Kind(
     commands=True,
     # No topic says how fast its robot may be.
     options={"linear_limits": None, "angular_limits": None},
+    also=(PATH,),
 )
 TOUCH = Kind(
     name="touch",

@@ -61,8 +61,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     @property
     def widgets(self) -> dict[str, Any]:
-        """The widgets on show, by topic."""
-        return {choice.topic: widget for choice, widget in self._shown.items()}
+        """The widgets on show, by topic; of a topic with two the first."""
+        firsts: dict[str, Any] = {}
+        for choice, widget in self._shown.items():
+            firsts.setdefault(choice.topic, widget)
+        return firsts
 
     def close(self) -> None:
         """Remove it from the page; doing it again does nothing."""

@@ -3,8 +3,9 @@
 rclpy, rospy and rosbags objects, rosbridge dictionaries and plain mappings all work. Nothing of ROS is imported.
 """
 
+from .pose import to_pose
 from .scan import ScanReader, to_scan
 from .speed import to_speed
 from .touch import to_touch
 
-__all__ = ["ScanReader", "to_scan", "to_speed", "to_touch"]
+__all__ = ["ScanReader", "to_pose", "to_scan", "to_speed", "to_touch"]

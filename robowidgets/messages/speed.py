@@ -6,10 +6,11 @@ from typing import Any
 
 from ..samples import Speed
 from .fields import describe, frame_id, get, has, stamp_ns, unwrap
+from .pose import pose_of
 
 
 def to_speed(message: Any) -> Speed:
-    """The velocity in a Twist, TwistStamped, TwistWithCovariance(Stamped) or Odometry-like message.
+    """The velocity in a Twist, TwistStamped, TwistWithCovariance(Stamped) or Odometry-like message, with its pose.
 
     Args:
         message: an object or dictionary of one of these shapes; a `Speed` is returned as it is.
@@ -29,7 +30,8 @@ def to_speed(message: Any) -> Speed:
             f"with linear and angular; got {describe(message)}"
         )
     linear, angular = (_vector(name, get(twist, name)) for name in ("linear", "angular"))
-    return Speed(linear, angular, stamp_ns(message), str(get(message, "child_frame_id", "") or frame_id(message)))
+    frame = str(get(message, "child_frame_id", "") or frame_id(message))
+    return Speed(linear, angular, stamp_ns(message), frame, pose_of(message))
 
 
 def _vector(name: str, value: Any) -> tuple[float, float, float]:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from math import nan
 from typing import Any, Protocol
 
 import numpy as np
 
+from .._core.progress import without_bars
 from .._core.robot_widget import FRAME_HEADER
 from .._core.timed_frame import TimedFrame, table_of
 from .._widget_choice import WidgetChoice
+from ..path_widget import PathPoint, PathWidget
+from ..poses.path import Path
 from ..recordings import RecordingData
 from ..recordings.topics import Moment
-from ..samples import Touch
+from ..samples import Pose, Touch
 from ..speed_widget import Reading, SpeedWidget
 from ..touch_widget import TouchWidget, about_touch, pack_states
 from ._touch_history import TouchHistory
@@ -23,6 +27,9 @@ TICK = 0.1
 
 BEFORE = -1.0
 """The ``seconds`` of a frame that shows that nothing was measured yet."""
+
+LONGEST_PATH = 2.0
+"""Seconds for which the path of a recording is read before it is shown."""
 
 Seek = Callable[[float], None]
 """Makes a widget show a topic at a time, in seconds from the start."""
@@ -93,6 +100,19 @@ class SpeedFrames:
         return TimedFrame(seconds, {"frame_id": measured.frame_id}, _header(measured) + self._widget._pack(reading))
 
 
+class PathFrames(SampleFrames):
+    """A `Track` of the poses of odometry, on the path of the whole recording; see `SampleFrames`."""
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: PathWidget) -> None:
+        super().__init__(recording, choice, widget)
+        if not len(widget.points):
+            widget.show_whole(*_path_of(recording, choice.topic))
+
+    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
+        x, y, yaw = sample.pose
+        return super()._frame(seconds, PathPoint(seconds, x, y, yaw, sample.stamp_ns))
+
+
 class TouchFrames:
     """A `Track` of the states of touch sensors, which also change without a message; see `SampleFrames`."""
 
@@ -134,6 +154,19 @@ def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
     return abouts, b"".join([np.float64(len(frames)).tobytes(), rows.tobytes(), *(timed.frame for timed in frames)])
 
 
+def _path_of(recording: RecordingData, topic: str) -> tuple[Path, str]:
+    """The path of a topic of odometry, and a line that says where it ends early, because reading it took long."""
+    path, began = Path(), time.monotonic()
+    start_ns = recording.start_ns or 0
+    with without_bars():
+        for chunk in recording.speeds(topic).chunks():
+            for time_ns, pose in zip(chunk.times_ns.tolist(), chunk.poses.tolist(), strict=True):
+                path.add((time_ns - start_ns) / 1e9, Pose(*pose))
+            if time.monotonic() - began > LONGEST_PATH:
+                return path, f"the path ends at {path.points[-1, 0]:.0f} s: reading all of it takes long"
+    return path, ""
+
+
 def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], nothing: Any) -> Seek:
     """A function that shows the last sample of a topic at a time, unless that sample was shown last."""
     before: list[int | None] = [-1]
@@ -143,7 +176,7 @@ def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], n
         time_ns = moment.time_ns if moment else None
         if time_ns != before[0]:
             before[0] = time_ns
-            show(moment.sample if moment else nothing)
+            show(moment or nothing)
 
     return seek
 

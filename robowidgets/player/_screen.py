@@ -6,18 +6,23 @@ from collections.abc import Sequence
 
 import ipywidgets
 
+UNDER_SCANOGRAM = 2
+"""Small widgets that fit under a scanogram, one beside the other."""
+
 
 def on_one_screen(scanogram: ipywidgets.Widget | None, widgets: Sequence[ipywidgets.Widget]) -> ipywidgets.Box:
     """The widgets in two columns that share the height of the window.
 
-    Left the scanogram with the small widgets below it, right the ``wide`` widgets. Without a scanogram the wide widgets
-    stand left. On a narrow page the columns stand one above the other, the wide widgets first.
+    Left the scanogram with two small widgets below it, right the ``wide`` widgets; the other small ones share the width
+    below. Without a scanogram the wide widgets stand left, and all small ones right. On a narrow page the columns stand
+    one above the other, the wide widgets first.
     """
     wide = [widget for widget in widgets if widget.wide]
-    small = _box("rw-smalls", *(widget for widget in widgets if not widget.wide))
+    small = [widget for widget in widgets if not widget.wide]
     if scanogram is None:
-        return _box("rw-screen", *_box("rw-wides", *wide), *small)[0]
-    return _box("rw-screen", *_box("rw-whole", scanogram, *small), *_box("rw-wides", *wide))[0]
+        return _box("rw-screen", *_box("rw-wides", *wide), *_box("rw-smalls", *small))[0]
+    left = _box("rw-whole", scanogram, *_box("rw-smalls", *small[:UNDER_SCANOGRAM]))
+    return _box("rw-screen", *left, *_box("rw-wides", *wide), *_box("rw-below", *small[UNDER_SCANOGRAM:]))[0]
 
 
 def _box(name: str, *children: ipywidgets.Widget) -> list[ipywidgets.Box]:

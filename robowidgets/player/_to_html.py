@@ -224,7 +224,7 @@ def _heading(player: Player, recording: RecordingData, wanted: Wanted, span: tup
     name, duration = recording.path.name, recording.duration
     stretch = f"{duration:.2f} s" if end - start == duration else f"{start:.2f} to {end:.2f} s of {duration:.2f} s"
     start_ns = recording.start_ns or 0
-    topics = [topic for view in player.views for topic in view.choice.topics]
+    topics = list(dict.fromkeys(topic for view in player.views for topic in view.choice.topics))
     facts = [
         *([name] if wanted.title else []),
         stretch,

@@ -5,6 +5,7 @@ counter-clockwise). It knows neither ROS nor a page.
 """
 
 from ._age import HasAge
+from .pose import Pose, yaw_of
 from .problem import Problem
 from .scan import Ray, Scan
 from .sector import Sector
@@ -15,6 +16,7 @@ from .validity import Validity
 __all__ = [
     "AXES",
     "HasAge",
+    "Pose",
     "Problem",
     "Ray",
     "Scan",
@@ -24,4 +26,5 @@ __all__ = [
     "TouchMode",
     "TouchState",
     "Validity",
+    "yaw_of",
 ]

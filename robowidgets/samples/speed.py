@@ -8,6 +8,7 @@ from typing import Any
 
 from ._age import HasAge
 from .checks import number
+from .pose import Pose
 
 AXES = ("linear.x", "linear.y", "linear.z", "angular.x", "angular.y", "angular.z")
 
@@ -21,12 +22,13 @@ class Speed(HasAge):
         angular: about x (roll), y (pitch) and z (yaw, counter-clockwise), in rad/s. NaN as above.
         stamp_ns: time in nanoseconds since the epoch, or None.
         frame_id: the frame in which the velocity is expressed (``child_frame_id`` of an odometry message).
+        pose: where odometry has the robot: x, y in metres and yaw in radians; None where there is no odometry.
 
     Raises:
         TypeError: something is not a number.
         ValueError: not three values.
 
-    Source: geometry_msgs/Twist, REP-103.
+    Source: geometry_msgs/Twist, nav_msgs/Odometry, REP-103.
 
     Example:
         >>> Speed(linear=(0.5, 0.0, 0.0), angular=(0.0, 0.0, 0.1)).values[5]
@@ -37,6 +39,7 @@ class Speed(HasAge):
     angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stamp_ns: int | None = None
     frame_id: str = ""
+    pose: Pose | None = None
 
     def __post_init__(self) -> None:
         self._arrive()
@@ -52,6 +55,8 @@ class Speed(HasAge):
             object.__setattr__(
                 self, name, tuple(number(f"{name}.{axis}", v) for axis, v in zip("xyz", values, strict=True))
             )
+        if self.pose is not None and not isinstance(self.pose, Pose):
+            raise TypeError(f"pose: expected a Pose or None, got {self.pose!r}")
 
     @property
     def values(self) -> tuple[float, ...]:

@@ -13,8 +13,9 @@ Example:
     (1.0, 541)
 """
 
+from ..samples import Pose
 from .motors import Motors
-from .robot import Pose, Robot
+from .robot import Robot
 from .rooms import room
 from .scanner import Scanner
 from .view import View

@@ -6,12 +6,11 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import cos, hypot, inf, pi, sin
-from typing import NamedTuple
 
 import numpy as np
 
 from .._core.watched import Watched
-from ..samples import Scan, Speed, Touch, TouchMode
+from ..samples import Pose, Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
 from ._contact import PRESSED_WITHIN, contact_angles, pressed, push_out
 from ._models import model_of
@@ -31,14 +30,6 @@ _BEND = 0.02
 """Radians a metre, at most, by which odometry takes a straight way for a bent one."""
 _EXACT = 1e-6
 """Metres that a body may reach into what it touches, by rounding."""
-
-
-class Pose(NamedTuple):
-    """The pose of the robot: metres in the world's frame, yaw in radians, counter-clockwise from x, within +-pi."""
-
-    x: float
-    y: float
-    yaw: float
 
 
 class Robot(Watched):
@@ -254,8 +245,8 @@ class Robot(Watched):
             return self._scan
 
     def speed(self) -> Speed:
-        """The speed that the wheels measure."""
-        return self._as_speed(self._linear, self._angular, self._sideways)
+        """The speed that the wheels measure, with the pose that follows from them."""
+        return self._as_speed(self._linear, self._angular, self._sideways, self._odometry)
 
     def command(self) -> Speed:
         """The speed that `drive` commanded last, even if it is beyond the limits of the motors."""
@@ -269,8 +260,8 @@ class Robot(Watched):
         states = pressed(angles, self.model.bumpers)
         return Touch(states, TouchMode.LEVEL, tuple(states), self._time_ns, "robowidgets.simulator")
 
-    def _as_speed(self, linear: float, angular: float, sideways: float) -> Speed:
-        return Speed((linear, sideways, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link")
+    def _as_speed(self, linear: float, angular: float, sideways: float, pose: Pose | None = None) -> Speed:
+        return Speed((linear, sideways, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link", pose)
 
     def _scan_period_ns(self) -> int:
         return self.scanner.period_ns((self._seed, self._scan_number, 1))

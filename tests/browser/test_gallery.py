@@ -211,6 +211,35 @@ def test_pictures_of_a_room(plain_page: Callable[..., PlainPage], theme: Literal
     shoot(card, f"gallery-room-{theme}")
 
 
+DRIVEN = """
+from robowidgets import PathWidget
+from math import sin
+from robowidgets.simulator import Robot, World
+hall = World.from_text("\\n".join(["#" * 30, *["#" + "." * 28 + "#"] * 18, "#" * 30]))
+robot = Robot(hall, (3.0, 3.0, 0.0), seed=2)
+path = PathWidget(title="/odom")
+path.has_rate = False
+while robot.time < 75:
+    robot.drive(0.5, 0.2 + 0.5 * sin(robot.time / 3.2))
+    robot.step(0.1)
+    path.update(robot.speed(), time=robot.time)
+path
+"""
+
+
+@every_theme
+def test_pictures_of_a_path(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([DRIVEN], scale=2, theme=theme, width=720)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-footer")).to_contain_text("driven")
+    card.locator(".rw-picture").focus()
+    nb.page.keyboard.press("Home")
+    for _ in range(12):
+        nb.page.keyboard.press("PageUp")
+    nb.page.evaluate("document.activeElement.blur()")
+    shoot(card, f"gallery-path-{theme}")
+
+
 LARGEST_PAGE = 2_000_000
 
 

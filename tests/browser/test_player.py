@@ -396,7 +396,7 @@ def test_a_cell_that_runs_again_replaces_its_player(notebook: Open, data: Path) 
 
 BOXES = """() => [...document.querySelectorAll(".rw-recording, .rw-recording .rw-card")].map(element => {
     const { x, y, width, height } = element.getBoundingClientRect();
-    const [, kind] = element.className.match(/rw-(recording|player|scanogram|laser|speed|touch)(?!-)/);
+    const [, kind] = element.className.match(/rw-(recording|player|scanogram|laser|speed|touch|path)(?!-)/);
     return [kind, [x, y, width, height]];
 })"""
 
@@ -421,7 +421,9 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
         for width, height in ((1143, 562), (1300, 562), (900, 562)):
             nb.resize(width, 720)
             at = boxes(nb)
-            assert at["recording"][2:] == [width, height]
+            assert at["laser"][1] + at["laser"][3] - at["recording"][1] == height
+            assert at["recording"][2] == at["path"][2] == width, "the path has the room below for itself"
+            assert at["path"][1] == at["recording"][1] + height + 4
             assert at["player"][3] == 40
             left, right = at["scanogram"], at["laser"]
             assert left[2] / right[2] == pytest.approx(62 / 38, abs=0.01)
@@ -432,7 +434,8 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
                 assert card.evaluate("card => card.scrollWidth <= card.clientWidth + 1")
             shoot(nb.output(1), f"recording-show-{theme}-{width}")
         nb.resize(1500, 900)
-        assert boxes(nb)["recording"][3] == 742, "on a high window it is higher"
+        at = boxes(nb)
+        assert at["path"][1] - at["recording"][1] == 742 + 4, "on a high window it is higher"
         nb.resize(400, 720)
         at = boxes(nb)
         tops = [at[name][1] for name in ("player", "laser", "scanogram", "speed", "touch")]
@@ -470,7 +473,8 @@ def test_four_sensors_stand_whole_in_their_card_on_one_screen(plain_page: Open, 
 def test_pointing_at_the_scanogram_shows_that_moment_everywhere_while_a_cell_runs(notebook: Open) -> None:
     nb = opened(notebook, Path(robowidgets.SAMPLE), "player = recording.show()\nplayer", width=1280, height=720)
     nb.python("import time\nplayer.time = 24.1\nwhile len(player._prefetcher._sent) < 58: time.sleep(0.05)")
-    assert boxes(nb)["recording"][3] == 562
+    at = boxes(nb)
+    assert at["path"][1] - at["recording"][1] == 562 + 4
     shown = nb.output(1)
     nearest, value = shown.locator(".rw-laser .rw-nearest"), shown.locator(".rw-speed [data-axis='0'] .rw-value")
     tile = shown.locator(".rw-tile", has_text="right")

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { fit, toFloor, toPixel } from "../../robowidgets/js/shared/floor.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 import type { Shape } from "../../robowidgets/js/shared/traits.ts";
 import { drawShapes } from "../../robowidgets/js/simulator/draw_shapes.ts";
@@ -8,14 +9,11 @@ import {
   boundsOf,
   draggedTo,
   endsOf,
-  fit,
   handleOf,
   movedBy,
   poseOf,
   type Scene,
   thingAt,
-  toFloor,
-  toPixel,
   toPlace,
   toScene,
   toWalls,

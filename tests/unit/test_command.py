@@ -379,7 +379,7 @@ def test_info_prints_json(capsys):
 def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["export", str(robowidgets.SAMPLE), "--size", "--end", "5"]) == 0
-    assert capsys.readouterr().out == "sample.html: about 0.1 MB\n"
+    assert capsys.readouterr().out == "sample.html: about 0.2 MB\n"
     asked = [
         "export",
         str(robowidgets.SAMPLE),

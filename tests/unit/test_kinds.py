@@ -11,6 +11,7 @@ from robowidgets import kinds
 from robowidgets.kinds import (
     KINDS,
     LASER,
+    PATH,
     SPEED,
     TOUCH,
     counts_every_message,
@@ -108,7 +109,7 @@ def test_every_message_of_a_touch_sensor_counts() -> None:
     assert not counts_every_message("sensor_msgs/msg/Imu")
 
 
-@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", [*KINDS.values(), PATH], ids=lambda kind: kind.name)
 def test_what_a_row_names_is_there(kind: kinds.Kind) -> None:
     for reference in (kind.widget, kind.columns, kind.frames):
         assert isinstance(kinds.load(reference), type)

@@ -46,6 +46,19 @@ def test_a_command_alone_is_shown_as_one() -> None:
     assert [choice.make().bars for choice in choose_widgets(shown[2:])] == ["commanded", "commanded"]
 
 
+def test_odometry_has_a_path_beside_its_speed_and_a_command_has_none() -> None:
+    odometry = "nav_msgs/msg/Odometry"
+    shown = [
+        Topic(name, of, "speed", is_command(name), offered=True, wanted=None)
+        for name, of in (("/odom", odometry), ("/twist", "geometry_msgs/msg/Twist"), ("/odom_cmd", odometry))
+    ]
+    chosen = choose_widgets(shown)
+    assert [(choice.kind.name, choice.topic) for choice in chosen] == [
+        ("speed", "/odom"), ("speed", "/twist"), ("path", "/odom")
+    ]  # fmt: skip
+    assert type(chosen[-1].make()).__name__ == "PathWidget"
+
+
 def test_a_speed_of_a_topic_has_no_limits_until_somebody_sets_them() -> None:
     shown = [Topic("/odom", "", "speed", commanded=False, offered=True, wanted=None)]
     speed = choose_widgets(shown)[0].make()

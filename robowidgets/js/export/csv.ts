@@ -1,4 +1,5 @@
 import { decodeScan } from "../laser/scan.ts";
+import { decodePose } from "../path/path.ts";
 import type { TimedFrame } from "../player/segments.ts";
 import { decodeSpeeds } from "../speed/frame.ts";
 import { decodeTouch } from "../touch/touch.ts";
@@ -11,6 +12,7 @@ type Table = { head: string[]; rows: (string | number)[][] };
 /** By widget, the values of its frames; those of others are not known here. */
 const TABLES: Record<string, (frames: DataView[]) => Table> = {
   laser_widget: toScans,
+  path_widget: toPoses,
   speed_widget: toSpeeds,
   touch_widget: toTouches,
 };
@@ -43,6 +45,11 @@ function toScans(frames: DataView[]): Table {
       return [...numbers, ...padded(ranges), ...(lit ? padded(intensities) : [])];
     }),
   };
+}
+
+function toPoses(frames: DataView[]): Table {
+  const rows = frames.map(decodePose).map(({ x, y, yaw }) => [x, y, yaw].map(toText));
+  return { head: ["x", "y", "yaw"], rows };
 }
 
 function toSpeeds(frames: DataView[]): Table {

@@ -88,13 +88,14 @@ function offerData({ models, name }: PageFacts, player: PageModel, segments: Seg
   for (const [track, id] of targets.entries()) {
     const found = models.find((model) => model.id === id);
     if (!place || !found || !hasTable(found.widget)) continue;
-    const topic = String(found.state.title);
+    // Odometry has a file for its speeds and one for its poses.
+    const topic = `${found.state.title}${found.widget === "path_widget" ? " path" : ""}`;
     const button = make("button", "rw-page-save", `${topic} as CSV`);
     button.type = "button";
     button.addEventListener("click", async () => {
       const frames = [];
       for (const number of segments.numbers) frames.push(...segments.framesOf(await segments.read(number), track));
-      save(`${name}-${topic.split("/").filter(Boolean).join("-")}.csv`, toCsv(found.widget, frames));
+      save(`${name}-${topic.split(/[/ ]/).filter(Boolean).join("-")}.csv`, toCsv(found.widget, frames));
     });
     place.append(button);
   }

@@ -1,18 +1,16 @@
-import { write } from "../shared/canvas.ts";
-import { toShortMetres } from "../shared/format.ts";
-import type { Theme } from "../shared/theme.ts";
-import { ticks } from "../shared/ticks.ts";
 import {
-  endsOf,
+  circle,
+  drawBody,
+  fill,
   floorOf,
-  handleOf,
+  line,
   type Place,
   type Projection,
-  robotRadius,
-  type Scene,
-  type Thing,
+  stroke,
   toPixel,
-} from "./scene.ts";
+} from "../shared/floor.ts";
+import type { Theme } from "../shared/theme.ts";
+import { endsOf, handleOf, robotRadius, type Scene, type Thing } from "./scene.ts";
 
 type Context = CanvasRenderingContext2D;
 
@@ -22,30 +20,6 @@ const DOT = 2.5;
 const FADED = 30;
 /** Metres between two places of a path beyond which the robot was put elsewhere. */
 const JUMP = 1;
-const TURN = 2 * Math.PI;
-/** Corners of the nose: angle from forward, and share of the radius. */
-const NOSE = [
-  [0, 0.7],
-  [2.4, 0.6],
-  [Math.PI, 0.2],
-  [-2.4, 0.6],
-] as const;
-
-/** The floor, and below it the scale. */
-export function drawFloor(context: Context, projection: Projection, theme: Theme): void {
-  const { scale } = projection;
-  const floor = floorOf(projection);
-  context.fillStyle = theme.area;
-  context.fillRect(floor.x, floor.y, floor.width, floor.height);
-  const length = ticks(0, floor.width / scale / 2, 2)[1] ?? 1;
-  const [right, y] = [floor.x + floor.width, floor.y + floor.height + 15];
-  const [west, east] = [right - length * scale, right - 0.5];
-  context.beginPath();
-  for (const x of [west, east]) line(context, { x, y: y - 3 }, { x, y: y + 3 });
-  line(context, { x: west, y }, { x: east, y });
-  stroke(context, theme.muted, 1);
-  write(context, toShortMetres(length), west - 6, y, theme.muted, `11px ${theme.font}`, "right");
-}
 
 /** What the scanner has seen to be free. */
 export function drawFree(context: Context, projection: Projection, { scan }: Scene, theme: Theme): void {
@@ -134,51 +108,22 @@ export function drawRobot(
   const [at, radius] = [toPixel(projection, robot), robotRadius(projection, robot)];
   const isMoved = moved !== null && typeof moved !== "number";
   const handle = handleOf(projection, robot);
-  const toward = (angle: number, distance: number, from = at): Place => ({
-    x: from.x + distance * Math.cos(robot.yaw + angle),
-    y: from.y - distance * Math.sin(robot.yaw + angle),
+  const toward = (distance: number, from = at): Place => ({
+    x: from.x + distance * Math.cos(robot.yaw),
+    y: from.y - distance * Math.sin(robot.yaw),
   });
   const outline = isMoved ? theme.pointer : theme.muted;
   context.beginPath();
-  line(context, toward(0, radius), toward(0, -3, handle));
+  line(context, toward(radius), toward(-3, handle));
   stroke(context, outline, 1.25);
   circle(context, handle, 3);
   fill(context, theme.background);
   stroke(context, outline, 1.25);
-  circle(context, at, radius);
-  fill(context, isMoved ? theme.pointer : theme.ink);
-  stroke(context, theme.background, 1.5);
-  context.beginPath();
-  for (const [angle, share] of NOSE) {
-    const { x, y } = toward(angle, share * radius);
-    context.lineTo(x, y);
-  }
-  fill(context, theme.background);
+  drawBody(context, at, robot.yaw, radius, isMoved ? theme.pointer : theme.ink, theme);
   if (selected === "robot") ring(context, at, radius, theme);
 }
 
 function ring(context: Context, at: Place, radius: number, theme: Theme): void {
   circle(context, at, radius + 3.5);
   stroke(context, theme.pointer, 1.75);
-}
-
-function circle(context: Context, { x, y }: Place, radius: number): void {
-  context.beginPath();
-  context.arc(x, y, radius, 0, TURN);
-}
-
-function line(context: Context, from: Place, to: Place): void {
-  context.moveTo(from.x, from.y);
-  context.lineTo(to.x, to.y);
-}
-
-function stroke(context: Context, color: string, width: number): void {
-  context.strokeStyle = color;
-  context.lineWidth = width;
-  context.stroke();
-}
-
-function fill(context: Context, color: string): void {
-  context.fillStyle = color;
-  context.fill();
 }

@@ -3,10 +3,11 @@ import { overlaps } from "../laser/guides.ts";
 import { type Box, holds } from "../laser/projection.ts";
 import { boxAt, isWithin, LINE, PLACES, widthOf, writeLabel } from "../laser/shape_labels.ts";
 import { type Metres, placesOf } from "../laser/shapes.ts";
+import { floorOf, type Place, type Projection, toPixel } from "../shared/floor.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
 import { clipToFloor } from "./draw.ts";
-import { endOf, floorOf, type Place, type Projection, robotRadius, type Scene, toPixel, toPlace } from "./scene.ts";
+import { endOf, robotRadius, type Scene, toPlace } from "./scene.ts";
 
 /** What programs drew on the newest scan, where it is on the floor; its names stand beside it. */
 export function drawShapes(

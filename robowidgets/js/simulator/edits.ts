@@ -1,5 +1,6 @@
+import type { Pose } from "../shared/floor.ts";
 import { type Model, onMessage } from "../shared/model.ts";
-import { type Pose, type Scene, type Thing, withThing } from "./scene.ts";
+import { type Scene, type Thing, withThing } from "./scene.ts";
 import type { SimulatorTraits } from "./traits.ts";
 
 /** What the page asks of Python. */

@@ -1,18 +1,6 @@
-import type { Box } from "../laser/projection.ts";
 import type { Metres } from "../laser/shapes.ts";
 import { copyOf, Reader, toBytes } from "../shared/bytes.ts";
-import type { Size } from "../shared/canvas.ts";
-
-/** A place in metres in the frame of the floor; in pixels of the picture where it says so. */
-export interface Place {
-  x: number;
-  y: number;
-}
-
-/** A place with a heading, radians counter-clockwise from x. */
-export interface Pose extends Place {
-  yaw: number;
-}
+import { type Bounds, type Place, type Pose, type Projection, toPixel } from "../shared/floor.ts";
 
 export interface Disc extends Place {
   radius: number;
@@ -90,14 +78,6 @@ export function endsOf(scan: Scan): (Place | null)[] {
   });
 }
 
-/** Metres from west to east and from south to north. */
-export interface Bounds {
-  west: number;
-  east: number;
-  south: number;
-  north: number;
-}
-
 /** Metres round the robot that are shown at least, where no wall says how far the floor goes. */
 const OPEN = 3;
 
@@ -120,45 +100,6 @@ export function boundsOf(walls: Float32Array, { robot, obstacles }: Pick<Scene, 
     robot.y + margin <= bounds.north;
   if (!isInside) hold(Math.round(robot.x), Math.round(robot.y), Math.ceil(margin + 0.5));
   return bounds;
-}
-
-/** Pixels beside the floor, and below it for the scale. */
-export const MARGIN = 12;
-export const BELOW = 28;
-
-/** Where metres lie in the picture. */
-export interface Projection {
-  /** Pixels per metre. */
-  scale: number;
-  left: number;
-  top: number;
-  bounds: Bounds;
-}
-
-/** The largest picture of the floor that fits, in the middle. */
-export function fit(bounds: Bounds, { width, height }: Size): Projection {
-  const [wide, high] = [bounds.east - bounds.west, bounds.north - bounds.south];
-  const scale = Math.max(1, Math.min((width - 2 * MARGIN) / wide, (height - MARGIN - BELOW) / high));
-  return {
-    scale,
-    left: (width - wide * scale) / 2,
-    top: MARGIN + (height - MARGIN - BELOW - high * scale) / 2,
-    bounds,
-  };
-}
-
-/** The floor in pixels. */
-export function floorOf({ scale, left, top, bounds }: Projection): Box {
-  const { west, east, north, south } = bounds;
-  return { x: left, y: top, width: (east - west) * scale, height: (north - south) * scale };
-}
-
-export function toPixel({ scale, left, top, bounds }: Projection, { x, y }: Place): Place {
-  return { x: left + (x - bounds.west) * scale, y: top + (bounds.north - y) * scale };
-}
-
-export function toFloor({ scale, left, top, bounds }: Projection, { x, y }: Place): Place {
-  return { x: bounds.west + (x - left) / scale, y: bounds.north - (y - top) / scale };
 }
 
 /** What can be moved: the robot, its heading, or an obstacle by its index. */

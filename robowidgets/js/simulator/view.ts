@@ -2,30 +2,14 @@ import { Layer, type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
+import { BELOW, drawFloor, fit, MARGIN, type Place, type Pose, type Projection, toFloor } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
 import { lacksKernel, type Model, onChange } from "../shared/model.ts";
 import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
-import { drawFloor, drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
+import { drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
 import { drawShapes } from "./draw_shapes.ts";
 import { Edits } from "./edits.ts";
-import {
-  BELOW,
-  boundsOf,
-  draggedTo,
-  fit,
-  MARGIN,
-  movedBy,
-  type Place,
-  type Pose,
-  type Projection,
-  poseOf,
-  type Scene,
-  type Thing,
-  thingAt,
-  toFloor,
-  toScene,
-  toWalls,
-} from "./scene.ts";
+import { boundsOf, draggedTo, movedBy, poseOf, type Scene, type Thing, thingAt, toScene, toWalls } from "./scene.ts";
 import type { SimulatorTraits } from "./traits.ts";
 
 /** Pixels round a thing within which it is grabbed, by mouse or pen and by touch. */

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...messages import to_scan, to_speed
 from ...messages.channel import Channel
 from ...messages.decoding import decoder_of, shape_of
+from ...samples import yaw_of
 from ._template import MessageTemplate, Rows, scan_template, speed_template
 from .chunks import SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
 
@@ -87,8 +88,7 @@ class ScanDecoder(TemplateDecoder):
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> ScanChunk:
         number = np.dtype("<f4")
-        part = template.intensities
-        intensities = template.cut(rows, part, number) if part else np.empty((len(rows), 0), np.float32)
+        intensities = template.cut(rows, template.more, number)
         ranges = template.cut(rows, template.numbers, number)
         return ScanChunk(0, times, template.stamps(rows), ranges, intensities, template.sample)
 
@@ -101,8 +101,11 @@ class SpeedDecoder(TemplateDecoder):
         return speed_template(raw, speed, self.shape, self.encoding), single_speed(speed, time_ns)
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> SpeedChunk:
-        values = template.cut(rows, template.numbers, np.dtype("<f8"))
-        return SpeedChunk(0, times, template.stamps(rows), values, template.sample.frame_id)
+        values, poses = (template.cut(rows, part, np.dtype("<f8")) for part in (template.numbers, template.more))
+        if template.more:
+            x, y, _, *quaternion = poses.T
+            poses = np.stack([x, y, yaw_of(*quaternion)], axis=1)
+        return SpeedChunk(0, times, template.stamps(rows), values, poses, template.sample.frame_id)
 
 
 class SampleDecoder:

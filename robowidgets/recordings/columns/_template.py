@@ -6,7 +6,7 @@ in times and numbers, its numbers are copied from these offsets. Any other messa
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from struct import Struct
 from typing import Any, NamedTuple
 
@@ -24,6 +24,7 @@ Rows = NDArray[np.uint8]
 _STAMP = np.dtype([("seconds", "<i4"), ("nanoseconds", "<u4")])
 _STAMP_AT, _STAMP_END = 4, 12
 _SIX = Struct("<6d")
+_POSE = [*(f"position.{axis}" for axis in "xyz"), *(f"orientation.{axis}" for axis in "xyzw")]
 _FLOAT = np.dtype("<f4")
 _SETTINGS = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
 # The ranges follow their count; in a LaserScan range_max, range_min and the two times come before it, last to first.
@@ -35,15 +36,16 @@ class MessageTemplate(NamedTuple):
 
     ``size``: bytes of the message. ``fixed``: the offsets of the parts that must be equal, and their bytes. ``times``:
     the offsets of time_increment and scan_time, which may change within the limits of real scanners. ``numbers``: the
-    offsets of the ranges, or of the six numbers of a twist. ``intensities``: the offsets of the intensities, if there
-    are any. ``is_stamped``: whether the message starts with a header. ``sample``: the sample in the message.
+    offsets of the ranges, or of the six numbers of a twist. ``more``: the offsets of the intensities, or of the seven
+    numbers of a pose, if there are any. ``is_stamped``: whether the message starts with a header. ``sample``: the
+    sample in the message.
     """
 
     size: int
     fixed: tuple[tuple[slice, NDArray[np.uint8]], ...]
     times: slice | None
     numbers: slice
-    intensities: slice | None
+    more: slice | None
     is_stamped: bool
     sample: Any
 
@@ -57,9 +59,9 @@ class MessageTemplate(NamedTuple):
             same &= ((times >= 0) & (times <= LONGEST_SCAN)).all(axis=1)
         return len(rows) if same.all() else int(same.argmin())
 
-    def cut(self, rows: Rows, part: slice, kind: np.dtype[Any]) -> NDArray[Any]:
-        """The numbers in one part of all rows, a view."""
-        return rows[:, part].view(kind)
+    def cut(self, rows: Rows, part: slice | None, kind: np.dtype[Any]) -> NDArray[Any]:
+        """The numbers in one part of all rows, a view; without the part, shape (N, 0)."""
+        return rows[:, part].view(kind) if part else np.empty((len(rows), 0), kind)
 
     def stamps(self, rows: Rows) -> NDArray[np.int64]:
         """The stamps of all rows in nanoseconds; 0 where the message has none."""
@@ -89,17 +91,17 @@ def scan_template(raw: bytes, message: Any, scan: Scan, shape: Shape, encoding: 
 
 def speed_template(raw: bytes, speed: Speed, shape: Shape, encoding: str) -> MessageTemplate | None:
     """The template of a Twist or Odometry-like message; None if its numbers have no fixed offsets."""
-    places = _doubles(shape)
-    if places is None:
-        return None
-    before, count = places
+    names = _doubles(shape)
     is_stamped, lead = _is_stamped(shape), _lead(encoding)
-    tail = len(raw) - 8 * count
+    tail = len(raw) - 8 * len(names)
     start = _STAMP_END if is_stamped else lead.stop
-    six = slice(tail + 8 * before, tail + 8 * before + _SIX.size)
-    if tail < start or (lead.stop and (tail - lead.stop) % 8) or raw[six] != _SIX.pack(*speed.values):
+    six = _run(names, "twist", [f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"], tail)
+    pose = _run(names, "pose", _POSE, tail) if speed.pose else None
+    if tail < start or (lead.stop and (tail - lead.stop) % 8) or six is None or (speed.pose and pose is None):
         return None
-    return MessageTemplate(len(raw), _parts(raw, [lead, slice(start, tail)]), None, six, None, is_stamped, speed)
+    if raw[six] != _SIX.pack(*speed.values):
+        return None
+    return MessageTemplate(len(raw), _parts(raw, [lead, slice(start, tail)]), None, six, pose, is_stamped, speed)
 
 
 def _lead(encoding: str) -> slice:
@@ -130,23 +132,25 @@ def _address(array: NDArray[Any]) -> int:
     return int(array.__array_interface__["data"][0])
 
 
-def _doubles(shape: Shape) -> tuple[int, int] | None:
-    """Of the float64 values at the end of a message: the number before the six of its twist, and the number of all."""
+def _doubles(shape: Shape) -> list[str]:
+    """The names of the float64 values at the end of a message, in their order."""
     names: list[str] = []
     for name, kind in reversed(list(_leaves(shape))):
         base, _, count = str(kind).rstrip("]").partition("[")
         if base != "float64" or str(kind).endswith("[]"):
             break
         names[:0] = [name] * int(count or 1)
-    prefix = ""
-    twist: Any = shape
-    while isinstance(twist, Mapping) and "linear" not in twist:
-        prefix, twist = f"{prefix}twist.", twist.get("twist")
-    six = [f"{prefix}{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"]
-    if six[0] not in names:
-        return None
-    before = names.index(six[0])
-    return (before, len(names)) if names[before : before + 6] == six else None
+    return names
+
+
+def _run(names: Sequence[str], part: str, inner: Sequence[str], tail: int) -> slice | None:
+    """The offsets of a part's numbers, ``twist.twist.linear.x`` and so on; None if they do not follow each other."""
+    for prefix in (f"{part}.{part}.", f"{part}.", ""):
+        if f"{prefix}{inner[0]}" in names:
+            before = names.index(f"{prefix}{inner[0]}")
+            is_run = [*names[before : before + len(inner)]] == [f"{prefix}{name}" for name in inner]
+            return slice(tail + 8 * before, tail + 8 * (before + len(inner))) if is_run else None
+    return None
 
 
 def _leaves(shape: Shape, prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...samples import Scan, Speed
+from ...samples import Pose, Scan, Speed
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -112,21 +112,24 @@ class SpeedChunk(Chunk):
 
     Args:
         values: shape (N, 6), float64, in the order of `AXES`: linear in m/s, angular in rad/s.
+        poses: shape (N, 3), float64: x, y in metres and yaw in radians, of odometry; (N, 0) without.
         frame_id: the frame in which they are expressed.
     """
 
     values: NDArray[np.float64]
+    poses: NDArray[np.float64]
     frame_id: str
 
     @property
     def key(self) -> tuple[Any, ...]:
         """See `Chunk`."""
-        return (self.frame_id,)
+        return (self.frame_id, self.poses.shape[1])
 
     def sample(self, i: int) -> Speed:
         """See `Chunk`."""
         x, y, z, roll, pitch, yaw = self.values[i].tolist()
-        return Speed((x, y, z), (roll, pitch, yaw), int(self.stamps_ns[i]) or None, self.frame_id)
+        pose = Pose(*self.poses[i].tolist()) if self.poses.shape[1] else None
+        return Speed((x, y, z), (roll, pitch, yaw), int(self.stamps_ns[i]) or None, self.frame_id, pose)
 
 
 @dataclass(frozen=True)
@@ -193,4 +196,5 @@ def single_scan(scan: Scan, time_ns: int) -> ScanChunk:
 def single_speed(speed: Speed, time_ns: int) -> SpeedChunk:
     """A chunk of one speed."""
     times, stamps = np.array([[time_ns], [speed.stamp_ns or 0]], np.int64)
-    return SpeedChunk(0, times, stamps, np.array([speed.values], np.float64), speed.frame_id)
+    values, poses = (np.array([numbers], np.float64) for numbers in (speed.values, speed.pose or ()))
+    return SpeedChunk(0, times, stamps, values, poses, speed.frame_id)

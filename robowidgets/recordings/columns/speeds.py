@@ -46,6 +46,11 @@ class Speeds(Series[Speed]):
         """About x, y and z (yaw, counter-clockwise), in rad/s, shape (N, 3)."""
         return self.values[:, 3:]
 
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """X and y in metres and yaw in radians by odometry, shape (N, 3); NaN for speeds that came without."""
+        return self._array("poses", 3, np.float64, lambda chunk: chunk.poses if chunk.poses.size else np.nan)
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """Times, and the six numbers by the names in `AXES`."""
         return {**super().columns(), **dict(zip(AXES, self.values.T, strict=True))}

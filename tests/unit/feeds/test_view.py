@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from robowidgets import LaserWidget, SpeedWidget, TouchWidget
+from robowidgets import LaserWidget, PathWidget, Speed, SpeedWidget, TouchWidget
 from robowidgets._widget_choice import choose_widgets
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._feed_view import FeedView
+from robowidgets.samples import Pose
 
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 
@@ -52,15 +53,19 @@ def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
     kinds = {"/scan": LaserWidget, "/odom": SpeedWidget, "/bumper": TouchWidget}
     assert view.widgets.keys() == kinds.keys()
     assert all(isinstance(widget, kinds[name]) for name, widget in view.widgets.items())
-    assert on_page(view) == ["/scan", "/odom", "/bumper"]
+    assert on_page(view) == ["/scan", "/odom", "/bumper", "/odom"]
     assert view.widgets["/odom"].command_title == "/cmd_vel"
     assert words(view) == ""
     script.listener.on_message("/scan", scan(1.5))
-    script.listener.on_message("/odom", twist(0.2))
+    script.listener.on_message("/odom", Speed((0.2, 0, 0), (0, 0, 0), pose=Pose(1.5, 0.0, 0.0)))
     script.listener.on_message("/cmd_vel", twist(0.3))
     assert view.widgets["/scan"].scan.ranges[0] == 1.5
     assert view.widgets["/odom"].speed.linear[0] == 0.2
     assert view.widgets["/odom"].commanded.linear[0] == 0.3
+    path = view.children[2].children[1].children[-1]
+    assert isinstance(path, PathWidget)
+    assert path.pose is not None
+    assert path.pose.x == 1.5
 
 
 def test_topics_that_appear_later_get_a_widget_too(opened: Opened) -> None:
@@ -91,7 +96,7 @@ def test_a_commanded_speed_that_comes_first_joins_the_measured_one(opened: Opene
     view = feed.show()
     assert on_page(view) == ["/cmd_vel"]
     script.listener.on_topics([CMD_VEL, ODOM])
-    assert on_page(view) == ["/odom"]
+    assert on_page(view) == ["/odom", "/odom"]
     script.listener.on_message("/cmd_vel", twist(0.3))
     assert view.widgets["/odom"].commanded.linear[0] == 0.3
 
@@ -99,10 +104,10 @@ def test_a_commanded_speed_that_comes_first_joins_the_measured_one(opened: Opene
 def test_named_topics_get_theirs_when_they_appear_and_others_none(opened: Opened) -> None:
     feed, script = opened(ODOM, IMU)
     view = feed.show("/odom", "/scna", "/imu")
-    assert on_page(view) == ["/odom"]
+    assert on_page(view) == ["/odom", "/odom"]
     assert words(view) == "no such topic /scna; there are /odom, /imu<br>no widget shows /imu, a sensor_msgs/msg/Imu"
     script.listener.on_topics([ODOM, IMU, SCAN, SCAN._replace(name="/scna")])
-    assert on_page(view) == ["/scna", "/odom"]
+    assert on_page(view) == ["/scna", "/odom", "/odom"]
     assert words(view) == "no widget shows /imu, a sensor_msgs/msg/Imu"
 
 
@@ -194,7 +199,7 @@ def test_a_view_that_is_closed_leaves_the_feed_open_and_its_topics_alone(opened:
     view.close()
     view.close()
     assert view.widgets == {}
-    assert script.asked[-2:] == [("unsubscribe", "/odom"), ("unsubscribe", "/cmd_vel")]
+    assert {*script.asked[-2:]} == {("unsubscribe", "/odom"), ("unsubscribe", "/cmd_vel")}
     script.listener.on_message("/scan", scan(2.5))
     assert other.widgets["/scan"].scan.ranges[0] == 2.5
     script.listener.on_topics([SCAN, ODOM, BUMPER])

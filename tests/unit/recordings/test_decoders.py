@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -185,15 +186,32 @@ class TestScans:
 
 
 class TestSpeeds:
-    def odometry(self, x: float, frame: bytes = b"odom\0\0\0\0", child: bytes = b"base\0\0\0\0") -> bytes:
+    def odometry(
+        self,
+        x: float,
+        frame: bytes = b"odom\0\0\0\0",
+        child: bytes = b"base\0\0\0\0",
+        pose: Sequence[float] = (1, 2, 3, 0.1, 0.2, 0.3, 0.9),
+    ) -> bytes:
         head = struct.pack("<iII", 5, 6, len(frame)) + frame + struct.pack("<I", len(child)) + child
         head += bytes(-len(head) % 8)
-        return b"\0\1\0\0" + head + struct.pack("<43d", *range(43)) + struct.pack("<42d", x, *range(41))
+        return b"\0\1\0\0" + head + struct.pack("<43d", *pose, *range(36)) + struct.pack("<42d", x, *range(41))
 
     def test_of_a_robot_are_read_in_full_only_once(self) -> None:
         watched = Watched(ODOMETRY)
         raws = [self.odometry(x) for x in (0.5, -0.25, np.nan)]
         assert [repr(speed) for speed in watched(*raws)] == [repr(watched.slowly(raw)) for raw in raws]
+        assert watched.calls == 1
+
+    def test_the_poses_of_odometry_come_with_them(self) -> None:
+        watched = Watched(ODOMETRY)
+        turned, unset = (4, 5, 0, 0, 0, -3.0, 0), (6, 7, 0, 0, 0, 0, 0)
+        raws = [self.odometry(0.5), *(self.odometry(0.5, pose=pose) for pose in (turned, unset))]
+        first, second, third = (speed.pose for speed in watched(*raws))
+        assert [first, second] == [watched.slowly(raw).pose for raw in raws[:2]]
+        assert second == (4.0, 5.0, pytest.approx(np.pi))
+        assert third.x == 6.0
+        assert np.isnan(third.yaw), "nobody has set the orientation"
         assert watched.calls == 1
 
     def test_of_another_frame_are_read_in_full(self) -> None:

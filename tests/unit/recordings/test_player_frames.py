@@ -50,7 +50,7 @@ def agree(player: Player, seed: int) -> None:
             if isinstance(view.widget, SpeedWidget):
                 was, now = view.widget._unpack(frame), view.widget._unpack(timed.frame)
                 assert repr((was.measured, was.commanded)) == repr((now.measured, now.commanded)), seconds
-            elif view.choice.kind.name == "laser":
+            elif view.choice.kind.name in ("laser", "path"):
                 assert frame[FRAME_HEADER.size :] == timed.frame[FRAME_HEADER.size :], (seconds, view.choice.topic)
             else:
                 states = view.widget.states

@@ -58,6 +58,8 @@ class TestColumns:
         assert (speeds.linear.shape, speeds.angular.shape) == ((100, 3), (100, 3))
         np.testing.assert_allclose(speeds.linear[:, 0], np.arange(100) / 100)
         assert not speeds.angular.any()
+        np.testing.assert_array_equal(speeds.poses, np.zeros((100, 3)))
+        assert np.isnan(drive.speeds("/cmd_vel").poses).all()
 
     def test_a_mask_picks_samples(self, drive: robowidgets.Recording) -> None:
         scans = drive.scans("/scan")

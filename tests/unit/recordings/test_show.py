@@ -66,9 +66,10 @@ def test_each_topic_gets_its_widget_and_a_command_the_bars_of_the_measured_speed
         ("/scan",): "LaserWidget",
         ("/odom", "/cmd_vel"): "SpeedWidget",
         ("/bumper",): "TouchWidget",
+        ("/odom",): "PathWidget",
     }
     assert [(v.widget.title, getattr(v.widget, "command_title", "")) for v in player.views] == [
-        ("/scan", ""), ("/odom", "/cmd_vel"), ("/bumper", "")
+        ("/scan", ""), ("/odom", "/cmd_vel"), ("/bumper", ""), ("/odom", "")
     ]  # fmt: skip
 
 
@@ -214,7 +215,7 @@ def test_a_page_that_has_nothing_gets_the_time_on_show_first(path: Path, monkeyp
         wait_for(lambda: len(sent) >= 6, "the last five seconds came, and the one before")
     segments = [(content, buffers) for content, buffers in sent if "segment" in content]
     assert [content["segment"] for content, _ in segments] == [5, 6, 4, 7, 8, 9, 10][: len(segments)]
-    assert all(len(buffers) == len(content["abouts"]) == 3 for content, buffers in segments)
+    assert all(len(buffers) == len(content["abouts"]) == 4 for content, buffers in segments)
 
 
 def test_a_step_that_the_page_cannot_take_goes_to_the_next_scan_or_the_one_before(
@@ -229,7 +230,7 @@ def test_a_step_that_the_page_cannot_take_goes_to_the_next_scan_or_the_one_befor
 
 
 def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
-    assert player.bar._pauses == [2.0, 2.0, 0.0]
+    assert player.bar._pauses == [2.0, 2.0, 0.0, 2.0]
 
 
 def test_the_first_segments_are_in_the_state_of_the_bar(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:

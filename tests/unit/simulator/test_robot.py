@@ -43,7 +43,7 @@ def test_driving_straight_covers_what_the_acceleration_allows():
     run(robot, 3.0)
     assert robot.pose.x == pytest.approx(1.0)
     assert robot.pose.y - 2.0 == pytest.approx(0.5 * 0.5 * 1.0**2 + 0.5 * 2.0, abs=0.005)
-    assert robot.speed() == Speed((0.5, 0, 0), (0, 0, 0), 3_000_000_000, "base_link")
+    assert robot.speed() == Speed((0.5, 0, 0), (0, 0, 0), 3_000_000_000, "base_link", robot.odometry)
 
 
 def test_turning_is_counter_clockwise_and_yaw_stays_within_half_a_turn():

@@ -1,0 +1,56 @@
+import { circle, drawBody, drawFloor, fill, line, type Projection, scaleOf, stroke, toPixel } from "../shared/floor.ts";
+import type { Theme } from "../shared/theme.ts";
+import { isKnown, type Point, type TimedPose } from "./path.ts";
+
+type Context = CanvasRenderingContext2D;
+
+/** Radius of the robot in pixels: odometry does not say how large it is. */
+const ROBOT = 8;
+/** Radius of the dot where the path begins, and of the ring round a place that is named. */
+const [START, RING] = [3.5, 5.5];
+
+/** The floor with a grid, whose lines lie as far apart as the scale below says. */
+export function drawGrid(context: Context, projection: Projection, theme: Theme): void {
+  drawFloor(context, projection, theme);
+  const { west, east, south, north } = projection.bounds;
+  const step = scaleOf(projection.bounds);
+  context.beginPath();
+  for (let x = Math.ceil(west / step) * step; x < east; x += step)
+    line(context, toPixel(projection, { x, y: south }), toPixel(projection, { x, y: north }));
+  for (let y = Math.ceil(south / step) * step; y < north; y += step)
+    line(context, toPixel(projection, { x: west, y }), toPixel(projection, { x: east, y }));
+  stroke(context, theme.line, 1);
+}
+
+/** The way so far, the rest, the robot, and a ring at the place that is named. */
+export function drawPath(
+  context: Context,
+  projection: Projection,
+  { before, after }: { before: Point[]; after: Point[] },
+  now: TimedPose,
+  named: Point | null,
+  theme: Theme,
+): void {
+  drawLine(context, projection, after, theme.guide, 1.5);
+  drawLine(context, projection, before, theme.ink, 1.75);
+  const start = before[0] ?? after[0];
+  if (start) {
+    circle(context, toPixel(projection, start), START);
+    fill(context, theme.area);
+    stroke(context, theme.ink, 1.25);
+  }
+  if (isKnown(now)) drawBody(context, toPixel(projection, now), now.yaw, ROBOT, theme.ink, theme);
+  if (!named) return;
+  circle(context, toPixel(projection, named), RING);
+  stroke(context, theme.pointer, 2);
+}
+
+function drawLine(context: Context, projection: Projection, points: Point[], color: string, width: number): void {
+  context.beginPath();
+  for (const point of points) {
+    const { x, y } = toPixel(projection, point);
+    context.lineTo(x, y);
+  }
+  context.lineJoin = "round";
+  stroke(context, color, width);
+}

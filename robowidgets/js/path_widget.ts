@@ -1,0 +1,18 @@
+import { decodePose, type PoseFrame } from "./path/path.ts";
+import type { PathTraits } from "./path/traits.ts";
+import { PathView } from "./path/view.ts";
+import type { Initialized, Rendered } from "./shared/model.ts";
+import { Stream } from "./shared/stream.ts";
+
+/** Called once per model, so that its views share one stream. */
+export default () => {
+  let stream: Stream<PoseFrame>;
+  return {
+    initialize({ model, signal }: Initialized<PathTraits>) {
+      stream = new Stream(model, decodePose, signal);
+    },
+    render({ model, el, signal }: Rendered<PathTraits>) {
+      new PathView(model, el, stream, signal);
+    },
+  };
+};

@@ -1,0 +1,203 @@
+"""The path view: where a robot was over time, as a map."""
+
+from __future__ import annotations
+
+import struct
+import time
+from dataclasses import dataclass
+from math import nan
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core.base_widget import bundle, refuse_unnamed
+from ._core.pacer import pacer
+from ._core.robot_widget import FRAME_HEADER, RobotWidget
+from ._core.traits import bytes_trait
+from .messages import to_pose
+from .messages.fields import frame_id, stamp_ns, unwrap
+from .poses.path import Path
+from .samples import HasAge, Pose
+from .samples.checks import finite, to_radians
+
+_FRAME = struct.Struct("<4d")
+"""After the head: time in seconds, x and y in metres, yaw in radians."""
+
+_SPACING = 0.25
+"""Seconds between two paths that are sent, at least. The newest pose is sent with each frame."""
+
+_FIELDS = ("x", "y", "yaw", "time")
+_BY_NAME = "update(x=1.0, y=0.5, yaw=0.2, time=3.0)"
+
+
+@dataclass(frozen=True)
+class PathPoint(HasAge):
+    """A pose of a robot at a time: seconds, x and y in metres, yaw in radians counter-clockwise from x."""
+
+    time: float
+    x: float
+    y: float
+    yaw: float
+    stamp_ns: int | None = None
+    frame_id: str = ""
+
+
+class PathWidget(RobotWidget[PathPoint]):
+    """Where a robot was over time: its path to scale from above, with its pose now.
+
+    The reader sees the way up to the moment on show as a dark line from a hollow dot, the rest of a recording as a
+    faint one, and the robot with its heading; x to the right and y up, in the frame of odometry. Hovering the path, or
+    walking along it with the arrow keys, tells time, pose and way of that place; space freezes. None of it needs the
+    kernel. A message that cannot be shown leaves the last picture and says why above it.
+
+    The whole way is kept in at most 1000 points: they lie 2 cm apart at first, and twice as far each time there are
+    more. Heights are left out.
+
+    Args:
+        title: what is shown, for the header; usually the topic.
+        paused: whether the picture is frozen.
+        history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
+        header, footer: whether they are there.
+
+    Raises:
+        TypeError: an unknown keyword.
+
+    Source: nav_msgs/Odometry, REP-105; Campusano and Fabry, "From Robots to Humans: Visualizations for Robot Sensor
+    Data": x and y over time make more sense as a map.
+
+    Example:
+        >>> path = PathWidget(title="/odom")
+        >>> for i in range(5):
+        ...     path.update(x=0.1 * i, y=0.0, yaw=0.0, time=0.5 * i)
+        >>> path.pose.x, path.points.shape
+        (0.4, (5, 5))
+    """
+
+    _esm, _css = bundle("path_widget")
+    _meant: ClassVar = {"freeze": "paused", "frozen": "paused"}
+    sample_name = "pose"
+
+    _path = bytes_trait(echo_update=False)
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._track = Path()
+        self._began: float | None = None
+        self._note = ""
+        self._is_path_new = False
+        self._path_due = 0.0
+        super().__init__(**kwargs)
+
+    def update(self, message: Any = None, *unnamed: Any, **fields: Any) -> None:
+        """Show a pose in the next animation frame, and add it to the path.
+
+        It only stores, and may be called from any thread at any rate.
+
+        Args:
+            message: a nav_msgs/Odometry or a geometry_msgs/Pose, PoseStamped or PoseWithCovariance(Stamped) of rclpy,
+                rospy or rosbags, a rosbridge dictionary, or a `Speed` that came with odometry.
+            *unnamed: refused, with the call that takes numbers by name.
+            **fields: instead of a message, x and y in metres and yaw in radians or as "20deg". With either, the time in
+                seconds; without it, that of a moment of a recording, else the seconds since the first pose came.
+
+        Raises:
+            TypeError: no such message, or an unknown field. ValueError: a number that is not finite, or a time before
+                the last one. In a callback (another thread; a task, timer or button of a notebook) nothing is raised;
+                widget and log say it.
+        """
+        try:
+            refuse_unnamed("update", unnamed, _BY_NAME)
+            with self._sample_lock:
+                point = self._to_point(message, fields)
+                if not self.driven_by_player:
+                    self._track.add(point.time, Pose(point.x, point.y, point.yaw))
+                    self._is_path_new = True
+                self._show(point, {"frame_id": point.frame_id})
+        except (TypeError, ValueError) as error:
+            self._refuse(error)
+
+    def clear(self) -> None:
+        """Start a new path: the poses so far go, and the next one is the first."""
+        with self._sample_lock:
+            self._track, self._began, self._is_path_new = Path(), None, True
+        pacer.mark(self)
+
+    @property
+    def pose(self) -> PathPoint | None:
+        """The pose on show: the frozen one while paused, else the newest; None before the first."""
+        if self.paused:
+            return self._unpack(self._held) if self._held else None
+        return self._newest
+
+    @property
+    def frozen(self) -> PathPoint | None:
+        """The pose on show while frozen, which may be stepped back to; None while live and before the first."""
+        return self.pose if self.paused else None
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """The path: seconds, x and y in metres, yaw in radians and metres of the way so far, shape (N, 5).
+
+        In the player of a recording it is that of the whole recording.
+        """
+        with self._sample_lock:
+            return self._track.points
+
+    def show_whole(self, path: Path, note: str = "") -> None:
+        """Show all of a recording's path, of which a player then shows one moment; with a note on what is missing."""
+        self._track, self._note = path, note
+        self._path = path.points.tobytes()
+
+    def frame_of(self, sample: PathPoint) -> tuple[dict[str, Any], bytes]:
+        """See `RobotWidget`."""
+        notes = {"notes": [self._note]} if self._note else {}
+        return {"frame_id": sample.frame_id, **notes}, self._pack(sample)
+
+    def _to_point(self, message: Any, fields: dict[str, Any]) -> PathPoint:
+        if unknown := [name for name in fields if name not in _FIELDS]:
+            raise TypeError(f"update() has no field {', '.join(map(repr, unknown))}; it takes a message, or {_BY_NAME}")
+        if message is None:
+            missing = [name for name in "xy" if name not in fields]
+            if missing:
+                raise TypeError(f"update() needs a message, or x and y in metres, as {_BY_NAME}")
+            x, y = (finite(name, fields[name], "metres") for name in "xy")
+            pose = Pose(x, y, to_radians("yaw", fields.get("yaw", nan)))
+        elif given := [name for name in "xy" if name in fields] + ["yaw"] * ("yaw" in fields):
+            raise TypeError(f"update() takes a message or fields, not both; got a message and {', '.join(given)}")
+        else:
+            pose = to_pose(message)
+        now = time.monotonic()
+        self._began = now if self._began is None else self._began
+        seconds = fields.get("time", getattr(message, "seconds", now - self._began))
+        inner = unwrap(message)
+        stamp = getattr(inner, "stamp_ns", None) or stamp_ns(inner)
+        return PathPoint(finite("time", seconds, "seconds"), pose.x, pose.y, pose.yaw, stamp, frame_id(inner))
+
+    def _describe(self) -> str:
+        at = self.pose
+        return f"x {at.x:.2f} m, y {at.y:.2f} m at {at.time:.2f} s" if at else ""
+
+    def _pack(self, sample: PathPoint) -> bytes:
+        return _FRAME.pack(sample.time, sample.x, sample.y, sample.yaw)
+
+    def _unpack(self, frame: bytes) -> PathPoint:
+        _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
+        seconds, x, y, yaw = _FRAME.unpack_from(frame, FRAME_HEADER.size)
+        point = PathPoint(seconds, x, y, yaw, stamp_ns or None, self._frozen_meta.get("frame_id", ""))
+        point._arrive(arrived)
+        return point
+
+    def _bring_up_to_date(self) -> None:
+        """Have the path sent with the newest pose, unless it was sent just now."""
+        super()._bring_up_to_date()
+        with self._sample_lock:
+            if not self._is_path_new:
+                return
+            now = time.monotonic()
+            if now < self._path_due:
+                pacer.mark_at(self, self._path_due)
+                return
+            self._is_path_new, self._path_due = False, now + _SPACING
+            # Without sending it at once, as setting the trait would.
+            self._trait_values["_path"] = self._track.points.tobytes()
+            self._unsent.add("_path")

@@ -1,0 +1,24 @@
+"""Where a robot is on the floor."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Pose(NamedTuple):
+    """A pose on the floor: metres in the frame of a world, yaw in radians, counter-clockwise from x, within +-pi.
+
+    NaN means that there is no value.
+    """
+
+    x: float
+    y: float
+    yaw: float
+
+
+def yaw_of(x: Any, y: Any, z: Any, w: Any) -> Any:
+    """Radians by which quaternions of any length turn on the floor; NaN for those of length 0. Numbers or arrays."""
+    yaw = np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    return np.where(x * x + y * y + z * z + w * w > 0, yaw, np.nan)

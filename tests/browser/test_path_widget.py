@@ -1,0 +1,111 @@
+"""The path of a robot as a map: what is drawn, named and kept while frozen, and the moment of a player."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from .chromium import shoot
+from .plain_page import PlainPage
+
+PATH = """
+from robowidgets import PathWidget
+path = PathWidget(title="/odom")
+def drive(start, stop):
+    for i in range(start, stop):
+        path.update(x=0.1 * i, y=0.0, yaw=0.0, time=0.5 * i)
+        path.send_newest()
+path
+"""
+PLAYER = """
+import robowidgets
+player = robowidgets.open(robowidgets.SAMPLE).show("/odom")
+player.seek(20)
+player
+"""
+
+# Pixels of the floor in the ink of the way so far, and in the gray of the rest.
+COUNT = """(card) => {
+  const canvas = card.querySelector("canvas");
+  const style = getComputedStyle(card);
+  const floor = canvas.height - 30 * devicePixelRatio;
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, floor);
+  return ["ink", "guide"].map((name) => {
+    const hex = style.getPropertyValue(`--rw-${name}`).trim();
+    const rgb = [1, 3, 5].map((i) => Number.parseInt(hex.slice(i, i + 2), 16));
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) if (rgb.every((c, k) => Math.abs(c - data[i + k]) < 36)) count++;
+    return count;
+  });
+}"""
+
+
+def counts(card: Locator) -> list[int]:
+    card.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    found: list[int] = card.evaluate(COUNT)
+    return found
+
+
+@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+def test_a_path_is_drawn_and_names_time_pose_and_way_under_the_pointer_and_by_keys(
+    plain_page: Callable[..., PlainPage], theme: str, scale: int
+) -> None:
+    nb = plain_page([PATH], theme=theme, scale=scale)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-empty")).to_have_text("waiting for a pose")
+    nb.python("drive(0, 21)")
+    expect(card.locator(".rw-footer")).to_contain_text("x 2.00 m, y 0.00 m, 0.0°")
+    expect(card.locator(".rw-footer")).to_contain_text("2.00 m driven · 10.0 s")
+    picture, popup = card.locator(".rw-picture"), card.locator(".rw-popup")
+    for width in (700, 400, 300):
+        nb.resize(width)
+        shoot(card, f"path-{theme}-{width}")
+    nb.resize(700)
+    box = picture.bounding_box()
+    assert box
+    # The path lies in the middle of the floor.
+    nb.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + (12 + box["height"] - 28) / 2 + 10)
+    expect(popup).to_contain_text("x 1.0")
+    expect(popup).to_contain_text("5.0")
+    expect(popup).to_contain_text("before")
+    shoot(card, f"path-{theme}-pointed")
+    nb.page.mouse.move(box["x"] + 5, box["y"] + 5)
+    expect(popup).to_be_hidden()
+    picture.focus()
+    nb.page.keyboard.press("Home")
+    expect(popup).to_contain_text("0.00 s")
+    nb.page.keyboard.press("ArrowRight")
+    expect(popup).to_contain_text("x 0.10 m, y 0.00 m")
+    expect(card.locator(".rw-live")).to_contain_text("driven 0.10 m")
+    nb.page.keyboard.press("Escape")
+    expect(popup).to_be_hidden()
+    ink, _ = counts(card)
+    card.locator(".rw-freeze").click()
+    nb.python("drive(21, 41)")
+    expect(card.locator(".rw-freeze")).to_contain_text("20")
+    expect(card.locator(".rw-footer")).to_contain_text("2.00 m driven")
+    picture.focus()
+    nb.page.keyboard.press("End")
+    expect(popup).to_contain_text("later")
+    shoot(card, f"path-{theme}-frozen")
+    assert counts(card)[0] < 1.2 * ink, "what came since is not in ink"
+    nb.page.keyboard.press("Escape")
+    nb.page.keyboard.press(" ")
+    expect(card.locator(".rw-footer")).to_contain_text("4.00 m driven")
+
+
+def test_a_player_draws_the_way_up_to_its_moment_dark_and_the_rest_faint(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([PLAYER])
+    card = nb.output(0).locator(".rw-path")
+    expect(card.locator(".rw-footer")).to_contain_text("driven · 20.0 s")
+    early = counts(card)
+    nb.python("player.seek(50)")
+    expect(card.locator(".rw-footer")).to_contain_text("driven · 50.0 s")
+    late = counts(card)
+    assert early[0] < late[0], "the dark part grows"
+    assert early[1] > late[1], "the faint part shrinks"
+    shoot(nb.output(0), "path-player")

@@ -1,0 +1,67 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { boundsOf, nearestOn, type Point, splitAt, toPoints } from "../../robowidgets/js/path/path.ts";
+import { describePoint } from "../../robowidgets/js/path/text.ts";
+
+function point(time: number, x: number, y: number, yaw = 0, way = x): Point {
+  return { time, x, y, yaw, way };
+}
+
+const LINE = [point(0, 0, 0), point(1, 1, 0), point(3, 2, 0)];
+
+test("the bytes of a path are its points, also where they begin at an odd place of a buffer", () => {
+  const buffer = new ArrayBuffer(3 + 80);
+  const view = new DataView(buffer, 3);
+  for (const [i, value] of [0, 1, 2, 0.5, 0, 1.5, 4, 5, 0.6, 7].entries()) view.setFloat64(8 * i, value, true);
+  assert.deepEqual(toPoints(view), [point(0, 1, 2, 0.5, 0), point(1.5, 4, 5, 0.6, 7)]);
+  assert.deepEqual(toPoints(new DataView(new ArrayBuffer(0))), []);
+});
+
+test("the way up to a moment ends at the pose of that moment, and the rest begins there", () => {
+  const now = { time: 2, x: 1.5, y: 0, yaw: 0 };
+  const here = { ...now, way: 1.5 };
+  assert.deepEqual(splitAt(LINE, now), { before: [...LINE.slice(0, 2), here], after: [here, ...LINE.slice(2)] });
+  assert.deepEqual(splitAt([], now), { before: [{ ...now, way: 0 }], after: [{ ...now, way: 0 }] });
+});
+
+test("before the first pose all of the way is yet to come", () => {
+  const nowhere = { time: -1, x: NaN, y: NaN, yaw: NaN };
+  assert.deepEqual(splitAt(LINE, nowhere), { before: [], after: LINE });
+});
+
+test("the nearest place of a path may lie between two points, with its time and its way", () => {
+  assert.deepEqual(nearestOn(LINE, { x: 1.25, y: 3 }), point(1.5, 1.25, 0));
+  assert.deepEqual(nearestOn(LINE, { x: -5, y: 1 }), LINE[0]);
+  assert.deepEqual(nearestOn([LINE[1] as Point], { x: 9, y: 9 }), LINE[1]);
+  assert.equal(nearestOn([], { x: 0, y: 0 }), null);
+});
+
+test("between two headings the shorter way round counts", () => {
+  const found = nearestOn([point(0, 0, 0, 3.1), point(1, 2, 0, -3.1)], { x: 1, y: 0 });
+  assert.ok(Math.abs((found?.yaw ?? 0) - Math.PI) < 1e-6);
+});
+
+test("the floor holds the whole path, fills the picture, and keeps still while the robot moves a little", () => {
+  const size = { width: 424, height: 240 };
+  const bounds = boundsOf(LINE, size);
+  assert.ok(bounds.west < 0 && bounds.east > 2 && bounds.south < 0 && bounds.north > 0);
+  const aspect = (bounds.east - bounds.west) / (bounds.north - bounds.south);
+  assert.ok(Math.abs(aspect - 400 / 200) < 1e-9);
+  assert.deepEqual(boundsOf([...LINE, point(4, 2.01, 0)], size), bounds);
+  const alone = boundsOf([point(0, 7, 8)], size);
+  assert.ok(alone.east - alone.west >= 2 && alone.west < 7 && alone.east > 7 && alone.north > 8);
+  assert.ok(boundsOf([], size).west < 0);
+});
+
+test("a place of the path is named with its time, also from the moment on show", () => {
+  const now = { time: 3, x: 2, y: 0, yaw: 0 };
+  assert.deepEqual(describePoint(point(1, 1.5, -0.25, Math.PI / 2, 4), now), {
+    expression: "1.00 s",
+    distance: "x 1.50 m, y \u22120.25 m",
+    details: "heading 90.0°\ndriven 4.00 m",
+    angle: "",
+    side: "2.00 s before",
+  });
+  assert.equal(describePoint(point(3, 0, 0), now).side, "now");
+  assert.equal(describePoint(point(4, 0, 0, NaN), now).details.split("\n")[0], "heading unknown");
+});

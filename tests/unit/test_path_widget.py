@@ -1,0 +1,182 @@
+"""The path of a robot: its poses, thinned, and the widget that shows them."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Sequence
+from math import nan, pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robowidgets import SAMPLE, PathWidget, Speed, open
+from robowidgets.poses import path as _path
+from robowidgets.poses.path import Path
+from robowidgets.samples import Pose
+
+from .waiting import wait_for
+
+
+def pose_stamped(x: float, y: float, z: float, w: float) -> dict[str, object]:
+    where = {"position": {"x": x, "y": y, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": z, "w": w}}
+    return {"header": {"frame_id": "map", "stamp": {"sec": 5, "nanosec": 6}}, "pose": where}
+
+
+class TestPath:
+    def test_its_last_point_moves_until_it_lies_a_step_away_from_the_one_before(self) -> None:
+        path = Path()
+        for i in range(101):
+            path.add(i / 10, Pose(i / 200, 0.0, 0.1))
+        at = path.points
+        assert at[0].tolist() == [0.0, 0.0, 0.0, 0.1, 0.0]
+        assert at[-1].tolist() == [10.0, 0.5, 0.0, 0.1, pytest.approx(0.5)]
+        assert np.diff(at[:-1, 1]).min() >= path.step == 0.02
+        assert 20 <= len(at) <= 26
+
+    def test_standing_still_adds_no_points(self) -> None:
+        path = Path()
+        for i in range(1000):
+            path.add(i, Pose(1.0, 2.0, i * 0.001))
+        assert path.points[:, 0].tolist() == [0.0, 999.0]
+        assert path.points[-1, 3] == 0.999
+
+    def test_a_long_way_is_kept_whole_with_fewer_points_to_the_metre(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(_path, "MOST_POINTS", 100)
+        path = Path()
+        for i in range(5000):
+            path.add(i, Pose(i * 0.02, 0.0, 0.0))
+        at = path.points
+        assert 50 <= len(at) <= 100
+        assert (at[0, 0], at[-1, 0]) == (0, 4999)
+        assert at[-1, 4] == pytest.approx(4999 * 0.02)
+        assert np.diff(at[:, 1]).max() <= 2 * path.step
+
+    def test_a_pose_without_a_place_is_left_out(self) -> None:
+        path = Path()
+        path.add(0.0, Pose(nan, 0.0, 0.0))
+        assert path.points.shape == (0, 5)
+
+
+class TestWidget:
+    def test_it_takes_poses_one_by_one_as_numbers_messages_and_speeds_with_odometry(self) -> None:
+        path = PathWidget(title="/odom")
+        path.update(x=1, y=2.0, yaw="90deg", time=0.5)
+        assert path.pose is not None
+        assert (path.pose.x, path.pose.y, path.pose.yaw, path.pose.time) == (1.0, 2.0, pi / 2, 0.5)
+        path.update(pose_stamped(3.0, 4.0, 1.0, 0.0), time=1.0)
+        assert (path.pose.x, path.pose.yaw, path.pose.frame_id, path.pose.stamp_ns) == (3.0, pi, "map", 5_000_000_006)
+        path.update({"pose": pose_stamped(5.0, 4.0, 0.0, 2.0)}, time=1.5)
+        path.update(Speed(pose=Pose(6.0, 4.0, 0.25)), time=2.0)
+        assert path.points[:, [0, 1]].tolist() == [[0.5, 1.0], [1.0, 3.0], [1.5, 5.0], [2.0, 6.0]]
+        assert repr(path) == "<PathWidget /odom: x 6.00 m, y 4.00 m at 2.00 s>"
+        path.clear()
+        path.update(x=0, y=0, time=0.0)
+        assert path.points.shape == (1, 5)
+        assert np.isnan(path.points[0, 3])
+
+    def test_moments_of_a_recording_bring_their_times_and_others_are_timed_by_their_arrival(self) -> None:
+        path = PathWidget()
+        with open(SAMPLE) as recording:
+            for moment in recording.samples("/odom", end=2.0):
+                path.update(moment)
+        assert path.pose is not None
+        assert path.pose.time == moment.seconds
+        other = PathWidget()
+        other.update(x=0, y=0)
+        other.update(x=1, y=0)
+        times = other.points[:, 0]
+        assert times[0] == 0.0 < times[1] < 10
+
+    @pytest.mark.parametrize(
+        ("message", "fields", "error", "text"),
+        [
+            (Speed(), {}, TypeError, "expected a message like nav_msgs/Odometry, .*; got a speed without odometry"),
+            ({"ranges": [1.0]}, {}, TypeError, "with position and orientation; got a dict with the keys ranges"),
+            (None, {}, TypeError, r"needs a message, or x and y in metres, as update\(x=1.0, y=0.5"),
+            (None, {"x": 1, "y": nan}, ValueError, "y: expected a finite number of metres, got nan"),
+            (None, {"x": 1, "y": 1, "theta": 2}, TypeError, "has no field 'theta'; it takes a message, or update"),
+            (Speed(pose=Pose(0, 0, 0)), {"x": 1}, TypeError, "a message or fields, not both; got a message and x"),
+            (None, {"x": 1, "y": 1, "time": 2.0}, ValueError, r"time: expected 3 s or later, got 2; clear\(\) starts"),
+        ],
+    )
+    def test_what_is_no_pose_is_refused_and_the_path_stays(
+        self, message: object, fields: dict[str, object], error: type[Exception], text: str
+    ) -> None:
+        path = PathWidget()
+        path.update(x=0, y=0, time=3.0)
+        with pytest.raises(error, match=text):
+            path.update(message, **fields)
+        assert len(path.points) == 1
+        with pytest.raises(TypeError, match="takes one message, or numbers by name"):
+            path.update(1.0, 2.0)
+
+    def test_the_path_is_sent_with_the_poses_but_at_most_four_times_a_second(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        path = PathWidget()
+        sent: list[int] = []
+
+        def send(data: dict[str, Any], buffers: Sequence[bytes] = (), **_: object) -> None:
+            names = [name for (name,) in data["buffer_paths"]]
+            sent.extend(len(part) // 40 for name, part in zip(names, buffers, strict=True) if name == "_path")
+
+        monkeypatch.setattr(path.comm, "send", send)
+        began = time.monotonic()
+        for i in range(50):
+            path.update(x=i, y=0.0, time=i)
+            path.send_newest()
+        assert len(sent) <= 1 + (time.monotonic() - began) / 0.25
+        wait_for(lambda: sent[-1:] == [50], "the rest follows")
+        path.close()
+
+    def test_a_frozen_pose_is_the_one_on_show(self) -> None:
+        path = PathWidget()
+        path.update(x=1, y=0, yaw=0.5, time=1.0)
+        path.paused = True
+        path.update(x=2, y=0, time=2.0)
+        assert path.frozen is not None
+        assert (path.frozen.x, path.frozen.yaw, path.frozen.time) == (1.0, 0.5, 1.0)
+
+    def test_in_a_callback_it_says_what_was_wrong(self, caplog: pytest.LogCaptureFixture) -> None:
+        path = PathWidget(title="/odom")
+        with caplog.at_level(logging.ERROR, "robowidgets"):
+            thread = threading.Thread(target=path.update, args=({"ranges": []},))
+            thread.start()
+            thread.join()
+        assert "PathWidget /odom: a message could not be shown: expected a message like nav_msgs" in caplog.text
+
+
+def test_a_player_shows_the_path_of_the_whole_recording_and_the_pose_of_its_moment() -> None:
+    with open(SAMPLE) as recording:
+        player = recording.show(scanogram=False)
+    view = next(view for view in player.views if isinstance(view.widget, PathWidget))
+    path = view.widget
+    player.seek(10.0)
+    assert path.pose is not None
+    assert path.pose.time == pytest.approx(10.0, abs=0.06)
+    assert path.points[-1, 0] == pytest.approx(recording.duration, abs=0.2)
+    frames = list(view.track.frames(5.0, 6.0))
+    assert len(frames) == 21
+    assert np.frombuffer(frames[-1].frame, "<f8")[4:7].tolist() == pytest.approx([frames[-1].seconds, *path_at(5.95)])
+    player.close()
+
+
+def path_at(seconds: float) -> tuple[float, float]:
+    with open(SAMPLE) as recording:
+        moment = recording.at("/odom", seconds)
+        assert moment is not None
+        x, y, _ = moment.sample.pose
+        return x, y
+
+
+def test_reading_a_path_that_takes_long_ends_early_and_a_note_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.player._frames.LONGEST_PATH", -1.0)
+    with open(SAMPLE) as recording:
+        player = recording.show("/odom")
+    view = next(view for view in player.views if isinstance(view.widget, PathWidget))
+    note = next(view.track.frames(0.0, 0.1)).about["notes"]
+    assert note[0].startswith("the path ends at ")
+    player.close()
