@@ -37,7 +37,7 @@ def add_export(parser: argparse.ArgumentParser) -> None:
 
 
 def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
-    """Write the page, and return a line on it. ``warn`` is told what is wrong with the recording, line by line.
+    """Write the page, and return a line on it. ``warn`` gets a line for each problem of the recording.
 
     Raises:
         RecordingError: the recording cannot be read, or has no such topic.

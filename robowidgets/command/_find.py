@@ -150,7 +150,7 @@ def _check_used(arguments: argparse.Namespace) -> None:
 def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
     """The output of ``robowidgets find``, and its exit code: 0 if there are spans, 1 if there are none.
 
-    ``warn`` is told what is wrong with the recording, line by line, as ``robowidgets info`` words it.
+    ``warn`` gets a line for each problem of the recording.
 
     Raises:
         QuestionError: the condition makes no sense.
@@ -229,11 +229,11 @@ def _spans_as_json(spans: Spans) -> str:
 
 
 def _info_as_json(recording: Recording) -> str:
-    told: dict[str, Any] = {
+    facts: dict[str, Any] = {
         "path": str(recording.path),
         "start_ns": recording.start_ns,
         "seconds": recording.duration,
         "topics": [topic._asdict() for topic in recording.topics],
         "problems": list(recording.problems),
     }
-    return json.dumps(told, indent=2)
+    return json.dumps(facts, indent=2)

@@ -24,7 +24,7 @@ def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
         port: to listen on, 0 for any that is free; None for JupyterLab's own choice, the first free one from 8888.
         browser: whether to open the browser.
     """
-    told = [
+    options = [
         f"--ServerApp.root_dir={notebook.parent}",
         f"--LabApp.default_url=/lab/tree/{quote(notebook.name)}",
         f"--LabApp.workspaces_dir={notebook.parent / '.workspaces'}",  # a workspace of its own, without the user's tabs
@@ -32,12 +32,12 @@ def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
         "--Application.log_level=WARN",
     ]
     if port is not None:
-        told += [f"--ServerApp.port={port}", "--ServerApp.port_retries=0"]
+        options += [f"--ServerApp.port={port}", "--ServerApp.port_retries=0"]
     if not browser:
-        told.append("--ServerApp.open_browser=False")
+        options.append("--ServerApp.open_browser=False")
     if hasattr(os, "geteuid") and os.geteuid() == 0:  # as in containers; the address and the token protect it
-        told.append("--ServerApp.allow_root=True")
-    return told
+        options.append("--ServerApp.allow_root=True")
+    return options
 
 
 def run(notebook: Path, port: int | None, browser: bool, say: Callable[[str], None]) -> None:

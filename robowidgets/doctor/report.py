@@ -227,8 +227,8 @@ def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Prob
 
 
 def _as_dict(report: TopicReport) -> dict[str, Any]:
-    told = report._asdict() | {"timing": report.timing._asdict()}
-    return told | {"geometry": report.geometry._asdict() if report.geometry else None}
+    facts = report._asdict() | {"timing": report.timing._asdict()}
+    return facts | {"geometry": report.geometry._asdict() if report.geometry else None}
 
 
 def _cells(report: TopicReport) -> tuple[str, ...]:

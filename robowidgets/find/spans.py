@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any, overload
 
-from .._core.tables import degrees_of, often
+from .._core.tables import as_html, as_text, degrees_of, often
 from ..recordings.columns.tables import library
 from ..recordings.span import Span
 
@@ -72,21 +72,16 @@ class Spans(Sequence[Span]):
         return iter(self._spans)
 
     def __repr__(self) -> str:
-        head, rows = self._table()
-        table = ["  " + "  ".join(cell.rjust(10) for cell in row) for row in (head, *rows)] if rows else []
-        return "\n".join((self._heading(), *table, *self._notes()))
+        return "\n".join((as_text(*self._table()), *self._notes()))
 
     def _repr_html_(self) -> str:
-        head, rows = self._table()
-        body = "".join(_row("td", row) for row in rows)
-        table = f"<table><thead>{_row('th', head)}</thead><tbody>{body}</tbody></table>" if rows else ""
-        notes = "".join(f"<div>{escape(line.strip())}</div>" for line in self._notes())
-        return f"<div><div>{escape(self._heading())}</div>{table}{notes}</div>"
+        return as_html(*self._table()) + "".join(f"<div>{escape(line.strip())}</div>" for line in self._notes())
 
-    def _table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-        """Heads and rows; with columns of what was met and of silent topics if there are any."""
+    def _table(self) -> tuple[str, tuple[str, ...], list[tuple[str, ...]], range, tuple[str, ...]]:
+        """The arguments of `tables.as_text` and `tables.as_html`, for the first spans."""
         heads = self.heads
-        return heads, [tuple(_cell(getattr(span, head), head) for head in heads) for span in self._spans[:_SHOWN]]
+        rows = [tuple(_cell(getattr(span, head), head) for head in heads) for span in self._spans[:_SHOWN]]
+        return self._heading(), heads, rows, range(len(heads)), ()
 
     def _heading(self) -> str:
         if not self._spans:
@@ -108,7 +103,3 @@ def _cell(value: Any, head: str) -> str:
     if head == "angle":
         return degrees_of(value)
     return f"[{value}]" if head == "index" else f"{value:.2f}" + " m" * (head == "nearest")
-
-
-def _row(tag: str, cells: Sequence[str]) -> str:
-    return "<tr>" + "".join(f'<{tag} style="text-align:right">{escape(cell)}</{tag}>' for cell in cells) + "</tr>"

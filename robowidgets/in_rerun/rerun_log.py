@@ -263,7 +263,7 @@ def _points(chunk: ScanChunk) -> NDArray[np.float32]:
     ranges = np.where(
         (chunk.ranges >= chunk.range_min) & (chunk.ranges <= chunk.range_max), chunk.ranges, np.float32(np.nan)
     )
-    angles = chunk.angle_min + np.arange(ranges.shape[1]) * chunk.angle_increment
+    angles = chunk.like.angles
     points = np.zeros((*ranges.shape, 3), np.float32)
     np.multiply(ranges, np.cos(angles), out=points[..., 0], casting="same_kind")
     np.multiply(ranges, np.sin(angles), out=points[..., 1], casting="same_kind")

@@ -188,5 +188,5 @@ class TestFound:
                 (None, None, None)
             }
             bumps = recording.find(conditions.touched() & conditions.nearest_below(0.3))
-            assert "nearest       index       angle" in repr(bumps)
+            assert "nearest  index   angle" in repr(bumps)
             assert f'<td style="text-align:right">[{bumps[0].index}]</td>' in bumps._repr_html_()

@@ -62,8 +62,8 @@ def about_clocks(clocks: Mapping[str, Clock]) -> tuple[str, ...]:
                 break
         else:
             shared.append(([name], clock.silences))
-    told = (f"{name}: {line}" for name, clock in clocks.items() for line in clock.lines)
-    return (*told, *(f"{listed(names)}: {line}" for names, silences in shared for line in _about(silences)))
+    lines = (f"{name}: {line}" for name, clock in clocks.items() for line in clock.lines)
+    return (*lines, *(f"{listed(names)}: {line}" for names, silences in shared for line in _about(silences)))
 
 
 def _about(silences: NDArray[np.float64]) -> tuple[str, ...]:

@@ -137,14 +137,14 @@ def _open_chain(files: Sequence[Path]) -> Chain:
 def _disagreement(metadata: str, source: Source) -> list[str]:
     """A line about metadata that belong to other files, or were written before the last message was."""
     count, start = sum(channel.count for channel in source.channels), source.start_ns
-    told_count, told_start = _COUNT.search(metadata), _START.search(metadata)
-    if told_count and int(told_count[1]) != count:
-        told = f"{many(int(told_count[1]), 'message')}, the files hold {count:,}"
-    elif told_start and start is not None and abs(int(told_start[1]) - start) > _SECOND:
-        told = "another start than the files have"
+    stated_count, stated_start = _COUNT.search(metadata), _START.search(metadata)
+    if stated_count and int(stated_count[1]) != count:
+        stated = f"{many(int(stated_count[1]), 'message')}, the files hold {count:,}"
+    elif stated_start and start is not None and abs(int(stated_start[1]) - start) > _SECOND:
+        stated = "another start than the files have"
     else:
         return []
-    return [f"{_METADATA} tells of {told}: read what they hold"]
+    return [f"{_METADATA} tells of {stated}: read what they hold"]
 
 
 def _metadata(path: Path) -> str | None:

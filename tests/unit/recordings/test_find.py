@@ -336,9 +336,9 @@ class TestSpans:
     def test_are_a_table(self) -> None:
         assert repr(self.FEW).splitlines() == [
             "bump <1>: 2 times, 2.50 s together",
-            "       start         end     seconds",
-            "        1.00        3.00        2.00",
-            "        5.00        5.50        0.50",
+            "  start   end  seconds",
+            "   1.00  3.00     2.00",
+            "   5.00  5.50     0.50",
         ]
         html = self.FEW._repr_html_()
         assert "bump &lt;1&gt;: 2 times" in html

@@ -35,9 +35,9 @@ class TestSilent:
             (29.5, 36, ("/scan",)),
         ]
         assert repr(spans).splitlines()[1:] == [
-            "       start         end     seconds      silent",
-            "        9.50       25.00       15.50  /odom, /scan",
-            "       29.50       36.00        6.50       /scan",
+            "  start    end  seconds        silent",
+            "   9.50  25.00    15.50  /odom, /scan",
+            "  29.50  36.00     6.50         /scan",
         ]
         assert ">/odom, /scan</td>" in spans._repr_html_()
         assert spans.to_pandas()["silent"].tolist() == [("/odom", "/scan"), ("/scan",)]
