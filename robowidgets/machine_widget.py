@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import inf
 from typing import Any
 
 import traitlets
@@ -12,13 +13,19 @@ from ._core.robot_widget import RobotWidget
 from .behaviors.machine import Fired, Machine, MachineStep
 from .behaviors.program import Program, Version
 from .behaviors.programs import Programs
+from .samples.state_span import StateSpan, rows_of
 
 MOST_FIRED = 30
 """Moves that are listed on the page."""
 
+BAND = 30.0
+"""Seconds of states that the page shows as a band."""
+
 
 class MachineWidget(RobotWidget[MachineStep]):
     """The state machine that drives a robot: its states, lit where they are active, its moves, and what fired.
+
+    Below stand the states of the last 30 s as a band.
 
     It shows each machine that drives the robot from now on, and follows its new versions. A click on what fired
     freezes this widget and those that are connected to the robot at that moment.
@@ -121,6 +128,7 @@ class MachineWidget(RobotWidget[MachineStep]):
             "mode": program.mode if is_machine else "ended",
             "version": program.version.number,
             "fired": [_plain(fired, origin) for fired in sample.fired[-MOST_FIRED:]],
+            "states": _rows(sample, origin),
             "error": program.error if is_machine else "",
             "notes": [machine.note] if isinstance(machine, Machine) and machine.note else [],
         }
@@ -134,6 +142,16 @@ class MachineWidget(RobotWidget[MachineStep]):
             "seconds": [(*key, seconds) for key, seconds in sample.seconds.items()],
         }
         return json.dumps(told).encode()
+
+
+def _rows(step: MachineStep, origin: float) -> list[list[tuple[float, float | None, str]]]:
+    """The states of the last seconds as rows, in monotonic time; one that is still active has no end."""
+    left = [span for span in step.left if span.end > step.time - BAND]
+    active = [StateSpan(entered, inf, f"{machine}.{name}") for machine, (name, entered) in step.states.items()]
+    return [
+        [(origin + start, None if end == inf else origin + end, path) for start, end, path in row]
+        for row in rows_of([*left, *active])
+    ]
 
 
 def _plain(fired: Fired, origin: float) -> dict[str, Any]:

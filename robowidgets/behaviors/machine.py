@@ -14,6 +14,7 @@ import numpy as np
 from ..kinds import KINDS
 from ..samples.checks import finite
 from ..samples.scan import Ray
+from ..samples.state_span import StateSpan
 from ..samples.verdict import Trace, Verdict
 from ._outline import DONE, Move, Node, Outline, described, outline_of
 from ._parameters import asked_by
@@ -26,7 +27,7 @@ ROUNDS = 20
 """Moves at once in one step, after which they are taken to go round for ever."""
 
 KEPT = 100
-"""Moves that are kept in `Machine.fired`."""
+"""Moves that are kept in `Machine.fired`, and spans of states beside them."""
 
 SINCE = "since"
 
@@ -68,6 +69,7 @@ class MachineStep(NamedTuple):
 
     ``states`` has, by path of a machine, its active state and the time at which it was entered. ``judged`` has what
     the events said in this step, by path and name, and ``seconds`` what time-outs last, by path and their text.
+    ``left`` has the last states that were left, the first to be left first.
     """
 
     time: float = 0.0
@@ -75,6 +77,7 @@ class MachineStep(NamedTuple):
     judged: Mapping[tuple[str, str], Judged] = {}
     seconds: Mapping[tuple[str, str], float] = {}
     fired: tuple[Fired, ...] = ()
+    left: tuple[StateSpan, ...] = ()
 
 
 class Machine:
@@ -118,6 +121,7 @@ class Machine:
         self.name, self.cls = cls.__name__, cls
         self.root = outline_of(cls)
         self.fired: deque[Fired] = deque(maxlen=KEPT)
+        self._left: deque[StateSpan] = deque(maxlen=KEPT)
         self.last_step = MachineStep()
         self.note = ""
         self.current: Callable[..., Any] = self.__call__
@@ -158,17 +162,21 @@ class Machine:
         if self._before is not None:
             before, self._before = self._before, None
             self._states, self.fired, self._is_new = dict(before._states), before.fired, before._is_new
+            self._left = before._left
         if not self._is_whole:
             if self._is_new:
                 self._act(self.root, "entry", now)
             self._resume(self.root, now)
+            self._forget_gone(now)
         self._is_whole = self._is_new = False
         self._step(self.root, now)
         self._act(self.root, "running", 0.0)
         for node, entered in list(self._active_nodes(self.root)):
             self._act(node, "running", now - entered)
         self._is_whole = True
-        self.last_step = MachineStep(now, dict(self._states), self._judged, self._seconds, tuple(self.fired))
+        self.last_step = MachineStep(
+            now, dict(self._states), self._judged, self._seconds, tuple(self.fired), tuple(self._left)
+        )
         return self._drive
 
     # -- within --------------------------------------------------------------------------------------------------------
@@ -189,10 +197,21 @@ class Machine:
                 if known is not None:
                     self.note = f"the state {known[0]} is gone: {machine.initial} takes over"
                     log.warning("program %s: %s", self.name, self.note)
+                    self._note_left(machine.path, now)
                 self._enter(machine, machine.initial, now)
                 self._settle(machine, now)
             else:
                 self._resume(machine.states[known[0]], now)
+
+    def _forget_gone(self, now: float) -> None:
+        """Forget the states of machines that are gone."""
+        nodes = (self.root, *(node for node, _ in self._active_nodes(self.root)))
+        for path in self._states.keys() - {machine.path for node in nodes for machine in node.machines}:
+            self._note_left(path, now)
+
+    def _note_left(self, path: str, now: float) -> None:
+        name, entered = self._states.pop(path)
+        self._left.append(StateSpan(entered, now, f"{path}.{name}"))
 
     def _step(self, node: Node, now: float) -> None:
         for machine in node.machines:
@@ -277,7 +296,7 @@ class Machine:
         for inner in node.machines:
             self._leave(inner, now)
         self._act(node, "exit", now - entered)
-        del self._states[machine.path]
+        self._note_left(machine.path, now)
 
     def _act(self, node: Node, action: str, since: float) -> None:
         function = node.actions.get(action)

@@ -29,8 +29,8 @@ from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
 from ..player_widget import PlayerWidget
 from ..recordings import RecordingData
-from ..recordings.program_log import rows_of
 from ..recordings.times import has_date
+from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ._frames import Track
 from ._overview import whole_drive

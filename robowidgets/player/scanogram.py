@@ -17,10 +17,10 @@ from ..recordings.columns.chunks import ScanChunk
 from ..recordings.columns.scans import Scans as ScanSeries
 from ..recordings.columns.speeds import Speeds
 from ..recordings.columns.touches import Touches
-from ..recordings.program_log import rows_of
 from ..recordings.topics import Topic
 from ..repair import RecordingError
 from ..samples import Scan, TouchState
+from ..samples.state_span import rows_of
 from ..scanogram.by_angle import keeps_indices, on_rays, rays_at
 from ..scanogram.levels import BUDGET
 from ..scanogram.scans import Scans, ScansInMemory, Sweep, cut

@@ -13,6 +13,7 @@ from .._core.tables import as_html, as_text
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..repair import RecordingError
 from ..samples import Problem
+from ..samples.state_span import StateSpan
 from ._info import heading, table
 from ._sample_reader import Messages
 from .columns._clock_problems import Clock, about_clocks, clock_of
@@ -22,7 +23,7 @@ from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .files import open_source
-from .program_log import PROGRAM, STATES, ProgramVersion, StateSpan, spans_of, version_of
+from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
 from .time_slice import TimeSlice
 from .times import seconds_at, to_ns
 from .topics import Moment, Topic, UnknownTopicError, check, named, only, shown

@@ -7,18 +7,15 @@ machine on a topic of its own, which tools that show changes of text over time s
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from collections.abc import Iterable
-from itertools import pairwise
 from typing import NamedTuple
+
+from ..samples.state_span import StateSpan
 
 TEXT = "std_msgs/msg/String"
 PROGRAM = "/robowidgets/program"
 STATES = "/robowidgets/states/"
 """With the path of a machine, such as ``Walker/avoid``; an empty text says that the machine is not active."""
-
-MOST_ROWS = 3
-"""Rows of a band of states."""
 
 _HEAD = re.compile(r"# (.*), version (\d+)\n")
 
@@ -30,27 +27,6 @@ class ProgramVersion(NamedTuple):
     name: str
     number: int
     text: str
-
-
-class StateSpan(NamedTuple):
-    """A span in which a state was active, in seconds from the start of the recording.
-
-    ``path`` names machines and states from the outermost on, such as ``Walker.avoid.turn``.
-    """
-
-    start: float
-    end: float
-    path: str
-
-    @property
-    def machine(self) -> str:
-        """The machine that the state belongs to."""
-        return self.path.rpartition(".")[0]
-
-    @property
-    def name(self) -> str:
-        """The name of the state alone."""
-        return self.path.rpartition(".")[2]
 
 
 def program_text(name: str, number: int, text: str) -> str:
@@ -89,19 +65,3 @@ def spans_of(said: Iterable[tuple[str, float, str]], end: float) -> tuple[StateS
     for machine in list(active):
         close(machine, end)
     return tuple(sorted(spans))
-
-
-def rows_of(spans: Iterable[StateSpan]) -> list[list[StateSpan]]:
-    """The spans as rows in which none overlap: outer machines first, nested ones below, at most `MOST_ROWS` rows."""
-    by_machine: defaultdict[str, list[StateSpan]] = defaultdict(list)
-    for span in spans:
-        by_machine[span.machine].append(span)
-    depths = {machine: sum(machine.startswith(f"{outer}.") for outer in by_machine) for machine in by_machine}
-    rows: list[list[StateSpan]] = [[] for _ in range(MOST_ROWS)]
-    for machine in sorted(depths, key=lambda machine: depths[machine]):
-        for number, row in enumerate(rows[depths[machine] :], depths[machine]):
-            both = sorted([*row, *by_machine[machine]])
-            if all(before.end <= after.start for before, after in pairwise(both)):
-                rows[number] = both
-                break
-    return [row for row in rows if row]

@@ -115,6 +115,21 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
     widget.locator(".rw-freeze").click()
     expect(laser.locator(".rw-freeze")).to_have_attribute("aria-pressed", "false")
 
+    # A moment ago, in the band of states: turn has been active since.
+    band = widget.locator(".rw-states")
+    expect(widget.locator(".rw-machine-band-foot")).to_have_text("\u221230 snow")
+    with nb._kernel:
+        box = band.bounding_box()
+        assert box
+        place = {"x": box["width"] - 3, "y": box["height"] - 4}
+        band.hover(position=place)
+        expect(band).to_have_attribute("title", "Walker \u203a avoid \u203a turn")
+        band.click(position=place)
+        for card in (laser, widget):
+            expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
+        expect(widget.locator(".rw-machine-band-foot")).to_have_text("\u221230 sfrozen")
+    widget.locator(".rw-freeze").click()
+
     nb.run(nb.append(SPIN))
     expect(widget.locator(".rw-facts")).to_have_text("v2 ·\u00a0avoid \u203a turn")
     expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")

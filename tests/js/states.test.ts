@@ -69,15 +69,18 @@ test("a name too long for its span is cut, and left out where two letters would 
 test("each state has a gray of its own and keeps it, and what is not in view is not drawn", () => {
   globalThis.matchMedia = () => ({ matches: false }) as MediaQueryList;
   const { context, filled, written } = sheet();
-  drawStates(context, { span: [3, 10], left: 10, width: 700 }, 0, OUTER, THEME);
+  const tones = new Map();
+  drawStates(context, { span: [3, 10], left: 10, width: 700 }, 0, OUTER, tones, THEME);
   assert.deepEqual(filled, [
     ["#e6eaee", 10, 99],
     ["#c9d1da", 110, 299],
     ["#e6eaee", 410, 299],
   ]);
   assert.deepEqual(written, ["forward", "avoid", "forward"]);
-  drawStates(context, { span: [8, 10], left: 10, width: 700 }, 0, OUTER, THEME);
-  assert.equal(filled.length, 4);
+  drawStates(context, { span: [5, 6], left: 10, width: 700 }, 0, OUTER.slice(1), tones, THEME);
+  assert.deepEqual(filled.slice(3), [["#c9d1da", 10, 699]]);
+  drawStates(context, { span: [4, 7], left: 10, width: 700 }, 0, INNER, tones, THEME);
+  assert.equal(filled[4]?.[0], "#e6eaee", "the first state of another machine");
 });
 
 test("rows of states stand at the foot of the picture, one below the other, and the scans give way", () => {

@@ -92,6 +92,9 @@ def test_it_tells_states_events_times_and_what_fired(script: Scripted, robot: Fe
     wait_for(lambda: step(page)["judged"] == judged, "another event is judged")
     assert step(page)["seconds"] == [["Walker.avoid", "pause", 0.2]]
     assert {*page.threads} == {"robowidgets-pacer"}
+    outer, inner = page.state["_about"]["states"]
+    assert [(end is None, path) for _, end, path in outer] == [(False, "Walker.forward"), (True, "Walker.avoid")]
+    assert outer[0][1] == outer[1][0] == inner[0][0] == fired["at"]
     program.pause()
     wait_for(lambda: page.state["_about"]["mode"] == "paused", "the pause is told")
 

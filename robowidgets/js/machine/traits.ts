@@ -1,4 +1,5 @@
 import type { About, SampleTraits } from "../shared/traits.ts";
+import type { Rows } from "./band.ts";
 
 export interface MachineTraits extends SampleTraits {
   _outline: VersionOutline;
@@ -42,6 +43,7 @@ export interface MachineAbout extends About {
   version?: number;
   /** The last moves that were made, oldest first. */
   fired?: Fired[];
+  states?: Rows;
 }
 
 /** A move that was made. */

@@ -6,12 +6,13 @@ import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
+import { MachineBand } from "./band.ts";
 import { Entries } from "./entries.ts";
 import { place } from "./layout.ts";
 import type { Outlines } from "./outlines.ts";
 import { Picture } from "./picture.ts";
 import { activeText, isActive, type Step } from "./step.ts";
-import type { Fired, MachineAbout, MachineOutline, MachineTraits, StateOutline } from "./traits.ts";
+import type { MachineAbout, MachineOutline, MachineTraits, StateOutline } from "./traits.ts";
 
 const PADDING = 12;
 /** Of what fired, where there is room for it beside the picture. */
@@ -26,6 +27,7 @@ export class MachineView {
   readonly #card: SampleCard;
   readonly #picture = new Picture();
   readonly #entries: Entries;
+  readonly #band: MachineBand;
   readonly #empty = make("div", "rw-empty");
   readonly #time = make("b", "");
   readonly #rate = make("span", "");
@@ -48,9 +50,10 @@ export class MachineView {
     this.#outlines = outlines;
     const redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#card = new SampleCard(element, "machine", model, stream, redraw, signal);
-    this.#entries = new Entries((fired) => this.#show(fired), signal);
+    this.#entries = new Entries(({ at }) => this.#show(at), signal);
+    this.#band = new MachineBand((time) => this.#show(time), redraw, signal);
     this.#card.picture.append(this.#picture.root, this.#empty);
-    this.#card.picture.after(this.#entries.root);
+    this.#card.picture.after(this.#entries.root, this.#band.root);
     const pace = make("span", "");
     pace.append(this.#time, " \u00b7 ", this.#rate);
     this.#card.footer.append(pace);
@@ -68,7 +71,7 @@ export class MachineView {
   #draw(): void {
     if (this.#width === 0) return;
     const step = this.#stream.shown;
-    const { mode = "running", version, fired = [] } = this.#stream.about as MachineAbout;
+    const { mode = "running", version, fired = [], states = [] } = this.#stream.about as MachineAbout;
     const { key = "", machines = [] } = this.#outlines.of(step?.key);
     this.#active = step && mode !== "ended" ? activeText(machines, step) : "";
     this.#card.update([version ? `v${version}` : "", mode === "running" ? "" : mode, this.#active], "step", false);
@@ -81,6 +84,9 @@ export class MachineView {
     setText(this.#time, step ? `${toFixed(step.time, 2)} s` : "");
     const { rate } = this.#stream;
     setText(this.#rate, mode === "running" && rate ? `${toFixed(rate, 1)} Hz` : mode);
+    const { paused } = this.#stream;
+    const end = paused ? "frozen" : mode === "running" ? "now" : mode;
+    this.#band.update(step ? states : [], step?.arrived ?? 0, paused, end, this.#width, this.#card.theme);
     if (!step) return;
     this.#place(key, machines, step);
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -110,8 +116,8 @@ export class MachineView {
     this.#card.root.classList.toggle("rw-machine-wide", placed.width <= room - LIST_WIDTH);
   }
 
-  #show(fired: Fired): void {
-    if (!this.#stream.freezeAt(fired.at)) this.#card.say(["this moment is not kept any more"]);
+  #show(time: number): void {
+    if (!this.#stream.freezeAt(time)) this.#card.say(["this moment is not kept any more"]);
   }
 
   #say(): void {

@@ -1,3 +1,4 @@
+import { StateBand } from "../scanogram/state_band.ts";
 import { statesAt, toWords } from "../scanogram/states.ts";
 import { make, makeButton, makeIcon, mount, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
@@ -9,7 +10,6 @@ import { applyTheme, type Theme, watchTheme } from "../shared/theme.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import { MarkList } from "./mark_list.ts";
 import type { Playback } from "./playback.ts";
-import { StateBand } from "./state_band.ts";
 import type { PlayerTraits } from "./traits.ts";
 
 const PLAY = "M3 1.2l7 4.8-7 4.8z";
@@ -63,8 +63,9 @@ export class PlayerBar {
     this.#moment.append(this.#time, this.#duration, this.#clock);
     const track = make("div", "rw-play-line");
     const draw = perAnimationFrame(() => this.#draw(), signal);
-    const point = (time: number | null) => playback.point(time);
-    this.#states = new StateBand((time) => playback.seek(time), point, draw, signal);
+    const onPick = (time: number) => playback.seek(time);
+    const onPoint = (time: number | null) => playback.point(time);
+    this.#states = new StateBand("rw-play-states", 0, { onPick, onPoint }, draw, signal);
     track.append(this.#marks, this.#slider, this.#words, this.#states.root);
     const toMark = (direction: -1 | 1) => () => playback.toMark(direction);
     this.#list = new MarkList((time) => playback.seek(time), signal);

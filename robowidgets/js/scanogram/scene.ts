@@ -9,7 +9,7 @@ import { fitColors, toRaster } from "./paint.ts";
 import { toPalette } from "./palette.ts";
 import { type Rows, toRows } from "./rows.ts";
 import type { State } from "./state.ts";
-import { cutName, drawActive, drawStates, machineOf, nameOf, type StateSpan, statesAt } from "./states.ts";
+import { cutName, drawActive, drawStates, machineOf, nameOf, type StateSpan, statesAt, type Tones } from "./states.ts";
 import type { Span } from "./traits.ts";
 
 const NO_ROWS: Rows = { rayOf: [], angles: [], rowOf: [], byAngle: false };
@@ -33,6 +33,7 @@ export class Scene {
   #size: Surface = { width: 0, height: 0, ratio: 1 };
   #whole: Whole | null = null;
   #states: StateSpan[][] = [];
+  readonly #tones: Tones = new Map();
   #palette: { key: string; colors: Uint32Array } | null = null;
 
   constructor(parent: HTMLElement) {
@@ -89,7 +90,7 @@ export class Scene {
     }
     for (const [band, row] of this.#stateRows()) {
       drawLabel(context, band, layout.left, cutName(context, machineOf(row), layout.left - 12, theme), theme);
-      drawStates(context, axis, band.top, row, theme);
+      drawStates(context, axis, band.top, row, this.#tones, theme);
     }
   }
 

@@ -44,20 +44,26 @@ export function statesAt(rows: StateSpan[][], time: number): StateSpan[] {
   return rows.map((row) => stateAt(row, time)).filter((state) => state !== null);
 }
 
-/** Each state in a gray of its own, by the order in which states come. */
+/** The grays of states, by their path: a state keeps the gray that it got when it was first seen. */
+export type Tones = Map<string, number>;
+
+/** Each state in a gray of its own, by the order in which the states of its machine come. */
 export function drawStates(
   context: CanvasRenderingContext2D,
   axis: TimeAxis,
   top: number,
   row: StateSpan[],
+  tones: Tones,
   theme: Theme,
 ): void {
   const grays = theme.dark ? DARK : LIGHT;
-  const tones = new Map<string, string>();
   for (const state of row) {
-    const tone = tones.get(state[2]) ?? (grays[tones.size % grays.length] as string);
-    tones.set(state[2], tone);
-    drawState(context, axis, top, state, forcesColors().matches ? theme.background : tone, theme.ink, theme);
+    const path = state[2];
+    const machine = path.slice(0, path.lastIndexOf(".") + 1);
+    const number = tones.get(path) ?? [...tones.keys()].filter((other) => other.startsWith(machine)).length;
+    tones.set(path, number);
+    const tone = forcesColors().matches ? theme.background : (grays[number % grays.length] as string);
+    drawState(context, axis, top, state, tone, theme.ink, theme);
   }
 }
 

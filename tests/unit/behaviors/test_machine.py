@@ -183,6 +183,10 @@ def test_a_new_version_keeps_what_is_active_and_still_exists() -> None:
             assert run.at(5.0) == ("avoid", "avoid.wait")
     assert entered == []
     assert run.machine.note == "the state avoid is gone: forward takes over"
+    step = run.machine.last_step
+    assert step.states == {"Walker": ("forward", 3.5)}, "what was active in a state that is gone is gone, too"
+    assert {span.path for span in step.left} >= {"Walker.forward", "Walker.avoid", "Walker.avoid.wait"}
+    assert (1.0, 3.5, "Walker.avoid") in step.left
 
 
 def test_after_an_error_it_goes_on_in_its_states() -> None:

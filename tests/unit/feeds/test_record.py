@@ -24,8 +24,8 @@ import robowidgets
 from robowidgets import Speed, Touch, TouchMode, feeds
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError, _recorder
-from robowidgets.recordings.program_log import rows_of
 from robowidgets.repair.write import McapWriter
+from robowidgets.samples.state_span import rows_of
 
 from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, ODOM, SCAN, Scripted, scan

@@ -8,7 +8,7 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError
-from robowidgets.recordings.program_log import StateSpan, rows_of
+from robowidgets.samples.state_span import StateSpan, rows_of
 
 from . import program_run
 

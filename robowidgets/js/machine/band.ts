@@ -1,0 +1,48 @@
+import { StateBand } from "../scanogram/state_band.ts";
+import type { StateSpan } from "../scanogram/states.ts";
+import { make, setText } from "../shared/dom.ts";
+import type { Theme } from "../shared/theme.ts";
+
+/** The last states as rows, in Python's monotonic seconds; null: still active. */
+export type Rows = [start: number, end: number | null, path: string][][];
+
+const LABELS = 64;
+/** Seconds, and those in a card narrower than some pixels. */
+const SECONDS = 30;
+const FEW_SECONDS = 10;
+const NARROW = 460;
+
+/** The states of the last seconds. A click freezes the moment. */
+export class MachineBand {
+  readonly root = make("div", "rw-machine-band");
+  readonly #states: StateBand;
+  readonly #first = make("span", "");
+  readonly #last = make("span", "");
+  #rows: StateSpan[][] = [];
+  #end = 0;
+
+  constructor(onPick: (time: number) => void, redraw: () => void, signal: AbortSignal) {
+    this.#states = new StateBand("", LABELS, { onPick }, redraw, signal);
+    const foot = make("div", "rw-machine-band-foot");
+    foot.append(this.#first, this.#last);
+    this.root.append(this.#states.root, foot);
+  }
+
+  /**
+   * While the picture is frozen, the band stays as it was, and the states of the moment on show are in ink.
+   *
+   * @param time of the step on show
+   * @param word for the right end: "now"
+   */
+  update(rows: Rows, time: number, isFrozen: boolean, word: string, width: number, theme: Theme): void {
+    if (!isFrozen || !this.#rows.length) {
+      this.#end = time;
+      this.#rows = rows.map((row) => row.map(([start, end, path]): StateSpan => [start, end ?? time, path]));
+    }
+    this.root.hidden = !this.#rows.length;
+    const seconds = width < NARROW ? FEW_SECONDS : SECONDS;
+    this.#states.update(this.#rows, [this.#end - seconds, this.#end], time, theme);
+    setText(this.#first, `\u2212${seconds} s`);
+    setText(this.#last, word);
+  }
+}

@@ -1,0 +1,83 @@
+import { Layer, type Surface, watchSize, write } from "../shared/canvas.ts";
+import { make } from "../shared/dom.ts";
+import { on } from "../shared/events.ts";
+import type { Theme } from "../shared/theme.ts";
+import { type TimeAxis, toTime } from "./axis.ts";
+import { textFont } from "./draw_axes.ts";
+import {
+  cutName,
+  drawActive,
+  drawStates,
+  machineOf,
+  ROW,
+  ROW_STEP,
+  type StateSpan,
+  stateAt,
+  statesAt,
+  type Tones,
+  toWords,
+} from "./states.ts";
+
+/** What a person does with a band. */
+interface Gestures {
+  onPick(time: number): void;
+  /** Null: no more. */
+  onPoint?(time: number | null): void;
+}
+
+/** The states of a program over time, by themselves. Pointing names them. */
+export class StateBand {
+  readonly root: HTMLElement;
+  readonly #layer: Layer;
+  /** Pixels left of the states, for the names of machines. */
+  readonly #left: number;
+  #size: Surface = { width: 0, height: 0, ratio: 1 };
+  #axis: TimeAxis = { span: [0, 1], left: 0, width: 1 };
+  #rows: StateSpan[][] = [];
+  readonly #tones: Tones = new Map();
+  #drawn: unknown[] = [];
+
+  constructor(className: string, left: number, { onPick, onPoint }: Gestures, redraw: () => void, signal: AbortSignal) {
+    this.root = make("div", `rw-states ${className}`);
+    this.#layer = new Layer(this.root);
+    this.#left = left;
+    this.root.hidden = true;
+    const onSize = (size: Surface) => {
+      this.#size = size;
+      redraw();
+    };
+    watchSize(this.root, onSize, signal);
+    const timeAt = (event: MouseEvent) => toTime(this.#axis, event.clientX - this.root.getBoundingClientRect().left);
+    on(this.root, "click", (event) => onPick(timeAt(event)), signal);
+    const onPointer = (event: PointerEvent) => {
+      const time = timeAt(event);
+      const row = this.#rows[Math.floor((event.clientY - this.root.getBoundingClientRect().top) / ROW_STEP)];
+      this.root.title = toWords((row && stateAt(row, time)?.[2]) ?? "");
+      if (event.pointerType !== "touch") onPoint?.(time);
+    };
+    on(this.root, "pointermove", onPointer, signal);
+    on(this.root, "pointerleave", () => onPoint?.(null), signal);
+  }
+
+  /** @param time the states of which are in ink */
+  update(rows: StateSpan[][], span: [number, number], time: number, theme: Theme): void {
+    this.#rows = rows;
+    this.root.hidden = !rows.length;
+    this.root.style.height = `${rows.length * ROW_STEP - (ROW_STEP - ROW)}px`;
+    // Compare first: there may be thousands of states, and this runs in every frame while it plays.
+    const drawn = [rows, ...span, ...statesAt(rows, time), this.#size, theme.ink, theme.background];
+    const isDrawn = drawn.length === this.#drawn.length && drawn.every((one, i) => one === this.#drawn[i]);
+    if (!this.#size.width || isDrawn) return;
+    this.#drawn = drawn;
+    const axis = { span, left: this.#left, width: Math.max(1, this.#size.width - this.#left) };
+    this.#axis = axis;
+    const context = this.#layer.begin(this.#size);
+    for (const [i, row] of rows.entries()) {
+      const top = i * ROW_STEP;
+      const label = cutName(context, machineOf(row), this.#left - 8, theme);
+      write(context, label, this.#left - 8, top + ROW / 2 + 0.5, theme.muted, textFont(theme), "right");
+      drawStates(context, axis, top, row, this.#tones, theme);
+      drawActive(context, axis, top, row, time, theme);
+    }
+  }
+}
