@@ -35,6 +35,7 @@ _SKEW_S = 1.0
 _LEAST_STAMPS = 10
 
 _DAY = 86400.0
+_LONGEST_NAME = 40
 
 
 class Geometry(NamedTuple):
@@ -218,7 +219,7 @@ def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Prob
     if len(frames) > 1:
         problems.append(
             Problem(
-                f"scans of {many(len(frames), 'frame')}: {listed([frame or '(empty)' for frame in frames])}",
+                f"scans of {many(len(frames), 'frame')}: {listed(list(map(_name_of, frames)))}",
                 "do two scanners publish to one topic? Give each its own",
             )
         )
@@ -246,5 +247,10 @@ def _cells(report: TopicReport) -> tuple[str, ...]:
     angles = f"{first:.1f}° to {first + (usual - 1) * step:.1f}°" if usual else ""
     limit = "" if geometry.range_max >= np.finfo(np.float32).max else f"{geometry.range_max:.4g} m"
     limits = f"{geometry.range_min:.4g} to {limit}" if limit else f"from {geometry.range_min:.4g} m"
-    frames = listed([frame or "(empty)" for frame in report.frame_ids], 2)
+    frames = listed(list(map(_name_of, report.frame_ids)), 2)
     return (*cells, rays, angles + ", clockwise" * (step < 0), f"{step:.4g}°", limits, frames)
+
+
+def _name_of(frame_id: str) -> str:
+    """The name of a frame for a person: one from a file may be of any length."""
+    return (frame_id if len(frame_id) <= _LONGEST_NAME else f"{frame_id[: _LONGEST_NAME - 1]}…") or "(empty)"

@@ -140,6 +140,10 @@ class TestScans:
             "/scan: scans of 2 frames: front, (empty)",
         ]
 
+    def test_a_frame_with_a_name_without_end_leaves_the_table_readable(self, report: Callable[..., Any]) -> None:
+        found = report(taken(steady(0, 4), frame_id=300 * "front"))
+        assert max(map(len, str(found).splitlines())) < 300
+
 
 def test_topics_that_never_came_are_named_but_for_those_that_are_always_there(report: Callable[..., Any]) -> None:
     silent = ["/scan_rear", "/bump", "/rosout", "/parameter_events", "/add/_service_event"]
