@@ -124,6 +124,8 @@ SECTORS: dict[str, Sector] = {
 }
 """Quarters of the circle by name, centred on 0, 90, 180 and -90 degrees: together they leave no direction out."""
 
+_TWO_ANGLES = 'two angles, like ("-15deg", "15deg") or in radians'
+
 
 def to_sector(sector: Any) -> Sector:
     """The sector itself, or that of two angles or of a name in `SECTORS`.
@@ -136,12 +138,12 @@ def to_sector(sector: Any) -> Sector:
         return sector
     if isinstance(sector, str):
         if sector not in SECTORS:
-            raise ValueError(f"sector: expected {', '.join(SECTORS)} or two angles in radians, got {sector!r}")
+            raise ValueError(f"sector: expected {', '.join(SECTORS)} or {_TWO_ANGLES}, got {sector!r}")
         return SECTORS[sector]
     try:
         start, end = sector
     except (TypeError, ValueError):
-        raise TypeError(f"sector: expected two angles in radians, got {sector!r}") from None
+        raise TypeError(f"sector: expected {_TWO_ANGLES}, got {sector!r}") from None
     return Sector(start, end)
 
 

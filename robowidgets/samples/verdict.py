@@ -102,6 +102,9 @@ class _TracedScan(Scan):
         return self._trace.saw(super().at(angle))
 
 
+_TracedScan.__name__ = "Scan"  # for errors of the function, such as an attribute that scans do not have
+
+
 class Trace:
     """What a function of samples reads while it is called once.
 

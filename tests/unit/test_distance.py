@@ -124,11 +124,11 @@ class TestSectors:
     @pytest.mark.parametrize(
         ("sector", "error", "text"),
         [
-            ("frnt", ValueError, r"^sector: expected front, left, back, right or two angles in radians, got 'frnt'$"),
+            ("frnt", ValueError, r"^sector: expected front, left, back, right or two angles, .* got 'frnt'$"),
             ((0, 90), ValueError, r"^sector: expected radians within ±2 pi, got 90.0; "),
             (("-10", 0), TypeError, r"^sector: expected radians, or degrees as in \"20deg\", got '-10'$"),
             (("400deg", 0), ValueError, r"^sector: expected radians within ±2 pi, got 6.98"),
-            (0.5, TypeError, r"^sector: expected two angles in radians, got 0.5$"),
+            (0.5, TypeError, r"^sector: expected two angles, .* got 0.5$"),
         ],
     )
     def test_what_is_no_sector_is_refused(self, sector: object, error: type[Exception], text: str) -> None:

@@ -108,7 +108,7 @@ class TestNearest:
     @pytest.mark.parametrize(
         ("sector", "error", "text"),
         [
-            ((1, 2, 3), TypeError, r"^sector: expected two angles in radians, got \(1, 2, 3\)$"),
+            ((1, 2, 3), TypeError, r"^sector: expected two angles, .* got \(1, 2, 3\)$"),
             ((0, 90), ValueError, r"^sector: expected radians within ±2 pi, got 90.0; math.radians\(\) makes them"),
             ((0, nan), ValueError, r"^sector: expected a finite number of radians, got nan$"),
         ],
