@@ -59,6 +59,9 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._connection.watch(self.refresh)
         self.refresh()
 
+    def __repr__(self) -> str:
+        return f"<FeedView: {', '.join(self.widgets) or 'no topics'}>"
+
     @property
     def widgets(self) -> dict[str, Any]:
         """The widgets on show, by topic; of a topic with two the first."""

@@ -130,6 +130,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             traitlets.link((self, "time"), (self.rerun, "time"))
         self._on_time(ahead, None)
 
+    def __repr__(self) -> str:
+        shown = ", ".join(dict.fromkeys(topic for view in self.views for topic in view.choice.topics))
+        return f"<Player {self.recording.path.name}: {self.time:.2f} of {self.duration:.2f} s, {shown or 'no topics'}>"
+
     @property
     def duration(self) -> float:
         """Seconds of the recording."""

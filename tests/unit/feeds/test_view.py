@@ -54,6 +54,7 @@ def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
     assert view.widgets.keys() == kinds.keys()
     assert all(isinstance(widget, kinds[name]) for name, widget in view.widgets.items())
     assert on_page(view) == ["/scan", "/odom", "/bumper", "/odom"]
+    assert repr(view) == "<FeedView: /scan, /odom, /bumper>"
     assert view.widgets["/odom"].command_title == "/cmd_vel"
     assert words(view) == ""
     script.listener.on_message("/scan", scan(1.5))

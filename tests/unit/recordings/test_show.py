@@ -71,6 +71,8 @@ def test_each_topic_gets_its_widget_and_a_command_the_bars_of_the_measured_speed
     assert [(v.widget.title, getattr(v.widget, "command_title", "")) for v in player.views] == [
         ("/scan", ""), ("/odom", "/cmd_vel"), ("/bumper", ""), ("/odom", "")
     ]  # fmt: skip
+    about = f"{player.recording.path.name}: 0.00 of {player.duration:.2f} s, /scan, /odom, /cmd_vel, /bumper"
+    assert repr(player) == f"<Player {about}>"
 
 
 def test_topics_may_be_chosen_and_a_command_alone_has_bars_of_its_own(path: Path) -> None:
