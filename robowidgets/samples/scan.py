@@ -158,6 +158,15 @@ class Scan(HasAge):
             validity=validity,
         )
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What was measured, without what follows from it."""
+        return {**{field.name: getattr(self, field.name) for field in fields(self)}, "_arrived": self._arrived}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        for array in (self.ranges, self.intensities):
+            frozen(array)  # a copy of a read-only array is not
+
     def __repr__(self) -> str:
         rays = f"{len(self):,} ray{'' if len(self) == 1 else 's'}"
         sweep = f" from {degrees(self.angles[0]):.1f}° to {degrees(self.angles[-1]):.1f}°" if len(self) else ""

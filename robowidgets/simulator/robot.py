@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import cos, hypot, inf, pi, sin
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +29,11 @@ _WAY_OFF, _TURN_OFF = 0.02, 0.03
 """Largest shares by which odometry is wrong about ways and turns."""
 _BEND = 0.02
 """Radians a metre, at most, by which odometry takes a straight way for a bent one."""
+_MOVING = (
+    "_pose", "_odometry", "_command", "_linear", "_angular", "_sideways", "_time_ns", "_scan_number", "_scan_ns",
+    "_next_scan_ns", "_scan_pose",
+)  # fmt: skip
+"""What changes of a robot in its world as time passes."""
 _EXACT = 1e-6
 """Metres that a body may reach into what it touches, by rounding."""
 
@@ -72,7 +78,7 @@ class Robot(Watched):
         seed: int = 0,
         model: str = "plain",
     ) -> None:
-        self.model = model_of(model)
+        self._model_name, self.model = model, model_of(model)
         if isinstance(scanner, str):
             scanner = replace(scanner_of(scanner), mount=self.model.scanner.mount)
         self.scanner = self.model.scanner if scanner is None else scanner
@@ -259,6 +265,25 @@ class Robot(Watched):
         angles = [] if is_free else contact_angles(self._around(x, y), x, y, yaw, self.radius)
         states = pressed(angles, self.model.bumpers)
         return Touch(states, TouchMode.LEVEL, tuple(states), self._time_ns, "robowidgets.simulator")
+
+    def snapshot(self) -> dict[str, Any]:
+        """What has changed of it since it was made, its world apart, for `restore`."""
+        with self._lock:
+            return {name: getattr(self, name) for name in _MOVING}
+
+    def restore(self, snapshot: Mapping[str, Any]) -> None:
+        """Be as another robot was, such as a copy of this one in another process."""
+        with self._lock:
+            if snapshot["_scan_number"] != self._scan_number:
+                self._scan = None
+            vars(self).update(snapshot)
+        self._call_watchers()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if name not in ("_lock", "_watchers", "model")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, _lock=threading.Lock(), _watchers=[], model=model_of(state["_model_name"]))
 
     def _as_speed(self, linear: float, angular: float, sideways: float, pose: Pose | None = None) -> Speed:
         return Speed((linear, sideways, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link", pose)

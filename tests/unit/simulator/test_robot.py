@@ -1,3 +1,4 @@
+import pickle
 from math import cos, hypot, inf, nan, pi, sin
 
 import numpy as np
@@ -35,6 +36,28 @@ def test_time_passes_in_steps_only():
     assert robot.time == 0.0
     run(robot, 1.0, dt=0.025)
     assert robot.time == 1.0
+
+
+def test_a_pickled_robot_goes_on_alike_and_one_that_is_restored_sees_the_same():
+    robot = Robot(World.rooms(), seed=3, model="kobuki")
+    robot.drive(0.4, 0.5)
+    run(robot, 1.0)
+    first = robot.scan().ranges.tobytes()
+    copied = pickle.loads(pickle.dumps(robot))
+    assert copied.scan().ranges.tobytes() == first
+    assert copied.model is robot.model
+    follower = Robot(World.rooms(), seed=3, model="kobuki")
+    follower.scan()
+    told = []
+    follower.watch(lambda: told.append(follower.pose))
+    for one in (robot, copied):
+        run(one, 1.0)
+    follower.restore(robot.snapshot())
+    assert robot.pose == copied.pose == follower.pose == told[0]
+    seen = {one.scan().ranges.tobytes() for one in (robot, copied, follower)}
+    assert len(seen) == 1
+    assert first not in seen
+    assert not copied.scan().ranges.flags.writeable
 
 
 def test_driving_straight_covers_what_the_acceleration_allows():

@@ -1,0 +1,87 @@
+"""The simulated robot in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from robowidgets import feeds
+from robowidgets.feeds._simulator_process import SimulatedProcess
+from robowidgets.simulator import World
+
+from ..waiting import wait_for
+
+pytestmark = pytest.mark.slow
+ROOM = World([(3.0, -2.0, 3.0, 2.0)])
+
+
+def test_it_is_driven_measured_moved_and_goes_on_while_a_call_holds_the_interpreter() -> None:
+    with feeds.simulator(room=ROOM, process=True, wander=False, hz=20) as feed:
+        robot, scans = feed.robot, feed.scans("/scan")
+        assert next(scans).distance("front") == pytest.approx(3.0, abs=0.1)
+        feed.drive(0.3)
+        wait_for(lambda: robot.pose.x > 0.1, "it drives")
+        feed.stop()
+        wait_for(lambda: robot.command().linear[0] == 0.0, "it stops")
+        robot.move_to(1.0, 0.0, 0.0)
+        wait_for(lambda: next(scans).distance("front") == pytest.approx(2.0, abs=0.1), "it is seen from there")
+        robot.world = ROOM.with_obstacles([(2.0, 0.0, 0.3)])
+        wait_for(lambda: next(scans).distance("front") == pytest.approx(0.7, abs=0.1), "the obstacle is seen")
+        assert robot.pose.x == pytest.approx(1.0, abs=0.05)
+        assert not next(scans).ranges.flags.writeable
+        for length in range(20, 40):
+            before, began = robot.time, time.monotonic()
+            re.match("(a+)+$", "a" * length + "b")  # no other thread runs until it returns
+            if (passed := time.monotonic() - began) > 2.0:
+                break
+        wait_for(lambda: robot.time - before > passed - 0.3, "its time has gone on", 0.5)
+
+
+def test_a_robot_whose_process_is_killed_goes_on_where_it_was() -> None:
+    with feeds.simulator(room=ROOM, process=True, wander=False, hz=20) as feed:
+        wait_for(lambda: feed.robot.time > 0.1, "it runs")
+        feed.robot.move_to(1.0, 0.5, 0.0)
+        middleware = feed.connection.middleware
+        assert isinstance(middleware, SimulatedProcess)
+        assert middleware._process
+        pid = middleware._process.pid
+        os.kill(pid, signal.SIGKILL)
+        wait_for(lambda: "its process has ended, with code -9" in feed.status, "the feed says so")
+        wait_for(lambda: not feed.status, "another process runs")
+        before = feed.robot.time
+        wait_for(lambda: feed.robot.time > before, "time goes on")
+        assert feed.robot.pose[:2] == pytest.approx((1.0, 0.5))
+
+
+OPEN = """
+import os, time
+from robowidgets import feeds
+feed = feeds.simulator(process=True)
+while not feed.robot.time: time.sleep(0.01)
+if {forks}: pid = os.fork()
+if not {forks} or pid: print(feed.connection.middleware._process.pid, flush=True)
+time.sleep(60 if not {forks} or pid else 5)
+"""
+
+
+@pytest.mark.parametrize("forks", [False, True])
+def test_it_ends_with_the_process_that_opened_it_though_that_is_killed_and_a_fork_has_its_pipes(forks: bool) -> None:
+    opener = subprocess.Popen([sys.executable, "-c", OPEN.format(forks=forks)], stdout=subprocess.PIPE, text=True)
+    assert opener.stdout
+    pid = int(opener.stdout.readline())
+    assert Path(f"/proc/{pid}").exists()
+    opener.kill()
+    opener.wait()
+    wait_for(lambda: not Path(f"/proc/{pid}").exists() or _is_zombie(pid), "it has ended", 3.0)
+    opener.stdout.close()
+
+
+def _is_zombie(pid: int) -> bool:
+    return " Z " in Path(f"/proc/{pid}/stat").read_text()
