@@ -232,9 +232,7 @@ class Recorder:
         if isinstance(message, Scan):
             return standard.LASER_SCAN, standard.scan_fields(message, time_ns)
         if isinstance(message, Speed):
-            fields = standard.speed_fields(message, time_ns)
-            is_plain = topic.type == standard.TWIST
-            return (standard.TWIST, fields["twist"]) if is_plain else (standard.TWIST_STAMPED, fields)
+            return standard.speed_message(message, time_ns, topic.type)
         if isinstance(message, Touch):
             touches = self._touches.setdefault(topic.name, TouchTracker())
             touches.apply(message, time_ns)

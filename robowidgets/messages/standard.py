@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from math import cos, sin
 from typing import Any
 
 from ..samples import Scan, Speed, TouchState
 from ..samples.touch_tracker import TouchTracker
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"
+ODOMETRY = "nav_msgs/msg/Odometry"
 TWIST = "geometry_msgs/msg/Twist"
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 CONTACTS = "ros_gz_interfaces/msg/Contacts"
@@ -27,10 +29,20 @@ def scan_fields(scan: Scan, time_ns: int) -> dict[str, Any]:
     }
 
 
-def speed_fields(speed: Speed, time_ns: int) -> dict[str, Any]:
-    """The fields of a ``geometry_msgs/TwistStamped``; its ``twist`` has those of a Twist."""
+def speed_message(speed: Speed, time_ns: int, topic_type: str) -> tuple[str, dict[str, Any]]:
+    """A type and its fields: Odometry for a speed with a pose, else Twist if the topic has it, else TwistStamped."""
     linear, angular = (dict(zip("xyz", values, strict=True)) for values in (speed.linear, speed.angular))
-    return {"header": _header(time_ns, speed.frame_id), "twist": {"linear": linear, "angular": angular}}
+    twist = {"linear": linear, "angular": angular}
+    if speed.pose is not None:
+        x, y, yaw = speed.pose
+        orientation = {"z": sin(yaw / 2), "w": cos(yaw / 2)}
+        pose = {"position": {"x": x, "y": y}, "orientation": orientation}
+        header = _header(time_ns, "odom")
+        fields = {"header": header, "child_frame_id": speed.frame_id, "pose": {"pose": pose}, "twist": {"twist": twist}}
+        return ODOMETRY, fields
+    if topic_type == TWIST:
+        return TWIST, twist
+    return TWIST_STAMPED, {"header": _header(time_ns, speed.frame_id), "twist": twist}
 
 
 def contact_fields(touches: TouchTracker, time_ns: int) -> dict[str, Any]:

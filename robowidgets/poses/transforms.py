@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from ..messages.fields import stamp_ns
 
-ODOMETRY = "nav_msgs/msg/Odometry"
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 STATIC = "tf_static"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from .._core.tables import many
+from .program_log import PROGRAM
 from .times import as_date, has_date
 from .topics import Topic
 
@@ -17,6 +18,9 @@ def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int |
     """One line: the path of the recording, its length, its start and its contents."""
     count = sum(topic.count for topic in topics)
     parts = [f"{duration:.1f} s", many(len(topics), "topic"), many(count, "message")]
+    versions = sum(topic.count for topic in topics if topic.name == PROGRAM)
+    if versions:
+        parts.append(many(versions, "program version"))
     if start_ns is not None and has_date(start_ns):
         parts.insert(1, f"from {as_date(start_ns)}")
     return f"{path}: {', '.join(parts)}"

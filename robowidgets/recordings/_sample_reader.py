@@ -11,7 +11,8 @@ from .._core.tables import listed
 from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
-from ..poses.transforms import ODOMETRY, TRANSFORMS, Transform, transforms_of
+from ..messages.standard import ODOMETRY
+from ..poses.transforms import TRANSFORMS, Transform, transforms_of
 from ..repair import Message, RecordingError, Source
 from ..samples import Problem
 from .columns._decoders import Decoder

@@ -93,7 +93,7 @@ def test_a_run_opens_here_and_in_other_tools_with_its_states_and_the_text_of_its
     messages = decoded(path)
     assert {topic: type(some[0]).__name__ for topic, some in messages.items()} == {
         "/scan": "sensor_msgs__msg__LaserScan",
-        "/odom": "geometry_msgs__msg__TwistStamped",
+        "/odom": "nav_msgs__msg__Odometry",
         "/cmd_vel": "geometry_msgs__msg__Twist",
         "/bumper": "ros_gz_interfaces__msg__Contacts",
         **{f"/robowidgets/{name}": "std_msgs__msg__String" for name in ("program", "states/Nested")},
@@ -105,6 +105,8 @@ def test_a_run_opens_here_and_in_other_tools_with_its_states_and_the_text_of_its
         assert recording.problems == ()
         assert {topic.widget for topic in recording.topics} == {"laser", "speed", "touch", None}
         assert len(recording.scans("/scan")) == len(messages["/scan"])
+        last = [moment.sample for moment in recording.samples("/odom")][-1]
+        assert last.pose == pytest.approx(robot.robot.odometry, abs=0.05)
         states, programs = recording.states, recording.programs
         duration = recording.duration
     assert [(one.name, one.number) for one in programs] == [("Nested", 1), ("Nested", 2)]

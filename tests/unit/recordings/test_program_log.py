@@ -33,6 +33,7 @@ def test_states_and_versions_of_a_recording_are_data(tmp_path: Path) -> None:
             (0, "Walker", 1, "class Walker:\n    v = 1\n"),
             (3, "Walker", 2, "class Walker:\n    v = 2\n"),
         )
+        assert repr(recording).splitlines()[0].endswith(", 4 topics, 109 messages, 2 program versions")
     with pytest.raises(RecordingError, match="is closed"):
         _ = recording.states
     with robowidgets.open(robowidgets.SAMPLE) as recording:
