@@ -18,6 +18,7 @@ from ..samples.checks import not_negative
 from .base_widget import NamedWidget
 from .error_routing import called_from_cell
 from .judge import Shot
+from .numbers import Numbers
 from .pacer import pacer
 from .page_file import SentFrames, WritesPage
 from .platform_fixes import message_padding
@@ -112,6 +113,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
         self._sent_version = 0
         self._arrived = 0.0
         self._meter = RateMeter()
+        self._plotted = Numbers()
         self._changed = False
         self._waiting = 0
         self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
@@ -215,6 +217,12 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
                 mine["_arrived"] = time.monotonic()
             if mine["_waiting"]:
                 mine["_sample_arrived"].notify_all()
+        self._mark()
+
+    def _say_more(self) -> None:
+        """Have the newest sample sent with what was said of it later."""
+        with self._sample_lock:
+            self._changed = True
         self._mark()
 
     def _mark(self) -> None:
@@ -390,7 +398,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
                     about = {**self._about_sample(sample), **about}
                 if self._png_error:
                     about = {**about, "notes": [*about.get("notes", ()), self._png_error]}
-                shown = {**about, **self._on_sample()}
+                shown = {**about, **self._on_sample(), **self._plotted.on(sequence)}
             if lamps:
                 shown |= {"lamps": lamps, "judged": sequence}
             self._trait_values["_about"] = shown

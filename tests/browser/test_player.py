@@ -63,14 +63,14 @@ BELOW_TOP = """() => {
 def test_a_person_moves_the_slider_and_every_widget_follows(notebook: Open, data: Path) -> None:
     nb = opened(notebook, data / "good" / "neato_fsm")
     expect(nb.output(0).locator("table tbody tr")).to_have_count(10)
-    expect(nb.output(1).locator(".rw-picture")).to_have_count(5)
+    expect(nb.output(1).locator(".rw-picture")).to_have_count(6)
     tile = nb.output(1).locator(".rw-tile", has_text="left front")
     expect(tile).to_contain_text("free")
     for seconds, word in ((22, "touched"), (20, "free"), (22.5, "touched")):
         to_time(nb, seconds)
         expect(tile).to_contain_text(word)
     expect(bar(nb).locator(".rw-play-now")).to_have_text("22.50")
-    told = "print(player.time, player.views[-1].widget.states['left front'].name)"
+    told = "print(player.time, player.views[-2].widget.states['left front'].name)"
     wait_for(lambda: nb.python(told).strip() == "22.5 TOUCHED", "Python knew")
     nb.resize(600, 500)
     wait_for(lambda: 0 <= nb.page.evaluate(BELOW_TOP) < 5, "the bar stays at the top of a narrow page")
@@ -458,8 +458,9 @@ def test_four_sensors_stand_whole_in_their_card_on_one_screen(plain_page: Open, 
     card = nb.output(1).locator(".rw-touch")
     for width, high in ((1143, 172), (1100, 172), (900, 240)):
         nb.resize(width, 720)
-        assert boxes(nb)["recording"][3] == 562
-        assert boxes(nb)["touch"][3] == high
+        at = boxes(nb)
+        assert at["path"][1] - at["recording"][1] == 562 + 4
+        assert at["touch"][3] == high
         assert card.locator(".rw-picture").evaluate("picture => picture.scrollHeight <= picture.clientHeight")
         assert card.locator(".rw-tile").evaluate_all(
             "tiles => tiles.every((tile) => tile.scrollWidth <= tile.clientWidth)"

@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { pointAt, toRuns } from "../../robowidgets/js/shared/time_lines.ts";
 import { toFacts } from "../../robowidgets/js/speed/facts.ts";
-import { pointAt, spansOver, toRuns, toTimeLines } from "../../robowidgets/js/speed/time_lines.ts";
+import { spansOver, toTimeLines } from "../../robowidgets/js/speed/time_lines.ts";
 
 const points = (...pairs: [number, number][]) => pairs.map(([at, value]) => ({ at, value }));
 const speeds = (x: number, yaw = 0) => [x, 0, 0, 0, 0, yaw];
@@ -20,7 +21,7 @@ test("the last seconds of each axis on show become lines, by the time before the
   }));
   const lines = toTimeLines(samples, groups, 2);
   assert.deepEqual(
-    lines.map(({ facts }) => facts.axis.name),
+    lines.map(({ name }) => name),
     ["linear.x", "linear.y", "angular.z"],
   );
   assert.deepEqual(lines[0]?.measured, points([-2000, 1], [-1000, 2], [0, 3]));

@@ -5,8 +5,10 @@ import { isPlain, on } from "./events.ts";
 import { toAge, toCount, toFixed } from "./format.ts";
 import { Lamps } from "./lamps.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "./model.ts";
+import { SECONDS, toNumberLines } from "./numbers.ts";
 import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
+import { TimeLinesView } from "./time_lines_view.ts";
 import type { SampleTraits } from "./traits.ts";
 
 const STEPS: Record<string, number> = { ",": -1, ".": 1 };
@@ -25,6 +27,9 @@ export class SampleCard extends Card {
   readonly #bar: Bar;
   readonly #lamps: Lamps;
   readonly #tellFacts: () => void;
+  readonly #makeLines: () => TimeLinesView;
+  /** Made when the program plots a number. */
+  #lines: TimeLinesView | null = null;
   #known: string[] = [];
   #paced = true;
   #paused: boolean | null = null;
@@ -48,6 +53,7 @@ export class SampleCard extends Card {
     this.#bar = new Bar(stream, signal);
     this.#lamps = new Lamps(stream, (words) => this.say(words), signal);
     this.picture.after(this.#lamps.root, this.#bar.root);
+    this.#makeLines = () => new TimeLinesView(() => this.#drawNumbers(), signal);
     onChange(model, ["_source"], redraw, signal);
     this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
     on(this.header, "pointerenter", () => this.#tellAll(), signal);
@@ -87,6 +93,7 @@ export class SampleCard extends Card {
     this.updateFrame(lines, isError ? "error" : said.length + problems.length ? "note" : "status", problems);
     this.#lamps.update(this.#isSilent);
     this.#bar.update(this.footer.hidden ? null : place);
+    this.#drawNumbers();
 
     this.root.classList.toggle("rw-frozen", paused);
     if (this.#paused !== paused) {
@@ -108,6 +115,20 @@ export class SampleCard extends Card {
   /** Whether the newest sample says nothing of the present. */
   get #isSilent(): boolean {
     return this.#silenceMs > 0 || this.#model.get("_source").lost === true;
+  }
+
+  /** Draws the numbers that the program plots, up to the sample on show. */
+  #drawNumbers(): void {
+    const { about, moments, place, paused } = this.#stream;
+    const hasSome = about.numbers !== undefined;
+    if (hasSome && !this.#lines) {
+      this.#lines = this.#makeLines();
+      this.picture.after(this.#lines.root);
+    }
+    if (!this.#lines) return;
+    this.#lines.root.hidden = !hasSome;
+    const shown = moments.slice(0, (place?.index ?? moments.length - 1) + 1);
+    if (hasSome) this.#lines.draw(toNumberLines(shown), SECONDS, paused ? "frozen" : "now", this.theme);
   }
 
   /** Shows facts, rate and silence of the source; calls itself again while the source is silent. */

@@ -169,9 +169,9 @@ export class Stream<F extends Frame> implements Member {
     });
   }
 
-  /** What is said of the samples of the history, oldest first, each with its sequence number. */
-  get moments(): { about: About; sequence: number }[] {
-    return this.#history.moments.map(({ about, bytes }) => ({ about, sequence: sequenceOf(bytes) }));
+  /** What is said of the samples of the history, oldest first, each with its sequence number and its arrival. */
+  get moments(): { about: About; sequence: number; at: number }[] {
+    return this.#history.moments.map(({ about, bytes, at }) => ({ about, sequence: sequenceOf(bytes), at }));
   }
 
   /** The bytes of the frame to draw; null before the first. */

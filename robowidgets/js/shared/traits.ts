@@ -49,6 +49,8 @@ export interface About {
   lamps?: Lamp[];
   /** What the program drew on the sample. */
   shapes?: Shape[];
+  /** Numbers that the program plots, by name; null where it gave none since the sample before. */
+  numbers?: Record<string, number | null>;
   /** Sequence number of the sample that the lamps tell of. */
   judged?: number;
 }

@@ -5,6 +5,7 @@ import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
+import { TimeLinesView } from "../shared/time_lines_view.ts";
 import { GROUPS } from "./axes.ts";
 import type { Column } from "./column.ts";
 import { type AxisFacts, type Fastest, type GroupFacts, toFacts, toFastest } from "./facts.ts";
@@ -16,7 +17,6 @@ import { Popup } from "./popup.ts";
 import { toClearance } from "./scale.ts";
 import { describeAxis, summarize, toSentence } from "./text.ts";
 import { toTimeLines } from "./time_lines.ts";
-import { TimeLinesView } from "./time_lines_view.ts";
 import type { SpeedTraits } from "./traits.ts";
 
 const SETTINGS = [

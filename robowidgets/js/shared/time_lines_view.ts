@@ -1,8 +1,8 @@
-import { Layer, type Surface, watchSize, write } from "../shared/canvas.ts";
-import { make } from "../shared/dom.ts";
-import { on } from "../shared/events.ts";
-import { toFixed } from "../shared/format.ts";
-import type { Theme } from "../shared/theme.ts";
+import { Layer, type Surface, watchSize, write } from "./canvas.ts";
+import { make } from "./dom.ts";
+import { on } from "./events.ts";
+import { toFixed } from "./format.ts";
+import type { Theme } from "./theme.ts";
 import { type Point, pointAt, type TimeLine, toRuns } from "./time_lines.ts";
 
 const ROW = 44;
@@ -10,7 +10,7 @@ const FOOT = 18;
 /** Pixels left and right of the lines, for names and numbers. */
 const [NAMES, NUMBERS] = [40, 62];
 
-/** The last seconds of each axis below the bars: measured and commanded, limits, and the spans past them. */
+/** The last seconds of some values below a picture: measured and commanded, limits, and the spans past them. */
 export class TimeLinesView {
   readonly root = make("div", "rw-over-time");
   readonly #layer: Layer;
@@ -38,28 +38,29 @@ export class TimeLinesView {
   /** @param end what stands at the right end: "now" */
   draw(lines: TimeLine[], seconds: number, end: string, theme: Theme, ratio?: number): void {
     this.root.style.height = `${lines.length * ROW + FOOT}px`;
-    const names = lines.map(({ facts }) => facts.axis.name).join(", ");
-    this.root.ariaLabel = `the last ${seconds} s of ${names}`;
+    this.root.ariaLabel = `the last ${seconds} s of ${lines.map(({ name }) => name).join(", ")}`;
     const size = { ...this.#size, ratio: ratio ?? this.#size.ratio };
     if (!size.width) return;
     const context = this.#layer.begin(size);
-    const width = Math.max(1, size.width - NAMES - NUMBERS);
-    const toX = (at: number) => NAMES + width * (1 + at / (1000 * seconds));
-    const inside = this.#pointer !== null && this.#pointer >= NAMES && this.#pointer <= NAMES + width;
-    const pointed = inside ? (((this.#pointer as number) - NAMES) / width - 1) * 1000 * seconds : null;
+    context.font = `11px ${theme.font}`;
+    const left = Math.max(NAMES, ...lines.map(({ label }) => context.measureText(label).width + 16));
+    const width = Math.max(1, size.width - left - NUMBERS);
+    const toX = (at: number) => left + width * (1 + at / (1000 * seconds));
+    const inside = this.#pointer !== null && this.#pointer >= left && this.#pointer <= left + width;
+    const pointed = inside ? (((this.#pointer as number) - left) / width - 1) * 1000 * seconds : null;
     for (const [row, line] of lines.entries()) {
-      drawRow(context, line, { top: row * ROW + 4, height: ROW - 8, left: NAMES, width }, toX, pointed, theme);
+      drawRow(context, line, { top: row * ROW + 4, height: ROW - 8, left, width }, toX, pointed, theme);
     }
     const y = lines.length * ROW + FOOT / 2 - 1;
     const font = `11px ${theme.font}`;
-    write(context, `\u2212${toFixed(seconds, 0)} s`, NAMES, y, theme.muted, font, "left");
-    write(context, end, NAMES + width, y, theme.muted, font, "right");
+    write(context, `\u2212${toFixed(seconds, 0)} s`, left, y, theme.muted, font, "left");
+    write(context, end, left + width, y, theme.muted, font, "right");
     if (pointed === null) return;
     const x = toX(pointed);
     context.fillStyle = theme.ink;
     context.fillRect(Math.round(x), 0, 1, lines.length * ROW);
     const text = `${toFixed(pointed / 1000, 1)} s`;
-    write(context, text, Math.min(NAMES + width - 50, Math.max(NAMES + 60, x)), y, theme.ink, font, "center");
+    write(context, text, Math.min(left + width - 50, Math.max(left + 60, x)), y, theme.ink, font, "center");
   }
 }
 
@@ -72,27 +73,25 @@ interface Band {
 
 function drawRow(
   context: CanvasRenderingContext2D,
-  { facts, measured, commanded, over }: TimeLine,
+  { label, low, high, showsEnds, decimals, limits, color: hue, measured, commanded, over }: TimeLine,
   { top, height, left, width }: Band,
   toX: (at: number) => number,
   pointed: number | null,
   theme: Theme,
 ): void {
-  const { axis, scale, limits, decimals } = facts;
-  const reach = scale.high - scale.low;
-  const toY = (value: number) => top + height * (1 - Math.min(1, Math.max(0, (value - scale.low) / reach)));
+  const toY = (value: number) => top + height * (1 - Math.min(1, Math.max(0, (value - low) / (high - low))));
   const font = `11px ${theme.font}`;
   context.fillStyle = theme.area;
   context.fillRect(left, top, width, height);
-  write(context, axis.word || axis.letter, left - 8, top + height / 2, theme.muted, font, "right");
+  write(context, label, left - 8, top + height / 2, theme.muted, font, "right");
   context.globalAlpha = 0.18;
   context.fillStyle = theme.reading;
   for (const [start, end] of over) context.fillRect(toX(start), top, Math.max(1, toX(end) - toX(start)), height);
   context.globalAlpha = 1;
   context.fillStyle = theme.line;
-  context.fillRect(left, Math.round(toY(0)), width, 1);
+  if (low <= 0 && high >= 0) context.fillRect(left, Math.round(toY(0)), width, 1);
   context.setLineDash([3, 3]);
-  for (const limit of limits ?? []) {
+  for (const limit of limits) {
     const y = Math.round(toY(limit)) + 0.5;
     stroke(context, theme.muted, 1, () => {
       context.moveTo(left, y);
@@ -101,10 +100,14 @@ function drawRow(
   }
   context.setLineDash([]);
   drawRuns(context, commanded, toX, toY, theme.ink, 1, true);
-  drawRuns(context, measured, toX, toY, theme.pointer, 1.75, false);
+  drawRuns(context, measured, toX, toY, theme[hue], 1.75, false);
   for (const [start, end] of over) {
     const part = measured.filter(({ at }) => at >= start && at <= end);
     drawRuns(context, part, toX, toY, theme.reading, 1.75, false);
+  }
+  if (showsEnds) {
+    write(context, toFixed(high, decimals), left + width + 8, top + 4, theme.muted, font, "left");
+    write(context, toFixed(low, decimals), left + width + 8, top + height - 4, theme.muted, font, "left");
   }
   const shown = pointAt(measured.some(({ value }) => !Number.isNaN(value)) ? measured : commanded, pointed ?? 0);
   if (!shown) return;

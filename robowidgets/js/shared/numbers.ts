@@ -1,0 +1,55 @@
+import { decimalsFor } from "./format.ts";
+import type { Point, TimeLine } from "./time_lines.ts";
+import type { About } from "./traits.ts";
+
+/** What is said of a sample, and when it arrived, in milliseconds. */
+export interface Said {
+  about: About;
+  at: number;
+}
+
+/** Seconds that are shown. */
+export const SECONDS = 10;
+
+/** Part of the scale that is left free above and below a line. */
+const ROOM = 0.1;
+
+/** The numbers that a program plotted in the last seconds, those of today's names; each sample has at most one. */
+export function toNumberLines(said: Said[]): TimeLine[] {
+  const last = said.at(-1);
+  const recent = said.filter(({ at }) => last && last.at - at <= 1000 * SECONDS);
+  return Object.keys(last?.about.numbers ?? {}).map((name) => {
+    const measured = recent.flatMap(({ about, at }): Point[] => {
+      const value = about.numbers?.[name] ?? null;
+      return value === null ? [] : [{ at: at - (last?.at ?? 0), value }];
+    });
+    return {
+      name,
+      label: short(name),
+      ...scaleOf(measured),
+      color: "own",
+      limits: [],
+      measured,
+      commanded: [],
+      over: [],
+    };
+  });
+}
+
+const LONGEST = 14;
+
+function short(name: string): string {
+  return name.length > LONGEST ? `${name.slice(0, LONGEST - 1)}\u2026` : name;
+}
+
+function scaleOf(points: Point[]): Pick<TimeLine, "low" | "high" | "showsEnds" | "decimals"> {
+  const values = points.map(({ value }) => value);
+  const [least, most] = values.length ? [Math.min(...values), Math.max(...values)] : [0, 1];
+  const room = ROOM * (most - least || Math.abs(most) || 1);
+  return {
+    low: least - room,
+    high: most + room,
+    showsEnds: values.length > 1,
+    decimals: decimalsFor(most - least || Math.abs(most) || 1),
+  };
+}

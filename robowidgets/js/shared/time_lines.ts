@@ -1,0 +1,49 @@
+/** A value at a time; NaN where there is none. */
+export interface Point {
+  /** Milliseconds before the sample on show: 0 or less. */
+  at: number;
+  value: number;
+}
+
+/** One value over the last seconds, and the row in which it is drawn. */
+export interface TimeLine {
+  name: string;
+  /** What stands beside the line. */
+  label: string;
+  /** The ends of the scale. */
+  low: number;
+  high: number;
+  /** Whether the ends stand beside the line. */
+  showsEnds: boolean;
+  decimals: number;
+  limits: number[];
+  color: "pointer" | "own";
+  measured: Point[];
+  /** What was commanded, drawn as steps. */
+  commanded: Point[];
+  /** From when to when the value was past a limit. */
+  over: [number, number][];
+}
+
+/** Milliseconds between samples from which on a line is broken, as the source is silent. */
+const GAP = 1000;
+
+/** The runs of points, without those that have no value; a silence ends a run. */
+export function toRuns(points: Point[]): Point[][] {
+  const runs: Point[][] = [];
+  let before = NaN;
+  for (const point of points) {
+    if (Number.isNaN(point.value)) before = NaN;
+    else {
+      if (point.at - before <= GAP) runs.at(-1)?.push(point);
+      else runs.push([point]);
+      before = point.at;
+    }
+  }
+  return runs;
+}
+
+/** The point at a time, which holds until the next; null before the first. */
+export function pointAt(points: Point[], at: number): Point | null {
+  return points.filter((point) => point.at <= at).at(-1) ?? points[0] ?? null;
+}
