@@ -63,9 +63,9 @@ class Recording(RecordingData):
         If it reads a sample before the first one, the condition is unknown, and nothing is found.
 
         A condition keeps its value until the next sample, but scans and speeds are stale one usual step into a silence.
-        Ready-made conditions are computed for whole columns while another thread reads the file. A function is called
-        in this process, so it may be a lambda. An interrupt (stop the cell, Ctrl-C) ends the search: the result then
-        has the spans up to that time, and its `is_complete` is False.
+        Ready-made conditions are computed for whole columns. A function is called in this process, so it may be a
+        lambda. An interrupt (stop the cell, Ctrl-C) ends the search: the result then has the spans up to that time,
+        and its `is_complete` is False.
 
         Args:
             condition: the condition or function.

@@ -1,10 +1,13 @@
-"""A table under a heading, as text and as HTML."""
+"""A table under a heading, as text and as HTML; numbers, sizes, dates and angles as a person reads them."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from datetime import datetime, timedelta, timezone
 from html import escape
 from math import degrees
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
 
 def as_text(
@@ -53,6 +56,11 @@ def _cells(tag: str, cells: Sequence[str], right: Collection[int]) -> str:
         f'<{tag} style="text-align:{"right" if i in right else "left"}">{escape(cell)}</{tag}>'
         for i, cell in enumerate(cells)
     )
+
+
+def as_date(time_ns: int) -> str:
+    """Nanoseconds since the epoch as date and time of day: ``2024-05-03 14:32:05 UTC``."""
+    return f"{_EPOCH + timedelta(seconds=time_ns // 10**9):%Y-%m-%d %H:%M:%S} UTC"
 
 
 def degrees_of(angle: float) -> str:

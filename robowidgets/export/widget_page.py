@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from datetime import datetime, timezone
 from functools import partial
 from math import floor, nan
 from pathlib import Path
@@ -15,7 +14,7 @@ import ipywidgets
 
 from .._core.cells import close_all
 from .._core.robot_widget import FRAME_HEADER
-from .._core.tables import many
+from .._core.tables import as_date, many
 from .._core.timed_frame import TimedFrame
 from ..player_widget import PlayerWidget
 from .html import Heading, Models, Page, segment, shown
@@ -54,7 +53,7 @@ def write(widget: Any, path: Path, title: str, note: str) -> Path:
         state = models.part(
             shown(root), player=bar.model_id if moves else "", scanogram=None, begin=0.0, name=path.stem
         )
-    until = f"{datetime.fromtimestamp(began + end - start, timezone.utc):%Y-%m-%d %H:%M:%S} UTC"
+    until = as_date(round((began + end - start) * 1e9))
     facts = f"{end - start:.1f} s until {until} · {many(len(frames), 'sample')}" if moves else until
     heading = Heading(title or widget.title or path.stem, facts, (), note, (repr(widget),))
     numbers = range(floor((end - start) / _SECONDS) + 1) if moves else range(0)

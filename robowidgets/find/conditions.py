@@ -1,9 +1,8 @@
 """Ready-made conditions for `Recording.find` and for `watch` of a widget, joined by ``&``, ``|`` and ``~``.
 
-`Recording.find` computes a condition for whole columns, while another thread reads and decompresses the next part of
-the file. `Condition.judge` applies the same test to one sample. The last scan or speed before a silence is stale one
-usual step after its time; a silence is a pause of more than 2 s and more than two usual steps. The state of a touch
-sensor lasts until its next message.
+`Recording.find` computes a condition for whole columns; `Condition.judge` applies the same test to one sample. The last
+scan or speed before a silence is stale one usual step after its time; a silence is a pause of more than 2 s and more
+than two usual steps. The state of a touch sensor lasts until its next message.
 
 Example:
     >>> from robowidgets import conditions

@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 import ipywidgets
 
 from .._core.cells import close_all
+from .._core.tables import as_date
 from .._core.timed_frame import TimedFrame
 from ..export.html import Heading, Models, Page, segment, shown
 from ..kinds import LASER
 from ..recordings import RecordingData
-from ..recordings.times import as_date, has_date, to_ns
+from ..recordings.times import has_date, to_ns
 from ..repair import RecordingError
 from ..scanogram_widget import ScanogramWidget
 from ._frames import Track

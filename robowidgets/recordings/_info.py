@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from .._core.tables import many
+from .._core.tables import as_date, many
 from .program_log import PROGRAM
-from .times import as_date, has_date
+from .times import has_date
 from .topics import Topic
 
 _HEADS = ("topic", "type", "messages", "Hz", "widget")

@@ -8,6 +8,7 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
+from .._core.tables import as_date
 from ..repair import REAL_FROM_NS, RecordingError
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
@@ -27,11 +28,6 @@ def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
 def has_date(time_ns: int) -> bool:
     """Whether a clock with this time has the right date."""
     return time_ns >= REAL_FROM_NS
-
-
-def as_date(time_ns: int) -> str:
-    """Date and time of day: ``2024-05-03 14:32:05 UTC``."""
-    return f"{_EPOCH + timedelta(seconds=time_ns // 10**9):%Y-%m-%d %H:%M:%S} UTC"
 
 
 def seconds_at(when: datetime | str, file: str, start_ns: int | None, end_ns: int | None) -> float:
