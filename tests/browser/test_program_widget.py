@@ -28,13 +28,13 @@ widget
 LISTEN = """
 import time
 heard, log = [], ""
-publish = robot._middleware.publish
+publish = robot.connection.middleware.publish
 def record(topic, kind, message):
     publish(topic, kind, message)
     heard.append((time.time(), message["linear"]["x"]))
     if log:
         print(*heard[-1], file=open(log, "a"))
-robot._middleware.publish = record
+robot.connection.middleware.publish = record
 """
 AVOID = """
 @robot.program(rate=20)
