@@ -5,11 +5,11 @@ ipywidgets keeps every widget until it is closed, and IPython keeps the results 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from typing import Any, Protocol
 from weakref import WeakSet
 
+from .error_routing import ipython_shell
 from .platform_fixes import call_on_idle_interrupt, call_on_interrupt
 
 
@@ -52,7 +52,7 @@ def on_failed_cell(call: Callable[[], None]) -> None:
     The main thread calls it, perhaps in a signal handler, so it must not wait. Each cell that wants this must register
     it again, from the main thread.
     """
-    shell = _shell()
+    shell = ipython_shell()
     if shell is None:
         return
     if call not in _on_failed:
@@ -72,7 +72,7 @@ def on_interrupt(call: Callable[[], None]) -> None:
     The main thread calls it in a signal handler, so it must not wait. Does nothing outside a kernel; there an interrupt
     ends the program, and the robot gets zero.
     """
-    shell = _shell()
+    shell = ipython_shell()
     if shell is None or not hasattr(shell, "kernel"):
         return
     if not _on_interrupt:
@@ -106,10 +106,5 @@ def close_all(widget: Any) -> None:
 
 def running_cell() -> tuple[str, str]:
     """The ids of the running cell and of this run; empty where the notebook sends none."""
-    request: dict[str, Any] = getattr(_shell(), "get_parent", dict)()
+    request: dict[str, Any] = getattr(ipython_shell(), "get_parent", dict)()
     return request.get("metadata", {}).get("cellId", ""), request.get("header", {}).get("msg_id", "")
-
-
-def _shell() -> Any:
-    ipython = sys.modules.get("IPython")
-    return ipython and ipython.get_ipython()

@@ -5,8 +5,15 @@ from __future__ import annotations
 import sys
 import threading
 from types import FrameType
+from typing import Any
 
 _CELLS = "IPython.core.interactiveshell"
+
+
+def ipython_shell() -> Any:
+    """The shell of IPython that runs cells; None elsewhere."""
+    ipython = sys.modules.get("IPython")
+    return ipython and ipython.get_ipython()
 
 
 def called_from_cell() -> bool:
@@ -14,8 +21,7 @@ def called_from_cell() -> bool:
 
     In a notebook the main thread also runs the event loop, with tasks, timers and buttons between and beside the cells.
     """
-    ipython = sys.modules.get("IPython")
-    if ipython is None or ipython.get_ipython() is None:
+    if ipython_shell() is None:
         return threading.current_thread() is threading.main_thread()
     return _is_in_a_cell(sys._getframe())
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import atexit
 import logging
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
+from .error_routing import ipython_shell
 from .platform_fixes import let_threads_print, shorten_switch_interval
 
 log = logging.getLogger("robowidgets")
@@ -139,8 +139,7 @@ class Pacer:
         if not self._hooked:
             self._hooked = True
             atexit.register(self.flush)
-            ipython = sys.modules.get("IPython")
-            shell = ipython.get_ipython() if ipython else None
+            shell = ipython_shell()
             if shell is not None:
                 # So that a notebook saved or exported after its last cell contains the state that the cell left.
                 shell.events.register("post_execute", self.flush)

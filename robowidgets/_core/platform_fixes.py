@@ -17,6 +17,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from .error_routing import ipython_shell
+
 ENABLED = os.environ.get("ROBOWIDGETS_PLATFORM_FIXES", "").strip().lower() != "off"
 
 SWITCH_INTERVAL = 0.0001
@@ -100,8 +102,7 @@ def let_threads_print() -> None:
     without end. The fix drops the notes on an ended thread when its identifier is used again. Without the fix, a thread
     that prints or logs may hang, and so does each thread that logs after it.
     """
-    ipython = sys.modules.get("IPython")
-    kernel = getattr(ipython and ipython.get_ipython(), "kernel", None)
+    kernel = getattr(ipython_shell(), "kernel", None)
     for name in ("_stdout", "_stderr"):
         stream: Any = getattr(kernel, name, None)
         if ENABLED and type(getattr(stream, "_thread_to_parent", None)) is dict:

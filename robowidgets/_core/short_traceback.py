@@ -10,6 +10,8 @@ from functools import wraps
 from types import TracebackType
 from typing import Any
 
+from .error_routing import ipython_shell
+
 _OURS = __name__.partition(".")[0]
 _CHECKS = {_OURS, "anywidget", "ipywidgets", "traitlets"}
 """Packages that check the arguments of a widget."""
@@ -24,8 +26,7 @@ def shorten_tracebacks() -> None:
     IPython asks only errors of other classes than Python's own how they are shown, so this wraps what makes the
     traceback. It stays whole in a log, in a debugger and outside notebooks.
     """
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython else None
+    shell = ipython_shell()
     if shell is None:
         return
     whole = shell.InteractiveTB.structured_traceback

@@ -8,7 +8,7 @@ import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable
-from types import FrameType, FunctionType
+from types import FunctionType
 from typing import Any
 
 from .._core.cells import running_cell
@@ -55,10 +55,6 @@ class Function:
         if self.cell and self.cell == other.cell and self.run != other.run:
             return True
         return self.topic == other.topic and _name_in_main(self.call) == _name_in_main(other.call) != ""
-
-    def line_of(self, frames: Iterable[tuple[FrameType, int]]) -> str:
-        """The line of its own file in these frames, outermost first, as ``, line 12``; empty when there is none."""
-        return line_of(self.call, frames)
 
 
 class FunctionCaller:
@@ -157,7 +153,7 @@ class FunctionCaller:
         passed = time.monotonic() - entered if entered is not None else 0.0
         if passed < SLOW:
             return function.error
-        where = function.line_of(frames_of(self._thread))
+        where = line_of(function.call, frames_of(self._thread))
         return f"your function `{function.name}`{where}, has not returned for {passed:.0f} s"
 
     def _drop(self, gone: list[Function]) -> None:
@@ -220,7 +216,7 @@ class FunctionCaller:
         try:
             function.call(sample)
         except BaseException as error:  # not even a SystemExit may end the thread that all functions share
-            line = function.line_of(traceback.walk_tb(error.__traceback__))
+            line = line_of(function.call, traceback.walk_tb(error.__traceback__))
             function.error = f"your function `{function.name}`{line}: {type(error).__name__}: {error}"
             self._log(function.error)
         else:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 from .._core.cells import running_cell, take_the_place
+from .._core.coalesced_call import CoalescedCall
 from .._core.platform_fixes import let_threads_print, shorten_switch_interval
 from .._core.robot_widget import RobotWidget
 from .._core.watched import Watched
@@ -21,7 +22,6 @@ from ._callbacks import FunctionCaller
 from ._driver import Driver
 from ._open_feeds import close_first, open_feeds
 from ._program_inputs import FeedRobot
-from ._subscriber import Subscriber
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
 from ._topics import Topic, check_name, topics_of, unlisted
@@ -62,7 +62,8 @@ class Connection(Watched):
         self._driven: str | None = None
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
         self._opened = time.monotonic()
-        self._subscriber = Subscriber(middleware, self._wanted)
+        self._subscribed: set[str] = set()
+        self._subscribe = CoalescedCall(self._update_subscriptions)
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
         self.programs = Programs(FeedRobot(self, is_deleted))
@@ -111,7 +112,7 @@ class Connection(Watched):
         with self._changed:
             self.functions.connect(topic, functions, raw)
             self._table.prune()
-        self._subscriber.update()
+        self._subscribe()
 
     def disconnect(self, topic: str, *targets: Any) -> None:
         """See `Feed.disconnect`."""
@@ -121,7 +122,7 @@ class Connection(Watched):
             self.functions.disconnect(topic, functions if targets else None)
             self._table.disconnect(topic, ours if targets else None)
             self._show_status(topic)
-        self._subscriber.update()
+        self._subscribe()
 
     def install(
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
@@ -274,7 +275,7 @@ class Connection(Watched):
         """End an `attach`."""
         with self._changed:
             self._table.disconnect(topic, [target])
-        self._subscriber.update()
+        self._subscribe()
 
     def list_driven(self, topic: str) -> None:
         """List a topic on which only this feed publishes, so that a widget can show what is sent."""
@@ -306,7 +307,7 @@ class Connection(Watched):
         with self._changed:
             self.check_open()
             self._table.connect(topic, targets)
-        self._subscriber.update()
+        self._subscribe()
 
     def _list_topics(self) -> None:
         adverts = list(self.adverts)
@@ -325,9 +326,16 @@ class Connection(Watched):
             if subscription is not None:
                 self._table.show(subscription)
 
-    def _wanted(self) -> Collection[str] | None:
+    def _update_subscriptions(self) -> None:
+        """Subscribe the middleware to the topics that are connected, and to no others."""
         with self._changed:
-            return None if self.is_closed else tuple(self._table.by_topic)
+            wanted = self._subscribed if self.is_closed else set(self._table.by_topic)
+        # Without the lock: the middleware may take a lock that one of its threads holds while it waits for ours.
+        for topic in wanted - self._subscribed:
+            self.middleware.subscribe(topic)
+        for topic in self._subscribed - wanted:
+            self.middleware.unsubscribe(topic)
+        self._subscribed = wanted
 
 
 def _log_dropped(closed: Sequence[Any]) -> None:
