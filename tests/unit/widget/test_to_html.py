@@ -13,6 +13,7 @@ from robowidgets import LaserWidget, Scan, TouchWidget
 from robowidgets._core import page_file
 from robowidgets._core.pacer import pacer
 from robowidgets._core.page_file import SentFrames
+from robowidgets._core.timed_frame import TimedFrame
 
 
 def parts(path: Path, kind: str) -> list[bytes]:
@@ -53,13 +54,13 @@ def test_without_a_history_a_page_has_the_newest_sample(tmp_path: Path) -> None:
 def test_the_history_that_is_kept_is_that_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
     frames = SentFrames()
     for i in range(100):
-        frames.add((i / 10, {}, b"1234"), 2)
+        frames.add(TimedFrame(i / 10, {}, b"1234"), 2)
     assert next(at for at, _, _ in frames) == pytest.approx(7.9)
     for i in range(100):
-        frames.add((10 + i / 100, {}, b"1234"), 2)
+        frames.add(TimedFrame(10 + i / 100, {}, b"1234"), 2)
     assert len(list(frames)) == 40
     monkeypatch.setattr(page_file, "MOST_BYTES", 10)
-    frames.add((11, {}, b"1234"), 2)
+    frames.add(TimedFrame(11, {}, b"1234"), 2)
     assert len(list(frames)) == 2
-    frames.add((11, {}, b"1234"), 0)
+    frames.add(TimedFrame(11, {}, b"1234"), 0)
     assert list(frames) == []
