@@ -37,7 +37,7 @@ class Dds:
 
         from tests.unit.feeds.dds_robot import LOOPBACK, LaserScan
 
-        self._held = Domain(DOMAIN, LOOPBACK)
+        self._domain = Domain(DOMAIN, LOOPBACK)
         self._participant = DomainParticipant(DOMAIN)
         self._topic = Topic(self._participant, "rt/scan", LaserScan)
         self.where = str(DOMAIN)

@@ -214,7 +214,7 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     def scan(self) -> Scan | None:
         """The scan on show: the frozen one while paused, else the newest; None before the first."""
         if self.paused:
-            return self._unpack(self._held) if self._held else None
+            return self._unpack(self._frozen_frame) if self._frozen_frame else None
         return self._newest
 
     @property
@@ -257,7 +257,7 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         angle_min, angle_increment, range_min, range_max, count = _GEOMETRY.unpack_from(frame, FRAME_HEADER.size)
         values = np.frombuffer(frame, _FLOAT, offset=FRAME_HEADER.size + _GEOMETRY.size)
-        texts = self._frozen_meta
+        texts = self._frozen_about
         known = (*([texts["empty"]] if "empty" in texts else []), *texts.get("problems", ()))
         scan = Scan(
             ranges=values[: int(count)],

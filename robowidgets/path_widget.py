@@ -126,7 +126,7 @@ class PathWidget(RobotWidget[PathPoint]):
     def pose(self) -> PathPoint | None:
         """The pose on show: the frozen one while paused, else the newest; None before the first."""
         if self.paused:
-            return self._unpack(self._held) if self._held else None
+            return self._unpack(self._frozen_frame) if self._frozen_frame else None
         return self._newest
 
     @property
@@ -183,7 +183,7 @@ class PathWidget(RobotWidget[PathPoint]):
     def _unpack(self, frame: bytes) -> PathPoint:
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         seconds, x, y, yaw = _FRAME.unpack_from(frame, FRAME_HEADER.size)
-        point = PathPoint(seconds, x, y, yaw, stamp_ns or None, self._frozen_meta.get("frame_id", ""))
+        point = PathPoint(seconds, x, y, yaw, stamp_ns or None, self._frozen_about.get("frame_id", ""))
         point._arrive(arrived)
         return point
 

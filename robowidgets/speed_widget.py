@@ -241,7 +241,7 @@ class SpeedWidget(RobotWidget[Reading]):
 
     def _on_show(self) -> Reading:
         if self.paused:
-            return self._unpack(self._held) if self._held else Reading()
+            return self._unpack(self._frozen_frame) if self._frozen_frame else Reading()
         return self._reading
 
     def _pack(self, sample: Reading) -> bytes:
@@ -260,7 +260,7 @@ class SpeedWidget(RobotWidget[Reading]):
     def _unpack(self, frame: bytes) -> Reading:
         _, _, stamp_ns, arrived = FRAME_HEADER.unpack_from(frame)
         there, resets, commanded_ns, commanded_arrived, *values = _FRAME.unpack_from(frame, FRAME_HEADER.size)
-        frame_id = self._frozen_meta.get("frame_id", "")
+        frame_id = self._frozen_about.get("frame_id", "")
         measured = Speed(tuple(values[:3]), tuple(values[3:6]), stamp_ns or None, frame_id)
         measured._arrive(arrived)
         commanded = Speed(tuple(values[6:9]), tuple(values[9:12]), commanded_ns or None)

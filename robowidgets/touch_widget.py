@@ -212,7 +212,7 @@ class TouchWidget(RobotWidget[Touch]):
 
     def _on_show(self) -> dict[str, TouchSensor]:
         if self.paused:
-            rows = json.loads(self._held[FRAME_HEADER.size :]) if self._held else []
+            rows = json.loads(self._frozen_frame[FRAME_HEADER.size :]) if self._frozen_frame else []
             known = {name: TouchSensor(TouchState[word.upper()], touches) for name, word, touches, _ in rows}
         else:
             with self._tracking:

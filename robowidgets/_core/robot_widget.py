@@ -91,7 +91,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
         sync=True, echo_update=False
     )
     _frame = bytes_trait(echo_update=False)
-    _held = bytes_trait(echo_update=False)
+    _frozen_frame = bytes_trait(echo_update=False)
     _about = traitlets.Dict().tag(sync=True, echo_update=False)
     _source = traitlets.Dict(
         help="From a feed: robot, topic, type, status, error of a function, as plain text; whether the connection is "
@@ -118,7 +118,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
         self._waiting = 0
         self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
         """The texts on samples, each with the sequence number of its first sample."""
-        self._frozen_meta: dict[str, Any] = {}
+        self._frozen_about: dict[str, Any] = {}
         self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
         """`_frame` and `_about` as they were sent last; only the pacer sends them."""
         self._sent_frames = SentFrames()
@@ -438,8 +438,8 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     def _after_paused(self, _change: Any) -> None:
         if self.paused:
             self._freeze()
-        elif self._held:
-            self._held = b""
+        elif self._frozen_frame:
+            self._frozen_frame = b""
         # A page that freezes a widget freezes the others itself, at the moment that it shows.
         if "paused" not in self._property_lock:
             for other in list(self._group):
@@ -448,17 +448,17 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     def _freeze(self) -> None:
         """Keep the shown sample; when a person freezes the picture, the page does so itself."""
         with self._send_lock:
-            if not self._held:
+            if not self._frozen_frame:
                 self._bring_up_to_date()
-                self._held = self._frame
+                self._frozen_frame = self._frame
 
-    @traitlets.observe("_held")
-    def _after_held(self, _change: Any) -> None:
-        self._frozen_meta = self._about
-        if self._held and not self.driven_by_player:
-            number, *_ = FRAME_HEADER.unpack_from(self._held)
+    @traitlets.observe("_frozen_frame")
+    def _after_frozen_frame(self, _change: Any) -> None:
+        self._frozen_about = self._about
+        if self._frozen_frame and not self.driven_by_player:
+            number, *_ = FRAME_HEADER.unpack_from(self._frozen_frame)
             texts = (about for first, about in reversed(self._abouts) if first <= number)
-            self._frozen_meta = next(texts, self._about)
+            self._frozen_about = next(texts, self._about)
 
 
 def freeze_together(widgets: Iterable[RobotWidget[Any]]) -> None:

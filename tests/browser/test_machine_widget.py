@@ -108,7 +108,7 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
         expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
     moment = nb.python(
         "import struct, time\ntime.sleep(0.3)\n"
-        "scan, machine_, fired = (struct.unpack_from('<ddqd', w._held)[3] for w in (laser, machine, machine))\n"
+        "scan, machine_, fired = (struct.unpack_from('<ddqd', w._frozen_frame)[3] for w in (laser, machine, machine))\n"
         "at = machine._about['fired'][-1]['at']\nprint(at - 0.3 < scan <= at <= machine_ < at + 0.2)"
     )
     assert moment.strip() == "True"

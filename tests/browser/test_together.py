@@ -21,7 +21,7 @@ BUSY = "import time\nend = time.time() + 60\nwhile time.time() < end:\n    pass"
 ARRIVED = """
 import bisect
 from robowidgets._core.robot_widget import FRAME_HEADER
-print(*(FRAME_HEADER.unpack_from(widget._held)[3] for widget in view.widgets.values()))
+print(*(FRAME_HEADER.unpack_from(widget._frozen_frame)[3] for widget in view.widgets.values()))
 """
 
 

@@ -38,7 +38,7 @@ class NumberWidget(RobotWidget[Number]):
         """The number on show: the frozen one while paused, else the newest; None before the first."""
         if not self.paused:
             return self._newest
-        return Number(*_VALUE.unpack(self._held[-_VALUE.size :])) if self._held else None
+        return Number(*_VALUE.unpack(self._frozen_frame[-_VALUE.size :])) if self._frozen_frame else None
 
     def frame_of(self, sample: Number) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""

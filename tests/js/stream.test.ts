@@ -18,7 +18,7 @@ function frame(sequence: number, rate = 40): DataView {
 function open(values: Record<string, unknown> = {}) {
   const fake = new FakeModel({
     paused: false,
-    _held: new DataView(new ArrayBuffer(0)),
+    _frozen_frame: new DataView(new ArrayBuffer(0)),
     _about: {},
     _source: {},
     ...values,
@@ -65,8 +65,8 @@ test("a person's freeze holds the picture here and tells Python, with exactly th
   assert.equal(stream.shown?.sequence, 3);
   assert.equal(stream.since, 7);
   const [message] = fake.saved;
-  assert.deepEqual(Object.keys(message ?? {}).sort(), ["_held", "paused"]);
-  const held = message?._held as DataView;
+  assert.deepEqual(Object.keys(message ?? {}).sort(), ["_frozen_frame", "paused"]);
+  const held = message?._frozen_frame as DataView;
   // Hosts send the whole buffer under a view, so there must be nothing else in it.
   assert.equal(held.buffer.byteLength, HEAD);
   assert.equal(held.getFloat64(0, true), 3);
@@ -81,7 +81,7 @@ test("released, the newest shows at once, and nothing is held", () => {
   assert.equal(stream.paused, false);
   assert.equal(stream.shown?.sequence, 10);
   assert.equal(stream.since, 0);
-  assert.equal((fake.saved[1] as { _held: DataView })._held.byteLength, 0);
+  assert.equal((fake.saved[1] as { _frozen_frame: DataView })._frozen_frame.byteLength, 0);
   assert.equal(fake.saved[1]?.paused, false);
   end();
 });
@@ -91,20 +91,20 @@ test("Python's freeze holds what is here until Python says what it holds", () =>
   fake.receive({ paused: true });
   fake.receive({ _frame: frame(4) });
   assert.equal(stream.shown?.sequence, 3);
-  fake.receive({ _held: frame(4) });
+  fake.receive({ _frozen_frame: frame(4) });
   fake.receive({ _frame: frame(9) });
   assert.equal(stream.shown?.sequence, 4);
   assert.equal(stream.since, 5);
   fake.receive({ paused: false });
   assert.equal(stream.shown?.sequence, 9);
-  fake.receive({ _held: new DataView(new ArrayBuffer(0)) });
+  fake.receive({ _frozen_frame: new DataView(new ArrayBuffer(0)) });
   fake.receive({ paused: true });
   assert.equal(stream.shown?.sequence, 9);
   end();
 });
 
 test("a reload while frozen finds the frozen picture and the count", () => {
-  const { stream, end } = open({ paused: true, _held: frame(3), _frame: frame(8) });
+  const { stream, end } = open({ paused: true, _frozen_frame: frame(3), _frame: frame(8) });
   assert.equal(stream.shown?.sequence, 3);
   assert.equal(stream.since, 5);
   end();
@@ -121,7 +121,7 @@ test("frozen before the first frame, nothing shows and all that came is counted"
 });
 
 test("a kernel that counts anew makes no negative count", () => {
-  const { fake, stream, end } = open({ paused: true, _held: frame(100), _frame: frame(100) });
+  const { fake, stream, end } = open({ paused: true, _frozen_frame: frame(100), _frame: frame(100) });
   fake.receive({ _frame: frame(2) });
   assert.equal(stream.since, 0);
   end();
@@ -156,7 +156,7 @@ test("views hear of every change until their signal ends, and the model is left 
   assert.deepEqual(heard, { first: 2, second: 2 });
   first.abort();
   fake.receive({ paused: true });
-  fake.receive({ _held: frame(1) });
+  fake.receive({ _frozen_frame: frame(1) });
   assert.deepEqual(heard, { first: 2, second: 4 });
   end();
   assert.equal(fake.listening, 0);
@@ -205,7 +205,7 @@ test("what is stepped to is told to Python ten times a second, with exactly the 
     t.mock.timers.tick(10);
   }
   t.mock.timers.tick(100);
-  const told = fake.saved.slice(before).map(({ _held }) => _held as DataView);
+  const told = fake.saved.slice(before).map(({ _frozen_frame }) => _frozen_frame as DataView);
   assert.equal(told.length, 5);
   assert.equal(told.at(-1)?.getFloat64(0, true), 10);
   assert.equal(told.at(-1)?.buffer.byteLength, HEAD);
@@ -226,7 +226,7 @@ test("there is nothing to step to without a history, or with one sample", () => 
 });
 
 test("a reload keeps the sample that was stepped to, at a time that is not known", () => {
-  const { fake, stream, end } = open({ history: 30, paused: true, _held: frame(3), _frame: frame(8) });
+  const { fake, stream, end } = open({ history: 30, paused: true, _frozen_frame: frame(3), _frame: frame(8) });
   assert.deepEqual(stream.place, { index: 0, count: 2, behind: Number.NaN });
   fake.receive({ _frame: frame(9) });
   assert.deepEqual(sequences(stream, 1, 3), [8, 9, 9]);
@@ -237,7 +237,7 @@ test("a reload keeps the sample that was stepped to, at a time that is not known
 test("a frame that Python holds is found among those that came", () => {
   const { fake, stream, end } = open({ history: 30 });
   for (let i = 1; i <= 5; i++) fake.receive({ _frame: frame(i) });
-  fake.receive({ _held: frame(4), paused: true });
+  fake.receive({ _frozen_frame: frame(4), paused: true });
   assert.equal(stream.place?.index, 3);
   assert.deepEqual(sequences(stream, -1, 1), [3]);
   end();

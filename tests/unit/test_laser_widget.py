@@ -450,9 +450,9 @@ class TestScanOnShow:
         pacer.flush()
         on_the_page = page.state["_frame"]
         laser.update(MESSAGE | {"ranges": [9.0]})
-        laser.set_state({"_held": memoryview(on_the_page), "paused": True})
+        laser.set_state({"_frozen_frame": memoryview(on_the_page), "paused": True})
         assert laser.scan.ranges.tolist() == [1.0, 2.0, 3.0]
-        laser.set_state({"_held": memoryview(b""), "paused": False})
+        laser.set_state({"_frozen_frame": memoryview(b""), "paused": False})
         assert laser.scan.ranges.tolist() == [9.0]
 
     def test_has_the_frame_of_the_sample_that_was_stepped_to(self, laser: LaserWidget, page: Page) -> None:
@@ -462,7 +462,7 @@ class TestScanOnShow:
             pacer.flush()
             frames.append(page.state["_frame"])
         for frame, name in zip(frames, ("front", "rear", "front"), strict=True):
-            laser.set_state({"_held": memoryview(frame), "paused": True})
+            laser.set_state({"_frozen_frame": memoryview(frame), "paused": True})
             assert laser.frozen.frame_id == name
 
     def test_is_none_while_it_was_frozen_before_the_first(self) -> None:

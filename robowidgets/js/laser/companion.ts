@@ -30,7 +30,7 @@ export class Companion<F extends Frame> {
     const found = await this.#host.widget_manager.get_model(id).catch(() => null);
     if (!found || this.#id !== id || this.#signal.aborted) return;
     this.#model = found as Model<SampleTraits>;
-    onChange(this.#model, ["_frame", "_held", "paused", "title"], this.#onChange, this.#signal);
+    onChange(this.#model, ["_frame", "_frozen_frame", "paused", "title"], this.#onChange, this.#signal);
     this.#onChange();
   }
 
@@ -41,7 +41,7 @@ export class Companion<F extends Frame> {
 
   /** Null without a widget, or before its first sample. */
   get shown(): F | null {
-    const bytes = this.#model && toBytes(this.#model.get(this.#model.get("paused") ? "_held" : "_frame"));
+    const bytes = this.#model && toBytes(this.#model.get(this.#model.get("paused") ? "_frozen_frame" : "_frame"));
     if (!bytes) return null;
     if (this.#decoded?.bytes !== bytes) this.#decoded = { bytes, frame: this.#decode(bytes) };
     return this.#decoded.frame;

@@ -280,7 +280,7 @@ export class Playback {
     for (const [i, target] of this.#moved.targets.entries()) {
       const bytes = frames[i];
       if (!bytes || !target.get("paused")) continue;
-      target.set("_held", bytes);
+      target.set("_frozen_frame", bytes);
       target.save_changes();
     }
   }

@@ -81,7 +81,7 @@ export class Stream<F extends Frame> implements Member {
     this.#decode = decode;
     // While a person drags, Python needs no message for each step.
     this.#save = throttle(() => model.save_changes(), SAVE_MS, signal);
-    const [held, newest] = [this.paused ? this.#bytes("_held") : null, this.#bytes("_frame")];
+    const [held, newest] = [this.paused ? this.#bytes("_frozen_frame") : null, this.#bytes("_frame")];
     this.#keep(held, NaN);
     if (this.paused) this.#history.hold(performance.now());
     if (sequenceOf(held) !== sequenceOf(newest)) this.#keep(newest, NaN);
@@ -93,7 +93,7 @@ export class Stream<F extends Frame> implements Member {
     }
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["paused"], () => this.#onPaused(), signal);
-    onChange(model, ["_held"], () => this.#tell(), signal);
+    onChange(model, ["_frozen_frame"], () => this.#tell(), signal);
     onChange(model, ["_about"], () => this.#onAbout(), signal);
     onAbort(signal, () => clearTimeout(this.#stale));
     join(this, signal);
@@ -193,11 +193,12 @@ export class Stream<F extends Frame> implements Member {
   }
 
   freeze(): void {
-    if (!this.paused) setTraits(this.#model, { _held: this.#history.moments.at(-1)?.bytes || NOTHING, paused: true });
+    if (!this.paused)
+      setTraits(this.#model, { _frozen_frame: this.#history.moments.at(-1)?.bytes || NOTHING, paused: true });
   }
 
   release(): void {
-    if (this.paused) setTraits(this.#model, { _held: NOTHING, paused: false });
+    if (this.paused) setTraits(this.#model, { _frozen_frame: NOTHING, paused: false });
   }
 
   /** Shows the next or the previous sample of the history; returns false when there is nothing to step through. */
@@ -250,7 +251,7 @@ export class Stream<F extends Frame> implements Member {
 
   #hold({ bytes }: Moment): void {
     this.stepped = true;
-    this.#model.set("_held", bytes);
+    this.#model.set("_frozen_frame", bytes);
     this.#save();
   }
 
@@ -261,10 +262,10 @@ export class Stream<F extends Frame> implements Member {
   }
 
   #shownBytes(): DataView | null {
-    return this.paused ? (this.#bytes("_held") ?? this.#heldHere) : this.#bytes("_frame");
+    return this.paused ? (this.#bytes("_frozen_frame") ?? this.#heldHere) : this.#bytes("_frame");
   }
 
-  #bytes(name: "_frame" | "_held"): DataView | null {
+  #bytes(name: "_frame" | "_frozen_frame"): DataView | null {
     return toBytes(this.#model.get(name));
   }
 
@@ -310,7 +311,7 @@ export class Stream<F extends Frame> implements Member {
 
   #onPaused(): void {
     this.stepped = false;
-    // A link between two widgets sets `paused` without `_held`.
+    // A link between two widgets sets `paused` without `_frozen_frame`.
     this.#heldHere = this.paused ? (this.#history.moments.at(-1)?.bytes ?? null) : null;
     if (this.paused) this.#history.hold(performance.now());
     else this.#history.release(this.#seconds);

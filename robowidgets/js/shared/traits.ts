@@ -25,7 +25,7 @@ export interface SampleTraits extends FrameTraits {
   /** Seconds for which samples are kept. */
   history: number;
   /** The frozen frame; empty when none is. */
-  _held: DataView;
+  _frozen_frame: DataView;
   _source: Source;
   /** Seconds; how old the newest sample was when the page asked for the state. */
   _silence: number;

@@ -21,10 +21,10 @@ class TestFreezing:
         widget.update(3)
         pacer.flush()
         assert page.state["paused"] is True
-        assert number_in(page.state["_held"]) == 2
+        assert number_in(page.state["_frozen_frame"]) == 2
         assert number_in(page.state["_frame"]) == 3
         assert page.state["_about"] == {"value": 3}
-        assert page.sent("_held") == [page.state["_held"]]
+        assert page.sent("_frozen_frame") == [page.state["_frozen_frame"]]
 
     def test_what_is_held_is_there_before_the_widget_counts_as_frozen(
         self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
@@ -32,7 +32,7 @@ class TestFreezing:
         held = []
 
         def notice(change: dict) -> None:
-            held.append(number_in(widget._held) if widget.paused else None)
+            held.append(number_in(widget._frozen_frame) if widget.paused else None)
 
         widget.update(2)
         monkeypatch.setattr(widget, "notify_change", notice)
@@ -46,7 +46,7 @@ class TestFreezing:
         widget.paused = True
         pacer.flush()
         (state,) = (state for message, state in zip(page.messages, page.history, strict=True) if "paused" in message)
-        assert number_in(state["_held"]) == 2
+        assert number_in(state["_frozen_frame"]) == 2
 
     def test_what_is_held_and_that_it_is_frozen_travel_together(self, widget: NumberWidget, page: Page) -> None:
         with pacer._turn:
@@ -54,17 +54,17 @@ class TestFreezing:
             widget.paused = True
         pacer.flush()
         (told,) = (message for message in page.messages if "paused" in message)
-        assert number_in(told["_held"]) == 2
+        assert number_in(told["_frozen_frame"]) == 2
 
     def test_python_releases_it(self, widget: NumberWidget, page: Page) -> None:
         widget.update(2)
         widget.paused = True
         pacer.flush()
-        assert number_in(page.state["_held"]) == 2
+        assert number_in(page.state["_frozen_frame"]) == 2
         widget.update(3)
         widget.paused = False
         pacer.flush()
-        assert page.state["_held"] == b""
+        assert page.state["_frozen_frame"] == b""
         assert page.state["paused"] is False
 
     def test_frozen_at_once_the_page_still_hears_the_words(self, widget: NumberWidget, page: Page) -> None:
@@ -73,14 +73,14 @@ class TestFreezing:
             widget.paused = True
         pacer.flush()
         assert page.state["_about"] == {"value": 1}
-        assert number_in(page.state["_frame"]) == number_in(page.state["_held"]) == 1
+        assert number_in(page.state["_frame"]) == number_in(page.state["_frozen_frame"]) == 1
 
     def test_frozen_again_it_holds_anew(self, widget: NumberWidget, page: Page) -> None:
         for value in (1, 2, 3):
             widget.update(value)
             widget.paused = True
             pacer.flush()
-            assert number_in(page.state["_held"]) == value
+            assert number_in(page.state["_frozen_frame"]) == value
             widget.paused = False
 
     def test_a_person_holds_what_was_on_the_page(self, widget: NumberWidget, page: Page) -> None:
@@ -88,12 +88,12 @@ class TestFreezing:
         pacer.flush()
         on_the_page = memoryview(page.state["_frame"])
         widget.update(2)
-        widget.set_state({"_held": on_the_page, "paused": True})
+        widget.set_state({"_frozen_frame": on_the_page, "paused": True})
         widget.update(3)
         pacer.flush()
         assert widget.paused is True
-        assert number_in(widget._held) == 1
-        assert page.sent("_held") == [], "what the page said needs no echo"
+        assert number_in(widget._frozen_frame) == 1
+        assert page.sent("_frozen_frame") == [], "what the page said needs no echo"
         assert number_in(page.state["_frame"]) == 3
 
     def test_a_person_steps_back_while_frozen(self, widget: NumberWidget, page: Page) -> None:
@@ -102,31 +102,31 @@ class TestFreezing:
             widget.update(value)
             pacer.flush()
             frames.append(memoryview(page.state["_frame"]))
-        widget.set_state({"_held": frames[1], "paused": True})
-        widget.set_state({"_held": frames[0]})
-        assert (number_in(widget._held), number_in(widget.get_state()["_held"])) == (1, 1)
+        widget.set_state({"_frozen_frame": frames[1], "paused": True})
+        widget.set_state({"_frozen_frame": frames[0]})
+        assert (number_in(widget._frozen_frame), number_in(widget.get_state()["_frozen_frame"])) == (1, 1)
 
     def test_a_person_releases_what_python_froze(self, widget: NumberWidget) -> None:
         widget.update(1)
         widget.paused = True
-        widget.set_state({"_held": memoryview(b""), "paused": False})
-        assert (widget.paused, widget._held) == (False, b"")
+        widget.set_state({"_frozen_frame": memoryview(b""), "paused": False})
+        assert (widget.paused, widget._frozen_frame) == (False, b"")
 
     def test_python_releases_what_a_person_froze(self, widget: NumberWidget, page: Page) -> None:
         widget.update(1)
         pacer.flush()
-        widget.set_state({"_held": memoryview(page.state["_frame"]), "paused": True})
+        widget.set_state({"_frozen_frame": memoryview(page.state["_frame"]), "paused": True})
         widget.paused = False
         pacer.flush()
-        assert widget._held == b""
-        assert page.sent("_held") == [b""]
+        assert widget._frozen_frame == b""
+        assert page.sent("_frozen_frame") == [b""]
 
     def test_a_new_view_finds_what_is_held(self, widget: NumberWidget) -> None:
         widget.update(1)
         widget.paused = True
         widget.update(2)
         state = widget.get_state()
-        assert (number_in(state["_held"]), number_in(state["_frame"]), state["paused"]) == (1, 2, True)
+        assert (number_in(state["_frozen_frame"]), number_in(state["_frame"]), state["paused"]) == (1, 2, True)
 
     def test_the_page_is_told_how_many_seconds_to_keep(self, widget: NumberWidget, page: Page) -> None:
         assert widget.get_state()["history"] == 30.0
@@ -143,5 +143,5 @@ class TestFreezing:
         made = NumberWidget(paused=True)
         made.update(1)
         state = made.get_state()
-        assert (state["paused"], state["_held"], number_in(state["_frame"])) == (True, b"", 1)
+        assert (state["paused"], state["_frozen_frame"], number_in(state["_frame"])) == (True, b"", 1)
         made.close()

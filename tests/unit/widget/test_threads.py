@@ -59,7 +59,7 @@ class TestThreads:
         assert head_of(page.state["_frame"])[0] == 8 * each + 1
         assert page.state["color"] == f"color {settings}"
         assert page.state["paused"] is False
-        assert page.state["_held"] == b""
+        assert page.state["_frozen_frame"] == b""
         sequences = [head_of(frame)[0] for frame in page.sent("_frame")]
         assert sequences == sorted(sequences)
         for message in page.messages:

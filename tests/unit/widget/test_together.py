@@ -31,7 +31,7 @@ def test_what_a_page_freezes_is_left_to_the_page_which_knows_the_moment() -> Non
     laser, speed = LaserWidget(), SpeedWidget()
     together(laser, speed)
     speed.update(linear=(0.5, 0, 0))
-    laser.set_state({"paused": True, "_held": FRAME_HEADER.pack(1, 10, 0, 1.0)})
+    laser.set_state({"paused": True, "_frozen_frame": FRAME_HEADER.pack(1, 10, 0, 1.0)})
     assert not speed.paused
 
 

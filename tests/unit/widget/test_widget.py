@@ -48,7 +48,7 @@ class TestNames:
         with pytest.raises(TypeError, match=r"^NumberWidget\(\) has no keyword 'xyz'\. It takes: color, footer, "):
             NumberWidget(xyz=1)
 
-    @pytest.mark.parametrize("name", ["_frame", "_held", "_about", "_esm", "comm", "keys", "log", "update"])
+    @pytest.mark.parametrize("name", ["_frame", "_frozen_frame", "_about", "_esm", "comm", "keys", "log", "update"])
     def test_what_is_inside_is_no_keyword(self, name: str) -> None:
         with pytest.raises(TypeError, match=rf"^NumberWidget\(\) has no keyword '{name}'"):
             NumberWidget(**{name: None})
