@@ -128,7 +128,8 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     _keywords = ("sectors", "pins")
     wide = True
     sample_name = "scan"
-    frame_traits = ("angle_offset", "_drawings")
+    frame_traits = ("angle_offset", "_edition")
+    judges_frames = True
 
     arc_count = traitlets.Int(
         None, allow_none=True, min=0, max=50, help="Range arcs that divide the view in equal parts; None: at 1, 2 or 5."
@@ -225,7 +226,10 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     def frame_of(self, sample: Scan) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
         scan = sample.turned(self.angle_offset)
-        return {**about_scan(sample, self.angle_offset), **self._drawn_on(scan)}, self._pack(scan)
+        about = (
+            about_scan(sample, self.angle_offset) | self._drawn_on(scan) | self._judged_on(scan if len(scan) else None)
+        )
+        return about, self._pack(scan)
 
     def _describe(self) -> str:
         return repr(self.scan).strip("<>") if self.scan else ""

@@ -87,6 +87,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     frame_traits: tuple[str, ...] = ()
     """Names of the traits on which its frames depend, besides the sample."""
 
+    _edition = traitlets.Int(0, help="How often a program has changed what a player shows with each sample.")
     _together = traitlets.Unicode(help="Name of the group that is frozen and stepped together; empty: alone.").tag(
         sync=True, echo_update=False
     )

@@ -158,9 +158,7 @@ class Watch:
         try:
             verdict = UNKNOWN if sample is None else self._judge(sample)
         except BaseException as error:  # not even a SystemExit may end the thread that judges
-            with self._changed:
-                self._error, self._verdict = error_in(error), UNKNOWN
-                self._notify()
+            self._switch_off(error)
             return
         with self._changed:
             if self._sample is not None and verdict.value != self._verdict.value:
@@ -180,15 +178,33 @@ class Watch:
 
     def lamp(self) -> dict[str, Any]:
         """What the page shows of it, all plain values: see `Lamp` in js/shared/lamps.ts."""
-        value, text = self._verdict.value, self._verdict.text
+        return self._lamp(self._verdict, self._since, self._count)
+
+    def lamp_on(self, sample: Any) -> dict[str, Any]:
+        """The lamp for any sample of a recording, without its history; None before the first sample."""
+        verdict = UNKNOWN
+        if sample is not None and not self._error:
+            try:
+                verdict = self._judge(sample)
+            except BaseException as error:  # nor the thread that prefetches a recording
+                self._switch_off(error)
+        return self._lamp(verdict, None, 0)
+
+    def _switch_off(self, error: BaseException) -> None:
+        with self._changed:
+            self._error, self._verdict = error_in(error), UNKNOWN
+            self._notify()
+
+    def _lamp(self, verdict: Verdict, since: float | None, changes: int) -> dict[str, Any]:
+        value, text = verdict.value, verdict.text
         state = "off" if self._error else {True: "true", False: "false", None: "unknown"}[value]
         return {
             "name": self.name,
             "state": state,
             "text": self._error or text,
-            "since": self._since,
-            "changes": self._count,
-            "rays": _runs(self._verdict.rays.tolist()) if value else [],
+            "since": since,
+            "changes": changes,
+            "rays": _runs(verdict.rays.tolist()) if value else [],
         }
 
     def _judge(self, sample: Any) -> Verdict:

@@ -25,6 +25,10 @@ class JudgesConditions:
     """What programs call one sample: ``"scan"``."""
 
     driven_by_player = False
+    judges_frames = False
+    """Whether a player shows the verdicts on each sample of this widget."""
+
+    _edition: int
     _judge: Judge | None = None
     _plotted: Numbers
     _sample_lock: Any
@@ -55,7 +59,7 @@ class JudgesConditions:
             TypeError: no such condition, a lambda without a name, or no number.
             ValueError: the condition looks at samples of another widget; the name is empty or too long, or both a
                 condition and a number would have it; there are more than eight numbers; a player of a recording moves
-                this widget, so `Recording.find` is what finds the condition.
+                this widget, and shows verdicts on lasers only: `Recording.find` finds the condition.
 
         Example:
             >>> from robowidgets import LaserWidget
@@ -66,7 +70,7 @@ class JudgesConditions:
         """
         if isinstance(condition, str):
             return self._plot(condition, name)
-        if self.driven_by_player:
+        if self.driven_by_player and not self.judges_frames:
             raise ValueError(
                 "watch: a player moves this widget; give the condition to recording.find, and the spans to player.marks"
             )
@@ -82,6 +86,8 @@ class JudgesConditions:
         if self._judge is None:
             self._judge = Judge(self)  # type: ignore[arg-type]  # what is missing is in RobotWidget
         self._judge.put(watch)
+        if self.driven_by_player:
+            self._edition += 1
         return watch
 
     def unwatch(self, name: str) -> None:
@@ -99,11 +105,18 @@ class JudgesConditions:
             raise KeyError(f"no watch {name!r}: there are {', '.join(self.watched) or 'none'}")
         if self._judge:
             self._judge.remove(name)
+        if self.driven_by_player:
+            self._edition += 1
 
     @property
     def watched(self) -> Mapping[str, Watch]:
         """The watches by name."""
         return MappingProxyType(self._judge.watches if self._judge else {})
+
+    def _judged_on(self, sample: Any) -> dict[str, Any]:
+        """The verdicts on a sample of a recording, as a text on it; None before the first sample."""
+        watches = list(self.watched.values())
+        return {"lamps": [watch.lamp_on(sample) for watch in watches], "judged": 0} if watches else {}
 
     def _plot(self, name: str, value: Any) -> float:
         if value is None or isinstance(value, str):

@@ -9,8 +9,6 @@ from math import isfinite
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-import traitlets
-
 from .._core.error_routing import called_from_cell
 from .._core.pacer import pacer
 from .._core.robot_widget import RobotWidget
@@ -69,8 +67,6 @@ class Drawn(NamedTuple):
 class DrawsShapes(RobotWidget[Scan]):
     """A widget of scans on which a program draws."""
 
-    _drawings = traitlets.Int(0, help="How often something was drawn in a player, which then packs its frames anew.")
-
     def __init__(self, **kwargs: Any) -> None:
         self._drawn: dict[str, Drawn] = {}
         self._places = 0
@@ -117,7 +113,7 @@ class DrawsShapes(RobotWidget[Scan]):
             self._refuse(error)
             return
         if self.driven_by_player:
-            self._drawings += 1
+            self._edition += 1
         self._mark()
 
     @property

@@ -173,3 +173,31 @@ def test_in_the_middle_of_an_endless_loop(notebook: Callable[..., Notebook]) -> 
 def width_of(card: Locator) -> float:
     """Pixels of the index view."""
     return float(card.locator(".rw-strip").evaluate("(strip) => strip.clientWidth"))
+
+
+PLAYED = """
+import robowidgets
+from robowidgets import conditions
+recording = robowidgets.open(robowidgets.SAMPLE)
+bump = recording.find(conditions.nearest_below(0.3))[0]
+player = recording.show("/scan", scanogram=False)
+player.seek(bump.start - 1)
+player
+"""
+
+
+def test_in_a_player_the_lamp_shows_the_verdict_on_the_scan_of_its_time(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([PLAYED])
+    laser = nb.output(0).locator(".rw-laser")
+    expect(laser.locator(".rw-footer")).to_contain_text("readings")
+    nb.python("player.views[0].widget.watch(conditions.nearest_below(0.3), name='wall')")
+    lamp = laser.locator(".rw-lamp")
+    expect(lamp).to_have_attribute("data-rw-state", "false")
+    nb.python("player.seek(bump.start + 0.05)")
+    expect(lamp).to_have_attribute("data-rw-state", "true")
+    expect(laser.locator(".rw-lamp-text")).to_contain_text("0.30 m")
+    shoot(nb.output(0), "watch-player")
+    nb.python("player.seek(bump.start - 1)")
+    expect(lamp).to_have_attribute("data-rw-state", "false")
+    nb.python("player.views[0].widget.unwatch('wall')")
+    expect(lamp).to_have_count(0)

@@ -273,7 +273,7 @@ class TestInAPlayer:
 
     def test_the_page_gets_its_segments_anew(self, player: Any) -> None:
         laser = player.views[0].widget
-        before = laser._drawings
+        before = laser._edition
         laser.draw("zone", Arc(0.5))
-        assert laser._drawings == before + 1
-        assert "_drawings" in laser.frame_traits
+        assert laser._edition == before + 1
+        assert "_edition" in laser.frame_traits

@@ -295,12 +295,46 @@ class TestArguments:
             assert list(recording.find(of_function)) == list(recording.find(ready_made)) != []
             assert recording.find(of_function).condition == "wall"
 
-    def test_the_widget_of_a_player_takes_none(self) -> None:
+    def test_in_a_player_only_the_laser_takes_one(self) -> None:
         with robowidgets.open(robowidgets.SAMPLE) as recording:
-            player = recording.show("/scan")
-            with pytest.raises(ValueError, match=r"a player moves this widget; give the condition to recording\.find"):
-                player.views[0].widget.watch(conditions.nearest_below(0.5))
-            player.close()
+            player = recording.show("/odom")
+        with pytest.raises(ValueError, match=r"a player moves this widget; give the condition to recording\.find"):
+            player.views[0].widget.watch(conditions.speed_above(0.5))
+        player.close()
+
+    def test_in_a_player_each_scan_has_its_verdict_which_is_that_of_find(self) -> None:
+        near = conditions.nearest_below(0.3)
+        with robowidgets.open(robowidgets.SAMPLE) as recording:
+            found = recording.find(near)
+            player = recording.show("/scan", scanogram=False)
+        view = player.views[0]
+        edition = view.widget._edition
+        wall = view.widget.watch(near, name="wall")
+        assert view.widget._edition == edition + 1, "the page gets the frames anew"
+        lit = {timed.seconds: timed.about["lamps"][0] for timed in view.track.frames(0.0, 30.0)}
+        for seconds, lamp in lit.items():
+            is_found = any(span.start <= seconds < span.end for span in found)
+            assert lamp["state"] == ("true" if is_found else "false"), seconds
+            assert (lamp["since"], lamp["changes"], bool(lamp["rays"])) == (None, 0, is_found)
+        assert {lamp["state"] for lamp in lit.values()} == {"true", "false"}
+        player.seek(found[0].start + 0.05)
+        assert wall.wait(5) is view.widget.scan
+        view.widget.unwatch("wall")
+        assert "lamps" not in next(view.track.frames(0.0, 0.1)).about
+        player.close()
+
+    def test_in_a_player_too_what_raises_is_switched_off_and_before_the_first_scan_all_is_unknown(self) -> None:
+        with robowidgets.open(robowidgets.SAMPLE) as recording:
+            player = recording.show("/scan", scanogram=False)
+        view = player.views[0]
+        view.widget.watch(lambda scan: scan.ranges[9999] < 1, name="far")
+        frames = [timed.about["lamps"][0] for timed in view.track.frames(5.0, 5.3)]
+        assert frames[-1]["state"] == "off"
+        assert "IndexError" in frames[-1]["text"]
+        view.widget.watch(lambda scan: scan.ranges[0] > 0, name="far")
+        lamps = view.widget.frame_of(view.choice.kind.nothing)[0]["lamps"]
+        assert [lamp["state"] for lamp in lamps] == ["unknown"]
+        player.close()
 
 
 def test_no_user_function_runs_in_a_thread_that_carries_data(laser: LaserWidget) -> None:
