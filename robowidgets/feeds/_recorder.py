@@ -7,8 +7,9 @@ import os
 import threading
 import time
 from collections import Counter
+from contextlib import suppress
 from functools import partial
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from .._core.cells import take_the_place
@@ -34,11 +35,11 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("robowidgets")
 
-MOST_WAITING = 2000
+MOST_WAITING = 1000
 """Messages that wait to be written; when the disk is slower, more are dropped."""
 
-CHUNK_SIZE = 32 << 10
-"""Bytes of messages that are compressed together: as many are lost, at most, when the process dies."""
+FLUSH = 1.0
+"""Seconds after which messages are in the file, where they are not lost when the process dies."""
 
 CLOSE_TIMEOUT = 2.0
 """Seconds for which closing waits for what is still to be written."""
@@ -59,7 +60,6 @@ class Recorder:
         path: the file.
         written: by topic, the number of messages that were written.
         refresh: begins to record topics that have appeared; the feed calls it.
-
     """
 
     def __init__(self, connection: Connection, path: str | os.PathLike[str], topics: tuple[str, ...]) -> None:
@@ -78,7 +78,6 @@ class Recorder:
         self._closed = False
         # A clock that is set while it records moves no message.
         self._epoch_ns = time.time_ns() - time.monotonic_ns()
-        self._began = time.monotonic()
         self._queue: SimpleQueue[tuple[Topic, int, Any] | None] = SimpleQueue()
         try:
             self._file = self.path.open("xb")
@@ -194,11 +193,19 @@ class Recorder:
     def _run(self) -> None:
         try:
             with self._file:
-                writer = McapWriter(self._file, {"cdr"}, CHUNK_SIZE)
+                writer = McapWriter(self._file, {"cdr"})
                 channels: dict[tuple[str, str], Channel] = {}
-                while (entry := self._queue.get()) is not None:
-                    self._write(writer, channels, *entry)
-                    self._file.flush()
+                flushed = time.monotonic()
+                while True:
+                    with suppress(Empty):
+                        entry = self._queue.get(timeout=FLUSH)
+                        if entry is None:
+                            break
+                        self._write(writer, channels, *entry)
+                    if time.monotonic() > flushed + FLUSH:
+                        writer.flush()
+                        self._file.flush()
+                        flushed = time.monotonic()
                 writer.finish()
         except Exception as error:  # a full disk, above all
             self._failed = f"recording has ended: {getattr(error, 'strerror', None) or error}"

@@ -52,11 +52,10 @@ class McapWriter:
     Args:
         file: open for writing; the caller closes it.
         encodings: of all messages that will be written.
-        chunk_size: bytes of messages that are compressed together.
     """
 
-    def __init__(self, file: BinaryIO, encodings: Collection[str], chunk_size: int = 1 << 20) -> None:
-        self._writer = Writer(file, chunk_size=chunk_size)
+    def __init__(self, file: BinaryIO, encodings: Collection[str]) -> None:
+        self._writer = Writer(file)
         profile = _PROFILES.get(next(iter(encodings)), "") if len(encodings) == 1 else ""
         self._writer.start(profile, "robowidgets")
         self._schemas: dict[tuple[str, str, str], int] = {}
@@ -86,6 +85,10 @@ class McapWriter:
     def add(self, channel: Channel, time_ns: int, data: bytes) -> None:
         """Write a message of a channel."""
         self._writer.add_message(self._ids[channel.id], time_ns, data, time_ns)
+
+    def flush(self) -> None:
+        """Write the chunk as far as it has come, so that a file that is never finished holds it."""
+        self._writer._Writer__finalize_chunk()  # type: ignore[attr-defined]  # mcap has no public way
 
     def finish(self) -> None:
         """Write the index."""

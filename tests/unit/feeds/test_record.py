@@ -263,6 +263,19 @@ def test_a_path_that_cannot_be_written_is_refused_and_nothing_is_replaced(tmp_pa
     assert [file.name for file in tmp_path.iterdir()] == ["run.mcap"]
 
 
+def test_even_a_single_message_is_in_the_file_before_it_is_closed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_recorder, "FLUSH", 0.05)
+    script = Scripted(SCAN)
+    with Feed(script) as feed:
+        feed.record(tmp_path / "run.mcap")
+        script.listener.on_message("/scan", scan(1.5, 2.0))
+        wait_for(lambda: (tmp_path / "run.mcap").stat().st_size > 200, "a chunk is written")
+        with robowidgets.open(tmp_path / "run.mcap") as recording:
+            assert [moment.sample.ranges[0] for moment in recording.samples("/scan")] == [1.5]
+
+
 @pytest.mark.slow
 def test_the_file_of_a_killed_process_opens_with_all_but_the_last_moments(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
