@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing, suppress
+from itertools import pairwise
 from pathlib import Path, PurePath
 
 from ..._core.tables import listed, many
@@ -26,14 +27,6 @@ _COUNT = re.compile(r"^  message_count:\s*(\d+)", re.MULTILINE)
 _START = re.compile(r"^  starting_time:\s*\n\s+nanoseconds_since_epoch:\s*(\d+)", re.MULTILINE)
 _SECOND = 1_000_000_000
 _NAMED_AT_MOST = 5
-
-
-class _SeveralError(RecordingError):
-    """The files in a folder are not parts of one recording."""
-
-    def __init__(self, files: Sequence[Path]) -> None:
-        there = listed([file.name for file in files], _NAMED_AT_MOST)
-        super().__init__(f"{files[0].parent}: {len(files)} recordings in this folder: open one of them: {there}")
 
 
 def open_source(path: Path) -> Source:
@@ -71,8 +64,6 @@ def _whole(
             if not has_clock_step(source.arrivals):
                 stack.pop_all()
                 return FallbackSource(source, lambda: open_repaired(files, problems))
-    except _SeveralError:
-        raise
     except Exception:  # rosbags raises anything; repair reports the damage
         pass
     return None
@@ -99,16 +90,14 @@ def _open_folder(path: Path) -> Source:
     if not files:
         there = listed(sorted(entry.name for entry in path.iterdir()), _NAMED_AT_MOST) or "nothing"
         raise RecordingError(f"{path}: no recording in this folder: expected .db3, .mcap or .bag files, got {there}")
-    if metadata is None and not _counts_up([file.name for file in files]):
-        raise _SeveralError(files)
+    if metadata is None and not (_counts_up([file.name for file in files]) and _follow_on(files)):
+        there = listed([file.name for file in files], _NAMED_AT_MOST)
+        raise RecordingError(f"{path}: {len(files)} recordings in this folder: open one of them: {there}")
     missing = sorted(name for name in named if not (path / name).exists())
     problems = [f"{_METADATA} names {', '.join(missing)}, not in the folder: read the files that are"] * bool(missing)
 
     def open_chain() -> Chain:
         chain = _open_chain(files)
-        if metadata is None and not chain.follows_on():
-            chain.close()
-            raise _SeveralError(files)
         chain.problems = tuple(problems or _disagreement(metadata or "", chain))
         return chain
 
@@ -122,6 +111,19 @@ def _counts_up(names: Sequence[str]) -> bool:
     alike = len({_NUMBER.sub("", stem) for stem in stems}) == 1
     first = min(numbers, default=0)
     return len(names) == 1 or (alike and numbers == list(range(first, first + len(names))))
+
+
+def _follow_on(files: Sequence[Path]) -> bool:
+    """Whether each file that can be read has the topics of the one before, and goes on where that ends."""
+    parts = []
+    for file in files if len(files) > 1 else ():
+        with suppress(RecordingError), closing(_open(file)) as source:
+            if source.start_ns is not None and source.end_ns is not None:
+                parts.append(({(c.topic, c.type) for c in source.channels}, source.start_ns, source.end_ns))
+    return all(
+        (topics <= later_topics or later_topics <= topics) and later_start >= max(end - _SECOND, start + 1)
+        for (topics, start, end), (later_topics, later_start, _) in pairwise(parts)
+    )
 
 
 def _open_chain(files: Sequence[Path]) -> Chain:

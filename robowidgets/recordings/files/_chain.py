@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from heapq import merge
-from itertools import pairwise
 
 from ...messages.channel import Channel, merged
-from ...repair import RESET_NS, Arrivals, Message, joined
+from ...repair import Arrivals, Message, joined
 from ._rosbags import RosbagsSource
 
 
@@ -38,13 +37,6 @@ class Chain:
     def arrivals(self) -> Arrivals:
         """The order of arrival in one file after the other."""
         return joined(s.arrivals.renumbered(ids) for s, ids in self._parts())
-
-    def follows_on(self) -> bool:
-        """Whether each file has the topics of the previous one and starts where that ends."""
-        topics = [{(c.topic, c.type) for c in source.channels} for source in self._sources]
-        times = [source.arrivals.times for source in self._sources if source.arrivals.times.size]
-        in_order = all(later[0] >= times[-1] - RESET_NS for times, later in pairwise(times))
-        return in_order and all(some <= others or others <= some for some, others in pairwise(topics))
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""

@@ -209,10 +209,15 @@ class TestFilesWithoutMetadata:
         held = messages(60)
         assert read_count(self.folder(tmp_path, held[:30], held[30:])) == {"/scan": 40, "/cmd_vel": 20}
 
-    def test_that_are_copies_of_one_run_are_not(self, tmp_path: Path) -> None:
-        held = messages(300)
+    @pytest.mark.parametrize("count", [30, 300])
+    @pytest.mark.parametrize("cut", [0, 100])
+    def test_that_are_copies_of_one_run_are_not(self, tmp_path: Path, count: int, cut: int) -> None:
+        held = messages(count)
+        folder = self.folder(tmp_path, held, held)
+        for file in folder.iterdir():
+            file.write_bytes(file.read_bytes()[: file.stat().st_size - cut])
         with pytest.raises(RecordingError, match=r"2 recordings in this folder: open one of them: run_0\.mcap, run_1"):
-            open(self.folder(tmp_path, held, held))
+            open(folder)
 
     def test_that_hold_other_topics_are_not(self, tmp_path: Path) -> None:
         folder = self.folder(tmp_path, messages(60))
