@@ -30,7 +30,7 @@ def test_freeze_and_step_hold_all_widgets_at_one_moment_while_a_cell_runs(
 ) -> None:
     nb = notebook([SHOW])
     buttons = nb.output(0).locator(".rw-freeze")
-    expect(buttons).to_have_count(3)
+    expect(buttons).to_have_count(4)
     expect(nb.output(0).locator(".rw-laser .rw-nearest")).to_contain_text("nearest")
     # Some samples to step back through.
     nb.python("import time\ntime.sleep(2)")
