@@ -61,10 +61,10 @@ def test_a_damaged_file_tells_it_too(tmp_path: Path, kind: str) -> None:
 def test_a_log_tells_it_too(tmp_path: Path) -> None:
     lines = [f"ODOM 0 0 0 0.1 0 0 {i / 10} host {i / 10}" for i in range(400)]
     lines[0:190:10] = [f"FLASER 1 2.0 0 0 0 0 0 0 {i} host {i}" for i in range(19)]
-    (tmp_path / "x.log").write_text("\n".join(lines))
+    (tmp_path / "x.log").write_text("\n".join([*lines, ""]))
     assert robowidgets.open(tmp_path / "x.log").problems == ()
     lines[0:200:5] = [f"FLASER 1 2.0 0 0 0 0 0 0 {i / 2} host {i / 2}" for i in range(40)]
-    (tmp_path / "x.log").write_text("\n".join(lines))
+    (tmp_path / "x.log").write_text("\n".join([*lines, ""]))
     assert robowidgets.open(tmp_path / "x.log").problems == ("FLASER: nothing after 19.50 s of 39.90 s",)
 
 
