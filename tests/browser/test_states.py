@@ -68,3 +68,4 @@ def test_states_stand_on_player_and_scanogram_are_named_and_lead_to_their_time(
     band.hover(position=at(band, 0.5))
     expect(band).to_have_attribute("title", "Walker \u203a avoid")
     shoot(page.locator(".rw-scanogram"), f"states-exported-{theme}-{width}")
+    nb.python("player.close()\nrecording.close()")
