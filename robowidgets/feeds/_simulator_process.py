@@ -8,6 +8,7 @@ import pickle
 import subprocess
 import sys
 import threading
+import traceback
 from collections.abc import Mapping
 from typing import IO, Any
 
@@ -54,6 +55,7 @@ class SimulatedProcess(ReconnectLoop):
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
+        listener.on_topics(topics_of(self._robot))
         self._robot.watch(self._on_edit)
         self._start("robowidgets-simulator", listener)
 
@@ -96,7 +98,6 @@ class SimulatedProcess(ReconnectLoop):
                         is_connected = True
                         self._backoff.reset()
                         listener.on_connected()
-                        listener.on_topics(topics_of(self._robot))
                     self._take(listener, name, value)
         except (EOFError, FeedError, OSError, pickle.UnpicklingError):
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -163,7 +164,7 @@ class _Newest:
 
     def write(self, out: IO[bytes], parent: int) -> None:
         """Write until nobody reads any more, or the process that started this one is gone; then end this one."""
-        with contextlib.suppress(OSError):
+        try:
             while os.getppid() == parent:
                 with self._changed:
                     self._changed.wait_for(lambda: self._waiting, ALONE)
@@ -171,7 +172,11 @@ class _Newest:
                 if messages:
                     pickle.dump([*messages.items()], out)
                     out.flush()
-        os._exit(0)
+        except OSError:
+            pass  # nobody reads any more
+        except Exception:
+            traceback.print_exc()
+        os._exit(1)
 
 
 def serve() -> None:

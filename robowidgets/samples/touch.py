@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -75,3 +76,9 @@ class Touch(HasAge):
         known = dict.fromkeys(self.sensors) | dict.fromkeys(touched)
         object.__setattr__(self, "sensors", tuple(known))
         self._arrive()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "touched": dict(self.touched)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, touched=MappingProxyType(state["touched"]))

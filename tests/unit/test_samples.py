@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import FrozenInstanceError
 from math import cos, degrees, inf, isnan, nan, pi, radians, sin
 
@@ -23,6 +24,17 @@ def circle(count: int = 360, step: float = 1.0, start: float = 0.0) -> Scan:
 
 def whats(scan: Scan) -> tuple[str, ...]:
     return tuple(problem.what for problem in scan.problems())
+
+
+@pytest.mark.parametrize("sample", [scan([1.0, nan, inf]), Speed((0.1, 0.0, 0.0)), Touch({"left": True})])
+def test_a_pickled_sample_is_the_same_as_old_and_read_only(sample: Scan | Speed | Touch) -> None:
+    copied = pickle.loads(pickle.dumps(sample))
+    assert repr(copied) == repr(sample)
+    assert copied._arrived == sample._arrived
+    if isinstance(copied, Touch):
+        assert type(copied.touched) is type(sample.touched)  # type: ignore[union-attr]
+    if isinstance(copied, Scan):
+        assert not copied.ranges.flags.writeable
 
 
 class TestGeometry:

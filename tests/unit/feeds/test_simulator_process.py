@@ -24,8 +24,12 @@ ROOM = World([(3.0, -2.0, 3.0, 2.0)])
 
 def test_it_is_driven_measured_moved_and_goes_on_while_a_call_holds_the_interpreter() -> None:
     with feeds.simulator(room=ROOM, process=True, wander=False, hz=20) as feed:
+        view = feed.show()
+        assert sorted(view.widgets) == ["/bumper", "/odom", "/scan"], "before the process has begun, too"
         robot, scans = feed.robot, feed.scans("/scan")
         assert next(scans).distance("front") == pytest.approx(3.0, abs=0.1)
+        for widget in view.widgets.values():
+            assert widget.wait()
         feed.drive(0.3)
         wait_for(lambda: robot.pose.x > 0.1, "it drives")
         feed.stop()
