@@ -33,7 +33,7 @@ def test_a_robot_is_live_while_a_cell_is_busy_for_20_s_and_what_is_wrong_is_told
 ) -> None:
     nb = notebook([OPEN, WRONG], width=1300)
     cards = nb.output(0).locator(".rw-card")
-    expect(cards).to_have_count(4)  # Stop is the first of them
+    expect(cards).to_have_count(5)  # Stop is the first of them
     nb.start(nb.append(BUSY.format(stop="seen")))
     nearest = cards.nth(1).locator(".rw-nearest")
     until = time.monotonic() + 20.0  # longer than any patience of a feed, of the server or of the page
