@@ -107,7 +107,7 @@ export interface RayLabel extends Rim {
   lines: [string, string];
 }
 
-const LABEL_GAP = 3;
+const LABEL_GAP = 1;
 
 /** Labels of the radial lines, outside the area. `measure` gives the width of the two lines in pixels. */
 export function rayLabels(
