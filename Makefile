@@ -17,9 +17,14 @@ UNITS := $(PYTEST) --numprocesses 4 --dist loadfile tests/unit
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# The tests start hundreds of processes and kernels: the package is compiled for the first of them.
+unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo setup build watch lab lint format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
+.PHONY: demo setup build watch lab lint format check test test-versions test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
+# Set by the targets that run others two at a time, which need nothing any more that is built.
+ifndef SIDE_BY_SIDE
 .NOTPARALLEL:
+endif
 .DELETE_ON_ERROR:
 
 demo: build
@@ -51,7 +56,12 @@ format: setup
 check: lint test-js
 	$(UNITS) -m 'not slow'
 
-test: lint test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser
+# Two at a time, because each waits for much of its time: for kernels, pages, robots and processes.
+test: lint test-js $(EXPORT_MODULES)
+	scripts/chromium.sh
+	scripts/firefox.sh
+	scripts/ros1.sh
+	$(MAKE) SIDE_BY_SIDE=1 --jobs 2 --output-sync=target test-browser test-unit test-ros1 test-notebooks test-docs test-wheel
 
 test-js: setup
 	cd $(JS) && npm run --silent test
@@ -61,6 +71,9 @@ test-unit: setup build
 
 # The units with the oldest versions that pyproject.toml allows, and with the newest ones; skipped without that Python.
 # The slow ones among the latter, JupyterLab's start above all, meet newest versions in `make test`.
+test-versions: setup build
+	$(MAKE) SIDE_BY_SIDE=1 --jobs 2 --output-sync=target test-floor test-newest
+
 test-floor: setup build
 	scripts/units.sh 3.10 floor
 
@@ -83,7 +96,7 @@ test-wheel: setup
 test-browser: setup build $(EXPORT_MODULES)
 	scripts/chromium.sh
 	scripts/firefox.sh
-	$(PYTEST) --numprocesses 2 --dist worksteal tests/browser
+	$(PYTEST) --numprocesses 3 --dist worksteal tests/browser
 
 bench: setup build
 	scripts/chromium.sh

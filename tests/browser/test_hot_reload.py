@@ -13,7 +13,9 @@ from .notebook import Notebook
 
 
 def test_a_new_bundle_replaces_the_one_on_show(notebook: Callable[..., Notebook], tmp_path: Path) -> None:
-    copy = shutil.copytree(ROOT / "robowidgets", tmp_path / "robowidgets", ignore=shutil.ignore_patterns("js"))
+    copy = shutil.copytree(
+        ROOT / "robowidgets", tmp_path / "robowidgets", ignore=shutil.ignore_patterns("js", "__pycache__")
+    )
     develop = "os.environ.update(ROBOWIDGETS_DEV='1', ANYWIDGET_HMR='1')"
     nb = notebook(
         [
