@@ -28,6 +28,7 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, StaticFileHandler
 from tornado.websocket import WebSocketHandler
 
+from robowidgets._core.pacer import pacer
 from robowidgets.feeds import Feed
 
 from .console import Console
@@ -196,6 +197,7 @@ class PlainPage:
     # The way between
 
     def _settle(self) -> None:
+        pacer.flush()
         self.page.evaluate("() => host.settle()")
 
     def _post(self, header: dict[str, Any], buffers: Sequence[Any]) -> None:

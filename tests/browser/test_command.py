@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Request, expect
 
 from ..conftest import ROOT
 from .chromium import shoot
@@ -23,6 +23,10 @@ SAMPLE = ROOT / "robowidgets" / "data" / "sample.mcap"
 # What the canvases of an element hold, as one text.
 PICTURE = "card => [...card.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/lab/tree/\S+\?token=\w+")
+
+
+def saves_tabs(request: Request) -> bool:
+    return request.method == "PUT" and "/lab/api/workspaces" in request.url
 
 
 @pytest.fixture
@@ -65,7 +69,7 @@ def test_the_command_leads_to_a_page_that_shows_the_robot_live_with_no_cell_run_
         shutil.copyfile(SAMPLE, words[1])
     page = browser.new_page(viewport={"width": 1280, "height": 900})
     pages.append((page, Console(page)))
-    with page.expect_request(lambda request: request.method == "PUT" and "/lab/api/workspaces" in request.url) as saved:
+    with page.expect_request(saves_tabs, timeout=90_000) as saved:
         page.goto(robowidgets(*words))
         expect(page.locator(".rw-card").first).to_be_visible(timeout=60_000)
     assert saved.value.response()
