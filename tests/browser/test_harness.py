@@ -82,11 +82,11 @@ def test_a_busy_cell_is_seen_while_it_runs_and_a_reload_shows_the_state_that_the
     expect(nb.widget(1)).to_have_text("n=20")
 
 
-@pytest.mark.parametrize("scale", [1, 2])
+@pytest.mark.parametrize(("opens", "scale"), [("notebook", 1), ("plain_page", 1), ("plain_page", 2)])
 def test_a_screenshot_has_the_width_and_the_scale_it_was_asked_for(
-    either: Callable[..., Notebook | PlainPage], scale: int
+    request: pytest.FixtureRequest, opens: str, scale: int
 ) -> None:
-    nb = either([COUNTER, "counter"], scale=scale)
+    nb = request.getfixturevalue(opens)([COUNTER, "counter"], scale=scale)
     for width in (320, 1200):
         nb.resize(width)
         with Image.open(shoot(nb.widget(1), f"harness-{width}")) as picture:

@@ -287,7 +287,7 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
     notebook: Open, tmp_path: Path
 ) -> None:
     path = sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100))
-    nb = opened(notebook, path, SMALL + SHOW, touch=True)
+    nb = opened(notebook, path, SMALL + SHOW)
     nb.python("import time\nwhile sum(player._prefetcher._sent.values()) < 90_000: time.sleep(0.05)")
     asked, has = "print(player._prefetcher._pointed)", "print(sorted(player._prefetcher._sent))"
 
