@@ -4,7 +4,7 @@ The readers walk through a file from its start, do not trust its index, and take
 whatever lengths it claims. `Source.problems` lists the repairs; `write.write` writes a source as an MCAP file.
 """
 
-from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, Arrivals, has_clock_step, joined
+from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined
 from ._open import find_files, open_repaired
 from ._sqlite import is_cut
 from .source import Message, RecordingError, Source
@@ -13,6 +13,7 @@ __all__ = [
     "JITTER_NS",
     "LEAP_NS",
     "REAL_FROM_NS",
+    "RESET_NS",
     "Arrivals",
     "Message",
     "RecordingError",

@@ -9,7 +9,7 @@ from itertools import pairwise
 from pathlib import Path, PurePath
 
 from ..._core.tables import listed, many
-from ...repair import RecordingError, Source, find_files, has_clock_step, open_repaired
+from ...repair import RESET_NS, RecordingError, Source, find_files, has_clock_step, open_repaired
 from . import _rosbags
 from ._chain import Chain
 from ._fallback import FallbackSource
@@ -114,14 +114,17 @@ def _counts_up(names: Sequence[str]) -> bool:
 
 
 def _follow_on(files: Sequence[Path]) -> bool:
-    """Whether each file that can be read has the topics of the one before, and goes on where that ends."""
+    """Whether each file that can be read has the topics of the one before, and goes on where that ends.
+
+    A clock may have been set back meanwhile; a file that starts no later than the one before is a copy of it.
+    """
     parts = []
     for file in files if len(files) > 1 else ():
         with suppress(RecordingError), closing(_open(file)) as source:
             if source.start_ns is not None and source.end_ns is not None:
                 parts.append(({(c.topic, c.type) for c in source.channels}, source.start_ns, source.end_ns))
     return all(
-        (topics <= later_topics or later_topics <= topics) and later_start >= max(end - _SECOND, start + 1)
+        (topics <= later_topics or later_topics <= topics) and later_start >= max(end - RESET_NS, min(start + 1, end))
         for (topics, start, end), (later_topics, later_start, _) in pairwise(parts)
     )
 

@@ -443,9 +443,9 @@ class TestAStepBack:
     def test_is_not_looked_for_without_end(self) -> None:
         count = 60_000
         times = np.tile(np.array([50, 0], np.int64), 10 * count) * 10**9
-        began = time.perf_counter()
+        began = time.thread_time()
         assert not has_clock_step(Arrivals(times, np.arange(2 * 10 * count, dtype=np.int64) // 20))
-        assert time.perf_counter() - began < 10
+        assert time.thread_time() - began < 10
 
 
 class TestTimesAtTheirLimits:
