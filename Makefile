@@ -20,11 +20,8 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes and kernels: the package is compiled for the first of them.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo setup build watch lab lint format check test test-versions test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
-# Set by the targets that run others two at a time, which need nothing any more that is built.
-ifndef SIDE_BY_SIDE
+.PHONY: demo setup build watch lab lint format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
 .NOTPARALLEL:
-endif
 .DELETE_ON_ERROR:
 
 demo: build
@@ -56,12 +53,7 @@ format: setup
 check: lint test-js
 	$(UNITS) -m 'not slow'
 
-# Two at a time, because each waits for much of its time: for kernels, pages, robots and processes.
-test: lint test-js $(EXPORT_MODULES)
-	scripts/chromium.sh
-	scripts/firefox.sh
-	scripts/ros1.sh
-	$(MAKE) SIDE_BY_SIDE=1 --jobs 2 --output-sync=target test-browser test-unit test-ros1 test-notebooks test-docs test-wheel
+test: lint test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser
 
 test-js: setup
 	cd $(JS) && npm run --silent test
@@ -71,9 +63,6 @@ test-unit: setup build
 
 # The units with the oldest versions that pyproject.toml allows, and with the newest ones; skipped without that Python.
 # The slow ones among the latter, JupyterLab's start above all, meet newest versions in `make test`.
-test-versions: setup build
-	$(MAKE) SIDE_BY_SIDE=1 --jobs 2 --output-sync=target test-floor test-newest
-
 test-floor: setup build
 	scripts/units.sh 3.10 floor
 
