@@ -38,7 +38,7 @@ def odd_ranges(values: tuple[float, ...], ranges: Any) -> Any:
 
 
 RUN = """
-import sys, time
+import os, sys, time
 import robowidgets.samples.scan as scan
 from IPython.display import display
 from tests.test_odd_scans import ODD, odd_ranges
@@ -56,8 +56,11 @@ for i, odd in enumerate(ODD):
     robowidgets.SAMPLE = f"{sys.argv[1]}/{i}.mcap"
     names = {"__name__": "__main__", "display": display}
     print("with", odd, file=sys.stderr)
+    os.mkdir(str(i))  # for what examples write
+    os.chdir(str(i))
     for part in parts:
         exec(part, names)
+    os.chdir("..")
 """
 
 
