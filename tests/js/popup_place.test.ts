@@ -2,8 +2,9 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Occupancy, overlaps, thinLabels } from "../../robowidgets/js/laser/guides.ts";
 import { crosses, placePopup } from "../../robowidgets/js/laser/popup_place.ts";
-import { type Box, type Point, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
+import { rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
 import { angleOf, type Sweep } from "../../robowidgets/js/laser/scan.ts";
+import type { Box, Point } from "../../robowidgets/js/shared/box.ts";
 import { BOXES, layOut, randoms, SWEEPS } from "./laser.ts";
 
 /** From a short reading to the longest words, as a browser measures them: the style sheet allows less than half. */

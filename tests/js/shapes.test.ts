@@ -3,7 +3,6 @@ import { test } from "node:test";
 import { pathOf } from "../../robowidgets/js/laser/draw_shape.ts";
 import { Occupancy, overlaps } from "../../robowidgets/js/laser/guides.ts";
 import type { Host, Stage } from "../../robowidgets/js/laser/layer.ts";
-import type { Box, Point } from "../../robowidgets/js/laser/projection.ts";
 import type { Scan } from "../../robowidgets/js/laser/scan.ts";
 import { boxAt, PLACES } from "../../robowidgets/js/laser/shape_labels.ts";
 import { ShapeLayer } from "../../robowidgets/js/laser/shape_layer.ts";
@@ -18,6 +17,7 @@ import {
   toPicture,
   untilNext,
 } from "../../robowidgets/js/laser/shapes.ts";
+import type { Box, Point } from "../../robowidgets/js/shared/box.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 import type { Shape } from "../../robowidgets/js/shared/traits.ts";
 import { DEGREE, near, scanOf } from "./laser.ts";

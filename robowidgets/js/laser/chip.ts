@@ -1,9 +1,9 @@
+import type { Point } from "../shared/box.ts";
 import type { Size } from "../shared/canvas.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { FORMS, type Form } from "./code.ts";
 import { CopyButton } from "./copy.ts";
-import type { Point } from "./projection.ts";
 
 /** The texts of a chip. */
 export interface ChipTexts {

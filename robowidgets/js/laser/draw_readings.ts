@@ -1,9 +1,10 @@
+import type { Box } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { toShortMetres } from "../shared/format.ts";
 import type { Theme } from "../shared/theme.ts";
 import { arcFont } from "./draw_area.ts";
 import { type ArcLabel, type Occupancy, overlaps } from "./guides.ts";
-import { type Box, type Projection, toDirection } from "./projection.ts";
+import { type Projection, toDirection } from "./projection.ts";
 import {
   angleOf,
   NO_MEASUREMENT,

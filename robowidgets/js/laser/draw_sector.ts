@@ -1,8 +1,9 @@
+import type { Box, Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import { overlaps } from "./guides.ts";
 import type { Stage } from "./layer.ts";
-import { type Box, type Point, type Projection, toDirection } from "./projection.ts";
+import { type Projection, toDirection } from "./projection.ts";
 import { LIMITS, type Sector, type State, sweepOf } from "./sector.ts";
 
 /** Pixels round the robot that edges leave free. */

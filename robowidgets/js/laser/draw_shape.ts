@@ -1,6 +1,7 @@
+import type { Point } from "../shared/box.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
-import type { Point, Projection } from "./projection.ts";
+import type { Projection } from "./projection.ts";
 import { arcPlaces, isCircle, type Metres } from "./shapes.ts";
 
 const WIDTH = 2;

@@ -1,4 +1,4 @@
-import type { Point } from "./projection.ts";
+import type { Point } from "../shared/box.ts";
 import { type Sector, sweepOf } from "./sector.ts";
 
 /** The robot from above in its own frame, metres, with the models of the widgets that know its speed and touches. */

@@ -1,8 +1,9 @@
+import type { Point } from "../shared/box.ts";
 import type { Model } from "../shared/model.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
-import { type Point, toPixel } from "./projection.ts";
+import { toPixel } from "./projection.ts";
 import { angleOf, NOTHING_IN_RANGE, READING, type Scan } from "./scan.ts";
 import type { LaserTraits } from "./traits.ts";
 

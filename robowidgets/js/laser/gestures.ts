@@ -1,7 +1,7 @@
+import type { Point } from "../shared/box.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
 import type { Drag, Layer } from "./layer.ts";
-import type { Point } from "./projection.ts";
 
 /** What the wheel and the keys + and - do, if no layer takes the key. */
 export interface Zoom {

@@ -1,3 +1,4 @@
+import type { Box } from "../shared/box.ts";
 import { toShortMetres } from "../shared/format.ts";
 import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
@@ -14,7 +15,7 @@ import {
   thinLabels,
 } from "./guides.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
-import { type Box, rimBox } from "./projection.ts";
+import { rimBox } from "./projection.ts";
 import { angleOf, type Sweep } from "./scan.ts";
 import type { LaserTraits } from "./traits.ts";
 

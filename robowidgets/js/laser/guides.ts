@@ -1,6 +1,7 @@
+import type { Box } from "../shared/box.ts";
 import { type AngleUnit, toAngle } from "../shared/format.ts";
 import { ticks } from "../shared/ticks.ts";
-import { type Box, type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
+import { type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
 import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "./scan.ts";
 
 /**

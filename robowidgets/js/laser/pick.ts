@@ -1,4 +1,5 @@
-import { fromPixel, type Point, type Projection, toPixel } from "./projection.ts";
+import type { Point } from "../shared/box.ts";
+import { fromPixel, type Projection, toPixel } from "./projection.ts";
 import { angleOf, indexAt, READING, type Scan } from "./scan.ts";
 
 const NEAR = 9;

@@ -1,9 +1,10 @@
+import type { Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { setTraits } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { overlaps } from "./guides.ts";
 import type { Depth, Host, Layer, Painter, Stage, Stops } from "./layer.ts";
-import { type Point, toPixel } from "./projection.ts";
+import { toPixel } from "./projection.ts";
 import { angleOf, READING, type Scan } from "./scan.ts";
 import { describeRay, toSentence } from "./text.ts";
 

@@ -1,3 +1,4 @@
+import type { Box, Point } from "../shared/box.ts";
 import { setTraits } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { toCode } from "./code.ts";
@@ -9,7 +10,7 @@ import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.t
 import { pick } from "./pick.ts";
 import { Popup } from "./popup.ts";
 import { placePopup } from "./popup_place.ts";
-import { type Box, type Point, toPixel } from "./projection.ts";
+import { toPixel } from "./projection.ts";
 import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "./scan.ts";
 import { sectorOf } from "./sector.ts";
 import { describeRay, toSentence } from "./text.ts";

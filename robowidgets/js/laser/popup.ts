@@ -1,6 +1,6 @@
+import type { Box, Point } from "../shared/box.ts";
 import type { Size } from "../shared/canvas.ts";
 import { make, setText } from "../shared/dom.ts";
-import type { Box, Point } from "./projection.ts";
 import type { RayWords } from "./text.ts";
 
 const ROWS = ["rw-popup-expression", "rw-popup-distance rw-popup-angle", "rw-popup-details rw-popup-side"];

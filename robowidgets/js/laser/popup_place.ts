@@ -1,6 +1,6 @@
+import type { Box, Point } from "../shared/box.ts";
 import type { Size } from "../shared/canvas.ts";
 import { type Occupancy, overlaps } from "./guides.ts";
-import type { Box, Point } from "./projection.ts";
 
 const GAP = 12;
 const MARGIN = 4;

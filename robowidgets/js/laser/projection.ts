@@ -1,16 +1,5 @@
-import type { Size } from "../shared/canvas.ts";
+import type { Box, Point } from "../shared/box.ts";
 import { angleFrom, type Sweep, spanOf } from "./scan.ts";
-
-export interface Point {
-  x: number;
-  y: number;
-}
-
-export interface Box extends Point, Size {}
-
-export function holds({ x, y, width, height }: Box, point: Point): boolean {
-  return point.x >= x && point.x <= x + width && point.y >= y && point.y <= y + height;
-}
 
 /** Where the scanner stands in the picture. */
 export interface Center {

@@ -1,3 +1,4 @@
+import type { Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
 import { onChange } from "../shared/model.ts";
@@ -9,7 +10,7 @@ import { drawRobot } from "./draw_area.ts";
 import { asSeen, atLeast, type Footprint, outlineOf, partOf, wayOf } from "./footprint.ts";
 import { overlaps } from "./guides.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
-import { type Point, toPixel } from "./projection.ts";
+import { toPixel } from "./projection.ts";
 
 /** Pixels across below which the robot is drawn larger than to scale: it holds the arrow head. */
 const LEAST = 26;

@@ -1,9 +1,9 @@
+import type { Box } from "../shared/box.ts";
 import { READING_MS, throttle } from "../shared/schedule.ts";
 import { Chip, type ChipTexts } from "./chip.ts";
 import { placeChip } from "./chip_place.ts";
 import { type Form, toCode } from "./code.ts";
 import type { Host, Stage } from "./layer.ts";
-import type { Box } from "./projection.ts";
 import type { SectorNumbers } from "./sector_numbers.ts";
 import type { Named, SectorStore } from "./sector_store.ts";
 import { describeSector, sayOf, sectorOfText } from "./sector_words.ts";

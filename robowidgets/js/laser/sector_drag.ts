@@ -1,5 +1,6 @@
+import type { Point } from "../shared/box.ts";
 import type { Drag, Stage } from "./layer.ts";
-import { fromPixel, type Point } from "./projection.ts";
+import { fromPixel } from "./projection.ts";
 import { angleOf, indexAt, type Scan } from "./scan.ts";
 import { type Edge, type Named, raysAt, type SectorStore, sectorTo, withEdge } from "./sector_store.ts";
 

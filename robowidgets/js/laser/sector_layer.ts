@@ -1,3 +1,4 @@
+import { type Box, holds, type Point } from "../shared/box.ts";
 import type { Theme } from "../shared/theme.ts";
 import { leadTo } from "./chip_place.ts";
 import {
@@ -11,7 +12,7 @@ import {
   rimOf,
 } from "./draw_sector.ts";
 import type { Depth, Drag, Host, Layer, Painter, Stage, Stops, StripPainter } from "./layer.ts";
-import { type Box, holds, type Point, toPixel } from "./projection.ts";
+import { toPixel } from "./projection.ts";
 import { angleOf, indexAt, READING } from "./scan.ts";
 import { isIn } from "./sector.ts";
 import { SectorChip } from "./sector_chip.ts";

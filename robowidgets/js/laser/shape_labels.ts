@@ -1,9 +1,9 @@
+import type { Box, Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
 import { overlaps } from "./guides.ts";
 import type { Stage } from "./layer.ts";
-import type { Box, Point } from "./projection.ts";
 
 /** The words of a shape, and points of the picture along it. */
 export interface ShapeLabel {

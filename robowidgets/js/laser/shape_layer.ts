@@ -1,9 +1,9 @@
+import type { Point } from "../shared/box.ts";
 import { onAbort } from "../shared/events.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { About, Shape } from "../shared/traits.ts";
 import { clipToView, drawShape, pathOf } from "./draw_shape.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
-import type { Point } from "./projection.ts";
 import { ShapeLabels } from "./shape_labels.ts";
 import { describeShape, lasting, type Metres, placesOf, readingOf, toPicture, untilNext } from "./shapes.ts";
 

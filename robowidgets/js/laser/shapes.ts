@@ -1,6 +1,7 @@
+import type { Point } from "../shared/box.ts";
 import { type AngleUnit, decimalsFor, toAngle, toFixed, toMany, toMetres } from "../shared/format.ts";
 import type { Shape, Spot } from "../shared/traits.ts";
-import { type Point, type Projection, toPixel } from "./projection.ts";
+import { type Projection, toPixel } from "./projection.ts";
 import { angleOf, READING, type Scan } from "./scan.ts";
 
 /** A place in metres in the frame of the scanner: x forward, y to the left. */

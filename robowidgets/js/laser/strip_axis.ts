@@ -1,5 +1,5 @@
+import type { Box } from "../shared/box.ts";
 import { ticks } from "../shared/ticks.ts";
-import type { Box } from "./projection.ts";
 
 /** Pixels between two indices on the axis; fewer in a narrow strip. */
 const APART = { wide: 76, narrow: 96 };

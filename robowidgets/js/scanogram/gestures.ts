@@ -1,4 +1,4 @@
-import type { Point } from "../laser/projection.ts";
+import type { Point } from "../shared/box.ts";
 import { isPlain, on as listen } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
 

@@ -1,5 +1,5 @@
-import type { Point } from "../laser/projection.ts";
 import type { RayWords } from "../laser/text.ts";
+import type { Point } from "../shared/box.ts";
 import { firstWhere } from "../shared/search.ts";
 import { toTime } from "./axis.ts";
 import type { NamedSpan, Whole } from "./data.ts";

@@ -1,4 +1,4 @@
-import type { Point } from "../laser/projection.ts";
+import type { Point } from "../shared/box.ts";
 import type { Size } from "../shared/canvas.ts";
 
 const GAP = 14;

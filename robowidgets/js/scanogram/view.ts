@@ -1,5 +1,5 @@
 import { Popup } from "../laser/popup.ts";
-import type { Point } from "../laser/projection.ts";
+import type { Point } from "../shared/box.ts";
 import { type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";

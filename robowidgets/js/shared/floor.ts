@@ -1,4 +1,4 @@
-import type { Box } from "../laser/projection.ts";
+import type { Box } from "./box.ts";
 import { type Size, write } from "./canvas.ts";
 import { toShortMetres } from "./format.ts";
 import type { Theme } from "./theme.ts";

@@ -1,8 +1,8 @@
 import { drawShape, pathOf } from "../laser/draw_shape.ts";
 import { overlaps } from "../laser/guides.ts";
-import { type Box, holds } from "../laser/projection.ts";
 import { boxAt, isWithin, LINE, PLACES, widthOf, writeLabel } from "../laser/shape_labels.ts";
 import { type Metres, placesOf } from "../laser/shapes.ts";
+import { type Box, holds } from "../shared/box.ts";
 import { floorOf, type Place, type Projection, toPixel } from "../shared/floor.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
