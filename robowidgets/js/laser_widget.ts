@@ -1,6 +1,6 @@
-import { decodeScan } from "./laser/scan.ts";
 import type { LaserTraits } from "./laser/traits.ts";
 import { LaserView } from "./laser/view.ts";
+import { decodeScan } from "./shared/frames/scan.ts";
 import { type Initialized, type Rendered, setTraits } from "./shared/model.ts";
 import { Stream } from "./shared/stream.ts";
 

@@ -1,7 +1,8 @@
 import { State } from "./scanogram/state.ts";
-import type { Pointing, ScanogramTraits } from "./scanogram/traits.ts";
+import type { ScanogramTraits } from "./scanogram/traits.ts";
 import { ScanogramView } from "./scanogram/view.ts";
 import type { Initialized, Rendered } from "./shared/model.ts";
+import type { Pointing } from "./shared/traits.ts";
 
 /** Called once per model, so that its views share the decoded scans. */
 export default () => {

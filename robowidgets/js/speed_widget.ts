@@ -1,6 +1,6 @@
+import { decodeSpeeds, type Speeds } from "./shared/frames/speeds.ts";
 import type { Initialized, Rendered } from "./shared/model.ts";
 import { Stream } from "./shared/stream.ts";
-import { decodeSpeeds, type Speeds } from "./speed/frame.ts";
 import type { SpeedTraits } from "./speed/traits.ts";
 import { SpeedView } from "./speed/view.ts";
 

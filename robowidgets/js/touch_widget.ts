@@ -1,7 +1,7 @@
+import { decodeTouch, type Touch } from "./shared/frames/touch.ts";
 import type { Initialized, Rendered } from "./shared/model.ts";
 import { Stream } from "./shared/stream.ts";
 import { Clock } from "./touch/clock.ts";
-import { decodeTouch, type Touch } from "./touch/touch.ts";
 import type { TouchTraits } from "./touch/traits.ts";
 import { TouchView } from "./touch/view.ts";
 

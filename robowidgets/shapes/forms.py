@@ -38,7 +38,7 @@ class Shape:
 
     @property
     def form(self) -> dict[str, Any]:
-        """The shape as plain values, as the page reads it: see js/laser/shapes.ts."""
+        """The shape as plain values, as the page reads it: see `Shape` in js/shared/traits.ts."""
         return self._form
 
     def __setattr__(self, name: str, value: Any) -> None:

@@ -3,7 +3,7 @@ import { createRequire } from "node:module";
 import { test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { colorScale, intensityDomain } from "../../robowidgets/js/laser/color.ts";
-import { VIRIDIS } from "../../robowidgets/js/laser/viridis.ts";
+import { VIRIDIS } from "../../robowidgets/js/shared/viridis.ts";
 import { scanOf } from "./laser.ts";
 
 const require = createRequire(new URL("../../robowidgets/js/package.json", import.meta.url));

@@ -1,6 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { CLASSES, describeRay, meaningOf, sideOf } from "../../robowidgets/js/laser/text.ts";
+import { describeRay } from "../../robowidgets/js/laser/text.ts";
+import { sideOf } from "../../robowidgets/js/shared/format.ts";
+import { CLASSES, meaningOf } from "../../robowidgets/js/shared/frames/classes.ts";
 import { DEGREE, scanOf } from "./laser.ts";
 
 const MINUS = "\u2212";

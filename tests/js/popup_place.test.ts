@@ -1,10 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Occupancy, overlaps, thinLabels } from "../../robowidgets/js/laser/guides.ts";
-import { crosses, placePopup } from "../../robowidgets/js/laser/popup_place.ts";
+import { thinLabels } from "../../robowidgets/js/laser/guides.ts";
 import { rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
-import { angleOf, type Sweep } from "../../robowidgets/js/laser/scan.ts";
 import type { Box, Point } from "../../robowidgets/js/shared/box.ts";
+import { overlaps } from "../../robowidgets/js/shared/box.ts";
+import { angleOf, type Sweep } from "../../robowidgets/js/shared/frames/scan.ts";
+import { Occupancy } from "../../robowidgets/js/shared/occupancy.ts";
+import { crosses, placePopup } from "../../robowidgets/js/shared/popup_place.ts";
 import { BOXES, layOut, randoms, SWEEPS } from "./laser.ts";
 
 /** From a short reading to the longest words, as a browser measures them: the style sheet allows less than half. */

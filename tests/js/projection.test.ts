@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { fromPixel, rimBox, toPixel } from "../../robowidgets/js/laser/projection.ts";
-import { angleOf } from "../../robowidgets/js/laser/scan.ts";
+import { angleOf } from "../../robowidgets/js/shared/frames/scan.ts";
 import { BOXES, DEGREE, layOut, near, SWEEPS, sweepOf } from "./laser.ts";
 
 const FORWARDS = ["up", "left", "down", "right"];

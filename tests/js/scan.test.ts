@@ -11,7 +11,7 @@ import {
   OUTSIDE_LIMITS,
   READING,
   TOO_CLOSE,
-} from "../../robowidgets/js/laser/scan.ts";
+} from "../../robowidgets/js/shared/frames/scan.ts";
 import { DEGREE, near, scanOf } from "./laser.ts";
 import { toScan, vectors } from "./vectors.ts";
 

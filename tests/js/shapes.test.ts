@@ -1,23 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { pathOf } from "../../robowidgets/js/laser/draw_shape.ts";
-import { Occupancy, overlaps } from "../../robowidgets/js/laser/guides.ts";
 import type { Host, Stage } from "../../robowidgets/js/laser/layer.ts";
-import type { Scan } from "../../robowidgets/js/laser/scan.ts";
-import { boxAt, PLACES } from "../../robowidgets/js/laser/shape_labels.ts";
 import { ShapeLayer } from "../../robowidgets/js/laser/shape_layer.ts";
-import {
-  arcPlaces,
-  describeShape,
-  isCircle,
-  lasting,
-  type Metres,
-  placesOf,
-  readingOf,
-  toPicture,
-  untilNext,
-} from "../../robowidgets/js/laser/shapes.ts";
+import { describeShape, lasting, readingOf, toPicture, untilNext } from "../../robowidgets/js/laser/shapes.ts";
 import type { Box, Point } from "../../robowidgets/js/shared/box.ts";
+import { overlaps } from "../../robowidgets/js/shared/box.ts";
+import type { Scan } from "../../robowidgets/js/shared/frames/scan.ts";
+import { Occupancy } from "../../robowidgets/js/shared/occupancy.ts";
+import { pathOf } from "../../robowidgets/js/shared/shapes/draw.ts";
+import { boxAt, PLACES } from "../../robowidgets/js/shared/shapes/labels.ts";
+import { arcPlaces, isCircle, type Metres, placesOf } from "../../robowidgets/js/shared/shapes/places.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 import type { Shape } from "../../robowidgets/js/shared/traits.ts";
 import { DEGREE, near, scanOf } from "./laser.ts";

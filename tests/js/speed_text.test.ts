@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { decodeSpeeds, type Speeds } from "../../robowidgets/js/shared/frames/speeds.ts";
 import { type AxisFacts, toFacts, toFastest } from "../../robowidgets/js/speed/facts.ts";
-import { decodeSpeeds, type Speeds } from "../../robowidgets/js/speed/frame.ts";
 import {
   decimalsFor,
   describeAxis,

@@ -10,7 +10,7 @@ import {
   stateAt,
   statesAt,
   toWords,
-} from "../../robowidgets/js/scanogram/states.ts";
+} from "../../robowidgets/js/shared/states/states.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 
 const OUTER: StateSpan[] = [

@@ -8,9 +8,9 @@ import {
   NEWS_MS,
   type Note,
   StopControl,
-} from "../../robowidgets/js/stop/control.ts";
-import { type Situation, toDriverText } from "../../robowidgets/js/stop/text.ts";
-import type { Told } from "../../robowidgets/js/stop/traits.ts";
+} from "../../robowidgets/js/shared/driving/control.ts";
+import { type Situation, toDriverText } from "../../robowidgets/js/shared/driving/text.ts";
+import type { Told } from "../../robowidgets/js/shared/driving/traits.ts";
 import { FakeModel } from "./models.ts";
 import { situation, told } from "./stop.ts";
 

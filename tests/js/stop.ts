@@ -1,5 +1,5 @@
-import type { Situation } from "../../robowidgets/js/stop/text.ts";
-import type { Told } from "../../robowidgets/js/stop/traits.ts";
+import type { Situation } from "../../robowidgets/js/shared/driving/text.ts";
+import type { Told } from "../../robowidgets/js/shared/driving/traits.ts";
 
 /** What Python tells of a robot that nobody drives, but for what is given. */
 export function told(more: Partial<Told> = {}): Told {

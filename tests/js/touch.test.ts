@@ -1,6 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import type { Sensor } from "../../robowidgets/js/shared/frames/touch.ts";
 import { Clock } from "../../robowidgets/js/touch/clock.ts";
+import { select } from "../../robowidgets/js/touch/select.ts";
 import {
   detailOf,
   modeWord,
@@ -10,7 +12,6 @@ import {
   toDuration,
   toLabels,
 } from "../../robowidgets/js/touch/text.ts";
-import { type Sensor, select } from "../../robowidgets/js/touch/touch.ts";
 
 const LEFT: Sensor = { name: "left", state: "free", touches: 3, seconds: 2 };
 const CENTER: Sensor = { name: "center", state: "touched", touches: 1, seconds: 0.5 };

@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { decodeScan } from "../../robowidgets/js/laser/scan.ts";
 import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
 import { decodeDetail, decodeWhole } from "../../robowidgets/js/scanogram/data.ts";
-import { decodeSpeeds } from "../../robowidgets/js/speed/frame.ts";
-import { decodeTouch } from "../../robowidgets/js/touch/touch.ts";
+import { decodeScan } from "../../robowidgets/js/shared/frames/scan.ts";
+import { decodeSpeeds } from "../../robowidgets/js/shared/frames/speeds.ts";
+import { decodeTouch } from "../../robowidgets/js/shared/frames/touch.ts";
 import { frameOf, readsOf, vectors } from "./vectors.ts";
 
 /** What is read by name, in plain arrays. */

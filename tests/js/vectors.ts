@@ -1,6 +1,6 @@
 import { readFileSync } from "node:fs";
-import type { Scan } from "../../robowidgets/js/laser/scan.ts";
 import type { Stretch } from "../../robowidgets/js/laser/sector.ts";
+import type { Scan } from "../../robowidgets/js/shared/frames/scan.ts";
 import type { Limits } from "../../robowidgets/js/speed/traits.ts";
 import { scanOf } from "./laser.ts";
 

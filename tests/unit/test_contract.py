@@ -19,6 +19,7 @@ from robowidgets.simulator import View
 from ..conftest import ROOT
 
 JS = ROOT / "robowidgets" / "js"
+FILES = sorted((*JS.glob("*/*.ts"), *JS.glob("shared/*/*.ts")))
 NAMES = sorted(file.stem.removesuffix("_widget") for file in JS.glob("*_widget.ts"))
 OF_ANYWIDGET = {"_css": traitlets.Unicode()}
 """Traits that anywidget gives to each instance, and the front end reads."""
@@ -38,7 +39,7 @@ OF_VALUE: dict[type[Any], str] = {str: "string", bool: "boolean", float: "number
 
 def _declarations() -> tuple[dict[str, tuple[list[str], dict[str, str]]], dict[str, str]]:
     """Interfaces, by name what they extend and the types of their fields; and the types that have names."""
-    text = "\n".join(file.read_text(encoding="utf-8") for file in sorted(JS.glob("*/*.ts")))
+    text = "\n".join(file.read_text(encoding="utf-8") for file in FILES)
     text = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.DOTALL)
     interfaces = {}
     for name, bases, body in re.findall(r"export interface (\w+)(?: extends ([^{]+))? \{(.*?)\n\}", text, re.DOTALL):
@@ -137,7 +138,7 @@ def test_who_drives_is_told_in_fields_that_the_front_end_knows() -> None:
 def test_no_cast_hides_a_wrong_name_from_typescript() -> None:
     casts = [
         f"{file.relative_to(JS)}: {line.strip()}"
-        for file in sorted(JS.glob("*/*.ts"))
+        for file in FILES
         for line in file.read_text(encoding="utf-8").splitlines()
         if re.search(r"odel\.(get|set)\([^)]*\) as |odel as (unknown|any)", line)
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from dataclasses import fields
 from functools import cache
@@ -15,6 +16,7 @@ from robowidgets._core.page_file import PAGES
 from robowidgets.kinds import KINDS, Kind
 
 ROOT = Path(robowidgets.__file__).parent
+JS = ROOT / "js"
 
 LAYERS = (
     "__main__ command",
@@ -185,3 +187,17 @@ def test_public_modules_are_imported_by_other_parts_exported_or_named_in_the_tab
 
 def is_package(module: str) -> bool:
     return modules()[module].name == "__init__.py"
+
+
+def front_end_imports() -> Iterator[tuple[str, str]]:
+    """Each file in a folder of the front end, with each of our files that it imports."""
+    for path in (*JS.glob("*/*.ts"), *JS.glob("shared/*/*.ts"), *JS.glob("*/*.css")):
+        for name in re.findall(r'(?:from|import) "(\.[^"]+)"', path.read_text(encoding="utf-8")):
+            yield path.relative_to(JS).as_posix(), (path.parent / name).resolve().relative_to(JS).as_posix()
+
+
+def test_a_folder_of_the_front_end_imports_from_itself_and_shared_alone() -> None:
+    """The scripts of exported pages, in ``export/``, are made of the widgets."""
+    pairs = [(file, other) for file, other in front_end_imports() if not file.startswith("export/")]
+    assert pairs
+    assert [pair for pair in pairs if pair[1].split("/")[0] not in (pair[0].split("/")[0], "shared")] == []

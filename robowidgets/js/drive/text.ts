@@ -1,4 +1,4 @@
-import { isMoving, rest, type Situation, type Text, toStopText, warn } from "../stop/text.ts";
+import { isMoving, rest, type Situation, type Text, toStopText, warn } from "../shared/driving/text.ts";
 import type { State } from "./press.ts";
 
 const AGAIN = "let go and press again";

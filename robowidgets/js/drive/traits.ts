@@ -1,4 +1,4 @@
-import type { StopTraits } from "../stop/traits.ts";
+import type { StopTraits } from "../shared/driving/traits.ts";
 
 export interface DriveTraits extends StopTraits {
   enabled: boolean;

@@ -1,11 +1,11 @@
 import { make, makeIcon, mount, setText } from "../shared/dom.ts";
+import { StopButtons } from "../shared/driving/buttons.ts";
+import { StopControl } from "../shared/driving/control.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { type Model, onChange, onMessage } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
-import { StopButtons } from "../stop/buttons.ts";
-import { StopControl } from "../stop/control.ts";
 import { watchInput } from "./input.ts";
 import { CENTER, type Knob, toPlace } from "./knob.ts";
 import { type Answer, PressLease } from "./press.ts";

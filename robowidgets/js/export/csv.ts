@@ -1,8 +1,8 @@
-import { decodeScan } from "../laser/scan.ts";
 import { decodePose } from "../path/path.ts";
 import type { TimedFrame } from "../player/segments.ts";
-import { decodeSpeeds } from "../speed/frame.ts";
-import { decodeTouch } from "../touch/touch.ts";
+import { decodeScan } from "../shared/frames/scan.ts";
+import { decodeSpeeds } from "../shared/frames/speeds.ts";
+import { decodeTouch } from "../shared/frames/touch.ts";
 
 const AXES = ["linear_x", "linear_y", "linear_z", "angular_x", "angular_y", "angular_z"];
 const STAMP_AT = 16;

@@ -1,10 +1,9 @@
-import { type Box, holds, type Point } from "../shared/box.ts";
+import { type Box, holds, overlaps, type Point } from "../shared/box.ts";
 import type { Size } from "../shared/canvas.ts";
+import { crosses } from "../shared/popup_place.ts";
 import type { Theme } from "../shared/theme.ts";
 import { pointAt, rimOf } from "./draw_sector.ts";
-import { overlaps } from "./guides.ts";
 import type { Stage } from "./layer.ts";
-import { crosses } from "./popup_place.ts";
 import { type Sector, sweepOf } from "./sector.ts";
 
 const MARGIN = 10;

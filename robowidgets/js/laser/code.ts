@@ -1,4 +1,4 @@
-import type { Sweep } from "./scan.ts";
+import type { Sweep } from "../shared/frames/scan.ts";
 import { DEGREE, inDegrees, type Sector, stretchesOf, sweepOf, toExpression } from "./sector.ts";
 
 export const FORMS = ["scan", "message", "slice"] as const;

@@ -1,9 +1,9 @@
 import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
+import { READING, type Scan } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
+import { VIRIDIS } from "../shared/viridis.ts";
 import { arcFont } from "./draw_area.ts";
-import { READING, type Scan } from "./scan.ts";
-import { VIRIDIS } from "./viridis.ts";
 
 export type Domain = [number, number];
 

@@ -1,10 +1,10 @@
 import type { Point } from "../shared/box.ts";
+import { angleOf, type Scan, TOO_CLOSE } from "../shared/frames/scan.ts";
 import { lampsOf } from "../shared/lamps.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
 import { toDirection } from "./projection.ts";
-import { angleOf, type Scan, TOO_CLOSE } from "./scan.ts";
 
 /** Pixels from a reading to the line behind it. */
 const BEHIND = 5;

@@ -1,4 +1,4 @@
-import { angleOf, indexAt, READING, type Scan, type Sweep, TOO_CLOSE } from "./scan.ts";
+import { angleOf, indexAt, READING, type Scan, type Sweep, TOO_CLOSE } from "../shared/frames/scan.ts";
 
 /** Metres; a smaller range that is also below range_min is an error code. Python has the same number. */
 const CODES_END = 0.0195;

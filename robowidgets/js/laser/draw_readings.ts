@@ -1,10 +1,6 @@
-import type { Box } from "../shared/box.ts";
+import { type Box, overlaps } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { toShortMetres } from "../shared/format.ts";
-import type { Theme } from "../shared/theme.ts";
-import { arcFont } from "./draw_area.ts";
-import { type ArcLabel, type Occupancy, overlaps } from "./guides.ts";
-import { type Projection, toDirection } from "./projection.ts";
 import {
   angleOf,
   NO_MEASUREMENT,
@@ -14,7 +10,12 @@ import {
   type Scan,
   TOO_CLOSE,
   type Validity,
-} from "./scan.ts";
+} from "../shared/frames/scan.ts";
+import type { Occupancy } from "../shared/occupancy.ts";
+import type { Theme } from "../shared/theme.ts";
+import { arcFont } from "./draw_area.ts";
+import type { ArcLabel } from "./guides.ts";
+import { type Projection, toDirection } from "./projection.ts";
 
 /** Pixels of a dot by the number of rays: a few small ones would be hard to find. */
 const DOTS = [

@@ -1,7 +1,6 @@
-import type { Box, Point } from "../shared/box.ts";
+import { type Box, overlaps, type Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
-import { overlaps } from "./guides.ts";
 import type { Stage } from "./layer.ts";
 import { type Projection, toDirection } from "./projection.ts";
 import { LIMITS, type Sector, type State, sweepOf } from "./sector.ts";

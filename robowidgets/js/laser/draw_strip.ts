@@ -1,7 +1,14 @@
 import { write } from "../shared/canvas.ts";
+import {
+  NO_MEASUREMENT,
+  NOTHING_IN_RANGE,
+  OUTSIDE_LIMITS,
+  READING,
+  type Scan,
+  TOO_CLOSE,
+} from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { StripStage } from "./layer.ts";
-import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, type Scan, TOO_CLOSE } from "./scan.ts";
 
 const DOT = 2.5;
 /** Pixels above the plot at which what has no distance in view is marked. */

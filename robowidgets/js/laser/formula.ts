@@ -1,5 +1,5 @@
 import { toFixed } from "../shared/format.ts";
-import { angleOf, type Sweep } from "./scan.ts";
+import { angleOf, type Sweep } from "../shared/frames/scan.ts";
 
 /** The angle of a ray as a student would work it out, line by line: names, numbers, result. */
 export interface Formula {

@@ -1,7 +1,7 @@
 import { make, makeButton, setText } from "../shared/dom.ts";
+import type { Scan } from "../shared/frames/scan.ts";
 import { type Model, setTraits } from "../shared/model.ts";
 import { angleFormula } from "./formula.ts";
-import type { Scan } from "./scan.ts";
 import type { LaserTraits } from "./traits.ts";
 
 const LINES = ["names", "numbers", "result", "wrapped"];

@@ -1,9 +1,9 @@
 import { copyOf, toBytes } from "../shared/bytes.ts";
 import { toAge } from "../shared/format.ts";
+import { decodeScan, type Scan } from "../shared/frames/scan.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import type { Stream } from "../shared/stream.ts";
 import { Companion } from "./companion.ts";
-import { decodeScan, type Scan } from "./scan.ts";
 import type { LaserTraits } from "./traits.ts";
 
 const NOTHING = /* @__PURE__ */ new DataView(new ArrayBuffer(0));

@@ -1,22 +1,13 @@
-import type { Box } from "../shared/box.ts";
+import { type Box, overlaps } from "../shared/box.ts";
 import { toShortMetres } from "../shared/format.ts";
+import { angleOf, type Sweep } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { angleFont, arcFont, drawArea, drawGuides, drawRayLabels, drawRobot, indexFont } from "./draw_area.ts";
 import { drawArcLabels } from "./draw_readings.ts";
-import {
-  type ArcLabel,
-  arcDistances,
-  arcLabels,
-  overlaps,
-  type RayLabel,
-  rayIndices,
-  rayLabels,
-  thinLabels,
-} from "./guides.ts";
+import { type ArcLabel, arcDistances, arcLabels, type RayLabel, rayIndices, rayLabels, thinLabels } from "./guides.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
 import { rimBox } from "./projection.ts";
-import { angleOf, type Sweep } from "./scan.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /** The detection area, range arcs, radial lines with their labels, and the robot. */

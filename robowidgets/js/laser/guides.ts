@@ -1,8 +1,9 @@
-import type { Box } from "../shared/box.ts";
+import { type Box, overlaps } from "../shared/box.ts";
 import { type AngleUnit, toAngle } from "../shared/format.ts";
+import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "../shared/frames/scan.ts";
+import type { Occupancy } from "../shared/occupancy.ts";
 import { ticks } from "../shared/ticks.ts";
 import { type Projection, RIM_MARKS, type Rim, rimBox, toDirection } from "./projection.ts";
-import { angleFrom, angleOf, indexAt, isFullCircle, type Sweep, spanOf } from "./scan.ts";
 
 /**
  * Distances of the range arcs in metres: the given ones; or `count` that divide the view in equal parts; or, without a
@@ -131,15 +132,6 @@ export function rayLabels(
   });
 }
 
-export function overlaps(a: Box, b: Box, margin = 0): boolean {
-  return (
-    a.x < b.x + b.width + margin &&
-    b.x < a.x + a.width + margin &&
-    a.y < b.y + b.height + margin &&
-    b.y < a.y + a.height + margin
-  );
-}
-
 /**
  * Drops labels until none overlaps another: first those that are on forward's or an end's, then every second one,
  * counted from forward, or every third, and so on.
@@ -165,44 +157,6 @@ export function thinLabels(projection: Projection, labels: RayLabel[]): RayLabel
     }
   }
   return fixed;
-}
-
-const CELL = 6;
-
-/** Which parts of the picture hold something that a label must not cover. */
-export class Occupancy {
-  readonly #columns: number;
-  readonly #rows: number;
-  readonly #cells: Uint8Array;
-
-  constructor(width: number, height: number) {
-    this.#columns = Math.ceil(width / CELL) + 1;
-    this.#rows = Math.ceil(height / CELL) + 1;
-    this.#cells = new Uint8Array(this.#columns * this.#rows);
-  }
-
-  mark(x: number, y: number): void {
-    const [column, row] = [Math.floor(x / CELL), Math.floor(y / CELL)];
-    if (column >= 0 && row >= 0 && column < this.#columns && row < this.#rows) {
-      this.#cells[row * this.#columns + column] = 1;
-    }
-  }
-
-  /** How many marked cells lie under a box. */
-  count({ x, y, width, height }: Box): number {
-    let found = 0;
-    const last = { column: Math.floor((x + width) / CELL), row: Math.floor((y + height) / CELL) };
-    for (let row = Math.max(0, Math.floor(y / CELL)); row <= Math.min(this.#rows - 1, last.row); row++) {
-      for (
-        let column = Math.max(0, Math.floor(x / CELL));
-        column <= Math.min(this.#columns - 1, last.column);
-        column++
-      ) {
-        found += this.#cells[row * this.#columns + column] as number;
-      }
-    }
-    return found;
-  }
 }
 
 export interface ArcLabel {

@@ -1,7 +1,7 @@
+import { angleOf } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
 import { drawName, fillWedge, rimOf, strokeArc } from "./draw_sector.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter } from "./layer.ts";
-import { angleOf } from "./scan.ts";
 import { type Sector, stretchesOf } from "./sector.ts";
 import { fillStretch } from "./strip_sector.ts";
 import type { LaserTraits } from "./traits.ts";

@@ -1,9 +1,9 @@
 import { make, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { type AngleUnit, toAngle, toCount, toMetres } from "../shared/format.ts";
+import { CLASSES } from "../shared/frames/classes.ts";
+import { angleOf, READING, type Scan, type Validity } from "../shared/frames/scan.ts";
 import { type Model, setTraits } from "../shared/model.ts";
-import { angleOf, READING, type Scan, type Validity } from "./scan.ts";
-import { CLASSES } from "./text.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /**

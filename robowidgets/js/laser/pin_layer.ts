@@ -1,12 +1,12 @@
-import type { Point } from "../shared/box.ts";
+import { overlaps, type Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
+import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
 import { setTraits } from "../shared/model.ts";
+import { toSentence } from "../shared/popup.ts";
 import type { Theme } from "../shared/theme.ts";
-import { overlaps } from "./guides.ts";
 import type { Depth, Host, Layer, Painter, Stage, Stops } from "./layer.ts";
 import { toPixel } from "./projection.ts";
-import { angleOf, READING, type Scan } from "./scan.ts";
-import { describeRay, toSentence } from "./text.ts";
+import { describeRay } from "./text.ts";
 
 const RING = 6;
 const HEIGHT = 16;

@@ -1,5 +1,8 @@
 import type { Box, Point } from "../shared/box.ts";
+import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "../shared/frames/scan.ts";
 import { setTraits } from "../shared/model.ts";
+import { Popup, toSentence } from "../shared/popup.ts";
+import { placePopup } from "../shared/popup_place.ts";
 import type { Theme } from "../shared/theme.ts";
 import { toCode } from "./code.ts";
 import { CopyButton } from "./copy.ts";
@@ -8,12 +11,9 @@ import { drawStripPointer } from "./draw_strip.ts";
 import { FormulaFoot } from "./formula_foot.ts";
 import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
 import { pick } from "./pick.ts";
-import { Popup } from "./popup.ts";
-import { placePopup } from "./popup_place.ts";
 import { toPixel } from "./projection.ts";
-import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "./scan.ts";
 import { sectorOf } from "./sector.ts";
-import { describeRay, toSentence } from "./text.ts";
+import { describeRay } from "./text.ts";
 
 /** Rays that the keys for a page walk. */
 const FAR = 10;

@@ -1,12 +1,12 @@
 import { toCount, toShortMetres } from "../shared/format.ts";
+import { CLASSES } from "../shared/frames/classes.ts";
+import type { Scan } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
 import { colorScale, type Domain, drawColorScale, intensityDomain, SCALE_HEIGHT } from "./color.ts";
 import { drawBeyond, drawReadings } from "./draw_readings.ts";
 import { drawStripReadings } from "./draw_strip.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter } from "./layer.ts";
-import type { Scan } from "./scan.ts";
-import { CLASSES } from "./text.ts";
 import type { LaserTraits } from "./traits.ts";
 
 /** The dots and marks of a scan, and the scale of their colours. */

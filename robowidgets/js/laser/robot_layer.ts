@@ -1,14 +1,13 @@
-import type { Point } from "../shared/box.ts";
+import { overlaps, type Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
+import { decodeSpeeds, type Speeds } from "../shared/frames/speeds.ts";
+import { decodeTouch, type Touch, type TouchState } from "../shared/frames/touch.ts";
 import { onChange } from "../shared/model.ts";
 import type { Theme } from "../shared/theme.ts";
-import { decodeSpeeds, type Speeds } from "../speed/frame.ts";
-import { decodeTouch, type Touch, type TouchState } from "../touch/touch.ts";
 import { Companion } from "./companion.ts";
 import { drawRobot } from "./draw_area.ts";
 import { asSeen, atLeast, type Footprint, outlineOf, partOf, wayOf } from "./footprint.ts";
-import { overlaps } from "./guides.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
 import { toPixel } from "./projection.ts";
 

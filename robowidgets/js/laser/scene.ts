@@ -1,11 +1,11 @@
 import type { Box } from "../shared/box.ts";
 import { Layer as Canvas, type Surface } from "../shared/canvas.ts";
+import type { Scan } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
+import { Occupancy } from "../shared/occupancy.ts";
 import type { Theme } from "../shared/theme.ts";
-import { Occupancy } from "./guides.ts";
 import { type Depth, type Layer, LOWER, type Painter, type Stage, UPPER } from "./layer.ts";
 import { FORWARD, fit, sweepRim } from "./projection.ts";
-import type { Scan } from "./scan.ts";
 import type { LaserTraits } from "./traits.ts";
 import { fitsReadings, resolveRange } from "./zoom.ts";
 

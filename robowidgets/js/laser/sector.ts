@@ -1,4 +1,4 @@
-import { angleOf, READING, type Scan, type Sweep, takeCensus } from "./scan.ts";
+import { angleOf, READING, type Scan, type Sweep, takeCensus } from "../shared/frames/scan.ts";
 
 /** Rays between two angles in radians, from the first counter-clockwise to the second, with limits in metres. */
 export interface Sector {

@@ -1,4 +1,5 @@
 import { type Box, holds, type Point } from "../shared/box.ts";
+import { angleOf, indexAt, READING } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
 import { leadTo } from "./chip_place.ts";
 import {
@@ -13,7 +14,6 @@ import {
 } from "./draw_sector.ts";
 import type { Depth, Drag, Host, Layer, Painter, Stage, Stops, StripPainter } from "./layer.ts";
 import { toPixel } from "./projection.ts";
-import { angleOf, indexAt, READING } from "./scan.ts";
 import { isIn } from "./sector.ts";
 import { SectorChip } from "./sector_chip.ts";
 import { SectorDrags } from "./sector_drag.ts";

@@ -1,4 +1,4 @@
-import type { Scan } from "./scan.ts";
+import type { Scan } from "../shared/frames/scan.ts";
 import { type Measured, measure, type Sector, type State, type Stretch, stateOf, stretchesOf } from "./sector.ts";
 import type { Named } from "./sector_store.ts";
 

@@ -1,6 +1,6 @@
+import { isFullCircle, type Sweep } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
 import { throttle } from "../shared/schedule.ts";
-import { isFullCircle, type Sweep } from "./scan.ts";
 import { type Sector, sectorOf, stretchesOf } from "./sector.ts";
 import type { LaserTraits } from "./traits.ts";
 

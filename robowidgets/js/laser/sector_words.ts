@@ -1,6 +1,6 @@
 import { type AngleUnit, toAngle, toMetres } from "../shared/format.ts";
+import { READING, type Scan, type Sweep } from "../shared/frames/scan.ts";
 import type { ChipTexts } from "./chip.ts";
-import { READING, type Scan, type Sweep } from "./scan.ts";
 import { type Measured, parseRays, type Sector, type State, type Stretch, sectorOf, toExpression } from "./sector.ts";
 import type { Named } from "./sector_store.ts";
 

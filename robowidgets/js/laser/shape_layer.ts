@@ -1,11 +1,13 @@
 import type { Point } from "../shared/box.ts";
 import { onAbort } from "../shared/events.ts";
+import { drawShape, pathOf, WIDTH } from "../shared/shapes/draw.ts";
+import { type Metres, placesOf } from "../shared/shapes/places.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { About, Shape } from "../shared/traits.ts";
-import { clipToView, drawShape, pathOf } from "./draw_shape.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
+import type { Projection } from "./projection.ts";
 import { ShapeLabels } from "./shape_labels.ts";
-import { describeShape, lasting, type Metres, placesOf, readingOf, toPicture, untilNext } from "./shapes.ts";
+import { describeShape, lasting, readingOf, toPicture, untilNext } from "./shapes.ts";
 
 /** A shape that can be drawn now, and its places in metres. */
 export interface Placed {
@@ -94,4 +96,14 @@ export class ShapeLayer implements Layer {
     });
     this.#labels.draw(context, stage, labels, theme);
   }
+}
+
+/** Calls a function that draws in the view only: what lies beyond it would lie over the labels round it. */
+function clipToView(context: CanvasRenderingContext2D, projection: Projection, draw: () => void): void {
+  context.save();
+  context.beginPath();
+  context.arc(projection.centerX, projection.centerY, projection.radius + WIDTH, 0, 2 * Math.PI);
+  context.clip();
+  draw();
+  context.restore();
 }

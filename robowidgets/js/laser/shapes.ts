@@ -1,21 +1,9 @@
 import type { Point } from "../shared/box.ts";
 import { type AngleUnit, decimalsFor, toAngle, toFixed, toMany, toMetres } from "../shared/format.ts";
-import type { Shape, Spot } from "../shared/traits.ts";
+import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
+import type { Metres } from "../shared/shapes/places.ts";
+import type { Shape } from "../shared/traits.ts";
 import { type Projection, toPixel } from "./projection.ts";
-import { angleOf, READING, type Scan } from "./scan.ts";
-
-/** A place in metres in the frame of the scanner: x forward, y to the left. */
-export type Metres = [x: number, y: number];
-
-const TURN = 2 * Math.PI;
-/** Radians of an arc that one straight piece of its picture spans. */
-const PIECE = Math.PI / 90;
-
-/** The places of a shape in metres; null when one is a ray without a reading. */
-export function placesOf(at: Spot[], readingOf: (index: number) => Metres | null): Metres[] | null {
-  const places = at.map((spot) => (typeof spot === "number" ? readingOf(spot) : spot));
-  return places.every((place) => place !== null) ? places : null;
-}
 
 export function readingOf(scan: Scan | null, index: number): Metres | null {
   if (scan?.kinds[index] !== READING) return null;
@@ -25,21 +13,6 @@ export function readingOf(scan: Scan | null, index: number): Metres | null {
 
 export function toPicture(projection: Projection, [x, y]: Metres): Point {
   return toPixel(projection, Math.hypot(x, y), Math.atan2(y, x));
-}
-
-/** The places along an arc, from its first angle counter-clockwise to its second. */
-export function arcPlaces({ start = 0, end = TURN, radius = 0 }: Shape, [x, y]: Metres): Metres[] {
-  const turned = end - start >= TURN ? TURN : (((end - start) % TURN) + TURN) % TURN;
-  const pieces = Math.max(1, Math.ceil(turned / PIECE));
-  return Array.from({ length: pieces + 1 }, (_, i) => {
-    const angle = start + (turned * i) / pieces;
-    return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
-  });
-}
-
-/** Whether an arc is a whole circle, which has no ends. */
-export function isCircle({ start = 0, end = TURN }: Shape): boolean {
-  return end - start >= TURN - 1e-9;
 }
 
 /**

@@ -2,11 +2,11 @@ import type { Point } from "../shared/box.ts";
 import { Layer as Canvas, type Surface, watchSize, write } from "../shared/canvas.ts";
 import { make } from "../shared/dom.ts";
 import { toShortMetres } from "../shared/format.ts";
+import { angleOf } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
 import { watchGestures } from "./gestures.ts";
 import { type Host, type Layer, LOWER, type StripStage, UPPER } from "./layer.ts";
 import { toPixel } from "./projection.ts";
-import { angleOf } from "./scan.ts";
 import { fromStrip, indexTicks, metreTicks, placeOf, plotBox, toX, toY } from "./strip_axis.ts";
 
 /** Pixels from the scanner within which the picture takes no ray, and within the rim. */

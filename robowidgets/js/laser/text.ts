@@ -1,81 +1,15 @@
-import { type AngleUnit, decimalsFor, toAngle, toFixed, toMany, toMetres, toShortMetres } from "../shared/format.ts";
-import {
-  angleOf,
-  type Limits,
-  NO_LIMIT,
-  NO_MEASUREMENT,
-  NOTHING_IN_RANGE,
-  OUTSIDE_LIMITS,
-  READING,
-  type Scan,
-  TOO_CLOSE,
-  type Validity,
-} from "./scan.ts";
-
-/** Names of the classes, in the legend and in the trait `marks`. */
-export const CLASSES: { kind: Validity; name: string; symbol: string; word: string; explained: string }[] = [
-  { kind: READING, name: "reading", symbol: "\u25A0", word: "readings", explained: "a distance within limits" },
-  {
-    kind: OUTSIDE_LIMITS,
-    name: "outside_limits",
-    symbol: "\u25CB",
-    word: "outside",
-    explained: "a distance outside limits",
-  },
-  {
-    kind: NOTHING_IN_RANGE,
-    name: "nothing_in_range",
-    symbol: "\u2502",
-    word: "nothing",
-    explained: "+inf: nothing in range",
-  },
-  { kind: NO_MEASUREMENT, name: "no_measurement", symbol: "\u00D7", word: "none", explained: "NaN: no measurement" },
-  {
-    kind: TOO_CLOSE,
-    name: "too_close",
-    symbol: "\u25BE",
-    word: "too close",
-    explained: "\u2212inf: too close to measure",
-  },
-];
-
-interface Classed extends Limits {
-  kinds: Validity[];
-}
-
-/** What a ray without a reading means; nothing for a reading. */
-export function meaningOf({ kinds, minRange, maxRange }: Classed, index: number): string {
-  switch (kinds[index]) {
-    case READING:
-      return "";
-    case TOO_CLOSE:
-      return `\u2212inf: closer than ${toShortMetres(minRange)}`;
-    case NOTHING_IN_RANGE:
-      return `+inf: nothing ${maxRange > NO_LIMIT ? "in range" : `within ${toShortMetres(maxRange)}`}`;
-    case NO_MEASUREMENT:
-      return "NaN: no measurement";
-    default:
-      return `outside the limits ${toShortMetres(minRange)} to ${maxRange > NO_LIMIT ? "\u221e" : toShortMetres(maxRange)}`;
-  }
-}
-
-/** What the pop-up says of one ray. */
-export interface RayWords extends Partial<Where> {
-  expression: string;
-  distance: string;
-  details: string;
-}
-
-interface Where {
-  angle: string;
-  side: string;
-}
+import { type AngleUnit, decimalsFor, sideOf, toAngle, toFixed, toMany, toMetres } from "../shared/format.ts";
+import { meaningOf } from "../shared/frames/classes.ts";
+import { angleOf, type Scan } from "../shared/frames/scan.ts";
+import type { PopupWords } from "../shared/popup.ts";
 
 /**
+ * What the pop-up says of one ray.
+ *
  * @param reach metres of the picture, which set the decimals
  * @param unit in which the angle is shown
  */
-export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUnit = "deg"): RayWords {
+export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUnit = "deg"): PopupWords {
   const expression = `ranges[${index}]`;
   if (index >= scan.count) {
     return {
@@ -108,17 +42,4 @@ export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUni
     details: parts.join("\n"),
     side: sideOf(angle),
   };
-}
-
-/** The words of a pop-up in the order in which they are heard. */
-export function toSentence({ expression, distance, angle, side, details }: RayWords): string[] {
-  return [expression, distance, angle ?? "", side ?? "", details.replaceAll(/\s*\n\s*/g, ", ").replaceAll("  ", ", ")];
-}
-
-/** The side of the robot on which an angle lies. */
-export function sideOf(angle: number): string {
-  const turned = Math.atan2(Math.sin(angle), Math.cos(angle));
-  if (Math.abs(turned) < 0.0009) return "ahead";
-  if (Math.abs(turned) > Math.PI - 0.0009) return "behind";
-  return turned > 0 ? "left" : "right";
 }

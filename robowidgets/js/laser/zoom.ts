@@ -1,4 +1,4 @@
-import { FARTHEST_VIEW, NO_LIMIT, READING, type Scan } from "./scan.ts";
+import { FARTHEST_VIEW, NO_LIMIT, READING, type Scan } from "../shared/frames/scan.ts";
 import type { ViewRange } from "./traits.ts";
 
 const CLOSEST = 0.05;

@@ -1,6 +1,6 @@
-import { StateBand } from "../scanogram/state_band.ts";
-import type { StateSpan } from "../scanogram/states.ts";
 import { make, setText } from "../shared/dom.ts";
+import { StateBand } from "../shared/states/band.ts";
+import type { StateSpan } from "../shared/states/states.ts";
 import type { Theme } from "../shared/theme.ts";
 
 /** The last states as rows, in Python's monotonic seconds; null: still active. */

@@ -1,5 +1,5 @@
-import type { RayWords } from "../laser/text.ts";
 import { toDegrees, toFixed, toMetres } from "../shared/format.ts";
+import type { PopupWords } from "../shared/popup.ts";
 import type { Point, TimedPose } from "./path.ts";
 
 /** "x 1.23 m, y \u22120.45 m" */
@@ -12,7 +12,7 @@ export function toHeading({ yaw }: TimedPose): string {
 }
 
 /** What the pop-up says of a place of the path: its time, also from the moment on show. */
-export function describePoint(point: Point, now: TimedPose): RayWords {
+export function describePoint(point: Point, now: TimedPose): PopupWords {
   const apart = point.time - now.time;
   const side = Math.abs(apart) < 0.005 ? "now" : `${toFixed(Math.abs(apart), 2)} s ${apart < 0 ? "before" : "later"}`;
   return {

@@ -1,14 +1,13 @@
-import { Occupancy } from "../laser/guides.ts";
-import { Popup } from "../laser/popup.ts";
-import { placePopup } from "../laser/popup_place.ts";
-import { toSentence } from "../laser/text.ts";
 import { Layer, type Surface, watchSize } from "../shared/canvas.ts";
 import { make, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
 import { toFixed, toMetres } from "../shared/format.ts";
 import { type Model, onChange } from "../shared/model.ts";
+import { Occupancy } from "../shared/occupancy.ts";
 import { offerPng } from "../shared/png.ts";
+import { Popup, toSentence } from "../shared/popup.ts";
+import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";

@@ -1,11 +1,11 @@
-import { StateBand } from "../scanogram/state_band.ts";
-import { statesAt, toWords } from "../scanogram/states.ts";
 import { make, makeButton, makeIcon, mount, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toClock, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { type Model, NO_KERNEL, setTraits } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
+import { StateBand } from "../shared/states/band.ts";
+import { statesAt, toWords } from "../shared/states/states.ts";
 import { applyTheme, type Theme, watchTheme } from "../shared/theme.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import { MarkList } from "./mark_list.ts";

@@ -1,10 +1,10 @@
-import type { Pointing, ScanogramTraits, Span } from "../scanogram/traits.ts";
 import { toBytes } from "../shared/bytes.ts";
 import { onAbort } from "../shared/events.ts";
 import { markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
-import type { About, SampleTraits } from "../shared/traits.ts";
+import type { Span } from "../shared/time_axis.ts";
+import type { About, Pointing, SampleTraits, TimeTraits } from "../shared/traits.ts";
 import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Track } from "./segments.ts";
 import type { PlayerTraits, SegmentMessage } from "./traits.ts";
@@ -18,7 +18,7 @@ export interface Host<T> extends Pick<Model<T>, "get" | "set" | "save_changes" |
 
 /** Only a laser has rays at which a person points. */
 type Target = SampleTraits & { hovered?: number | null };
-type Follower = Host<ScanogramTraits & Pointing>;
+type Follower = Host<TimeTraits & Pointing>;
 
 /** The models that a player moves. */
 export interface Moved {

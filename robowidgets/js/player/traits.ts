@@ -1,5 +1,5 @@
-import type { StateSpan } from "../scanogram/states.ts";
 import type { Mark } from "../shared/marks.ts";
+import type { StateSpan } from "../shared/states/states.ts";
 
 export interface PlayerTraits {
   /** Seconds from the start of the recording. */

@@ -1,5 +1,5 @@
+import type { Told } from "../shared/driving/traits.ts";
 import { toFixed } from "../shared/format.ts";
-import type { Told } from "../stop/traits.ts";
 import type { Program, Variable } from "./traits.ts";
 
 /** The state of running, as a word. */

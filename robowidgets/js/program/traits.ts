@@ -1,5 +1,5 @@
+import type { Told } from "../shared/driving/traits.ts";
 import type { NamedTraits } from "../shared/traits.ts";
-import type { Told } from "../stop/traits.ts";
 
 export interface ProgramTraits extends NamedTraits {
   _state: ProgramTold;

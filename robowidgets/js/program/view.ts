@@ -1,12 +1,12 @@
 import { make, makeButton, mount, setLabel, setText } from "../shared/dom.ts";
+import { StopButtons } from "../shared/driving/buttons.ts";
+import { StopControl } from "../shared/driving/control.ts";
+import { toDriverText } from "../shared/driving/text.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import type { Model } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
-import { StopButtons } from "../stop/buttons.ts";
-import { StopControl } from "../stop/control.ts";
-import { toDriverText } from "../stop/text.ts";
 import { toBar, toCode, toMode, toNotice } from "./text.ts";
 import type { Program, ProgramTraits } from "./traits.ts";
 import { VariableRows } from "./variables.ts";

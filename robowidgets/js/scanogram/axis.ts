@@ -1,22 +1,7 @@
 import { toFixed } from "../shared/format.ts";
-import type { Span } from "./traits.ts";
+import type { Span } from "../shared/time_axis.ts";
 
 const ROUNDING = 1e-9;
-
-/** Where seconds stand across the picture: from `left` on, over `width` pixels. */
-export interface TimeAxis {
-  span: Span;
-  left: number;
-  width: number;
-}
-
-export function toX({ span: [start, end], left, width }: TimeAxis, time: number): number {
-  return left + ((time - start) / (end - start)) * width;
-}
-
-export function toTime({ span: [start, end], left, width }: TimeAxis, x: number): number {
-  return start + (Math.min(width, Math.max(0, x - left)) / width) * (end - start);
-}
 
 /** Seconds of a recording from which on its times are written as h:mm:ss. */
 const LONG = 600;

@@ -1,6 +1,6 @@
 import { firstWhere } from "../shared/search.ts";
+import type { Span } from "../shared/time_axis.ts";
 import { type Block, type Detail, NO_SCAN, type Speeds, toRange, type Whole } from "./data.ts";
-import type { Span } from "./traits.ts";
 
 /** Bytes of details that a page keeps, the whole not counted. */
 const KEPT_BYTES = 48_000_000;

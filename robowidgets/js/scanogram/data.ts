@@ -1,6 +1,6 @@
-import type { Validity } from "../laser/scan.ts";
-import * as validity from "../laser/scan.ts";
 import { copyOf } from "../shared/bytes.ts";
+import type { Validity } from "../shared/frames/scan.ts";
+import * as validity from "../shared/frames/scan.ts";
 import type { Pixel } from "./traits.ts";
 
 /** Cells in a row: each is of `size` scans, and holds a code for each ray (or for each few neighbours). */

@@ -1,7 +1,8 @@
 import { write } from "../shared/canvas.ts";
 import { toDegrees } from "../shared/format.ts";
-import type { Theme } from "../shared/theme.ts";
-import { type TimeAxis, timeTicks, toMoment, toX } from "./axis.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
+import { type TimeAxis, toX } from "../shared/time_axis.ts";
+import { timeTicks, toMoment } from "./axis.ts";
 import type { Layout } from "./layout.ts";
 import { angleTicks, type Rows } from "./rows.ts";
 
@@ -9,10 +10,6 @@ const APART = 34;
 const APART_ALONE = 22;
 const WORDS_APART = 92;
 const LABEL_HEIGHT = 17;
-
-export function textFont(theme: Theme, size = 11): string {
-  return `${size}px ${theme.font}`;
-}
 
 /** The time axis, with a label in ink at the line, of the time and the state, in place of the numbers there. */
 export function drawTimes(

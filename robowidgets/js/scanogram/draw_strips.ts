@@ -1,9 +1,9 @@
 import { write } from "../shared/canvas.ts";
 import { firstWhere } from "../shared/search.ts";
-import type { Theme } from "../shared/theme.ts";
-import { type TimeAxis, toX } from "./axis.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
+import { type TimeAxis, toX } from "../shared/time_axis.ts";
 import type { NamedSpan, Speeds, Whole } from "./data.ts";
-import { drawTriangle, textFont } from "./draw_axes.ts";
+import { drawTriangle } from "./draw_axes.ts";
 import type { Band } from "./layout.ts";
 
 const ROUNDING = 1e-6;

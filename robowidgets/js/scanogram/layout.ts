@@ -1,6 +1,6 @@
 import type { Size } from "../shared/canvas.ts";
+import { ROW, ROW_STEP } from "../shared/states/states.ts";
 import type { Whole } from "./data.ts";
-import { ROW, ROW_STEP } from "./states.ts";
 
 /** A horizontal band of the picture. */
 export interface Band {

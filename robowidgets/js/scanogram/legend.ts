@@ -1,8 +1,8 @@
-import { READING } from "../laser/scan.ts";
-import { CLASSES } from "../laser/text.ts";
 import type { Card } from "../shared/card.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { toMetres } from "../shared/format.ts";
+import { CLASSES } from "../shared/frames/classes.ts";
+import { READING } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Whole } from "./data.ts";
 import { classColors, distanceColors } from "./palette.ts";

@@ -1,7 +1,8 @@
 import { firstWhere } from "../shared/search.ts";
+import type { Span } from "../shared/time_axis.ts";
 import { type Block, FARTHEST, NO_SCAN, type Sweep, toRange } from "./data.ts";
 import type { Rows } from "./rows.ts";
-import type { Pixel, Span } from "./traits.ts";
+import type { Pixel } from "./traits.ts";
 
 /** Bits by which a bin is coarser than a code, when percentiles are counted. */
 const BIN = 4;

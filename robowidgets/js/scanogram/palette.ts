@@ -1,6 +1,6 @@
-import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, TOO_CLOSE, type Validity } from "../laser/scan.ts";
-import { VIRIDIS } from "../laser/viridis.ts";
+import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, TOO_CLOSE, type Validity } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
+import { VIRIDIS } from "../shared/viridis.ts";
 import { FARTHEST, KINDS, NO_SCAN, type Sweep, toRange } from "./data.ts";
 
 /** How each class without a distance is painted. */

@@ -1,16 +1,16 @@
-import type { RayWords } from "../laser/text.ts";
 import type { Point } from "../shared/box.ts";
+import type { PopupWords } from "../shared/popup.ts";
 import { firstWhere } from "../shared/search.ts";
-import { toTime } from "./axis.ts";
+import { stateAt } from "../shared/states/states.ts";
+import { toTime } from "../shared/time_axis.ts";
 import type { NamedSpan, Whole } from "./data.ts";
 import type { Band } from "./layout.ts";
 import type { Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
-import { stateAt } from "./states.ts";
 import { describeMark, describePlace, describeSpeed, describeState, describeTouches } from "./text.ts";
 
 /** The thing under the pointer, its place, and the text of its pop-up; null when there is none. */
-export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { y: number; words: RayWords }) | null {
+export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { y: number; words: PopupWords }) | null {
   const { whole, blocks } = state;
   const { left, width, scans, speeds, touch, states } = scene.layout;
   if (!whole || !blocks || point.x < left || point.x >= left + width) return null;
@@ -23,7 +23,7 @@ export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { 
     return place && { time, row, y: scene.toY(row), words: describePlace(place, angle, whole.sweep, whole.pixel) };
   }
   const axis = speeds.findIndex(isIn);
-  const beside = (words: RayWords | null | undefined, y = point.y) => (words ? { time, row: null, y, words } : null);
+  const beside = (words: PopupWords | null | undefined, y = point.y) => (words ? { time, row: null, y, words } : null);
   if (axis >= 0) return beside(speedAt(whole, state, axis, time));
   const perPixel = (scene.axis.span[1] - scene.axis.span[0]) / width;
   if (touch && isIn(touch)) {
@@ -39,7 +39,7 @@ export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { 
   return beside(isAbove ? near(state.marks, time, perPixel).map(describeMark)[0] : null, scans.top + scans.height / 2);
 }
 
-function speedAt({ speed }: Whole, { blocks, view }: State, axis: number, time: number): RayWords | null {
+function speedAt({ speed }: Whole, { blocks, view }: State, axis: number, time: number): PopupWords | null {
   const speeds = blocks?.speedsIn(view);
   if (!speed || !speeds) return null;
   const at = firstWhere(speeds.startsAt, (start) => start > time) - 1;

@@ -1,4 +1,4 @@
-import { isFullCircle } from "../laser/scan.ts";
+import { isFullCircle } from "../shared/frames/scan.ts";
 import { firstWhere } from "../shared/search.ts";
 import type { Sweep } from "./data.ts";
 

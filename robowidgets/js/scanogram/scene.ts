@@ -1,6 +1,16 @@
 import { Layer, type Surface } from "../shared/canvas.ts";
+import {
+  cutName,
+  drawActive,
+  drawStates,
+  machineOf,
+  nameOf,
+  type StateSpan,
+  statesAt,
+  type Tones,
+} from "../shared/states/states.ts";
 import type { Theme } from "../shared/theme.ts";
-import { type TimeAxis, toX } from "./axis.ts";
+import { type Span, type TimeAxis, toX } from "../shared/time_axis.ts";
 import type { Whole } from "./data.ts";
 import { drawAngles, drawFrame, drawTimes, drawTriangle } from "./draw_axes.ts";
 import { drawLabel, drawSpans, drawSpeed, drawTouches } from "./draw_strips.ts";
@@ -9,8 +19,6 @@ import { fitColors, toRaster } from "./paint.ts";
 import { toPalette } from "./palette.ts";
 import { type Rows, toRows } from "./rows.ts";
 import type { State } from "./state.ts";
-import { cutName, drawActive, drawStates, machineOf, nameOf, type StateSpan, statesAt, type Tones } from "./states.ts";
-import type { Span } from "./traits.ts";
 
 const NO_ROWS: Rows = { rayOf: [], angles: [], rowOf: [], byAngle: false };
 

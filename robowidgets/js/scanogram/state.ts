@@ -3,10 +3,12 @@ import { onAbort } from "../shared/events.ts";
 import { markBeside } from "../shared/marks.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { throttle } from "../shared/schedule.ts";
+import type { StateSpan } from "../shared/states/states.ts";
+import type { Span } from "../shared/time_axis.ts";
+import type { Pointing } from "../shared/traits.ts";
 import { Blocks } from "./blocks.ts";
 import { type Detail, decodeDetail, decodeWhole, type NamedSpan, type Whole } from "./data.ts";
-import type { StateSpan } from "./states.ts";
-import type { Pixel, Pointing, ScanogramTraits, Span } from "./traits.ts";
+import type { Pixel, ScanogramTraits } from "./traits.ts";
 
 const ASK_MS = 120;
 const LATE_MS = 400;

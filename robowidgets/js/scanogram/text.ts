@@ -1,10 +1,11 @@
-import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, TOO_CLOSE } from "../laser/scan.ts";
-import { meaningOf, type RayWords, sideOf } from "../laser/text.ts";
-import { toCount, toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts";
+import { sideOf, toCount, toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts";
+import { meaningOf } from "../shared/frames/classes.ts";
+import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, READING, TOO_CLOSE } from "../shared/frames/scan.ts";
+import type { PopupWords } from "../shared/popup.ts";
+import { nameOf, type StateSpan, toWords as toPath } from "../shared/states/states.ts";
 import { toSeconds } from "./axis.ts";
 import type { Place } from "./blocks.ts";
 import { kindOf, type NamedSpan, type Sweep, type Whole } from "./data.ts";
-import { nameOf, type StateSpan, toWords as toPath } from "./states.ts";
 import type { Pixel } from "./traits.ts";
 
 const SYMBOLS: Record<number, string> = {
@@ -15,7 +16,7 @@ const SYMBOLS: Record<number, string> = {
 };
 
 /** What the pop-up says of a ray at a moment. */
-export function describePlace(place: Place, angle: number, sweep: Sweep, pixel: Pixel = "nearest"): RayWords {
+export function describePlace(place: Place, angle: number, sweep: Sweep, pixel: Pixel = "nearest"): PopupWords {
   const kind = kindOf(place.code);
   const known = kind === OUTSIDE_LIMITS && place.exact ? `${toFixed(place.range, 3)} m` : SYMBOLS[kind];
   const lines = [meaningOf({ kinds: [kind], ...sweep }, 0), toMoment(place), sharedBy(place, pixel)];
@@ -57,7 +58,7 @@ export function describeSelection(selection: number[], scans: { scans: number; e
 }
 
 /** What the pop-up says of one axis of the speed at a moment. */
-export function describeSpeed(axis: string, title: string, low: number, high: number, time: number): RayWords {
+export function describeSpeed(axis: string, title: string, low: number, high: number, time: number): PopupWords {
   const unit = axis.startsWith("linear") ? "m/s" : "rad/s";
   const value = low === high ? toFixed(low, 2) : `${toFixed(low, 2)} to ${toFixed(high, 2)}`;
   const words = Number.isNaN(low) ? "no value" : `${value} ${unit}`;
@@ -65,7 +66,7 @@ export function describeSpeed(axis: string, title: string, low: number, high: nu
 }
 
 /** What the pop-up says of the touches at a moment. */
-export function describeTouches(touches: NamedSpan[], title: string, time: number): RayWords {
+export function describeTouches(touches: NamedSpan[], title: string, time: number): PopupWords {
   const sensors = [...new Set(touches.map(({ name }) => name))];
   const spans = touches.map(toWords);
   return {
@@ -76,12 +77,12 @@ export function describeTouches(touches: NamedSpan[], title: string, time: numbe
 }
 
 /** What the pop-up says of a mark. */
-export function describeMark(mark: NamedSpan): RayWords {
+export function describeMark(mark: NamedSpan): PopupWords {
   return { expression: mark.name, distance: toWords(mark), details: "marked" };
 }
 
 /** What the pop-up says of a state. */
-export function describeState([start, end, path]: StateSpan): RayWords {
+export function describeState([start, end, path]: StateSpan): PopupWords {
   return { expression: toPath(path), distance: nameOf(path), details: toWords({ start, end, name: "" }) };
 }
 

@@ -1,12 +1,14 @@
-import { Popup } from "../laser/popup.ts";
 import type { Point } from "../shared/box.ts";
 import { type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
+import { Popup } from "../shared/popup.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
-import { moved, toSeconds, toTime, toX, zoomed } from "./axis.ts";
+import { type Span, toTime, toX } from "../shared/time_axis.ts";
+import type { Pointing } from "../shared/traits.ts";
+import { moved, toSeconds, zoomed } from "./axis.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
 import { pointAt } from "./point.ts";
@@ -15,7 +17,7 @@ import { selectedRays } from "./rows.ts";
 import { type Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
 import { describeSelection, toFacts } from "./text.ts";
-import type { Pointing, ScanogramTraits, Span } from "./traits.ts";
+import type { ScanogramTraits } from "./traits.ts";
 
 const MEDIAN = "Show the median, not the nearest, of the readings that share a pixel";
 const LATE = "finer detail when the kernel is free";

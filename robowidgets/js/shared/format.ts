@@ -77,3 +77,11 @@ export function toClock(seconds: number): [date: string, timeOfDay: string] {
 export function asSentence(words: string): string {
   return words && `${words.charAt(0).toUpperCase()}${words.slice(1)}${/[.?!]$/.test(words) ? "" : "."}`;
 }
+
+/** The side of the robot on which an angle lies. */
+export function sideOf(angle: number): string {
+  const turned = Math.atan2(Math.sin(angle), Math.cos(angle));
+  if (Math.abs(turned) < 0.0009) return "ahead";
+  if (Math.abs(turned) > Math.PI - 0.0009) return "behind";
+  return turned > 0 ? "left" : "right";
+}

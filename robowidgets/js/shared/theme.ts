@@ -78,3 +78,7 @@ export function watchTheme(callback: () => void, signal: AbortSignal): void {
   onAbort(signal, () => observer.disconnect());
   for (const query of [prefersDark(), forcesColors()]) on(query, "change", callback, signal);
 }
+
+export function textFont(theme: Theme, size = 11): string {
+  return `${size}px ${theme.font}`;
+}

@@ -103,3 +103,19 @@ export interface Source {
   /** Whether the connection is lost, so that nothing comes. */
   lost?: boolean;
 }
+
+/** Of a widget that shows times of a recording, among which a person picks one or selects a span. */
+export interface TimeTraits {
+  /** Seconds from the start. */
+  time: number;
+  /** Start and end; of some rays also the first, and the first that is not among them. */
+  selection: number[] | null;
+}
+
+/** Traits for other widgets in the page; Python has none of this name. */
+export interface Pointing {
+  /** The time at which a person points, and the index of the ray; null below the scans, or where there are none. */
+  _pointed: { time: number; ray: number | null } | null;
+  /** Index of a ray at which a person points on another widget. */
+  _ray: number | null;
+}

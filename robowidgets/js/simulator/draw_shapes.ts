@@ -1,9 +1,8 @@
-import { drawShape, pathOf } from "../laser/draw_shape.ts";
-import { overlaps } from "../laser/guides.ts";
-import { boxAt, isWithin, LINE, PLACES, widthOf, writeLabel } from "../laser/shape_labels.ts";
-import { type Metres, placesOf } from "../laser/shapes.ts";
-import { type Box, holds } from "../shared/box.ts";
+import { type Box, holds, isWithin, overlaps } from "../shared/box.ts";
 import { floorOf, type Place, type Projection, toPixel } from "../shared/floor.ts";
+import { drawShape, pathOf } from "../shared/shapes/draw.ts";
+import { boxAt, LINE, PLACES, widthOf, writeLabel } from "../shared/shapes/labels.ts";
+import { type Metres, placesOf } from "../shared/shapes/places.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
 import { clipToFloor } from "./draw.ts";

@@ -1,6 +1,6 @@
-import type { Metres } from "../laser/shapes.ts";
 import { copyOf, Reader, toBytes } from "../shared/bytes.ts";
 import { type Bounds, type Place, type Pose, type Projection, toPixel } from "../shared/floor.ts";
+import type { Metres } from "../shared/shapes/places.ts";
 
 export interface Disc extends Place {
   radius: number;

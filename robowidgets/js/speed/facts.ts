@@ -1,5 +1,5 @@
+import type { Speeds } from "../shared/frames/speeds.ts";
 import { type Axis, GROUPS, type Group, isShown } from "./axes.ts";
-import type { Speeds } from "./frame.ts";
 import { type LimitSettings, limitsOf } from "./limits.ts";
 import { type Scale, sharedLimits, toReach, toScales } from "./scale.ts";
 import { decimalsFor } from "./text.ts";

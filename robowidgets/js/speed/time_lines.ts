@@ -1,6 +1,6 @@
+import type { Speeds } from "../shared/frames/speeds.ts";
 import { type Point, type TimeLine, toRuns } from "../shared/time_lines.ts";
 import type { GroupFacts } from "./facts.ts";
-import type { Speeds } from "./frame.ts";
 import { judge } from "./limits.ts";
 import type { Limits } from "./traits.ts";
 

@@ -1,5 +1,6 @@
 import { watchSize } from "../shared/canvas.ts";
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
+import type { Speeds } from "../shared/frames/speeds.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
@@ -9,7 +10,6 @@ import { TimeLinesView } from "../shared/time_lines_view.ts";
 import { GROUPS } from "./axes.ts";
 import type { Column } from "./column.ts";
 import { type AxisFacts, type Fastest, type GroupFacts, toFacts, toFastest } from "./facts.ts";
-import type { Speeds } from "./frame.ts";
 import { watchGestures } from "./gestures.ts";
 import { GroupView } from "./group.ts";
 import { Legend } from "./legend.ts";

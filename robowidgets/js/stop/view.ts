@@ -1,11 +1,11 @@
 import { make, mount, setText } from "../shared/dom.ts";
+import { StopButtons } from "../shared/driving/buttons.ts";
+import { StopControl } from "../shared/driving/control.ts";
+import { toDriverText } from "../shared/driving/text.ts";
+import type { StopTraits } from "../shared/driving/traits.ts";
 import type { Model } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
-import { StopButtons } from "./buttons.ts";
-import { StopControl } from "./control.ts";
-import { toDriverText } from "./text.ts";
-import type { StopTraits } from "./traits.ts";
 
 /** A bar: Stop, who drives and how fast, and what is wrong. */
 export class StopView {

@@ -1,5 +1,5 @@
+import type { Sensor } from "../shared/frames/touch.ts";
 import type { Around, Lead } from "./around.ts";
-import type { Sensor } from "./touch.ts";
 
 const SVG = "http://www.w3.org/2000/svg";
 const HALF_ARC = 0.16;

@@ -1,7 +1,7 @@
 import { make, setText } from "../shared/dom.ts";
 import { toCount } from "../shared/format.ts";
+import type { Sensor, TouchState } from "../shared/frames/touch.ts";
 import { summarize, tellBeside, toTouches } from "./text.ts";
-import type { Sensor, TouchState } from "./touch.ts";
 
 const STATES: TouchState[] = ["touched", "free", "unknown"];
 

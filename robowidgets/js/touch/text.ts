@@ -1,5 +1,5 @@
 import { toCount, toFixed } from "../shared/format.ts";
-import type { Sensor, TouchState } from "./touch.ts";
+import type { Sensor, TouchState } from "../shared/frames/touch.ts";
 
 const MODES: Record<string, string> = { event: "events", level: "level", presence: "presence" };
 

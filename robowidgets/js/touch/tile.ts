@@ -1,7 +1,7 @@
 import { make, setText } from "../shared/dom.ts";
+import type { Sensor } from "../shared/frames/touch.ts";
 import { type Box, NARROW } from "./rows.ts";
 import { detailOf, tellAll } from "./text.ts";
-import type { Sensor } from "./touch.ts";
 
 /** The rectangle of one sensor: its label, and its state in colour and in words. */
 export class Tile {

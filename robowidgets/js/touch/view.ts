@@ -1,6 +1,7 @@
 import { type Size, watchSize } from "../shared/canvas.ts";
 import { make, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
+import type { Sensor, Touch } from "../shared/frames/touch.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
@@ -12,9 +13,9 @@ import { Body } from "./body.ts";
 import type { Clock } from "./clock.ts";
 import { Footer } from "./footer.ts";
 import { type Box, GAP, layRows } from "./rows.ts";
+import { select } from "./select.ts";
 import { modeWord, toLabels } from "./text.ts";
 import { Tile } from "./tile.ts";
-import { type Sensor, select, type Touch } from "./touch.ts";
 import type { TouchTraits } from "./traits.ts";
 
 interface TouchAbout extends About {

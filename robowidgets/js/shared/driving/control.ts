@@ -1,5 +1,5 @@
-import { onAbort } from "../shared/events.ts";
-import { lacksKernel, type Model, onChange, onMessage } from "../shared/model.ts";
+import { onAbort } from "../events.ts";
+import { lacksKernel, type Model, onChange, onMessage } from "../model.ts";
 import type { StopTraits, Told } from "./traits.ts";
 
 /** Milliseconds between two heartbeats. */

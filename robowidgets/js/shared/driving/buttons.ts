@@ -1,6 +1,6 @@
-import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
-import { isPlain, on } from "../shared/events.ts";
-import { keepKeys } from "../shared/keys.ts";
+import { make, makeButton, makeIcon, setText } from "../dom.ts";
+import { isPlain, on } from "../events.ts";
+import { keepKeys } from "../keys.ts";
 import type { StopControl } from "./control.ts";
 
 /** A square in an octagon. */

@@ -1,9 +1,8 @@
-import { write } from "../shared/canvas.ts";
-import type { Mark } from "../shared/marks.ts";
-import { firstWhere } from "../shared/search.ts";
-import { forcesColors, type Theme } from "../shared/theme.ts";
-import { type TimeAxis, toX } from "./axis.ts";
-import { textFont } from "./draw_axes.ts";
+import { write } from "../canvas.ts";
+import type { Mark } from "../marks.ts";
+import { firstWhere } from "../search.ts";
+import { forcesColors, type Theme, textFont } from "../theme.ts";
+import { type TimeAxis, toX } from "../time_axis.ts";
 
 /** A state that was active: start and end in seconds, and its path, such as "Walker.avoid.turn". */
 export type StateSpan = Mark;

@@ -1,6 +1,6 @@
-import type { Box, Point } from "../shared/box.ts";
-import type { Size } from "../shared/canvas.ts";
-import { type Occupancy, overlaps } from "./guides.ts";
+import { type Box, overlaps, type Point } from "./box.ts";
+import type { Size } from "./canvas.ts";
+import type { Occupancy } from "./occupancy.ts";
 
 const GAP = 12;
 const MARGIN = 4;

@@ -1,5 +1,5 @@
-import { Reader } from "../shared/bytes.ts";
-import { type Frame, readHead } from "../shared/stream.ts";
+import { Reader } from "../bytes.ts";
+import { type Frame, readHead } from "../stream.ts";
 
 /** The classes of REP-117, numbered as in Python. */
 export const READING = 0;

@@ -1,5 +1,5 @@
-import { Reader } from "../shared/bytes.ts";
-import { type Frame, readHead } from "../shared/stream.ts";
+import { Reader } from "../bytes.ts";
+import { type Frame, readHead } from "../stream.ts";
 
 /** What Python sends: numbers by axis, m/s and rad/s; NaN where there is no value. */
 export interface Speeds extends Frame {

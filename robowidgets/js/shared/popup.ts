@@ -1,11 +1,19 @@
-import type { Box, Point } from "../shared/box.ts";
-import type { Size } from "../shared/canvas.ts";
-import { make, setText } from "../shared/dom.ts";
-import type { RayWords } from "./text.ts";
+import type { Box, Point } from "./box.ts";
+import type { Size } from "./canvas.ts";
+import { make, setText } from "./dom.ts";
+
+/** What the pop-up says of a ray, or of another place in a picture. */
+export interface PopupWords {
+  expression: string;
+  distance: string;
+  details: string;
+  angle?: string;
+  side?: string;
+}
 
 const ROWS = ["rw-popup-expression", "rw-popup-distance rw-popup-angle", "rw-popup-details rw-popup-side"];
 
-/** The pop-up that names one ray. */
+/** The pop-up that names a ray, or another place in a picture. */
 export class Popup {
   readonly element = make("div", "rw-floating rw-popup");
   /** One for each of the words, row by row. */
@@ -24,17 +32,12 @@ export class Popup {
     parent.append(this.element);
   }
 
-  /** Adds an element below the words. */
-  append(...elements: HTMLElement[]): void {
-    this.element.append(...elements);
-  }
-
   hide(): void {
     this.element.hidden = true;
   }
 
   /** Shows words at the place that `place` finds for their size. */
-  show(words: RayWords, place: (size: Size) => Point): Box {
+  show(words: PopupWords, place: (size: Size) => Point): Box {
     this.element.hidden = false;
     const texts = [words.expression, words.distance, words.angle, words.details, words.side];
     for (const [i, place] of this.#places.entries()) setText(place, texts[i] ?? "");
@@ -43,4 +46,9 @@ export class Popup {
     this.element.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px)`;
     return { x, y, ...size };
   }
+}
+
+/** The words of a pop-up in the order in which they are heard. */
+export function toSentence({ expression, distance, angle, side, details }: PopupWords): string[] {
+  return [expression, distance, angle ?? "", side ?? "", details.replaceAll(/\s*\n\s*/g, ", ").replaceAll("  ", ", ")];
 }

@@ -1,30 +1,4 @@
-import { Reader } from "../shared/bytes.ts";
-import { type Frame, readHead } from "../shared/stream.ts";
-
-export type TouchState = "free" | "touched" | "unknown";
-
-export interface Sensor {
-  name: string;
-  state: TouchState;
-  /** How often it was touched. */
-  touches: number;
-  /** Seconds in this state when Python sent it; null while no message has named the sensor. */
-  seconds: number | null;
-}
-
-export interface Touch extends Frame {
-  sensors: Sensor[];
-}
-
-type Row = [name: string, state: TouchState, touches: number, seconds: number | null];
-
-/** A frame of Python: the head, then a row per sensor as JSON. */
-export function decodeTouch(bytes: DataView): Touch {
-  const reader = new Reader(bytes);
-  const head = readHead(reader);
-  const rows: Row[] = JSON.parse(new TextDecoder().decode(reader.bytes(reader.left)));
-  return { ...head, sensors: rows.map(([name, state, touches, seconds]) => ({ name, state, touches, seconds })) };
-}
+import type { Sensor } from "../shared/frames/touch.ts";
 
 /**
  * The sensors of these names, in their order, UNKNOWN where no message has named them. For no names all sensors, those

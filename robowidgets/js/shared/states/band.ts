@@ -1,9 +1,8 @@
-import { Layer, type Surface, watchSize, write } from "../shared/canvas.ts";
-import { make } from "../shared/dom.ts";
-import { on } from "../shared/events.ts";
-import type { Theme } from "../shared/theme.ts";
-import { type TimeAxis, toTime } from "./axis.ts";
-import { textFont } from "./draw_axes.ts";
+import { Layer, type Surface, watchSize, write } from "../canvas.ts";
+import { make } from "../dom.ts";
+import { on } from "../events.ts";
+import { type Theme, textFont } from "../theme.ts";
+import { type TimeAxis, toTime } from "../time_axis.ts";
 import {
   cutName,
   drawActive,

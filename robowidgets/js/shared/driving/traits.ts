@@ -1,4 +1,4 @@
-import type { NamedTraits } from "../shared/traits.ts";
+import type { NamedTraits } from "../traits.ts";
 
 export interface StopTraits extends NamedTraits {
   _state: Told;

@@ -1,10 +1,10 @@
-import type { Point } from "../shared/box.ts";
-import type { Theme } from "../shared/theme.ts";
-import type { Shape } from "../shared/traits.ts";
-import type { Projection } from "./projection.ts";
-import { arcPlaces, isCircle, type Metres } from "./shapes.ts";
+import type { Point } from "../box.ts";
+import type { Theme } from "../theme.ts";
+import type { Shape } from "../traits.ts";
+import { arcPlaces, isCircle, type Metres } from "./places.ts";
 
-const WIDTH = 2;
+/** Of the lines, in pixels. */
+export const WIDTH = 2;
 /** Half the length of the tick at the end of a line, in pixels. */
 const TICK = 5;
 const RING = 3.5;
@@ -15,16 +15,6 @@ const HEAD = 7;
 const STEP = 4;
 /** Pieces of a path at most, of which most lie outside of the view. */
 const MOST_PIECES = 2000;
-
-/** Calls a function that draws in the view only: what lies beyond it would lie over the labels round it. */
-export function clipToView(context: CanvasRenderingContext2D, projection: Projection, draw: () => void): void {
-  context.save();
-  context.beginPath();
-  context.arc(projection.centerX, projection.centerY, projection.radius + WIDTH, 0, 2 * Math.PI);
-  context.clip();
-  draw();
-  context.restore();
-}
 
 /** Where a place is in the picture. */
 export type ToPoint = (place: Metres) => Point;

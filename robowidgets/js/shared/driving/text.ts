@@ -1,5 +1,5 @@
-import { toFixed } from "../shared/format.ts";
-import { NO_KERNEL } from "../shared/model.ts";
+import { toFixed } from "../format.ts";
+import { NO_KERNEL } from "../model.ts";
 import type { Note, StopControl } from "./control.ts";
 import type { Told } from "./traits.ts";
 
