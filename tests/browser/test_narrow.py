@@ -89,6 +89,16 @@ def test_cards_side_by_side_have_room_between_them(plain_page: Callable[..., Pla
     shoot(nb.output(1), "side-by-side")
 
 
+def test_controls_stand_on_the_right_also_without_a_title(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SCANS, "laser = sweep(270, 541)\nlaser.title = ''\nlaser"])
+    header = nb.widget(1).locator(".rw-header")
+    for width in (270, 390, 700):
+        nb.resize(width)
+        around, controls = header.bounding_box(), header.locator(".rw-controls").bounding_box()
+        assert around and controls
+        assert around["x"] + around["width"] - controls["x"] - controls["width"] <= 12, width
+
+
 def test_the_footer_of_a_laser_ends_where_it_should(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SCANS, "sweep(270, 541)"])
     nb.resize(700)

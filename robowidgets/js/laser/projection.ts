@@ -68,7 +68,9 @@ export function sweepRim(sweep: Sweep, forward: number): Rim[] {
 /** Room for the marks beyond the rim, in pixels. */
 export const RIM_MARKS = 7.5;
 const ROBOT = 16;
-const MARGIN = 3;
+/** Pixels between labels and card; half of it where the area needs all the width. */
+const MARGIN = 6;
+const NARROW = 340;
 
 /** The box of something at the rim. */
 export function rimBox({ centerX, centerY, radius }: Center, { direction, gap, halfWidth, halfHeight }: Rim): Box {
@@ -90,11 +92,12 @@ export function fit(rim: Rim[], box: Box): Center {
     const height = Math.max(ROBOT, ...boxes.map((one) => one.y + one.height)) - y;
     return { x, y, width, height };
   };
+  const margin = box.width < NARROW ? MARGIN / 2 : MARGIN;
   let [low, high] = [10, Math.max(10, box.width + box.height)];
   for (let i = 0; i < 30; i++) {
     const middle = (low + high) / 2;
     const { width, height } = extent(middle);
-    if (width <= box.width - 2 * MARGIN && height <= box.height - 2 * MARGIN) low = middle;
+    if (width <= box.width - 2 * margin && height <= box.height - 2 * margin) low = middle;
     else high = middle;
   }
   const { x, y, width, height } = extent(low);
