@@ -95,7 +95,8 @@ def test_controls_stand_on_the_right_also_without_a_title(plain_page: Callable[.
     for width in (270, 390, 700):
         nb.resize(width)
         around, controls = header.bounding_box(), header.locator(".rw-controls").bounding_box()
-        assert around and controls
+        assert around
+        assert controls
         assert around["x"] + around["width"] - controls["x"] - controls["width"] <= 12, width
 
 
