@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import takewhile
 from typing import Any, NamedTuple, Protocol
 
-from .kinds import KINDS, Kind, load
+from .kinds import KINDS, Kind, SecondWidget, load
 
 
 class Shown(Protocol):
@@ -32,13 +32,19 @@ class Shown(Protocol):
 class WidgetChoice(NamedTuple):
     """A widget for a topic, and the commanded topic that goes with a measured one, if there is any.
 
-    ``commanded`` marks a commanded topic that has a widget of its own.
+    ``commanded`` marks a commanded topic that has a widget of its own. ``second`` is None for the widget of the kind.
     """
 
     kind: Kind
     topic: str
     command: str = ""
     commanded: bool = False
+    second: SecondWidget | None = None
+
+    @property
+    def shown(self) -> Kind | SecondWidget:
+        """The row with the widget, and with what a player shows in it."""
+        return self.second or self.kind
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -47,7 +53,9 @@ class WidgetChoice(NamedTuple):
 
     def make(self) -> Any:
         """The widget, with its titles."""
-        widget = load(self.kind.widget)
+        widget = load(self.shown.widget)
+        if self.second:
+            return widget(title=self.topic)
         if not self.kind.commands:
             return widget(title=self.topic, **self.kind.options)
         bars = "commanded" if self.commanded else "measured"
@@ -69,12 +77,12 @@ def choose_widgets(topics: Iterable[Shown]) -> tuple[WidgetChoice, ...]:
             for topic in shown
             if topic.name not in command_of.values()
         )
-    types = {topic.name: topic.type.split(", ") for topic in listed}
+    types = {topic.name: topic.type for topic in listed}
     more = [
-        WidgetChoice(kind, choice.topic)
+        WidgetChoice(choice.kind, choice.topic, second=second)
         for choice in chosen
-        for kind in choice.kind.also
-        if not choice.commanded and not kind.types.isdisjoint(types[choice.topic])
+        if not choice.commanded
+        for second in choice.kind.second_widgets(types[choice.topic])
     ]
     return (*chosen, *more)
 

@@ -20,6 +20,27 @@ from .messages.fields import Shape, unwrap
 from .messages.touch import TOUCH_TYPES
 from .samples import Pose, Problem, Scan, Speed, Touch
 
+_SAMPLE_FRAMES = "robowidgets.player._frames:SampleFrames"
+
+
+@dataclass(frozen=True, eq=False)
+class SecondWidget:
+    """A widget that topics of some types have besides the widget of their kind, for the same samples.
+
+    Args:
+        name: of the widget and its bundle: ``"path"``.
+        types: message types of the topics that have it.
+        widget: the widget class; it takes ``title`` and has ``update(sample)``.
+        nothing: the sample that a player shows before the first of a topic.
+        frames: what the player of a recording shows of a topic at each time, a `robowidgets.player._frames.Track`.
+    """
+
+    name: str
+    types: frozenset[str]
+    widget: str
+    nothing: Any
+    frames: str = _SAMPLE_FRAMES
+
 
 @dataclass(frozen=True, eq=False)
 class Kind:
@@ -45,7 +66,7 @@ class Kind:
         options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
         goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
         every_message: whether each message counts, as an event does; of other kinds the newest is enough.
-        also: rows with the same samples and a second widget, for topics of their types.
+        also: second widgets for the same samples, on topics of some types.
     """
 
     name: str
@@ -60,13 +81,13 @@ class Kind:
     undecided: frozenset[str] = frozenset()
     make_reader: Callable[[], Callable[[Any], Any]] | None = None
     columns: str = "robowidgets.recordings.columns.series:Samples"
-    frames: str = "robowidgets.player._frames:SampleFrames"
+    frames: str = _SAMPLE_FRAMES
     rerun: str = ""
     commands: bool = False
     options: Mapping[str, Any] = field(default_factory=dict)
     goes_stale: bool = True
     every_message: bool = False
-    also: tuple[Kind, ...] = ()
+    also: tuple[SecondWidget, ...] = ()
 
     def reader(self) -> Callable[[Any], Any]:
         """A new reader for the messages of one topic."""
@@ -75,6 +96,10 @@ class Kind:
     def is_command(self, topic: str) -> bool:
         """Whether samples on this topic were asked for, not measured."""
         return self.commands and is_command(topic)
+
+    def second_widgets(self, types: str) -> tuple[SecondWidget, ...]:
+        """The second widgets of a topic of this kind that measures; several types are joined by a comma."""
+        return tuple(second for second in self.also if not second.types.isdisjoint(types.split(", ")))
 
 
 _NUMBERS = ("float32", "float64")
@@ -122,18 +147,14 @@ LASER = Kind(
     # A room is much smaller than what many scanners can see.
     options={"view_range": "auto"},
 )
-PATH = Kind(
+PATH = SecondWidget(
     name="path",
-    sample_name="speed",
-    noun="odometry",
-    sample=Speed,
-    read=to_speed,
     types=frozenset({"nav_msgs/msg/Odometry"}),
     widget="robowidgets.path_widget:PathWidget",
     nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
     frames="robowidgets.player._frames:PathFrames",
 )
-"""No kind of its own: odometry says how fast the robot is, and also where, so its topics have two widgets."""
+"""Odometry says how fast the robot is, and also where."""
 SPEED = Kind(
     name="speed",
     sample_name="speed",
@@ -278,6 +299,13 @@ def counts_every_message(type_name: str) -> bool:
 def is_command(topic: str) -> bool:
     """Whether a sample on this topic was asked for, not measured: its name holds ``cmd`` or ``command``."""
     return "cmd" in topic.lower() or "command" in topic.lower()
+
+
+def widgets_of(kind_name: str | None, types: str, commanded: bool) -> str:
+    """The widgets of a topic, for a table: ``"speed, path"``, ``"speed (commanded)"``; empty without any."""
+    if kind_name is None or commanded:
+        return f"{kind_name} (commanded)" if kind_name else ""
+    return ", ".join((kind_name, *(second.name for second in KINDS[kind_name].second_widgets(types))))
 
 
 def load(reference: str) -> Any:

@@ -122,10 +122,10 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         return (self.program, self.machine) != shown
 
     def _set_widgets(self, wanted: Sequence[WidgetChoice]) -> None:
-        there = {(choice.kind, choice.topic, choice.commanded): choice for choice in self._shown}
+        there = {(choice.shown, choice.topic, choice.commanded): choice for choice in self._shown}
         shown = {}
         for choice in wanted:
-            before = there.pop((choice.kind, choice.topic, choice.commanded), None)
+            before = there.pop((choice.shown, choice.topic, choice.commanded), None)
             shown[choice] = self._make(choice) if before is None else self._with_command(before, choice)
         for choice in there.values():
             widget = self._shown[choice]

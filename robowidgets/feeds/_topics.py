@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from .._core.tables import many
-from ..kinds import counts_every_message, is_standard, is_undecided, kind_of_message, kind_of_type
+from ..kinds import counts_every_message, is_standard, is_undecided, kind_of_message, kind_of_type, widgets_of
 from .middleware import EVENTS, Advert
 
 _HEADS = ("topic", "type", "published", "heard", "widget")
@@ -99,8 +99,8 @@ def table_of(where: str, topics: Sequence[Topic], status: str) -> Table:
 
 
 def _cells(topic: Topic) -> tuple[str, ...]:
-    shown = f"{topic.widget} (commanded)" if topic.commanded else topic.widget or ""
     yes_no = {True: "yes", False: "no", None: "?"}
+    shown = widgets_of(topic.widget, topic.type, topic.commanded)
     return topic.name, topic.type or "?", yes_no[topic.offered], yes_no[topic.wanted], shown
 
 

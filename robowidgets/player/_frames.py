@@ -56,7 +56,7 @@ class SampleFrames:
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: Any) -> None:
         self._recording, self._topic, self._widget = recording, choice.topic, widget
-        self._nothing = choice.kind.nothing
+        self._nothing = choice.shown.nothing
         self.seek = _newest(recording, choice.topic, widget.update, self._nothing)
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
@@ -76,7 +76,7 @@ class SpeedFrames:
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SpeedWidget) -> None:
         self._recording, self._topics, self._widget = recording, choice.topics, widget
-        self._nothing = choice.kind.nothing
+        self._nothing = choice.shown.nothing
         shows = zip(choice.topics, (widget.update, widget.command), strict=False)
         self._seeks = [_newest(recording, topic, show, self._nothing) for topic, show in shows]
 

@@ -316,7 +316,7 @@ def _view(recording: RecordingData, choice: WidgetChoice) -> View:
 
 
 def _track(recording: RecordingData, choice: WidgetChoice, widget: Any) -> Track:
-    track: Track = load(choice.kind.frames)(recording, choice, widget)
+    track: Track = load(choice.shown.frames)(recording, choice, widget)
     return track
 
 

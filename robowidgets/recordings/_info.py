@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from .._core.tables import as_date, many
+from ..kinds import widgets_of
 from .program_log import PROGRAM
 from .times import has_date
 from .topics import Topic
@@ -34,8 +35,6 @@ def table(
 
 
 def _cells(topic: Topic) -> tuple[str, ...]:
-    shown = (
-        f"{topic.widget} (commanded)" if topic.commanded else topic.widget or ("unreadable" if topic.problem else "")
-    )
+    shown = widgets_of(topic.widget, topic.type, topic.commanded) or ("unreadable" if topic.problem else "")
     rate = "" if topic.rate is None else f"{topic.rate:.1f}" if topic.rate >= _SLOWEST else f"<{_SLOWEST}"
     return topic.name, topic.type, f"{topic.count:,}", rate, shown

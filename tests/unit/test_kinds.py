@@ -11,7 +11,6 @@ from robowidgets import kinds
 from robowidgets.kinds import (
     KINDS,
     LASER,
-    PATH,
     SPEED,
     TOUCH,
     counts_every_message,
@@ -109,9 +108,10 @@ def test_every_message_of_a_touch_sensor_counts() -> None:
     assert not counts_every_message("sensor_msgs/msg/Imu")
 
 
-@pytest.mark.parametrize("kind", [*KINDS.values(), PATH], ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
 def test_what_a_row_names_is_there(kind: kinds.Kind) -> None:
-    for reference in (kind.widget, kind.columns, kind.frames):
+    seconds = [reference for second in kind.also for reference in (second.widget, second.frames)]
+    for reference in (kind.widget, kind.columns, kind.frames, *seconds):
         assert isinstance(kinds.load(reference), type)
     assert kind.read(kind.nothing) is kind.nothing
     assert kind.reader()(kind.nothing) is kind.nothing
@@ -135,6 +135,21 @@ def test_a_speed_is_commanded_where_the_name_says_so(topic: str, commanded: bool
 def test_only_kinds_with_commands_have_commanded_topics() -> None:
     assert SPEED.is_command("/cmd_vel")
     assert not LASER.is_command("/cmd_vel")
+
+
+@pytest.mark.parametrize(
+    ("row", "text"),
+    [
+        ((None, "std_msgs/msg/String", False), ""),
+        (("laser", "sensor_msgs/msg/LaserScan", False), "laser"),
+        (("speed", "geometry_msgs/msg/Twist", True), "speed (commanded)"),
+        (("speed", "nav_msgs/msg/Odometry", False), "speed, path"),
+        (("speed", "geometry_msgs/msg/Twist, nav_msgs/msg/Odometry", False), "speed, path"),
+        (("speed", "nav_msgs/msg/Odometry", True), "speed (commanded)"),
+    ],
+)
+def test_a_table_names_all_widgets_of_a_topic(row: tuple[str | None, str, bool], text: str) -> None:
+    assert kinds.widgets_of(*row) == text
 
 
 @pytest.mark.parametrize(

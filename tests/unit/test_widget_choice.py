@@ -53,7 +53,7 @@ def test_odometry_has_a_path_beside_its_speed_and_a_command_has_none() -> None:
         for name, of in (("/odom", odometry), ("/twist", "geometry_msgs/msg/Twist"), ("/odom_cmd", odometry))
     ]
     chosen = choose_widgets(shown)
-    assert [(choice.kind.name, choice.topic) for choice in chosen] == [
+    assert [(choice.shown.name, choice.topic) for choice in chosen] == [
         ("speed", "/odom"), ("speed", "/twist"), ("path", "/odom")
     ]  # fmt: skip
     assert type(chosen[-1].make()).__name__ == "PathWidget"
