@@ -43,15 +43,14 @@ export class PointerLayer implements Layer {
   constructor(host: Host) {
     this.#host = host;
     this.#foot = new FormulaFoot(host.model, host.signal);
-    this.#pinned = new Popup(host.card.picture, this.#foot.element);
-    this.#hovered = new Popup(host.card.picture);
     this.#copy = new CopyButton(
       () => this.#toCode(),
       (words) => host.card.say(words),
       host.signal,
     );
     for (const element of [this.#copy.button, this.#copy.field]) element.classList.add("rw-over");
-    this.#pinned.append(this.#copy.button, this.#copy.field);
+    this.#pinned = new Popup(host.card.picture, this.#foot.element, this.#copy.button, this.#copy.field);
+    this.#hovered = new Popup(host.card.picture);
   }
 
   painters(): Partial<Record<Depth, Painter>> {

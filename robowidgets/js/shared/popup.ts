@@ -20,14 +20,14 @@ export class Popup {
   readonly #places: HTMLElement[] = [];
 
   /** @param foot stands below the words */
-  constructor(parent: HTMLElement, foot?: HTMLElement) {
+  constructor(parent: HTMLElement, ...foot: HTMLElement[]) {
     for (const names of ROWS) {
       const row = make("div", "rw-popup-row");
       row.append(...names.split(" ").map((name) => make("span", name)));
       this.#places.push(...(row.children as Iterable<HTMLElement>));
       this.element.append(row);
     }
-    if (foot) this.element.append(foot);
+    this.element.append(...foot);
     this.element.hidden = true;
     parent.append(this.element);
   }
