@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from math import inf
 from typing import Any
 
@@ -75,6 +76,12 @@ class MachineWidget(RobotWidget[MachineStep]):
         self._programs = programs
         self._program: Program | None = None
         self._in_force: Version | None = None
+        self._origin = 0.0
+        """The monotonic time that the steps on show count from."""
+        self._packed: MachineStep | None = None
+        """The step of the newest frame."""
+        self._packed_at = self._made_after = time.monotonic()
+        """The times of that step, and of the one in the frame before it."""
         super().__init__(**kwargs)
         # Its group is the robot: so the page freezes it with all widgets of the robot, and them with it.
         self._robot = self._together = robot.connection.page_name
@@ -102,6 +109,7 @@ class MachineWidget(RobotWidget[MachineStep]):
             self._follow(program)
         machine = program.version.function
         if isinstance(machine, Machine):
+            self._origin = program.origin or 0.0
             self._show(machine.last_step, counts=machine.last_step is not self._newest)
 
     def _follow(self, program: Program) -> None:
@@ -122,23 +130,30 @@ class MachineWidget(RobotWidget[MachineStep]):
         program = self._program
         if program is None:
             return {}
-        machine, origin = program.version.function, program.origin or 0.0
+        machine = program.version.function
         is_machine = isinstance(machine, Machine)
         return {
             "mode": program.mode if is_machine else "ended",
             "version": program.version.number,
-            "fired": [_plain(fired, origin) for fired in sample.fired[-MOST_FIRED:]],
-            "states": _rows(sample, origin),
+            "fired": [_plain(fired, self._origin) for fired in sample.fired[-MOST_FIRED:]],
+            "states": _rows(sample, self._origin),
             "error": program.error if is_machine else "",
             "notes": [machine.note] if isinstance(machine, Machine) and machine.note else [],
         }
 
     def _pack(self, sample: MachineStep) -> bytes:
+        if sample is not self._packed:
+            self._packed, self._made_after, self._packed_at = sample, self._packed_at, self._origin + sample.time
+        judged = {key: (one.value, one.text) for key, one in sample.judged.items()}
+        # Not each step has a frame: events that made a move are true in the first frame after it.
+        for fired in sample.fired:
+            if fired.why.startswith("on ") and self._origin + fired.time > self._made_after:
+                judged[fired.machine, fired.why.removeprefix("on ")] = True, fired.text
         told = {
             "key": self._outline.get("key", ""),
             "time": sample.time,
             "states": sample.states,
-            "judged": [(*key, one.value, one.text) for key, one in sample.judged.items()],
+            "judged": [(*key, *one) for key, one in judged.items()],
             "seconds": [(*key, seconds) for key, seconds in sample.seconds.items()],
         }
         return json.dumps(told).encode()

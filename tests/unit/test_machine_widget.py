@@ -153,6 +153,27 @@ def test_steps_are_told_twenty_times_a_second_and_the_newest_wins(robot: Feed, p
     wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is told")
 
 
+def test_an_event_that_made_a_move_is_true_in_the_first_frame_after_it(robot: Feed, page: Page) -> None:
+    class Ticks:
+        def ten(state):
+            return state.get("n", 0) % 10 == 9
+
+        def running(state):
+            state.n = state.get("n", 0) + 1
+
+        one = two = None
+        moves = "one -> two on ten", "two -> one after 0.001"
+
+    program = robot.program(Ticks, rate=200)
+    wait_for(lambda: len(program.version.function.fired) > 20, "ten moves are made on the event")
+    program.pause()
+    wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is told")
+    frames = [json.loads(frame[FRAME_HEADER.size :]) for frame in page.sent("_frame")]
+    times = [fired.time for fired in program.version.function.fired if fired.why == "on ten"]
+    shown = {next(frame["time"] for frame in frames if frame["time"] >= time) for time in times}
+    assert shown == {frame["time"] for frame in frames if ["Ticks", "ten", True, ""] in frame["judged"]}
+
+
 def test_the_page_knows_which_widgets_are_of_the_robot(script: Scripted, robot: Feed, page: Page) -> None:
     laser = LaserWidget()
     robot.connect("/scan", laser)
