@@ -1,7 +1,7 @@
 import { make, makeButton, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { toAge } from "./format.ts";
-import { READING_MS } from "./schedule.ts";
+import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
 import type { About, Lamp } from "./traits.ts";
 
@@ -43,7 +43,8 @@ class Row {
   readonly #text = make("span", "rw-lamp-text");
   readonly #count = make("span", "rw-lamp-count");
   readonly #changes = make("span", "rw-lamp-changes");
-  #drawn = { state: "", at: -Infinity };
+  readonly #tell: () => void;
+  #shown: { lamp: Lamp; arrived: number; isOpen: boolean } | null = null;
 
   constructor(name: string, onName: () => void, onStep: (direction: -1 | 1) => void, signal: AbortSignal) {
     this.name = makeButton("rw-lamp", "", onName, signal, name);
@@ -52,17 +53,23 @@ class Row {
     const next = makeButton("rw-step", `${name}: the next change`, () => onStep(1), signal, "\u203a");
     this.#changes.append(back, this.#count, next);
     this.elements = [this.name, this.#words, this.#text, this.#changes];
+    this.#tell = throttle(() => this.#write(), READING_MS, signal);
   }
 
-  draw(lamp: Lamp, arrived: number, isOpen: boolean): void {
-    const isNew = this.#drawn.state !== lamp.state;
+  /** @param isFrozen whether its numbers stand still: they are shown at once then, as a change of state always is */
+  draw(lamp: Lamp, arrived: number, isOpen: boolean, isFrozen: boolean): void {
+    const isNew = this.#shown?.lamp.state !== lamp.state;
+    this.#shown = { lamp, arrived, isOpen };
     this.name.dataset.rwState = lamp.state;
     for (const element of this.elements.slice(1)) element.hidden = !isOpen;
     this.#changes.style.visibility = lamp.changes ? "" : "hidden";
-    const now = performance.now();
-    // The words of a lit lamp never lag behind it; numbers that only flicker wait.
-    if (!isNew && now - this.#drawn.at < READING_MS) return;
-    this.#drawn = { state: lamp.state, at: now };
+    if (isNew || isFrozen) this.#write();
+    else this.#tell();
+  }
+
+  #write(): void {
+    if (!this.#shown) return;
+    const { lamp, arrived, isOpen } = this.#shown;
     const [word, time] = stateWords(lamp, arrived);
     setText(this.#state, word);
     setText(this.#time, time);
@@ -105,7 +112,7 @@ export class Lamps {
     if (!lamps.length && !this.#rows.size) return;
     if (lamps.map(({ name }) => name).join("\n") !== [...this.#rows.keys()].join("\n")) this.#arrange(lamps);
     for (const lamp of lamps) {
-      this.#rows.get(lamp.name)?.draw(lamp, shown?.arrived ?? 0, this.#open.includes(lamp.name));
+      this.#rows.get(lamp.name)?.draw(lamp, shown?.arrived ?? 0, this.#open.includes(lamp.name), paused);
       this.#tell(lamp);
     }
   }
