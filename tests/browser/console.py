@@ -33,8 +33,9 @@ class Console:
 
     def _on_message(self, message: ConsoleMessage) -> None:
         line = f"{message.type}: {message.text} ({message.location['url']})"
-        failed_request = message.text.startswith("Failed to load resource")
-        self._note(line, bad=message.type in ("error", "warning", "assert") and not failed_request)
+        # Of JupyterLab: files that are not there; on a busy machine its plugins, anywidget too, that start slowly.
+        is_labs = message.text.startswith(("Failed to load resource", "Plugin "))
+        self._note(line, bad=message.type in ("error", "warning", "assert") and not is_labs)
 
     def _on_error(self, error: Error) -> None:
         self._note(f"uncaught: {error.message}\n{error.stack or ''}", bad=True)
