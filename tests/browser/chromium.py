@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -18,6 +19,11 @@ FLAGS = (
     "--disable-sync",
 )
 SCREENSHOTS = Path(__file__).resolve().parents[1] / "screenshots"
+PICTURES = "PICTURES" in os.environ
+"""Whether to take the pictures that only a person looks at: there are hundreds, and each takes its time."""
+
+LOOKS = [("light", 1), ("dark", 2)] if PICTURES else [("dark", 2)]
+"""Theme and scale, for tests whose claims hold in any and whose pictures a person looks at in both."""
 
 
 def launch(playwright: Playwright) -> Browser:
@@ -28,9 +34,15 @@ def launch(playwright: Playwright) -> Browser:
     return playwright.chromium.launch(executable_path=found[0], args=FLAGS)
 
 
-def shoot(shown: Locator, name: str) -> Path:
-    """Photograph an element into tests/screenshots, at the scale of its page: NAME@1x.png or NAME@2x.png."""
+def photograph(shown: Locator, name: str) -> Path:
+    """Save the picture of an element in tests/screenshots, at the scale of its page: NAME@1x.png or NAME@2x.png."""
     scale = shown.page.evaluate("() => window.devicePixelRatio")
     file = SCREENSHOTS / f"{name}@{scale}x.png"
     shown.screenshot(path=file, animations="disabled")
     return file
+
+
+def shoot(shown: Locator, name: str) -> None:
+    """Photograph an element for a person to look at, if pictures are asked for."""
+    if PICTURES:
+        photograph(shown, name)

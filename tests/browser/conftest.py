@@ -17,7 +17,8 @@ A `Notebook` (notebook.py):
         `resize(width)` sizes the window until a widget has that many CSS pixels.
     kernel: `python(code) -> text` past the cells, `interrupt()`, `restart_kernel()`, `reload()`, `save() -> file`.
 
-`shoot(locator, name)` (chromium.py) leaves tests/screenshots/NAME@1x.png or @2x.png. Wait with Playwright's `expect` or
+`shoot(locator, name)` (chromium.py) leaves tests/screenshots/NAME@1x.png or @2x.png when the environment has PICTURES;
+`photograph` does so always, for tests that read the picture. Wait with Playwright's `expect` or
 `page.wait_for_function`, never for a time. A test fails when a widget threw or complained on the console of its page,
 or when the page asked the web for anything; a test that expects it takes it out of `nb.console.errors`. A failed test
 leaves its pages in tests/screenshots/failed/ and their consoles in the report.
@@ -41,6 +42,10 @@ from .server import LabServer
 
 DRIVER = Path(__file__).with_name("driver.js")
 FAILED = pytest.StashKey[bool]()
+
+Host = Literal["lab", "plain"]
+Screen = tuple[Host, int, bool]
+"""What is loaded in a page, its device pixels per CSS pixel, and whether it has touch."""
 
 HELD_KEYS = ("ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "w", "a", "s", "d", "Shift")
 """Keys that a test may leave pressed."""
@@ -91,19 +96,19 @@ def contexts(browser: Browser) -> Iterator[Callable[[int, bool], BrowserContext]
 
 
 @pytest.fixture(scope="session")
-def lab_pages() -> dict[tuple[int, bool], list[tuple[Page, Console]]]:
-    """Pages by scale and touch that have loaded JupyterLab, and that no test uses: most of a test's time otherwise."""
+def spare_pages() -> dict[Screen, list[tuple[Page, Console]]]:
+    """Pages that no test uses. A new one takes most of a test's time: for a process, and for loading JupyterLab."""
     return {}
 
 
 @pytest.fixture
 def pages(
-    request: pytest.FixtureRequest, lab_pages: dict[tuple[int, bool], list[tuple[Page, Console]]]
+    request: pytest.FixtureRequest, spare_pages: dict[Screen, list[tuple[Page, Console]]]
 ) -> Iterator[list[tuple[Page, Console]]]:
-    """The pages that a test opened: closed at its end, judged by their consoles, and kept as pictures if it failed."""
+    """The pages of a test: judged by their consoles, kept as pictures if it failed, and closed but for spare ones."""
     opened: list[tuple[Page, Console]] = []
     yield opened
-    spare = {page for kept in lab_pages.values() for page, _ in kept}
+    spare = {page for kept in spare_pages.values() for page, _ in kept}
     name = re.sub(r"\W+", "-", request.node.name).strip("-")
     failed = request.node.stash.get(FAILED, False)
     complaints = []
@@ -118,30 +123,61 @@ def pages(
 
 
 @pytest.fixture
-def new_page(
-    contexts: Callable[[int, bool], BrowserContext], pages: list[tuple[Page, Console]]
-) -> Callable[[int, int, int, bool], tuple[Page, Console]]:
-    """A function that opens an empty page of a scale, a width and a height, with touch or without."""
+def take_page(
+    request: pytest.FixtureRequest,
+    contexts: Callable[[int, bool], BrowserContext],
+    pages: list[tuple[Page, Console]],
+    spare_pages: dict[Screen, list[tuple[Page, Console]]],
+) -> Iterator[Callable[..., tuple[Page, Console]]]:
+    """A function that gives a page for a host, a scale, touch or none, and a size: a spare one, or a new one."""
+    taken: list[tuple[Screen, Page, Console]] = []
 
-    def open_page(scale: int, width: int, height: int, touch: bool) -> tuple[Page, Console]:
-        page = contexts(scale, touch).new_page()
-        console = Console(page)
+    def take(host: Host, scale: int, touch: bool, width: int, height: int) -> tuple[Page, Console]:
+        screen = host, scale, touch
+        if spare_pages.get(screen):
+            page, console = spare_pages[screen].pop()
+            console.forget()
+        else:
+            page = contexts(scale, touch).new_page()
+            console = Console(page)
         pages.append((page, console))
+        taken.append((screen, page, console))
         page.set_viewport_size({"width": width, "height": height})
         return page, console
 
-    return open_page
+    yield take
+    for screen, page, console in taken:
+        # A test that failed may need its picture.
+        if request.node.stash.get(FAILED, False) or console.errors:
+            continue
+        if screen[0] == "plain":
+            page.goto("about:blank")
+        # A test may have taken a page away from JupyterLab, or left a player playing.
+        elif not page.evaluate("window.driver?.closeAll()"):
+            continue
+        page.mouse.up()
+        page.mouse.move(0, 0)
+        for key in HELD_KEYS:
+            page.keyboard.up(key)
+        page.emulate_media(color_scheme="null", reduced_motion="null", forced_colors="null")
+        spare_pages.setdefault(screen, []).append((page, console))
+
+
+@pytest.fixture
+def own_sessions(lab: LabServer) -> Iterator[None]:
+    """The kernels that a test starts end with it."""
+    yield
+    lab.end_sessions()
 
 
 @pytest.fixture
 def notebook(
     lab: LabServer,
-    new_page: Callable[[int, int, int, bool], tuple[Page, Console]],
-    lab_pages: dict[tuple[int, bool], list[tuple[Page, Console]]],
-    pages: list[tuple[Page, Console]],
+    own_sessions: None,  # ended when the notebook is closed
+    take_page: Callable[..., tuple[Page, Console]],
     request: pytest.FixtureRequest,
-) -> Iterator[Callable[..., Notebook]]:
-    used: list[tuple[tuple[int, bool], Page, Console]] = []
+) -> Callable[..., Notebook]:
+    opened: list[Notebook] = []
 
     def open_notebook(
         cells: Sequence[str],
@@ -154,32 +190,17 @@ def notebook(
         touch: bool = False,
     ) -> Notebook:
         name = re.sub(r"\W+", "-", request.node.nodeid.split("::", 1)[-1]).strip("-")
-        path = f"{name}-{len(pages)}.ipynb"
+        path = f"{name}-{len(opened)}.ipynb"
         (lab.files / path).write_text(notebook_of(cells))
-        if lab_pages.get((scale, touch)):
-            page, console = lab_pages[scale, touch].pop()
-            console.forget()
-            pages.append((page, console))
-            page.set_viewport_size({"width": width, "height": height})
-        else:
-            page, console = new_page(scale, width, height, touch)
-        used.append(((scale, touch), page, console))
-        opened = Notebook(page, lab, path, console)
-        opened.open()
-        opened.theme(theme)
+        page, console = take_page("lab", scale, touch, width, height)
+        opened.append(Notebook(page, lab, path, console))
+        opened[-1].open()
+        opened[-1].theme(theme)
         if run:
-            opened.run_all()
-        return opened
+            opened[-1].run_all()
+        return opened[-1]
 
-    yield open_notebook
-    for screen, page, console in used:
-        # A page is used again unless its test failed, took it away from JupyterLab, or left a player playing.
-        if not request.node.stash.get(FAILED, False) and page.evaluate("window.driver?.closeAll()"):
-            page.mouse.up()
-            for key in HELD_KEYS:
-                page.keyboard.up(key)
-            lab_pages.setdefault(screen, []).append((page, console))
-    lab.end_sessions()
+    return open_notebook
 
 
 @pytest.fixture(scope="session")
@@ -192,7 +213,7 @@ def page_server() -> Iterator[PageServer]:
 @pytest.fixture
 def plain_page(
     page_server: PageServer,
-    new_page: Callable[[int, int, int, bool], tuple[Page, Console]],
+    take_page: Callable[..., tuple[Page, Console]],
 ) -> Iterator[Callable[..., PlainPage]]:
     opened: list[PlainPage] = []
 
@@ -206,7 +227,7 @@ def plain_page(
         theme: Literal["light", "dark"] = "light",
         touch: bool = False,
     ) -> PlainPage:
-        page, console = new_page(scale, width, height, touch)
+        page, console = take_page("plain", scale, touch, width, height)
         opened.append(PlainPage(page, console, page_server, cells))
         opened[-1].open()
         opened[-1].theme(theme)

@@ -66,7 +66,7 @@ def eventually(look: Callable[[], Any], expected: Any) -> None:
     """Look again and again until what is seen is what is expected."""
     deadline = time.monotonic() + SECONDS
     while (seen := look()) != expected and time.monotonic() < deadline:
-        pass
+        time.sleep(0.01)
     assert seen == expected, f"expected {expected!r}, saw {seen!r}"
 
 

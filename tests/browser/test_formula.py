@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
 LASER = """
@@ -20,7 +20,7 @@ laser
 """
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_a_pinned_ray_unfolds_its_formula_and_its_unit_holds_for_all_angles(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:

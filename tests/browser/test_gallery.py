@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable
 from math import cos, radians, sin
@@ -15,15 +14,13 @@ from playwright.sync_api import Browser, FloatRect, expect
 import robowidgets
 from robowidgets import conditions
 
-from .chromium import SCREENSHOTS, shoot
+from .chromium import PICTURES, SCREENSHOTS, shoot
 from .moving_picture import MovingPicture
 from .notebook import Notebook
 from .plain_page import PlainPage
 
-DRAWS = "PICTURES" in os.environ
-"""Whether this is `make pictures`. Other runs see that the pictures can be taken, in one theme."""
-
-every_theme = pytest.mark.parametrize("theme", ["light", "dark"] if DRAWS else ["light"])
+every_theme = pytest.mark.parametrize("theme", ["light", "dark"] if PICTURES else ["light"])
+"""Runs without PICTURES see that what the pictures show comes about, in one theme."""
 
 WIDGETS = """
 import robowidgets
@@ -182,7 +179,7 @@ MachineWidget(robot)
 """
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@every_theme
 def test_pictures_of_a_machine(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
     nb = plain_page([MACHINE], scale=2, theme=theme, width=720)
     card = nb.widget(0).locator(".rw-card")
@@ -287,7 +284,7 @@ ARC = """(picture) => {
 }"""
 
 
-@pytest.mark.skipif(not DRAWS, reason="takes a minute: only for `make pictures`")
+@pytest.mark.skipif(not PICTURES, reason="takes a minute: only for `make pictures`")
 def test_a_moving_picture_of_a_drag_that_becomes_code(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([ROOM, "laser", "scan = laser.scan\n"], run=False, scale=2, width=760, height=1000)
     nb.run(0)
@@ -361,7 +358,7 @@ class Explore:
 robot.program(Explore, rate=20);"""
 
 
-@pytest.mark.skipif(not DRAWS, reason="takes a minute: only for `make pictures`")
+@pytest.mark.skipif(not PICTURES, reason="takes a minute: only for `make pictures`")
 def test_a_moving_picture_of_a_program_edited_while_it_drives(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([EXPLORER, EXPLORE], run=False, scale=1, width=1100, height=1000)
     nb.run(0)

@@ -8,7 +8,7 @@ from math import hypot
 import pytest
 from playwright.sync_api import expect
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .laser import LIGHT, SETUP, Picture, listen, locate, words
 from .plain_page import PlainPage
 
@@ -32,7 +32,7 @@ laser
 """
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_look(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
     nb = plain_page([ROBOT, "laser.ghost = laser.scan\ndrive(6.5)"], scale=scale, theme=theme)
     card = nb.widget(0).locator(".rw-card")

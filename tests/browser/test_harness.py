@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
 
-from .chromium import shoot
+from .chromium import photograph
 from .notebook import CellError, Notebook
 from .plain_page import PlainPage
 
@@ -89,7 +89,7 @@ def test_a_screenshot_has_the_width_and_the_scale_it_was_asked_for(
     nb = request.getfixturevalue(opens)([COUNTER, "counter"], scale=scale)
     for width in (320, 1200):
         nb.resize(width)
-        with Image.open(shoot(nb.widget(1), f"harness-{width}")) as picture:
+        with Image.open(photograph(nb.widget(1), f"harness-{width}")) as picture:
             assert picture.width == width * scale
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
 TILT = """
@@ -26,7 +26,7 @@ laser
 
 
 @pytest.mark.parametrize("file", ["tilt_laser.bag", "turtlebot3_gazebo.bag", "hokuyo_people.bag"])
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_laser(plain_page: Callable[..., PlainPage], data: Path, file: str, theme: str, scale: int) -> None:
     nb = plain_page([TILT.format(path=str(data / "good" / file), index=3)], scale=scale, theme=theme)
     card = nb.widget(0).locator(".rw-card")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
 PLOT = """
@@ -41,7 +41,7 @@ OWN = """(root) => {
 }"""
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_numbers_are_plotted_below_the_laser_and_freeze_with_it(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:

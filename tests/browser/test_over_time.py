@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
 SPEED = """
@@ -42,7 +42,7 @@ COLOURS = """(root) => {
 }"""
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_the_last_seconds_of_each_axis_are_drawn_below_the_bars_when_asked_for(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Locator, expect
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
 PATH = """
@@ -48,7 +48,7 @@ def counts(card: Locator) -> list[int]:
     return found
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_a_path_is_drawn_and_names_time_pose_and_way_under_the_pointer_and_by_keys(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:

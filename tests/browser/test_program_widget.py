@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
-from .chromium import SCREENSHOTS, shoot
+from .chromium import LOOKS, PICTURES, SCREENSHOTS, shoot
 from .notebook import CellError, Notebook
 from .plain_page import PlainPage
 
@@ -148,11 +148,11 @@ def test_beside_a_busy_cell_it_steps_and_stops_and_it_stops_with_its_page(notebo
     wait_for(lambda: log.exists() and log.read_text().endswith(" 0.0\n"), "the robot stands")
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_a_program_looks_well_on_a_narrow_page(
-    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
 ) -> None:
-    nb = plain_page([OPEN, AVOID], width=400, scale=2, theme=theme)
+    nb = plain_page([OPEN, AVOID], width=400, scale=scale, theme=theme)
     widget = nb.widget(0)
     expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.25, -0.3)")
     expect(widget.locator(".rw-print-text")).to_have_count(3)
@@ -171,6 +171,6 @@ def test_a_program_looks_well_on_a_narrow_page(
     nb.page.set_viewport_size({"width": 400, "height": 320})
     widget.locator(".rw-prints").scroll_into_view_if_needed()
     expect(widget.locator(".rw-stop")).to_be_in_viewport(ratio=1)
-    file = SCREENSHOTS / f"program-scrolled-{theme}@2x.png"
-    nb.page.screenshot(path=file)
+    if PICTURES:
+        nb.page.screenshot(path=SCREENSHOTS / f"program-scrolled-{theme}@{scale}x.png")
     nb.python("robot.close()")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .plain_page import PlainPage
 
 SCAN = """
@@ -22,7 +22,7 @@ laser
 """
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_problems_are_named_and_unfold_to_their_remedies_without_moving_the_picture(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:

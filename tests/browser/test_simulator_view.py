@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .laser import eventually
 from .plain_page import PlainPage
 
@@ -150,9 +150,11 @@ def test_what_is_moved_stays_there_until_a_busy_kernel_answers(plain_page: Calla
     wait_for(lambda: house.is_at("robot.pose[:2]", -1.0, -1.0), "it is moved once the kernel is free")
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_the_house_is_drawn_to_scale(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
-    nb = plain_page([HOUSE], width=760, scale=2, theme=theme)
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_the_house_is_drawn_to_scale(
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
+) -> None:
+    nb = plain_page([HOUSE], width=760, scale=scale, theme=theme)
     card = nb.widget(0).locator(".rw-simulator")
     expect(card.locator(".rw-facts")).to_contain_text("14.0 \u00d7 9.0 m")
     for width in (760, 400):

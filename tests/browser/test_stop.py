@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .notebook import CellError, Notebook
 from .plain_page import PlainPage
 from .test_drive_widget import ALONE
@@ -307,7 +307,7 @@ def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
     nb.page.evaluate("window.driver.isSpoilt = true")
 
 
-LOOKS = {
+STATES = {
     "program": (PROGRAM, ""),
     "status": (
         PROGRAM,
@@ -323,22 +323,22 @@ LOOKS = {
 }
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_looks(driven_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int) -> None:
     nb = driven_page([FEED], scale=scale, theme=theme)
     for width in (280, 400, 1100):
         nb.resize(width)
         places = []
-        for look, (words, code) in LOOKS.items():
+        for state, (words, code) in STATES.items():
             nb.python(code)
             says(nb, words)
-            if look == "failed":
+            if state == "failed":
                 expect(nb.widget(0).locator(".rw-notice")).to_contain_text("no route to host")
             places.append(stop_of(nb).bounding_box())
-            shoot(nb.widget(0), f"stop-{look}-{theme}-{width}")
+            shoot(nb.widget(0), f"stop-{state}-{theme}-{width}")
             if width == 400 and scale == 2:
                 nb.page.emulate_media(forced_colors="active")
-                shoot(nb.widget(0), f"stop-{look}-{theme}-forced")
+                shoot(nb.widget(0), f"stop-{state}-{theme}-forced")
                 nb.page.emulate_media(forced_colors="none")
         assert all(place == places[0] for place in places), "Stop moved"
         nb.python("runs = False; feed.close()")
