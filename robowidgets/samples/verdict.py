@@ -84,6 +84,9 @@ class _Distance(float):
         return self._note("≥", other)
 
 
+_Distance.__name__ = "float"  # for errors of the function, such as a comparison with a text
+
+
 class _TracedScan(Scan):
     """A scan that notes which distances a function reads, and to what it compares them."""
 
@@ -136,7 +139,11 @@ class Trace:
 
         def compare(relation: str, limit: Any) -> bool:
             # As a plain number: Python would ask another such distance first, which would note it the other way round.
-            outcome = _OPERATORS[relation](distance, float(limit) if isinstance(limit, _Distance) else limit)
+            outcome: Any
+            try:
+                outcome = _OPERATORS[relation](distance, float(limit) if isinstance(limit, _Distance) else limit)
+            except TypeError:
+                outcome = NotImplemented  # Python then raises the error itself, on the line that compares.
             if isinstance(outcome, (bool, np.bool_)):
                 self._comparisons.append(_Comparison(scan, sector, distance, relation, float(limit), bool(outcome)))
             result: bool = outcome
