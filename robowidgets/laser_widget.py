@@ -125,6 +125,7 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
         "frozen": "paused",
         "offset": "angle_offset",
     }
+    _instead: ClassVar = {**DrawsShapes._instead, "ranges": "widget.scan.ranges", "angles": "widget.scan.angles"}
     _keywords = ("sectors", "pins")
     wide = True
     sample_name = "scan"

@@ -105,6 +105,11 @@ class SpeedWidget(RobotWidget[Reading]):
         "max_speed": "linear_limits", "max_linear": "linear_limits", "max_angular": "angular_limits",
         "freeze": "paused", "frozen": "paused", "peaks": "hold_peaks",
     }  # fmt: skip
+    _instead: ClassVar = {
+        **RobotWidget._instead,
+        "linear": "widget.speed.linear",
+        "angular": "widget.speed.angular",
+    }
 
     sample_name = "speed"
 

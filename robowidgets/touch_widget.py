@@ -55,7 +55,7 @@ class TouchWidget(RobotWidget[Touch]):
     """
 
     _esm, _css = bundle("touch_widget")
-    _meant: ClassVar = {"freeze": "paused", "frozen": "paused"}
+    _meant: ClassVar = {"freeze": "paused", "frozen": "paused", "touched": "states"}
 
     sample_name = "touch"
     goes_stale = False

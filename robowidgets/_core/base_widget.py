@@ -63,6 +63,8 @@ class NamedWidget(anywidget.AnyWidget):
     """Keywords that are not traits."""
     _meant: ClassVar[Mapping[str, str]] = {}
     """What people call a keyword, or another thing of a widget, and its name."""
+    _instead: ClassVar[Mapping[str, str]] = {"show": "display(widget)"}
+    """What people look for in a widget, and the code that does it."""
     _closed = False
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
@@ -98,6 +100,9 @@ class NamedWidget(anywidget.AnyWidget):
         if not name.startswith("_") and not hasattr(type(self), name):
             settable = [n for n in self.trait_names() if self._is_ours(n)]
             raise AttributeError(_unknown(type(self).__name__, "trait", name, settable, self._meant))
+        if getattr(getattr(type(self), name, None), "fset", True) is None:
+            hint = f"; did you mean {self._instead[name]!r}?" if name in self._instead else ""
+            raise AttributeError(f"{type(self).__name__}.{name} cannot be set{hint}")
         super().__setattr__(name, value)
 
     def close(self) -> None:

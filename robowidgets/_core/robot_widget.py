@@ -9,7 +9,7 @@ import time
 import weakref
 from collections import deque
 from collections.abc import Iterable
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 from uuid import uuid4
 
 import traitlets
@@ -59,6 +59,12 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     and the pacer packs and sends it, so any thread may update a widget at any rate. The pacer also sends the traits
     that a program sets, because a loop may set them at any rate, too.
     """
+
+    _instead: ClassVar = {
+        **NamedWidget._instead,
+        "freeze": "widget.paused = True",
+        "frozen": "widget.paused = True",
+    }
 
     footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
     paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)

@@ -1,4 +1,4 @@
-"""Tracebacks in a notebook that end at the user's own line: the text of the error says what to do there."""
+"""Errors in a notebook: tracebacks that end at the user's own line, and what was meant by a name that nothing has."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from functools import wraps
-from types import TracebackType
+from types import ModuleType, TracebackType
 from typing import Any
 
+from .base_widget import nearest_name
 from .error_routing import ipython_shell
 
 _OURS = __name__.partition(".")[0]
@@ -24,7 +25,8 @@ def shorten_tracebacks() -> None:
     """Have IPython, if it is running, leave out our frames where we raised an error.
 
     IPython asks only errors of other classes than Python's own how they are shown, so this wraps what makes the
-    traceback. It stays whole in a log, in a debugger and outside notebooks.
+    traceback. It stays whole in a log, in a debugger and outside notebooks. Where Python alone shows an error, it says
+    what was meant by a wrong name, which IPython leaves out.
     """
     shell = ipython_shell()
     if shell is None:
@@ -36,6 +38,7 @@ def shorten_tracebacks() -> None:
         kind: type[BaseException], error: BaseException, traceback: TracebackType | None, *args: Any, **options: Any
     ) -> Any:
         with _shortened_causes(error):
+            _say_what_was_meant(error)
             return whole(kind, error, _of_the_user(traceback), *args, **options)
 
     shell.InteractiveTB.structured_traceback = shortened
@@ -49,7 +52,22 @@ def _shortened_causes(error: BaseException) -> Iterator[None]:
             error = error.__cause__
             stack.callback(error.with_traceback, error.__traceback__)
             error.with_traceback(_of_the_user(error.__traceback__))
+            _say_what_was_meant(error)
         yield
+
+
+def _say_what_was_meant(error: BaseException) -> None:
+    """Complete Python's own text on an attribute that an object or a module of ours does not have."""
+    if not isinstance(error, AttributeError) or not str(error).endswith(f"has no attribute {error.name!r}"):
+        return
+    of, name = error.obj, str(error.name)
+    modules = [of.__name__] if isinstance(of, ModuleType) else [part.__module__ for part in type(of).__mro__]
+    if _OURS not in (module.partition(".")[0] for module in modules):
+        return
+    meant = {**getattr(of, "_meant", {}), **getattr(of, "_instead", {})}
+    near = meant.get(name) or nearest_name(name, (known for known in dir(of) if not known.startswith("_")))
+    if near:
+        error.args = (f"{error}; did you mean {near!r}?",)
 
 
 def _of_the_user(traceback: TracebackType | None) -> TracebackType | None:

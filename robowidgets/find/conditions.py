@@ -156,6 +156,10 @@ def condition(given: Any) -> Condition:
         return given
     if isinstance(given, Watch):
         return given.condition if isinstance(given.condition, Condition) else _WhenSample(given)
+    if callable(given) and getattr(given, "__module__", "") == __name__:
+        raise TypeError(
+            f"condition: {given.__name__} makes a condition: call it, as in conditions.{given.__name__}(...)"
+        )
     if callable(given):
         return when(given)
     raise TypeError(f"condition: expected a function of one moment, or one of robowidgets.conditions, got {given!r}")
