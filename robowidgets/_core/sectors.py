@@ -229,7 +229,8 @@ class HasSectors(traitlets.HasTraits):
         if isinstance(sector, str) and sector in self._sectors:
             return Sector(**self._sectors[sector])
         if isinstance(sector, str) and sector not in SECTORS:
-            raise ValueError(f"sector: expected {', '.join([*self._sectors, *SECTORS])} or two angles, got {sector!r}")
+            known = ", ".join({**self._sectors, **SECTORS})
+            raise ValueError(f"sector: expected {known} or two angles, got {sector!r}")
         return to_sector(sector)
 
     def _forget_selection(self) -> None:

@@ -229,6 +229,9 @@ class TestWidget:
         ):
             with pytest.raises((TypeError, ValueError), match=text):
                 laser.highlight(rays)
+        laser.sectors["front"] = ("-5deg", "5deg")
+        with pytest.raises(ValueError, match=r"^sector: expected ahead, front, left, back, right or two angles, got"):
+            laser.highlight("nowhere")
         assert laser.get_state()["_highlight"] == before
         laser.highlight(None)
         assert laser.get_state()["_highlight"] == {}
