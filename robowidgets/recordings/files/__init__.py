@@ -25,6 +25,7 @@ _NUMBER = re.compile(r"\d+")
 _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
 _COUNT = re.compile(r"^  message_count:\s*(\d+)", re.MULTILINE)
 _START = re.compile(r"^  starting_time:\s*\n\s+nanoseconds_since_epoch:\s*(\d+)", re.MULTILINE)
+_DURATION = re.compile(r"^  duration:\s*\n\s+nanoseconds:\s*(\d+)", re.MULTILINE)
 _SECOND = 1_000_000_000
 _NAMED_AT_MOST = 5
 
@@ -141,12 +142,16 @@ def _open_chain(files: Sequence[Path]) -> Chain:
 
 def _disagreement(metadata: str, source: Source) -> list[str]:
     """A line about metadata that belong to other files, or were written before the last message was."""
-    count, start = sum(channel.count for channel in source.channels), source.start_ns
-    stated_count, stated_start = _COUNT.search(metadata), _START.search(metadata)
+    count, start, end = sum(channel.count for channel in source.channels), source.start_ns, source.end_ns
+    stated_count, stated_start, stated_ns = (line.search(metadata) for line in (_COUNT, _START, _DURATION))
     if stated_count and int(stated_count[1]) != count:
         stated = f"{many(int(stated_count[1]), 'message')}, the files hold {count:,}"
-    elif stated_start and start is not None and abs(int(stated_start[1]) - start) > _SECOND:
+    elif start is None or end is None:
+        return []
+    elif stated_start and abs(int(stated_start[1]) - start) > _SECOND:
         stated = "another start than the files have"
+    elif stated_ns and abs(int(stated_ns[1]) - (end - start)) > _SECOND:
+        stated = f"{int(stated_ns[1]) / 1e9:,.1f} s, the files hold {(end - start) / 1e9:,.1f} s"
     else:
         return []
     return [f"{_METADATA} tells of {stated}: read what they hold"]

@@ -274,6 +274,15 @@ class TestMetadata:
                 "metadata.yaml tells of another start than the files have: read what they hold"
             )
 
+    def test_of_another_duration_are_not_believed(self, tmp_path: Path) -> None:
+        path = write_db3(tmp_path / "x", messages(30))
+        metadata = path.parent / "metadata.yaml"
+        stated = re.sub(r"(duration:\s+nanoseconds: )\d+", r"\g<1>90000000000", metadata.read_text())
+        metadata.write_text(stated)
+        with open(path.parent) as recording:
+            assert recording.duration == pytest.approx(29 * STEP_NS / 1e9)
+            assert recording.problems[0] == "metadata.yaml tells of 90.0 s, the files hold 1.4 s: read what they hold"
+
 
 def test_a_split_whose_last_file_was_not_yet_compressed_is_one_recording(tmp_path: Path) -> None:
     held = messages(60)
