@@ -107,7 +107,8 @@ class Recording(RecordingData):
         series = {name: self.series(name) for name in self._by_name()}
         for one in series.values():
             len(one)  # Reads it, which finds the problems of its clock and of its messages.
-        return examine(self._heading(), self.topics, series, self._with_remedies())
+        silences = {name: clock.silences for name, clock in self._note_clocks().items()}
+        return examine(self._heading(), self.topics, series, self._with_remedies(), silences)
 
     def show(self, *topics: str, scanogram: bool | None = None, rerun: bool = False) -> Player:
         """The widgets that fit its topics, with a player for its time, for the page.

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import degrees
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._core import tables
 from .._core.tables import listed, many, often
@@ -34,6 +35,7 @@ _SKEW_S = 1.0
 """Seconds between stamps and log times from which transforms of other computers do not fit any more."""
 _LEAST_STAMPS = 10
 
+_NO_SILENCES = np.empty((0, 2))
 _DAY = 86400.0
 _LONGEST_NAME = 40
 
@@ -100,7 +102,13 @@ class Report:
         return [] if self.problems else ["no problems found"]
 
 
-def examine(head: str, topics: Sequence[Topic], series: dict[str, Series[Any]], known: Sequence[Problem]) -> Report:
+def examine(
+    head: str,
+    topics: Sequence[Topic],
+    series: Mapping[str, Series[Any]],
+    known: Sequence[Problem],
+    silences: Mapping[str, NDArray[np.float64]],
+) -> Report:
     """The check-up of a recording. It reads the topics from start to end.
 
     Args:
@@ -108,12 +116,13 @@ def examine(head: str, topics: Sequence[Topic], series: dict[str, Series[Any]], 
         topics: all its topics.
         series: the samples of those that a widget shows.
         known: the problems that were found before, of the file and of its clock.
+        silences: start and end in seconds of the silences that these name, by topic, shape (K, 2).
     """
     problems = [*known, *_never_came(topics)]
     reports = []
     for topic in topics:
         if topic.widget and topic.name in series and topic.count:
-            report, found = _examine(topic, series[topic.name])
+            report, found = _examine(topic, series[topic.name], silences.get(topic.name, _NO_SILENCES))
             reports.append(report)
             problems += [Problem(f"{topic.name}: {what}", remedy) for what, remedy in found]
     return Report(head, reports, list(dict.fromkeys(problems)))
@@ -132,10 +141,10 @@ def _never_came(topics: Sequence[Topic]) -> Iterator[Problem]:
         )
 
 
-def _examine(topic: Topic, series: Series[Any]) -> tuple[TopicReport, list[Problem]]:
+def _examine(topic: Topic, series: Series[Any], silences: NDArray[np.float64]) -> tuple[TopicReport, list[Problem]]:
     is_paced = bool(topic.widget and KINDS[topic.widget].goes_stale and not topic.commanded)
     timing = _timing(series) if is_paced else Timing()
-    found = [*_of_timing(timing, len(series)), *(_of_stamps(series) if is_paced else ())]
+    found = [*_of_timing(timing, len(series), silences), *(_of_stamps(series) if is_paced else ())]
     rays: dict[int, int] = {}
     geometry: Geometry | None = None
     frames: tuple[str, ...] = ()
@@ -154,7 +163,8 @@ def _timing(series: Series[Any]) -> Timing:
     return Timing(*timing_of(seconds, seconds)[:2])
 
 
-def _of_timing(timing: Timing, count: int) -> Iterator[Problem]:
+def _of_timing(timing: Timing, count: int, silences: NDArray[np.float64]) -> Iterator[Problem]:
+    """The problems of a timing, but for the pauses that are silences which another problem names."""
     if not timing.step:
         return
     if timing.lost and timing.lost > _SELDOM * count:
@@ -169,11 +179,11 @@ def _of_timing(timing: Timing, count: int) -> Iterator[Problem]:
             f"first from {timing.slow[0][0]:.2f} s on",
             "was the network slow, or the robot's computer busy?",
         )
-    if timing.pauses:
-        longest = max(length for _, length in timing.pauses)
+    pauses = [pause for pause in timing.pauses if not np.isclose(silences[:, 0], pause[0]).any()]
+    if pauses:
+        longest = max(length for _, length in pauses)
         yield Problem(
-            f"nothing came {often(len(timing.pauses))}, for up to {longest:.1f} s, "
-            f"first from {timing.pauses[0][0]:.2f} s on",
+            f"nothing came {often(len(pauses))}, for up to {longest:.1f} s, first from {pauses[0][0]:.2f} s on",
             "did the sensor, its cable or the network fail?",
         )
 

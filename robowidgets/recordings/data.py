@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 _NOTHING = "record again; did any node publish, in the same ROS domain?"
 _NO_WIDGET = "record laser scans, odometry, speeds or bumpers too"
-_CLOCKS = "set the clock before recording starts, and not during a drive"
+_CLOCKS = "check sensor, cable and network; set the clock before recording starts, and not during a drive"
 
 AnySeries = TypeVar("AnySeries", Scans, Speeds, Touches)
 

@@ -104,6 +104,13 @@ class TestTiming:
         assert slow.endswith("s, first from 19.40 s on")
         assert pause == "/scan: nothing came once, for up to 5.1 s, first from 39.90 s on"
 
+    def test_a_long_silence_is_named_once_and_a_shorter_pause_beside_it(self, report: Callable[..., Any]) -> None:
+        times = [*steady(0, 20), *steady(25, 45), *steady(145, 165)]
+        assert lines(report(taken(times))) == [
+            "/scan: nothing was recorded for 100.10 s from 44.90 s on, or the clock jumped ahead",
+            "/scan: nothing came once, for up to 5.1 s, first from 19.90 s on",
+        ]
+
     @pytest.mark.parametrize(
         ("late", "said"), [(0.5, []), (40.0, ["/scan: stamps are 40.0 s behind the recorder's clock"])]
     )
