@@ -62,12 +62,11 @@ def walk_carmen(path: Path) -> Walk:
         RecordingError: the file is no CARMEN log.
     """
     text, problems = _text(path)
-    names, lines, errors = _lines(text)
-    if len(lines) > 1 and text.endswith(lines[-1]):
+    if b"\n" in text and not text.endswith(b"\n"):
         # A whole log ends with a newline, and a number that was cut off is another number.
-        names.pop()
-        lines.pop()
+        text = text[: text.rindex(b"\n") + 1]
         problems = problems or ["the log was cut off within its last line, which is left out"]
+    names, lines, errors = _lines(text)
     times, about_clock = _times(names, lines)
     topics = list(dict.fromkeys(names))
     numbers = {topic: i for i, topic in enumerate(topics)}
