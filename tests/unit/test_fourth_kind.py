@@ -80,7 +80,7 @@ def test_a_function_finds_by_the_name_of_the_sample(recording: Recording) -> Non
 def test_several_topics_of_the_kind_have_to_be_named(recording: Recording) -> None:
     with pytest.raises(UnknownTopicError, match=r"several topics of numbers \(/depth, /sonar\)"):
         recording.find(lambda moment: moment.number.value > 2)
-    with pytest.raises(RecordingError, match="no 'volume' here: there are scan, speed, touch, .*number"):
+    with pytest.raises(RecordingError, match=r"no 'volume' here: there are scan, speed, touch, .*number"):
         recording.find(lambda moment: moment.volume > 2)
 
 
