@@ -3,6 +3,7 @@ import type { PathTraits } from "./path/traits.ts";
 import { PathView } from "./path/view.ts";
 import type { Initialized, Rendered } from "./shared/model.ts";
 import { Stream } from "./shared/stream.ts";
+import type { Picking } from "./shared/traits.ts";
 
 /** Called once per model, so that its views share one stream. */
 export default () => {
@@ -11,7 +12,7 @@ export default () => {
     initialize({ model, signal }: Initialized<PathTraits>) {
       stream = new Stream(model, decodePose, signal);
     },
-    render({ model, el, signal }: Rendered<PathTraits>) {
+    render({ model, el, signal }: Rendered<PathTraits & Picking>) {
       new PathView(model, el, stream, signal);
     },
   };

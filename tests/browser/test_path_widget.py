@@ -42,8 +42,12 @@ COUNT = """(card) => {
 }"""
 
 
-def counts(card: Locator) -> list[int]:
+def await_drawing(card: Locator) -> None:
     card.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def counts(card: Locator) -> list[int]:
+    await_drawing(card)
     found: list[int] = card.evaluate(COUNT)
     return found
 
@@ -96,7 +100,7 @@ def test_a_path_is_drawn_and_names_time_pose_and_way_under_the_pointer_and_by_ke
     expect(card.locator(".rw-footer")).to_contain_text("4.00 m driven")
 
 
-def test_a_player_draws_the_way_up_to_its_moment_dark_and_the_rest_faint(
+def test_a_player_draws_the_way_up_to_its_moment_dark_and_goes_to_a_place_that_is_picked(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([PLAYER])
@@ -109,3 +113,24 @@ def test_a_player_draws_the_way_up_to_its_moment_dark_and_the_rest_faint(
     assert early[0] < late[0], "the dark part grows"
     assert early[1] > late[1], "the faint part shrinks"
     shoot(nb.output(0), "path-player")
+    picture, popup, now = card.locator(".rw-picture"), card.locator(".rw-popup"), nb.output(0).locator(".rw-play-now")
+    picture.focus()
+    for key in ("Home", "PageUp"):
+        nb.page.keyboard.press(key)
+    await_drawing(card)
+    named = popup.locator(".rw-popup-expression").text_content() or ""
+    nb.page.keyboard.press("Enter")
+    expect(now).to_have_text(named.removesuffix(" s"))
+    expect(popup).to_be_hidden()
+    box = picture.bounding_box()
+    assert box
+    for y in (0.8, 0.6, 0.4, 0.2):
+        nb.page.mouse.move(round(box["x"] + 0.4 * box["width"]), round(box["y"] + y * box["height"]))
+        await_drawing(card)
+        if popup.is_visible():
+            break
+    named = popup.locator(".rw-popup-expression").text_content() or ""
+    nb.page.mouse.down()
+    nb.page.mouse.up()
+    expect(now).to_have_text(named.removesuffix(" s"))
+    shoot(nb.output(0), "path-player-picked")

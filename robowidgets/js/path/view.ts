@@ -11,6 +11,7 @@ import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
+import type { Picking } from "../shared/traits.ts";
 import { drawGrid, drawPath } from "./draw.ts";
 import { boundsOf, isKnown, nearestOn, type Point, type PoseFrame, splitAt, toPoints } from "./path.ts";
 import { describePoint, toHeading, toPlace } from "./text.ts";
@@ -31,7 +32,7 @@ const WALK: Record<string, number> = {
 
 /** One view of a path widget: it wires the card, the drawing, the pop-up and the gestures. */
 export class PathView {
-  readonly #model: Model<PathTraits>;
+  readonly #model: Model<PathTraits & Picking>;
   readonly #stream: Stream<PoseFrame>;
   readonly #card: SampleCard;
   readonly #layer: Layer;
@@ -48,7 +49,12 @@ export class PathView {
   #pointer: Place | null = null;
   #picked: Point | null = null;
 
-  constructor(model: Model<PathTraits>, element: HTMLElement, stream: Stream<PoseFrame>, signal: AbortSignal) {
+  constructor(
+    model: Model<PathTraits & Picking>,
+    element: HTMLElement,
+    stream: Stream<PoseFrame>,
+    signal: AbortSignal,
+  ) {
     this.#model = model;
     this.#stream = stream;
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
@@ -150,8 +156,15 @@ export class PathView {
     const { left, top } = this.#card.picture.getBoundingClientRect();
     const before = this.#pointer;
     this.#pointer = { x: clientX - left, y: clientY - top };
-    this.#picked = this.#pointed;
+    this.#pick(this.#pointed);
     this.#pointer = before;
+  }
+
+  /** In a player goes to the time of a place of the path, else keeps its pop-up open. */
+  #pick(point: Point | null): void {
+    const isInPlayer = this.#model.get("_picked") !== undefined;
+    this.#picked = isInPlayer ? null : point;
+    if (isInPlayer && point) this.#model.set("_picked", point.time);
     this.#redraw();
   }
 
@@ -160,6 +173,7 @@ export class PathView {
     const now = this.#stream.shown;
     if (!isPlain(event) || event.target !== this.#card.picture || !now) return;
     if (event.key === "Escape") this.#picked = null;
+    else if (event.key === "Enter" && this.#picked) this.#pick(this.#picked);
     else if (by !== undefined) {
       const times = this.#shown.map(({ time }) => time);
       const at = times.findIndex((time) => time >= (this.#picked?.time ?? now.time));

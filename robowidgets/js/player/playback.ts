@@ -4,7 +4,7 @@ import { markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Span } from "../shared/time_axis.ts";
-import type { About, Pointing, SampleTraits, TimeTraits } from "../shared/traits.ts";
+import type { About, Picking, Pointing, SampleTraits, TimeTraits } from "../shared/traits.ts";
 import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Track } from "./segments.ts";
 import type { PlayerTraits, SegmentMessage } from "./traits.ts";
@@ -17,7 +17,7 @@ export interface Host<T> extends Pick<Model<T>, "get" | "set" | "save_changes" |
 }
 
 /** Only a laser has rays at which a person points. */
-type Target = SampleTraits & { hovered?: number | null };
+type Target = SampleTraits & Picking & { hovered?: number | null };
 type Follower = Host<TimeTraits & Pointing>;
 
 /** The models that a player moves. */
@@ -74,7 +74,10 @@ export class Playback {
     moved.then((found) => {
       this.#moved = found;
       for (const follower of found.followers) this.#follow(follower, signal);
-      for (const target of found.targets) this.#watchFreezing(target, signal);
+      for (const target of found.targets) {
+        this.#watchFreezing(target, signal);
+        this.#watchPicking(target, signal);
+      }
       // Another page may have segments; this one has none.
       model.send({ have: "nothing" });
       this.#show();
@@ -271,6 +274,19 @@ export class Playback {
     onPaused();
     target.on("change:paused", onPaused);
     onAbort(signal, () => target.off("change:paused", onPaused));
+  }
+
+  /** A click on a place of the path goes to its time. */
+  #watchPicking(target: Host<Target>, signal: AbortSignal): void {
+    const onPicked = () => {
+      const time = target.get("_picked");
+      // Set back, so that the same place can be picked again.
+      target.set_state({ _picked: null });
+      if (typeof time === "number") this.seek(time);
+    };
+    onPicked();
+    target.on("change:_picked", onPicked);
+    onAbort(signal, () => target.off("change:_picked", onPicked));
   }
 
   /** A step of frozen widgets: all of them show the moment, and stay frozen. */

@@ -113,6 +113,12 @@ export interface TimeTraits {
 }
 
 /** Traits for other widgets in the page; Python has none of this name. */
+export interface Picking {
+  /** The time that a person picked on a widget, to which a player then goes; undefined: no player is there. */
+  _picked: number | null | undefined;
+}
+
+/** Traits for other widgets in the page; Python has none of this name. */
 export interface Pointing {
   /** The time at which a person points, and the index of the ray; null below the scans, or where there are none. */
   _pointed: { time: number; ray: number | null } | null;
