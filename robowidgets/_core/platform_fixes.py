@@ -14,7 +14,9 @@ import os
 import signal
 import socket
 import sys
+import threading
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 from .error_routing import ipython_shell
@@ -92,6 +94,44 @@ def call_on_idle_interrupt(kernel: Any, call: Callable[[], None]) -> None:
 
     if ENABLED and getattr(kernel, "saved_sigint_handler", None) is signal.SIG_IGN:
         kernel.saved_sigint_handler = on_interrupt
+
+
+def call_before_end(call: Callable[[], object]) -> None:
+    """Call a function before a signal, or ipykernel, ends the process without running its exit handlers.
+
+    SIGTERM comes from ``kill``, from a container or a service that is stopped, SIGHUP from a terminal that is closed. A
+    kernel whose server is gone ends itself by ``os._exit``. In each case a robot would drive on. The function is called
+    in a thread of its own, because the main thread may hold a lock that the function needs; then the process ends as it
+    would have. The main thread notices a signal only between two steps of Python. A handler of the program stays, and
+    so does rclpy's. Without the fix, only a process that ends in an orderly way calls the function.
+    """
+
+    def end(number: int) -> None:
+        try:
+            call()
+        finally:
+            os.kill(os.getpid(), number)
+
+    def on_signal(number: int, _frame: Any) -> None:
+        signal.signal(number, signal.SIG_DFL)
+        with contextlib.suppress(RuntimeError):  # too late for a thread: the exit handlers run already
+            threading.Thread(target=end, args=(number,), name="robowidgets-end", daemon=True).start()
+
+    def leave(code: int) -> None:
+        try:
+            call()
+        finally:
+            os._exit(code)
+
+    if not ENABLED:
+        return
+    poller: Any = sys.modules.get("ipykernel.parentpoller")
+    if poller is not None and poller.os is os:
+        poller.os = SimpleNamespace(**{**vars(os), "_exit": leave})
+    if threading.current_thread() is threading.main_thread() and not _rclpy_handles_signals():
+        for number in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
+            if signal.getsignal(number) is signal.SIG_DFL:
+                signal.signal(number, on_signal)
 
 
 def let_threads_print() -> None:

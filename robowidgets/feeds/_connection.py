@@ -20,7 +20,7 @@ from ..messages.standard import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
 from ._driver import Driver
-from ._open_feeds import close_first, open_feeds
+from ._open_feeds import close_at_end, open_feeds
 from ._program_inputs import FeedRobot
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
@@ -80,7 +80,7 @@ class Connection(Watched):
         except BaseException:
             open_feeds.discard(self)
             raise
-        close_first()
+        close_at_end()
 
     @property
     def where(self) -> str:

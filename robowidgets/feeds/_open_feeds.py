@@ -9,6 +9,7 @@ import time
 from typing import TYPE_CHECKING
 
 from .._core.command_watchdog import stop_all
+from .._core.platform_fixes import call_before_end
 
 if TYPE_CHECKING:
     from ._connection import Connection
@@ -23,10 +24,14 @@ open_feeds: set[Connection] = set()
 """The feeds that are closed at the end of the process; a forked process has none."""
 
 
-def close_first() -> None:
-    """Close the feeds before the exit handlers that are registered already: rospy's would end its node before zero."""
+def close_at_end() -> None:
+    """Close the feeds before the process ends, and before the exit handlers that are registered already.
+
+    That of rospy, for one, would end its node before zero is sent.
+    """
     atexit.unregister(_close_all)
     atexit.register(_close_all)
+    call_before_end(_close_all)
 
 
 def _close_all() -> None:
@@ -52,6 +57,5 @@ def _close(one: Connection) -> None:
         log.exception("a feed could not be closed")
 
 
-close_first()
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_forget_all)

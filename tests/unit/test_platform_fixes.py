@@ -38,6 +38,7 @@ fixes.shorten_switch_interval()
 comm = SimpleNamespace(_reply_subshell_for=None)
 fixes.route_by_message(comm)
 fixes.call_on_interrupt(lambda: None)
+fixes.call_before_end(lambda: None)
 stream = SimpleNamespace(_thread_to_parent={})
 shell = SimpleNamespace(kernel=SimpleNamespace(_stdout=stream, _stderr=stream))
 sys.modules["IPython"] = SimpleNamespace(get_ipython=lambda: shell)
@@ -52,6 +53,7 @@ print(json.dumps({
     "padding": bool(fixes.message_padding()),
     "subshell": comm._reply_subshell_for is not None,
     "interrupt": signal.getsignal(signal.SIGINT) is not signal.default_int_handler,
+    "end": signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL,
     "prints": type(stream._thread_to_parent) is not dict,
     "acknowledgement": bool(options) or not hasattr(socket, "TCP_QUICKACK"),
     "close code": protocol.close is not close,

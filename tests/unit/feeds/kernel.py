@@ -22,6 +22,11 @@ feed = feeds.simulator(hz=20, wander=False)
 """
 
 
+def heard_in(path: Path) -> list[tuple[float, float, float]]:
+    """When which speeds reached the robot, by the monotonic clock of the machine."""
+    return [ast.literal_eval(line) for line in path.read_text().split("\n")[:-1]] if path.exists() else []
+
+
 class Kernel:
     """A kernel that runs cells as a notebook does, and the commands that its robot heard."""
 
@@ -59,8 +64,7 @@ class Kernel:
     @property
     def heard(self) -> list[tuple[float, float, float]]:
         """When which speeds reached the robot, by the monotonic clock of the machine."""
-        lines = self._path.read_text().split("\n")[:-1]
-        return [ast.literal_eval(line) for line in lines]
+        return heard_in(self._path)
 
     def heard_since(self, since: float) -> list[float]:
         """The linear speeds that reached the robot since a time."""

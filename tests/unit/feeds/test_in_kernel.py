@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from ..waiting import wait_for
-from .kernel import Kernel
+from .kernel import OPEN, Kernel, heard_in
 
 
 @pytest.fixture
@@ -88,7 +91,50 @@ def test_an_unending_function_is_replaced_by_running_its_cell_again(kernel: Kern
 
 def test_the_end_of_the_kernel_sends_zero_though_a_function_hangs(kernel: Kernel) -> None:
     kernel.run("behave", BEHAVE.format(body="feed.drive(0.3)\n    time.sleep(3600)"))
+    wait_for(lambda: 0.3 in kernel.heard_since(0.0), "the function drives, and hangs")
     kernel.run("hold", "feed.driving = feeds.Driving(hold=60.0); feed.drive(0.2)")
     wait_for(lambda: kernel.heard[-1][1] == 0.2, "it drives")
     kernel.manager.shutdown_kernel()
     assert kernel.heard[-1][1] == 0.0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_that_ends_the_process_sends_zero_first_though_functions_and_threads_drive(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    path = tmp_path / "heard.txt"
+    threads = """
+def on():
+    while True: feed.drive(0.3)
+feed.connect("/scan", lambda scan: on())
+import threading
+threading.Thread(target=on, daemon=True).start()
+time.sleep(60)
+"""
+    process = subprocess.Popen(
+        [sys.executable, "-c", OPEN.format(path=str(path)) + HOLD + threads], stderr=subprocess.DEVNULL
+    )
+    wait_for(lambda: len(heard_in(path)) > 5, "it drives")
+    process.send_signal(number)
+    assert process.wait(20) == -number
+    assert heard_in(path)[-1][1] == 0.0
+
+
+def test_a_kernel_whose_server_is_gone_sends_zero_before_it_ends(tmp_path: Path) -> None:
+    path = tmp_path / "heard.txt"
+    kernel = f"""
+import os
+from ipykernel.parentpoller import ParentPollerUnix
+poller = ParentPollerUnix(parent_pid=os.getppid())
+{OPEN.format(path=str(path))}{HOLD}
+poller.start()
+{LOOP}
+"""
+    server = "import subprocess, sys; subprocess.Popen([sys.executable, '-c', sys.argv[1]]); input()"
+    process = subprocess.Popen([sys.executable, "-c", server, kernel], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    wait_for(lambda: len(heard_in(path)) > 5, "it drives")
+    process.kill()
+    process.communicate()
+    wait_for(lambda: heard_in(path)[-1][1] == 0.0, "zero is sent")
+    time.sleep(0.3)
+    assert heard_in(path)[-1][1] == 0.0, "nothing follows"
