@@ -204,7 +204,6 @@ class Recorder:
                         self._write(writer, channels, *entry)
                     if time.monotonic() > flushed + FLUSH:
                         writer.flush()
-                        self._file.flush()
                         flushed = time.monotonic()
                 writer.finish()
         except Exception as error:  # a full disk, above all

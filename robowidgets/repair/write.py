@@ -88,7 +88,7 @@ class McapWriter:
 
     def flush(self) -> None:
         """Write the chunk as far as it has come, so that a file that is never finished holds it."""
-        self._writer._Writer__finalize_chunk()  # type: ignore[attr-defined]  # mcap has no public way
+        self._writer.flush()
 
     def finish(self) -> None:
         """Write the index."""
