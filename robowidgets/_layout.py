@@ -9,20 +9,23 @@ import ipywidgets
 WIDE = {"display": "flex", "flex_flow": "row wrap", "align_items": "flex-start", "width": "100%"}
 """Layout of a box that holds columns."""
 
-_CARD = "764px"
+_COLUMNS = {"wide": "2 1 460px", "narrow": "1 1 340px", "map": "1 1 340px"}
+"""How the columns share the width, from left to right."""
+_WIDEST = "764px"
 
 
 def columns(widgets: Sequence[ipywidgets.Widget]) -> list[ipywidgets.VBox]:
-    """Widgets that are ``wide`` in the wide column, the rest one under the other beside them.
+    """Widgets in their columns, one under the other.
 
-    Where room is short the rest stand below.
+    Where room is short, the map stands below the others, over the whole width, then beside the narrow column.
     """
-    wide = [widget for widget in widgets if widget.wide]
-    others = [widget for widget in widgets if not widget.wide]
-    left = [_column(wide, "2 1 460px", max_width=_CARD)] if wide else []
-    return [*left, *([_column(others, "1 1 340px")] if others else [])]
+    each = {name: [widget for widget in widgets if widget.column == name] for name in _COLUMNS}
+    return [_column(name, found) for name, found in each.items() if found]
 
 
-def _column(widgets: Sequence[ipywidgets.Widget], flex: str, **limits: str) -> ipywidgets.VBox:
-    layout = ipywidgets.Layout(flex=flex, min_width="min(100% - 8px, 300px)", margin="0 4px", **limits)
-    return ipywidgets.VBox(list(widgets), layout=layout)
+def _column(name: str, widgets: Sequence[ipywidgets.Widget]) -> ipywidgets.VBox:
+    limits = {"max_width": _WIDEST} if name == "wide" else {}
+    layout = ipywidgets.Layout(flex=_COLUMNS[name], min_width="min(100% - 8px, 300px)", margin="0 4px", **limits)
+    box = ipywidgets.VBox(list(widgets), layout=layout)
+    box.add_class(f"rw-{name}-column")
+    return box

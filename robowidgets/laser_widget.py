@@ -127,7 +127,7 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     }
     _instead: ClassVar = {**DrawsShapes._instead, "ranges": "widget.scan.ranges", "angles": "widget.scan.angles"}
     _keywords = ("sectors", "pins")
-    wide = True
+    column = "wide"
     sample_name = "scan"
     frame_traits = ("angle_offset", "_edition")
     judges_frames = True

@@ -56,7 +56,7 @@ class MachineWidget(RobotWidget[MachineStep]):
 
     _esm, _css = bundle("machine_widget")
 
-    wide = True
+    column = "wide"
     sample_name = "machine"
     goes_stale = False
     send_interval = 0.05

@@ -75,6 +75,7 @@ class PathWidget(RobotWidget[PathPoint]):
     """
 
     _esm, _css = bundle("path_widget")
+    column = "map"
     _meant: ClassVar = {"freeze": "paused", "frozen": "paused"}
     sample_name = "pose"
 

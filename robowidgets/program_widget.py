@@ -36,7 +36,7 @@ class ProgramWidget(DrivingWidget):
     _esm, _css = bundle("program_widget")
     send_interval = 0.1
     """Seconds between two messages, at least: a person reads no faster."""
-    wide = False
+    column = "narrow"
 
     def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
         """Take the feed as a positional argument."""

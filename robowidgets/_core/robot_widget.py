@@ -87,8 +87,8 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     _packs_now = False
     """Whether a frame tells what is known when it is packed, not a sample."""
 
-    wide = False
-    """Whether it stands in the wide column of a view with several widgets."""
+    column = "narrow"
+    """The column in which it stands in a view with several widgets: ``"wide"``, ``"narrow"`` or ``"map"``."""
 
     frame_traits: tuple[str, ...] = ()
     """Names of the traits on which its frames depend, besides the sample."""

@@ -13,12 +13,12 @@ UNDER_SCANOGRAM = 2
 def on_one_screen(scanogram: ipywidgets.Widget | None, widgets: Sequence[ipywidgets.Widget]) -> ipywidgets.Box:
     """The widgets in two columns that share the height of the window.
 
-    Left the scanogram with two small widgets below it, right the ``wide`` widgets; the other small ones share the width
-    below. Without a scanogram the wide widgets stand left, and all small ones right. On a narrow page the columns stand
-    one above the other, the wide widgets first.
+    Left the scanogram with two small widgets below it, right those of the wide column; the other small ones share the
+    width below. Without a scanogram the wide widgets stand left, and all small ones right. On a narrow page the columns
+    stand one above the other, the wide widgets first.
     """
-    wide = [widget for widget in widgets if widget.wide]
-    small = [widget for widget in widgets if not widget.wide]
+    wide = [widget for widget in widgets if widget.column == "wide"]
+    small = [widget for widget in widgets if widget.column != "wide"]
     if scanogram is None:
         return _box("rw-screen", *_box("rw-wides", *wide), *_box("rw-smalls", *small))[0]
     left = _box("rw-whole", scanogram, *_box("rw-smalls", *small[:UNDER_SCANOGRAM]))

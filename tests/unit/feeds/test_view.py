@@ -63,7 +63,7 @@ def test_every_topic_that_can_be_shown_gets_its_widget(opened: Opened) -> None:
     assert view.widgets["/scan"].scan.ranges[0] == 1.5
     assert view.widgets["/odom"].speed.linear[0] == 0.2
     assert view.widgets["/odom"].commanded.linear[0] == 0.3
-    path = view.children[2].children[1].children[-1]
+    (path,) = view.children[2].children[-1].children
     assert isinstance(path, PathWidget)
     assert path.pose is not None
     assert path.pose.x == 1.5
