@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { moved, timeTicks, zoomed } from "../../robowidgets/js/scanogram/axis.ts";
 import { Blocks, cellAt } from "../../robowidgets/js/scanogram/blocks.ts";
 import * as data from "../../robowidgets/js/scanogram/data.ts";
-import { drawTimes } from "../../robowidgets/js/scanogram/draw_axes.ts";
+import { angleLabels, drawTimes } from "../../robowidgets/js/scanogram/draw_axes.ts";
 import { layOut } from "../../robowidgets/js/scanogram/layout.ts";
 import { fitColors, toRaster } from "../../robowidgets/js/scanogram/paint.ts";
 import { angleTicks, selectedRays, toRows } from "../../robowidgets/js/scanogram/rows.ts";
@@ -407,5 +407,16 @@ test("the last number of the time axis stands whole within the picture, on a tic
     drawTimes(context, axis, layout, 100, null, {} as Theme);
     assert.equal(written.at(-1)?.[0], "100 s");
     for (const [text, end] of written) assert.ok(end <= width, `${text} ends at ${end} of ${width}`);
+  }
+});
+
+test("a label at an end of the axis is never on the one beside it", () => {
+  const rows = toRows({ ...SWEEP, angleMin: -Math.PI / 2, angleIncrement: Math.PI / 180, count: 180 });
+  for (const hasIndices of [false, true]) {
+    for (let height = hasIndices ? 180 : 60; height <= 600; height += 7) {
+      const middles = angleLabels(rows, { top: 40, height }, hasIndices).flatMap(({ middle }) => middle ?? []);
+      const steps = middles.slice(1).map((middle, i) => Math.abs(middle - (middles[i] as number)));
+      assert.ok(Math.min(...steps) >= (hasIndices ? 25 : 13), `${height} px: ${middles}`);
+    }
   }
 });

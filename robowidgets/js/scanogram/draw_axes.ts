@@ -64,6 +64,29 @@ function drawMoment(
   return [middle - half, middle + half];
 }
 
+/**
+ * Rows with round angles, the height of each in the picture, and the middle of its label; null where the label at an end
+ * of the axis, which is moved into the picture, leaves no room for it.
+ */
+export function angleLabels(
+  rows: Rows,
+  { top, height }: Layout["scans"],
+  hasIndices: boolean,
+): { row: number; y: number; middle: number | null }[] {
+  const [first, last] = [top + 6, top + height - (hasIndices ? 18 : 5)];
+  const labels = angleTicks(rows, height, hasIndices ? APART : APART_ALONE).map((row) => {
+    const y = top + (1 - (row + 0.5) / rows.rayOf.length) * height;
+    return { row, y, middle: Math.min(last, Math.max(first, hasIndices ? y - 6 : y)) };
+  });
+  const ends = [labels[0], labels.at(-1)];
+  const isClose = (a: number, b: number) => Math.abs(a - b) < (hasIndices ? 25 : 13);
+  return labels.map((label) =>
+    ends.includes(label) || !ends.some((end) => end && isClose(end.middle, label.middle))
+      ? label
+      : { ...label, middle: null },
+  );
+}
+
 /** Angles with their indices at the left, and a fine line through the picture at each. */
 export function drawAngles(
   context: CanvasRenderingContext2D,
@@ -71,16 +94,13 @@ export function drawAngles(
   { left, width, scans, indices }: Layout,
   theme: Theme,
 ): void {
-  const count = rows.rayOf.length;
   const hasIndices = indices && !rows.byAngle;
-  const [first, last] = [scans.top + 6, scans.top + scans.height - (hasIndices ? 18 : 5)];
-  for (const row of angleTicks(rows, scans.height, hasIndices ? APART : APART_ALONE)) {
-    const y = scans.top + (1 - (row + 0.5) / count) * scans.height;
+  for (const { row, y, middle } of angleLabels(rows, scans, hasIndices)) {
     context.fillStyle = theme.dark ? "#ffffff40" : "#ffffff73";
     context.fillRect(left, Math.round(y), width, 1);
     context.fillStyle = theme.line;
     context.fillRect(left - 4, Math.round(y), 4, 1);
-    const middle = Math.min(last, Math.max(first, hasIndices ? y - 6 : y));
+    if (middle === null) continue;
     const degrees = toDegrees(rows.angles[row] as number);
     write(context, degrees, left - 8, middle, theme.ink, `600 ${textFont(theme)}`, "right");
     if (hasIndices) {
