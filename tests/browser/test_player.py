@@ -453,9 +453,9 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
     shoot(nb.output(1), "recording-show-forced-1143")
 
 
-def test_four_sensors_stand_whole_in_their_card_on_one_screen(plain_page: Open, data: Path) -> None:
-    nb = opened(plain_page, data / "good" / "neato_fsm", "recording.show('/scan', '/odom', '/bump')", height=720)
-    card = nb.output(1).locator(".rw-touch")
+def test_two_scanners_and_four_sensors_stand_whole_on_one_screen(plain_page: Open, data: Path) -> None:
+    nb = opened(plain_page, data / "good" / "neato_fsm", "recording.show()", height=720)
+    card, scans = nb.output(1).locator(".rw-touch"), nb.output(1).locator(".rw-laser")
     for width, high in ((1143, 172), (1100, 172), (900, 240)):
         nb.resize(width, 720)
         at = boxes(nb)
@@ -468,7 +468,11 @@ def test_four_sensors_stand_whole_in_their_card_on_one_screen(plain_page: Open, 
         footer = card.locator(".rw-footer")
         assert footer.evaluate("footer => footer.scrollWidth <= footer.clientWidth")
         expect(footer.locator(".rw-state:not([hidden])")).to_have_text(["0touched", "4free"])
+        for scan in scans.all():
+            assert (scan.locator(".rw-picture").bounding_box() or {"height": 0})["height"] > 200
         shoot(nb.output(1), f"recording-four-sensors-{width}")
+    nb.resize(400, 720)
+    expect(scans.locator(".rw-footer:visible")).to_have_count(2)
 
 
 def test_pointing_at_the_scanogram_shows_that_moment_everywhere_while_a_cell_runs(notebook: Open) -> None:
