@@ -44,6 +44,13 @@ def _(recording):
     scanogram = recording.scanogram()
     scanogram
     return (scanogram,)
+
+
+@app.cell
+def _(recording):
+    import marimo as mo
+    mo.iframe(recording.to_html("drive.html", end=5).read_text(), height="620px")
+    return
 """
 
 
@@ -91,7 +98,9 @@ def shows(page: Page, theme: str) -> None:
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_marimo_shows_each_widget_and_is_dark_with_it(browser: Browser, tmp_path: Path, theme: str) -> None:
+def test_marimo_shows_each_widget_and_a_recording_as_a_page_and_is_dark_with_it(
+    browser: Browser, tmp_path: Path, theme: str
+) -> None:
     pytest.importorskip("marimo")
     (tmp_path / "robot.py").write_text(MARIMO)
     (tmp_path / "pyproject.toml").write_text(f'[tool.marimo.display]\ntheme = "{theme}"\n')
@@ -103,6 +112,9 @@ def test_marimo_shows_each_widget_and_is_dark_with_it(browser: Browser, tmp_path
         page = context.new_page()
         page.goto(url)
         shows(page, theme)
+        player = page.frame_locator("iframe").locator(".rw-player")
+        player.locator("input").press("End")
+        expect(player.locator(".rw-play-now")).to_have_text("5.00")
         page.screenshot(path=SCREENSHOTS / f"marimo-{theme}.png", full_page=True)
         context.close()
 
