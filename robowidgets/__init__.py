@@ -7,10 +7,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ._core.footprint import Footprint
 from ._core.short_traceback import shorten_tracebacks
 from ._together import together
 from .drive_widget import DriveWidget
+from .laser.footprint import Footprint
 from .laser_widget import LaserWidget
 from .path_widget import PathWidget
 from .samples import Ray, Scan, Sector, Speed, Touch, TouchMode, TouchState, Validity

@@ -10,11 +10,11 @@ from typing import Any
 import traitlets
 
 from ._core.base_widget import bundle
-from ._core.command_watchdog import HOLD, PROGRAM, ZERO, CommandWatchdog
-from ._core.driving_widget import DrivingWidget
 from ._core.limit_traits import LARGEST
-from ._core.press import PadMessage, PressLease
 from ._core.traits import Flag
+from .driving.command_watchdog import HOLD, PROGRAM, ZERO, CommandWatchdog
+from .driving.driving_widget import DrivingWidget
+from .driving.press import PadMessage, PressLease
 from .samples import Speed
 
 

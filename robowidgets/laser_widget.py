@@ -10,11 +10,11 @@ import numpy as np
 import traitlets
 
 from ._core.base_widget import bundle, nearest_name, refuse_unnamed
-from ._core.footprint import HasFootprint
-from ._core.ghost import HasGhost
 from ._core.robot_widget import FRAME_HEADER
-from ._core.sectors import HasSectors
 from ._core.traits import Angle, Angles, Flag
+from .laser.footprint import HasFootprint
+from .laser.ghost import HasGhost
+from .laser.sectors import HasSectors
 from .messages import ScanReader
 from .messages.fields import unwrap
 from .samples import Problem, Scan, Validity

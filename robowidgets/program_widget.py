@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from ._core.base_widget import bundle
-from ._core.driving_widget import DrivingWidget
 from ._core.pacer import pacer
 from .behaviors.machine import Machine
 from .behaviors.program import Program
 from .behaviors.programs import Programs
+from .driving.driving_widget import DrivingWidget
 
 
 class ProgramWidget(DrivingWidget):

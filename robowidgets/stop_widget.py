@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ._core.base_widget import bundle
-from ._core.command_watchdog import CommandWatchdog
-from ._core.driving_widget import DrivingWidget
+from .driving.command_watchdog import CommandWatchdog
+from .driving.driving_widget import DrivingWidget
 
 
 class StopWidget(DrivingWidget):

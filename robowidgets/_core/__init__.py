@@ -1,1 +1,1 @@
-"""Parts shared by widgets and feeds: sending to the page, notebook cells, sending speeds to a robot."""
+"""Parts shared by widgets and feeds: the base of widgets, sending to the page, notebook cells, user functions."""

@@ -7,7 +7,7 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from .._core.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
+from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
 from ..samples import Speed
 from ._driving import DriveStatus, Driving
 from ._twist import TwistPublisher

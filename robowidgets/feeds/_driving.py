@@ -6,9 +6,9 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
-from .._core.command_watchdog import HOLD
 from .._core.limit_traits import is_past
 from .._core.log_once import LogOnce
+from ..driving.command_watchdog import HOLD
 from ..kinds import SPEED, is_command
 from ..samples.checks import OF_DEGREES, finite, is_angle
 from .middleware import Advert

@@ -8,8 +8,8 @@ import os
 import time
 from typing import TYPE_CHECKING
 
-from .._core.command_watchdog import stop_all
 from .._core.platform_fixes import call_before_end
+from ..driving.command_watchdog import stop_all
 
 if TYPE_CHECKING:
     from ._connection import Connection

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
-from .._core.command_watchdog import RECENT
+from ..driving.command_watchdog import RECENT
 from ..messages.standard import TWIST, TWIST_STAMPED
 from .middleware import Advert, FeedError, Middleware
 

@@ -39,7 +39,7 @@ def pad_of(nb: Notebook | PlainPage, cell: int = 0) -> Locator:
 
 
 UNHURRIED = """
-import robowidgets._core.command_watchdog as watchdog, robowidgets._core.press as press
+import robowidgets.driving.command_watchdog as watchdog, robowidgets.driving.press as press
 watchdog.HOLD = press.HOLD = 10
 watchdog.CommandWatchdog.drive.__defaults__ = (10, watchdog.PROGRAM)
 """

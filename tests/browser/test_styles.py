@@ -11,7 +11,7 @@ from .plain_page import PlainPage
 
 WIDGETS = f"""{SETUP}
 from robowidgets import DriveWidget, ScanogramWidget, SpeedWidget, TouchWidget
-from robowidgets._core.command_watchdog import CommandWatchdog
+from robowidgets.driving.command_watchdog import CommandWatchdog
 from robowidgets.player_widget import PlayerWidget
 from robowidgets.stop_widget import StopWidget
 

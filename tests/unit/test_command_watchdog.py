@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import pytest
 
-from robowidgets._core.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError, stop_all
+from robowidgets.driving.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError, stop_all
 
 from .waiting import wait_for
 
@@ -123,7 +123,7 @@ def test_a_sink_that_hangs_is_told_to_who_waits_and_holds_nobody_for_ever(
 def test_zero_is_sent_again_until_the_sink_takes_it(
     watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("robowidgets._core.command_watchdog.RETRY", 0.02)
+    monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 0.02)
     drive(watchdog, FORWARD)
     sink.error = OSError("the wire is cut")
     with pytest.raises(OSError, match="the wire is cut"):
@@ -139,9 +139,9 @@ def test_zero_is_sent_again_until_the_sink_takes_it(
 def test_zero_is_sent_again_also_where_the_log_hangs(
     watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets._core.command_watchdog.RETRY", 0.02)
+    monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 0.02)
     gate = threading.Event()
-    monkeypatch.setattr("robowidgets._core.command_watchdog.log.error", lambda _text: gate.wait(20.0))
+    monkeypatch.setattr("robowidgets.driving.command_watchdog.log.error", lambda _text: gate.wait(20.0))
     drive(watchdog, FORWARD)
     sink.error = OSError("the wire is cut")
     watchdog.stop()
@@ -154,7 +154,7 @@ def test_zero_is_sent_again_also_where_the_log_hangs(
 def test_a_speed_that_waits_for_its_turn_owes_a_zero(
     watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets._core.command_watchdog.INTERVAL", 1.0)
+    monkeypatch.setattr("robowidgets.driving.command_watchdog.INTERVAL", 1.0)
     drive(watchdog, FORWARD)
     watchdog.sent_in_time(watchdog.stop())
     watchdog.drive(LEFT)
@@ -267,7 +267,7 @@ def test_at_the_end_zero_goes_to_all_at_once_though_one_of_them_hangs(watchdog: 
 def test_the_end_of_the_process_sends_zero(tmp_path: object) -> None:
     program = (
         "import sys\n"
-        "from robowidgets._core.command_watchdog import CommandWatchdog\n"
+        "from robowidgets.driving.command_watchdog import CommandWatchdog\n"
         "watchdog = CommandWatchdog(lambda linear, angular: (sys.stdout.write(f'{linear}\\n'), sys.stdout.flush()))\n"
         "watchdog.sent_in_time(watchdog.drive((0.3, 0.0), hold=60.0))\n"
     )

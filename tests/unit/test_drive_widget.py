@@ -13,10 +13,10 @@ import pytest
 import traitlets
 
 from robowidgets import DriveWidget, Speed
-from robowidgets._core.command_watchdog import HOLD, PROGRAM, ZERO
-from robowidgets._core.driving_widget import ALLOW_LIFETIME
 from robowidgets._core.pacer import pacer
-from robowidgets._core.press import PressLease, Tokens
+from robowidgets.driving.command_watchdog import HOLD, PROGRAM, ZERO
+from robowidgets.driving.driving_widget import ALLOW_LIFETIME
+from robowidgets.driving.press import PressLease, Tokens
 from robowidgets.feeds import Driving, Feed, FeedError
 
 from .feeds.scripted import CMD_VEL, SCAN, Scripted

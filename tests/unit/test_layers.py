@@ -26,7 +26,7 @@ LAYERS = (
     "recordings",
     "*_widget _widget_choice _layout _together",
     "behaviors lessons",
-    "scanogram",
+    "driving laser scanogram",
     "kinds poses shapes simulator",
     "repair",
     "_core",

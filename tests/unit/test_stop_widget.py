@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from robowidgets._core.command_watchdog import PROGRAM, ZERO, CommandWatchdog
+from robowidgets.driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog
 from robowidgets.feeds import Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from robowidgets._core.command_watchdog import RefusedError
+from robowidgets.driving.command_watchdog import RefusedError
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.feeds.middleware import NotYetError
 
@@ -278,7 +278,7 @@ def test_a_zero_into_a_dead_connection_is_sent_again_when_it_is_back(driven: Dri
 def test_a_robot_that_was_not_driven_lately_is_left_alone_when_it_is_back(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in ("_core.command_watchdog", "feeds._twist"):
+    for module in ("driving.command_watchdog", "feeds._twist"):
         monkeypatch.setattr(f"robowidgets.{module}.RECENT", 0.0)
     feed, script = driven(CMD_VEL, hold=60.0)
     feed.drive(0.3, 0.0)

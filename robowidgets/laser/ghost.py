@@ -6,9 +6,9 @@ from typing import Any
 
 import traitlets
 
+from .._core.robot_widget import FRAME_HEADER
+from .._core.traits import bytes_trait
 from ..samples import Scan
-from .robot_widget import FRAME_HEADER
-from .traits import bytes_trait
 
 
 class HasGhost(traitlets.HasTraits):

@@ -9,10 +9,10 @@ from typing import Any, Protocol
 
 import traitlets
 
-from .base_widget import NamedWidget
+from .._core.base_widget import NamedWidget
+from .._core.pacer import pacer
+from .._core.platform_fixes import route_by_message
 from .command_watchdog import HOLD, ZERO, CommandWatchdog
-from .pacer import pacer
-from .platform_fixes import route_by_message
 from .press import PadMessage, Tokens, to_pad_message
 
 RENEWAL = 1.0
@@ -41,7 +41,7 @@ class _Connection(Protocol):
     def forget(self, on_change: Callable[[], None]) -> None: ...
 
 
-class DrivenFeed(Protocol):
+class _DrivenFeed(Protocol):
     """The part of a feed that pad and Stop use."""
 
     @property
@@ -61,7 +61,7 @@ class DrivingWidget(NamedWidget):
     """A widget with a Stop, which shows who drives. It uses a watchdog: a feed's, or its own."""
 
     _watchdog: CommandWatchdog
-    _feed: DrivenFeed | None = None
+    _feed: _DrivenFeed | None = None
     _owns = False
 
     _state = traitlets.Dict(
@@ -113,7 +113,7 @@ class DrivingWidget(NamedWidget):
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
-    def _attach(self, watchdog: CommandWatchdog, feed: DrivenFeed | None = None, *, owns: bool = False) -> None:
+    def _attach(self, watchdog: CommandWatchdog, feed: _DrivenFeed | None = None, *, owns: bool = False) -> None:
         """Use a watchdog from now on."""
         self._detach()
         self._forget_errors()

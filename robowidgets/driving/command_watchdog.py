@@ -11,9 +11,9 @@ from collections.abc import Callable
 from concurrent.futures import Future, wait
 from weakref import WeakSet
 
-from .cells import on_failed_cell
-from .user_threads import is_abandoned
-from .watched import Watched
+from .._core.cells import on_failed_cell
+from .._core.user_threads import is_abandoned
+from .._core.watched import Watched
 
 log = logging.getLogger("robowidgets")
 

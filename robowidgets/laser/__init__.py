@@ -1,0 +1,1 @@
+"""What the laser widget has besides a scan: sectors, a ghost to compare with, and the footprint of the robot."""
