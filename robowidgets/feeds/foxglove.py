@@ -12,6 +12,7 @@ from functools import partial
 from struct import Struct
 from typing import Any, NamedTuple
 
+from ..messages.standard import TWIST_STAMPED
 from ._bridge import Bridge, Read, UnreadableError, short_type, strings
 from ._foxglove_channels import Channel, Graph, channel_of, decoder
 from ._twist import is_zero
@@ -69,10 +70,9 @@ class Foxglove(Bridge):
                 f"{self.where} takes no messages: its server does not offer clientPublish; "
                 "foxglove_bridge does when its parameter capabilities lists it"
             )
-        encodings = strings(info.get("supportedEncodings"))
-        encoding = next((known for known in _WRITTEN if known in encodings), None)
+        encoding = _encoding_for(info)
         if encoding is None:
-            taken = one_line(", ".join(encodings)) or "none at all"
+            taken = one_line(", ".join(strings(info.get("supportedEncodings")))) or "none at all"
             raise FeedError(
                 f"{self.where} takes messages in {taken}, of which we write none: we write cdr, ros1 and json"
             )
@@ -109,7 +109,11 @@ class Foxglove(Bridge):
         self._sent_on: dict[tuple[str, str, str], int] = {}
 
     def _on_info(self, operation: dict[str, Any]) -> None:
-        is_first, self._info = self._info is None, operation
+        is_first, encoding = self._info is None, _encoding_for(operation)
+        if is_first and encoding in ("cdr", "ros1"):
+            # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
+            self._encode(encoding, TWIST_STAMPED, {})
+        self._info = operation
         if is_first:
             self._listener.on_connected()
         if "connectionGraph" in strings(operation.get("capabilities")):
@@ -190,6 +194,12 @@ class Foxglove(Bridge):
             channel = {"id": self._sent_on[key], "topic": topic, "encoding": encoding, "schemaName": kind}
             self._write({"op": "advertise", "channels": [channel]})
         return _CLIENT_DATA.pack(_MESSAGE, self._sent_on[key]) + payload
+
+
+def _encoding_for(info: Mapping[str, Any]) -> str | None:
+    """The encoding in which a server takes messages; None if it takes none that we write."""
+    encodings = strings(info.get("supportedEncodings"))
+    return next((known for known in _WRITTEN if known in encodings), None)
 
 
 def _read(decode: Read, frame: bytes) -> Any:
