@@ -28,6 +28,9 @@ HOLD = 0.5
 INTERVAL = 0.02
 """Shortest time between two speeds, in seconds; zero is sent at once."""
 
+LINGER = 0.5
+"""Seconds for which the thread waits for another speed when nothing is owed."""
+
 RETRY = 1.0
 """Seconds after which a zero that could not be sent is sent again."""
 
@@ -51,8 +54,9 @@ class RefusedError(Exception):
 class CommandWatchdog(Watched):
     """Sends speeds to a sink from a thread of its own: 50 a second at most, the newest wins, zero at once.
 
-    Zero follows a speed that is not renewed in time. The thread runs no code of a caller except the sink, and it lives
-    while a zero is owed. Any thread may call any method; a method does not wait unless its description says so.
+    Zero follows a speed that is not renewed in time. The thread runs no code of a caller except the sink. It lives
+    while a zero is owed, and for a moment after that: a program that stands still sends zero at each step. Any thread
+    may call any method; a method does not wait unless its description says so.
 
     Args:
         send: the sink, a function of linear m/s and angular rad/s.
@@ -80,7 +84,8 @@ class CommandWatchdog(Watched):
         self._hand, self._hand_until = "", 0.0
         self._driver = ""
         self._entered: float | None = None
-        self._logged = ""
+        self._is_logged = False
+        """Whether the log says that zero could not be sent."""
         self.stops = 0
         """Number of requests for zero, by any caller."""
         self.sent: Velocity = ZERO
@@ -286,7 +291,8 @@ class CommandWatchdog(Watched):
             self._call_watchers()
 
     def _next(self) -> tuple[Velocity | None, list[Request]]:
-        """Wait until a speed or zero is due, and return it; None when nothing is owed any more."""
+        """Wait until a speed or zero is due, and return it; None when nothing has been owed for a moment."""
+        ends_at = time.monotonic() + LINGER
         while True:
             now = time.monotonic()
             if self._wanted is not None and now >= self._expires:  # it expired while the sink was busy
@@ -304,6 +310,8 @@ class CommandWatchdog(Watched):
                 due = self._next_speed_at
             elif self._zero_at is not None:
                 due = self._zero_at
+            elif now < ends_at and not self._closed:
+                due = ends_at
             else:
                 self._thread = None
                 _running.discard(self)
@@ -338,16 +346,22 @@ class CommandWatchdog(Watched):
             self._next_zero_at = now + INTERVAL
             self._zero_at = now + RETRY if error is not None and not self._closed else None
             if error is None:
-                self._logged = ""
-            elif str(error) != self._logged:
-                self._logged = str(error)
-                text = f"the robot could not be told to stop: {error}"
-                # In a thread of its own: where the log hangs, zero must still be sent again.
-                threading.Thread(target=log.error, args=(text,), name="robowidgets-log", daemon=True).start()
+                self._is_logged = False
+            elif not self._is_logged:
+                self._is_logged = True
+                _log_in_thread(f"the robot could not be told to stop: {error}")
         elif error is None:
             self._moved_at, self._zero_at, self._next_speed_at = now, self._expires, now + INTERVAL
         elif not isinstance(error, self._not_sent):
             self._zero_at = 0.0
+
+
+def _log_in_thread(text: str) -> None:
+    """Log an error in a thread of its own: where the log hangs, zero must still be sent again."""
+    try:
+        threading.Thread(target=log.error, args=(text,), name="robowidgets-log", daemon=True).start()
+    except RuntimeError:  # Python 3.12 starts no thread at the end of the process
+        log.error(text)
 
 
 def _resolve(requests: list[Request], error: BaseException | None) -> None:

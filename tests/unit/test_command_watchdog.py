@@ -128,6 +128,7 @@ def test_zero_is_sent_again_until_the_sink_takes_it(
     sink.error = OSError("the wire is cut")
     with pytest.raises(OSError, match="the wire is cut"):
         watchdog.sent_in_time(watchdog.stop())
+    sink.error = OSError("the wire is cut, for longer now")
     wait_for(lambda: len(sink.got) > 4, "it is tried again")
     assert watchdog.owes_zero
     sink.error = None
@@ -149,6 +150,36 @@ def test_zero_is_sent_again_also_where_the_log_hangs(
     sink.error = None
     wait_for(lambda: not watchdog.owes_zero, "it is sent")
     gate.set()
+
+
+def test_zero_is_sent_again_also_at_the_end_of_a_process_that_starts_no_thread(
+    watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("robowidgets._core.command_watchdog.RETRY", 0.02)
+    drive(watchdog, FORWARD)
+    sink.error = OSError("the wire is cut")
+
+    def refuse(_thread: threading.Thread) -> None:
+        raise RuntimeError("can't create new thread at interpreter shutdown")
+
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    with pytest.raises(OSError, match="the wire is cut"):
+        watchdog.sent_in_time(watchdog.stop())
+    sink.error = None
+    wait_for(lambda: not watchdog.owes_zero, "it is sent again")
+    assert [record.message for record in caplog.records] == ["the robot could not be told to stop: the wire is cut"]
+
+
+def test_zeros_that_follow_each_other_are_sent_by_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets._core.command_watchdog.LINGER", 60.0)
+    threads: list[threading.Thread] = []
+    watchdog = CommandWatchdog(lambda *_: threads.append(threading.current_thread()))
+    for _ in range(3):
+        watchdog.sent_in_time(watchdog.drive(ZERO))
+    assert len(threads) == 3
+    assert len({*threads}) == 1
+    watchdog.close()
+    wait_for(lambda: not threads[0].is_alive(), "it ends when it is closed")
 
 
 def test_a_speed_that_waits_for_its_turn_owes_a_zero(
