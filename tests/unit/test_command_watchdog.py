@@ -155,7 +155,7 @@ def test_zero_is_sent_again_also_where_the_log_hangs(
 def test_zero_is_sent_again_also_at_the_end_of_a_process_that_starts_no_thread(
     watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("robowidgets._core.command_watchdog.RETRY", 0.02)
+    monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 0.02)
     drive(watchdog, FORWARD)
     sink.error = OSError("the wire is cut")
 
@@ -171,7 +171,7 @@ def test_zero_is_sent_again_also_at_the_end_of_a_process_that_starts_no_thread(
 
 
 def test_zeros_that_follow_each_other_are_sent_by_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets._core.command_watchdog.LINGER", 60.0)
+    monkeypatch.setattr("robowidgets.driving.command_watchdog.LINGER", 60.0)
     threads: list[threading.Thread] = []
     watchdog = CommandWatchdog(lambda *_: threads.append(threading.current_thread()))
     for _ in range(3):
