@@ -67,6 +67,7 @@ class View(NamedWidget):
     _frame = bytes_trait(echo_update=False)
     _walls = bytes_trait(echo_update=False)
     _shapes: traitlets.List[Any] = traitlets.List().tag(sync=True, echo_update=False)
+    _status = traitlets.Unicode().tag(sync=True, echo_update=False)
 
     def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
         """Take the robot as a positional argument."""
@@ -77,16 +78,19 @@ class View(NamedWidget):
         if not isinstance(simulated, Robot):
             raise TypeError(f"View(): expected a robot of robowidgets.simulator, or its feed, got {robot!r}")
         self._robot, self._feed = simulated, weakref.ref(robot)
+        self._connection = getattr(robot, "connection", None)
         self._shown_world = simulated.world
         self._send_lock = threading.RLock()
         self._path: deque[tuple[float, float, float]] = deque()
         self._marked_at = 0.0
-        self._sent: tuple[bytes, list[Any]] = (b"", [])
+        self._sent: tuple[bytes, list[Any], str] = (b"", [], "")
         super().__init__(**{"title": "simulator", **kwargs})
         self._walls = simulated.world.walls.astype("<f4").tobytes()
-        self._frame, self._shapes = self._sent = self._pack(), self._drawn()
+        self._frame, self._shapes, self._status = self._sent = self._pack(), self._drawn(), self._said()
         self.on_msg(self._on_page)
         simulated.watch(self._on_step)
+        if self._connection is not None:
+            self._connection.watch(self._on_step)  # also when it is closed
 
     def open(self) -> None:
         """Connect to the page."""
@@ -97,6 +101,8 @@ class View(NamedWidget):
         """Remove the widget from the page; the robot goes on."""
         if "_robot" in vars(self):
             self._robot.forget(self._on_step)
+            if self._connection is not None:
+                self._connection.forget(self._on_step)
             with self._send_lock:
                 super().close()
                 pacer.forget(self)
@@ -128,8 +134,8 @@ class View(NamedWidget):
             if self.comm is None:
                 return 0
             self._update()
-            before, self._sent = self._sent, (self._frame, self._shapes)
-            names = ("_frame", "_shapes")
+            before, self._sent = self._sent, (self._frame, self._shapes, self._status)
+            names = ("_frame", "_shapes", "_status")
             changed = [name for name, old, new in zip(names, before, self._sent, strict=True) if old != new]
             if changed:
                 super().send_state(changed)
@@ -149,11 +155,14 @@ class View(NamedWidget):
             self._walls = world.walls.astype("<f4").tobytes()
         self._shown_world = world
         # Without sending them, as setting the traits would.
-        self._trait_values |= {"_frame": self._pack(), "_shapes": self._drawn()}
+        self._trait_values |= {"_frame": self._pack(), "_shapes": self._drawn(), "_status": self._said()}
 
     def _drawn(self) -> list[Any]:
         feed: Any = self._feed()
         return feed.drawn() if hasattr(feed, "drawn") else []
+
+    def _said(self) -> str:
+        return "the feed is closed" if self._connection is not None and self._connection.is_closed else ""
 
     def _pack(self) -> bytes:
         robot, path = self._robot, np.array([*self._path], "<f4")

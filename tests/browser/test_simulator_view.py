@@ -150,6 +150,20 @@ def test_what_is_moved_stays_there_until_a_busy_kernel_answers(plain_page: Calla
     wait_for(lambda: house.is_at("robot.pose[:2]", -1.0, -1.0), "it is moved once the kernel is free")
 
 
+def test_a_view_says_when_its_robot_moves_no_more(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page(
+        [
+            "from robowidgets import feeds\nfrom robowidgets.simulator import View",
+            "feed = feeds.simulator()\nView(feed)",
+        ]
+    )
+    notice = nb.widget(1).locator(".rw-notice-text")
+    expect(notice).to_be_hidden()
+    nb.python("feed.close()")
+    expect(notice).to_have_text("the feed is closed")
+    shoot(nb.widget(1), "simulator-closed")
+
+
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
 def test_the_house_is_drawn_to_scale(
     plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int

@@ -7,4 +7,6 @@ export interface SimulatorTraits extends CardTraits {
   _walls: DataView;
   /** What programs drew on the newest scan. */
   _shapes: Shape[];
+  /** Why the robot moves no more; empty while it may. */
+  _status: string;
 }

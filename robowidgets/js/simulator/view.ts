@@ -1,10 +1,10 @@
 import { Layer, type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
-import { isPlain, on } from "../shared/events.ts";
+import { isPlain, on, onAbort } from "../shared/events.ts";
 import { BELOW, drawFloor, fit, MARGIN, type Place, type Pose, type Projection, toFloor } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
-import { lacksKernel, type Model, onChange } from "../shared/model.ts";
+import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
 import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
 import { drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
 import { drawShapes } from "./draw_shapes.ts";
@@ -17,6 +17,8 @@ const SLOP = 6;
 const TOUCH_SLOP = 16;
 /** Metres from the middle of the robot to an obstacle that the key puts ahead of it. */
 const AHEAD = 0.9;
+/** Milliseconds between two looks whether there is a kernel. */
+const LOOK_MS = 1000;
 const HINT = "drag the robot or an obstacle \u00B7 press o for another";
 
 interface Drag {
@@ -45,6 +47,7 @@ export class SimulatorView {
   #selected: Thing = "robot";
   #drag: Drag | null = null;
   #pointer: Place | null = null;
+  #hadKernel = true;
 
   constructor(model: Model<SimulatorTraits>, element: HTMLElement, signal: AbortSignal) {
     this.#model = model;
@@ -63,8 +66,11 @@ export class SimulatorView {
     this.#tell = throttle(() => this.#updateText(), READING_MS, signal);
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["_walls"], () => this.#onWalls(), signal);
-    onChange(model, ["_shapes"], this.#redraw, signal);
+    onChange(model, ["_shapes", "_status"], this.#redraw, signal);
     this.#watchInput(picture, signal);
+    // A kernel that is restarted sends nothing any more.
+    const looks = setInterval(() => this.#hadKernel !== this.#isEditable && this.#redraw(), LOOK_MS);
+    onAbort(signal, () => clearInterval(looks));
     const onSize = (surface: Surface) => {
       this.#surface = surface;
       this.#redraw();
@@ -95,15 +101,19 @@ export class SimulatorView {
 
   #draw(): void {
     const scene = this.#shown;
-    this.#card.updateFrame(scene ? [] : ["waiting for the robot"], "status");
+    this.#hadKernel = this.#isEditable;
+    const said = this.#isEditable ? this.#model.get("_status") : NO_KERNEL;
+    const status = scene ? said : "waiting for the robot";
+    this.#card.updateFrame(status ? [status] : [], "status");
     if (!scene) return;
     const bounds = boundsOf(this.#walls, this.#drag ? (this.#scene as Scene) : scene);
-    const { picture, theme } = this.#card;
+    const { picture, theme, noticeHeight: top } = this.#card;
     const [wide, high] = [bounds.east - bounds.west, bounds.north - bounds.south];
     picture.style.aspectRatio = `${50 * wide + 2 * MARGIN} / ${50 * high + MARGIN + BELOW}`;
     const { width, height } = this.#surface;
     if (!width || !height) return;
-    const projection = fit(bounds, this.#surface);
+    const projection = fit(bounds, { width, height: height - top });
+    projection.top += top;
     this.#projection = projection;
     const context = this.#layer.begin(this.#surface);
     drawFloor(context, projection, theme);

@@ -138,6 +138,10 @@ def test_it_shows_the_robot_of_a_feed_which_runs_in_a_thread() -> None:
         wait_for(lambda: shown(view)[0][0] > before + 0.1, "its time passes")
         assert edit(view, act="robot", x=5.0, y=3.0, yaw=1.0) == ""
         wait_for(lambda: shown(view)[0][1] == pytest.approx(5.0, abs=0.3), "it is moved while it runs")
+        assert view.get_state()["_status"] == ""
+    assert view.get_state()["_status"] == "the feed is closed"
+    view.close()
+    assert view._on_step not in feed.connection._watchers
     with pytest.raises(TypeError, match=r"View\(\): expected a robot of robowidgets.simulator, or its feed, got 'R2'"):
         View("R2")
     with pytest.raises(TypeError, match="has no keyword 'titel'; did you mean 'title'"):
