@@ -55,6 +55,12 @@ def test_a_notebook_reads_as_a_lesson(file: Path) -> None:
 
 
 @named
+def test_a_notebook_whose_cells_were_all_run_at_once_shows_robots_that_still_move(file: Path) -> None:
+    closing = [cell.source for cell in read(file).cells if cell.cell_type == "code" and ".close()" in cell.source]
+    assert closing == []
+
+
+@named
 def test_a_notebook_runs_from_top_to_bottom(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_DATA_DIR", "JUPYTER_CONFIG_DIR", "IPYTHONDIR"):
         monkeypatch.setenv(name, str(tmp_path / name.lower()))
@@ -95,11 +101,12 @@ def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stand
     cells = read(ROOT / "notebooks" / "from_code_to_behavior.ipynb").cells
     sources = {cell.id: cell.source for cell in cells}
     names: dict[str, Any] = {}
-    tasks = 0
+    tasks, robots = 0, []
     try:
         for cell in cells:
             if cell.cell_type == "code":
                 exec(cell.source, names)
+                robots.append(names["robot"])
             if re.fullmatch(r"task-\d", cell.id):
                 tasks += 1
                 assert not names["result"], f"{cell.id} is right as it stands"
@@ -108,14 +115,15 @@ def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stand
                 exec(folded[1] + cell.source[cell.source.index("\nresult = ") :], names)
                 assert names["result"], names["result"]
     finally:
-        names["robot"].close()
+        for robot in robots:
+            robot.close()
     assert tasks == 7
 
 
 def test_the_lesson_on_robots_has_a_program_drive_one_and_shows_its_speeds_on_a_recording() -> None:
     names: dict[str, Any] = {}
     for cell in read(ROOT / "notebooks" / "from_behavior_to_robot.ipynb").cells:
-        if cell.cell_type != "code" or cell.id == "robot-11":
+        if cell.cell_type != "code":
             continue
         exec(cell.source, names)
         if cell.id == "robot-05":
@@ -129,8 +137,8 @@ def test_the_lesson_on_robots_has_a_program_drive_one_and_shows_its_speeds_on_a_
         wait_for(lambda: measured.speed and driven.speed, "both speeds are shown")
         assert driven.speed.linear[0] in (0.0, pytest.approx(0.2))
     finally:
-        replay.close()
-        names["recording"].close()
+        for name in ("robot", "second", "replay", "recording"):
+            names[name].close()
 
 
 def test_the_lesson_of_the_pad_stands_when_its_first_cell_is_run_again() -> None:
