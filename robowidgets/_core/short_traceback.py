@@ -12,6 +12,7 @@ from typing import Any
 
 from .base_widget import nearest_name
 from .error_routing import ipython_shell
+from .user_function import hint_of
 
 _OURS = __name__.partition(".")[0]
 _CHECKS = {_OURS, "anywidget", "ipywidgets", "traitlets"}
@@ -37,6 +38,8 @@ def shorten_tracebacks() -> None:
     def shortened(
         kind: type[BaseException], error: BaseException, traceback: TracebackType | None, *args: Any, **options: Any
     ) -> Any:
+        if hint := hint_of(error):
+            vars(error).setdefault("__notes__", [hint])  # `add_note` came with Python 3.11
         with _shortened_causes(error):
             _say_what_was_meant(error)
             return whole(kind, error, _of_the_user(traceback), *args, **options)

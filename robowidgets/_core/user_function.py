@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import difflib
 import linecache
 import sys
 import traceback
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from types import FrameType
+from types import FrameType, ModuleType
 from typing import Any
 
 _PACKAGE = str(Path(__file__).parents[1])
+_OURS = __name__.partition(".")[0]
 
 
 def name_of(call: Callable[..., Any]) -> str:
@@ -42,4 +44,17 @@ def error_in(error: BaseException) -> str:
     frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
     own = next((file for file, _ in frames if not file.startswith(_PACKAGE)), None)
     line = next((f"line {line}: " for file, line in reversed(frames) if file == own), "")
-    return f"{line}{type(error).__name__}: {error}"
+    hint = hint_of(error)
+    return f"{line}{type(error).__name__}: {error}" + (f"; {hint}" if hint else "")
+
+
+def hint_of(error: BaseException) -> str:
+    """``did you mean 'distance'?`` for a misspelt attribute of an object or a module of ours; else empty."""
+    if not isinstance(error, AttributeError) or not error.name or "did you mean" in str(error):
+        return ""
+    owner = error.obj
+    module = owner.__name__ if isinstance(owner, ModuleType) else type(owner).__module__
+    if module.partition(".")[0] != _OURS:
+        return ""
+    near = difflib.get_close_matches(error.name, [name for name in dir(owner) if not name.startswith("_")], n=1)
+    return f"did you mean {near[0]!r}?" if near else ""

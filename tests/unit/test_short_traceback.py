@@ -30,6 +30,8 @@ ERRORS = {
     "robowidgets.Laser": "^AttributeError: .*; did you mean 'LaserWidget'",
     "robowidgets.open('nothing.bag')": "^RecordingError: .*nothing.bag: no such file or folder",
     "robowidgets.open(5)": "^TypeError: path: expected the path of a recording, as text or as a pathlib.Path, got 5",
+    "recording.at('/scan', 5).sample.distence('front')": "^did you mean 'distance'",
+    "robowidgets.lessons.chek(5)": "^did you mean 'check'",
     "recording.scans('/scam')": "^UnknownTopicError: sample.mcap has no topic '/scam'",
     "recording.to_html('x.html', start=99)": "^ValueError: start: expected seconds from 0 to 58.00, got 99",
     "list(recording.samples('/scan', start='x'))": "^TypeError: start: expected seconds",
