@@ -172,7 +172,10 @@ def _check(outline: Outline, move: Move) -> None:
         where = f"in class {outline.path}, around it, or in the notebook"
         raise TypeError(f"{move}: no event {move.event!r} {where}") from None
     if not callable(event) and not hasattr(event, "judge"):
-        raise TypeError(f"{move}: expected a function or a condition as event, got {event!r}")
+        raise TypeError(
+            f"{move}: expected a function or a condition as event, got {event!r}; "
+            "a function is, for example, lambda scan: scan.distance() < 0.5"
+        )
 
 
 def _plain(value: Any) -> Any:

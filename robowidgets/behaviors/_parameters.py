@@ -49,6 +49,8 @@ def asked_by(function: Callable[..., Any], name: str, known: tuple[str, ...]) ->
     for one in inspect.signature(function).parameters.values():
         if one.kind in (one.VAR_POSITIONAL, one.VAR_KEYWORD, one.POSITIONAL_ONLY):
             raise TypeError(f"{name}(): expected parameters with names, such as scan, got {one}")
+        if one.name == "self":
+            raise TypeError(f"{name}() takes no self: remove it, and name what it needs, such as scan")
         if one.name in known or one.default is one.empty:
             asked.append(one.name)
     return asked

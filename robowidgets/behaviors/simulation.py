@@ -64,7 +64,8 @@ def simulate(
         0.2
     """
     function = function_of(program)
-    asks_for = parameters_of(function, getattr(function, "__name__", "program"), {})
+    name = getattr(function, "name", "") or getattr(function, "__name__", "program")
+    asks_for = parameters_of(function, name, {})
     period = 1 / finite("rate", rate, "steps a second")
     own = {"state": State(), "variables": Variables() if variables is None else variables}
     start, drive = robot.time, STANDSTILL

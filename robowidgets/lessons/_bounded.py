@@ -18,7 +18,7 @@ class WrongError(Exception):
 
 
 class BrokenError(WrongError):
-    """The function gives no answer at all, so that there is no use in trying other cases."""
+    """The function gives no answer, or none of the right kind, so that there is no use in trying other cases."""
 
 
 def call(function: Callable[..., Any], sample: Any) -> Any:
@@ -72,31 +72,31 @@ def _call(function: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
 
 
 def number(answer: Any, what: str) -> float:
-    """An answer as a float; WrongError where it is none."""
+    """An answer as a float; BrokenError where it is none."""
     try:
         if isinstance(answer, (str, bytes, bool)):
             raise TypeError
         return float(answer)
     except (TypeError, ValueError):
-        raise WrongError(f"it returned {_short(answer)}: expected a number, the {what}") from None
+        raise BrokenError(f"it returned {_short(answer)}: expected a number, the {what}") from None
 
 
 def yes_or_no(answer: Any) -> bool:
-    """An answer as True or False, NumPy's too; WrongError where it is neither."""
+    """An answer as True or False, NumPy's too; BrokenError where it is neither."""
     try:
         if answer in (True, False):
             return bool(answer)
     except (TypeError, ValueError):  # an array has no truth of its own
         pass
-    raise WrongError(f"it returned {_short(answer)}: expected True or False")
+    raise BrokenError(f"it returned {_short(answer)}: expected True or False")
 
 
 def pair(answer: Any, what: str) -> tuple[float, float]:
-    """An answer as two floats; WrongError where it is no pair."""
+    """An answer as two floats; BrokenError where it is no pair."""
     try:
         first, second = answer
     except (TypeError, ValueError):
-        raise WrongError(f"it returned {_short(answer)}: expected two numbers, {what}") from None
+        raise BrokenError(f"it returned {_short(answer)}: expected two numbers, {what}") from None
     return number(first, what), number(second, what)
 
 

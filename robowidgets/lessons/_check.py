@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from html import escape
 from typing import Any
 
 from ._bounded import BrokenError, WrongError
@@ -42,10 +43,17 @@ class Result:
         return not self.wrong
 
     def __repr__(self) -> str:
+        return "\n".join((self._head(), *(f"  - {line}" for line in self.wrong)))
+
+    def _repr_html_(self) -> str:
+        # A notebook breaks the lines of text in the middle of words.
+        lines = "".join(f"<li>{escape(line)}</li>" for line in self.wrong)
+        return f"<div>{escape(self._head())}</div><ul>{lines}</ul>"
+
+    def _head(self) -> str:
         if not self.wrong:
             return f"{self.name}: right in all {self.cases} cases. Well done!"
-        head = f"{self.name}: right in {self.right} of {self.cases} cases. Still wrong:"
-        return "\n".join((head, *(f"  - {line}" for line in self.wrong)))
+        return f"{self.name}: right in {self.right} of {self.cases} cases. Still wrong:"
 
 
 def check(function: Callable[..., Any], task: str | None = None) -> Result:
@@ -74,7 +82,7 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
     if not callable(function):
         raise TypeError(f"check: expected the function that answers a task, without brackets, got {function!r}")
     name = task or str(getattr(function, "__name__", "") or getattr(function, "name", ""))
-    cases = _cases(name)
+    cases = _cases("check", name, "" if task else f"; name the task, as in check({name}, 'stop_before_wall')")
     right, wrong = 0, []
     sample = None
     for case in cases:
@@ -95,7 +103,7 @@ def example(name: str) -> Any:
     Raises:
         ValueError: no task has this name.
     """
-    return _cases(name)[0].sample
+    return _cases("example", name)[0].sample
 
 
 def _error_of(case: Case, function: Callable[..., Any]) -> WrongError | None:
@@ -106,7 +114,7 @@ def _error_of(case: Case, function: Callable[..., Any]) -> WrongError | None:
     return None
 
 
-def _cases(name: str) -> Sequence[Case]:
+def _cases(call: str, name: str, hint: str = "") -> Sequence[Case]:
     if name not in TASKS:
-        raise ValueError(f"check: no task is called {name!r}; the tasks are {', '.join(TASKS)}")
+        raise ValueError(f"{call}: no task is called {name!r}; the tasks are {', '.join(TASKS)}{hint}")
     return TASKS[name]()

@@ -58,10 +58,19 @@ class TestWrongAnswers:
 
     @pytest.mark.parametrize("name", NAMES)
     @pytest.mark.parametrize("answer", ["0.4", [], {}, np.zeros(3), object()])
-    def test_what_is_no_answer_is_told_with_what_was_expected(self, name: str, answer: Any) -> None:
-        for line in check(name, lambda _sample: answer).wrong:
-            assert "it returned " in line
-            assert "expected " in line
+    def test_what_is_no_answer_is_told_once_with_what_was_expected(self, name: str, answer: Any) -> None:
+        (line,) = check(name, lambda _sample: answer).wrong
+        assert "it returned " in line
+        assert "expected " in line
+
+    def test_a_misspelt_name_is_told_with_the_right_one(self) -> None:
+        (line,) = check("nearest_on_the_left", lambda scan: scan.distence("left")).wrong
+        assert line.endswith("AttributeError: 'Scan' object has no attribute 'distence'; did you mean 'distance'?")
+
+    def test_a_notebook_gets_a_list_in_which_texts_are_no_markup(self) -> None:
+        shown = check("nearest_on_the_left", lambda _scan: "<b>2</b>")._repr_html_()
+        assert shown.startswith("<div>nearest_on_the_left: right in 0 of 5 cases. Still wrong:</div><ul><li>a hall: ")
+        assert "&lt;b&gt;2&lt;/b&gt;" in shown
 
     def test_what_exits_or_interrupts_itself_is_an_error_too(self) -> None:
         def leave(_sample: Any) -> float:
@@ -164,6 +173,13 @@ class Stop:
     moves = "forward -> at_wall on near"
 
 
+class Misspelt:
+    def forward(scann) -> Drive:  # type: ignore[no-untyped-def,misc]  # noqa: N805
+        return Drive(scann)
+
+    moves = "forward -> forward after 1"
+
+
 class TestPrograms:
     """Answers that drive the simulated robot: functions, machines, and either of them at work on a live robot."""
 
@@ -204,6 +220,7 @@ class TestPrograms:
             ("follow_wall", lambda: None, "it did not move in 30 s: does it return a Drive with a speed?"),
             ("follow_wall", lambda: 0.2, "expected a step to return Drive(linear, angular), or None"),
             ("follow_wall", lambda scn: scn, "did you mean scan?"),
+            ("follow_wall", Misspelt, "Misspelt() asks for 'scann'; "),
             ("follow_wall", lambda: Drive(1 / 0), "ZeroDivisionError"),
             ("follow_wall", int, "class int: "),
         ],
@@ -249,15 +266,17 @@ class TestResult:
         assert isinstance(result.sample, Scan)
 
     def test_a_task_is_found_by_the_name_of_the_function(self) -> None:
-        with pytest.raises(ValueError, match="no task is called 'stop'; the tasks are nearest_on_the"):
+        with pytest.raises(ValueError, match=r"no task is called 'stop'; .*; name the task, as in check\(stop, '"):
             check("stop", lambda _scan: 0.0)
+        with pytest.raises(ValueError, match=r"check: no task is called 'stop_wall'; the tasks are .*, back_off$"):
+            lessons.check(stop, "stop_wall")
         with pytest.raises(TypeError, match=r"expected the function that answers a task, without brackets, got 0\.4"):
             lessons.check(0.4)  # type: ignore[arg-type]
 
     def test_an_example_is_what_the_answer_gets(self) -> None:
         assert isinstance(lessons.example("stop_at_wall"), Scan)
         assert isinstance(lessons.example("bumper_reflex"), Touch)
-        with pytest.raises(ValueError, match="no task is called 'none'"):
+        with pytest.raises(ValueError, match="example: no task is called 'none'"):
             lessons.example("none")
 
     def test_what_a_function_prints_is_seen(self, capsys: pytest.CaptureFixture[str]) -> None:

@@ -227,6 +227,7 @@ def test_after_an_error_it_goes_on_in_its_states() -> None:
         ({"a": None}, TypeError, "class Walker: expected"),
         ({"moves": " "}, ValueError, "expected at least one"),
         ({"a": lambda scn: scn, "b": None, "moves": "a -> b after 1"}, TypeError, "asks for 'scn'"),
+        ({"a": lambda self: self, "b": None, "moves": "a -> b after 1"}, TypeError, "takes no self: remove it"),
     ],
 )
 def test_a_class_that_describes_no_machine_is_refused(
