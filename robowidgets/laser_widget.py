@@ -215,9 +215,7 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     @property
     def scan(self) -> Scan | None:
         """The scan on show: the frozen one while paused, else the newest; None before the first."""
-        if self.paused:
-            return self._unpack(self._frozen_frame) if self._frozen_frame else None
-        return self._newest
+        return self._on_show()
 
     @property
     def frozen(self) -> Scan | None:

@@ -55,6 +55,7 @@ class MachineWidget(RobotWidget[MachineStep]):
     """
 
     _esm, _css = bundle("machine_widget")
+    _unnamed = 1
 
     column = "wide"
     sample_name = "machine"
@@ -64,10 +65,6 @@ class MachineWidget(RobotWidget[MachineStep]):
     _outline = traitlets.Dict(help="Name of the machine, key of the version, and its machines.").tag(
         sync=True, echo_update=False
     )
-
-    def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
-        """Take the feed as a positional argument."""
-        return super().__new__(cls, **kwargs)
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
         programs = getattr(robot, "programs", None)

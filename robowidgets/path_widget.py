@@ -126,9 +126,7 @@ class PathWidget(RobotWidget[PathPoint]):
     @property
     def pose(self) -> PathPoint | None:
         """The pose on show: the frozen one while paused, else the newest; None before the first."""
-        if self.paused:
-            return self._unpack(self._frozen_frame) if self._frozen_frame else None
-        return self._newest
+        return self._on_show()
 
     @property
     def frozen(self) -> PathPoint | None:

@@ -34,13 +34,10 @@ class ProgramWidget(DrivingWidget):
     """
 
     _esm, _css = bundle("program_widget")
+    _unnamed = 1
     send_interval = 0.1
     """Seconds between two messages, at least: a person reads no faster."""
     column = "narrow"
-
-    def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
-        """Take the feed as a positional argument."""
-        return super().__new__(cls, **kwargs)
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
         programs = getattr(robot, "programs", None)

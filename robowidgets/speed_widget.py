@@ -245,9 +245,7 @@ class SpeedWidget(RobotWidget[Reading]):
         return self._reading.measured
 
     def _on_show(self) -> Reading:
-        if self.paused:
-            return self._unpack(self._frozen_frame) if self._frozen_frame else Reading()
-        return self._reading
+        return super()._on_show() or Reading()
 
     def _pack(self, sample: Reading) -> bytes:
         measured, commanded = sample.measured, sample.commanded

@@ -28,10 +28,7 @@ class StopWidget(DrivingWidget):
     """
 
     _esm, _css = bundle("stop_widget")
-
-    def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
-        """Take the feed as a positional argument."""
-        return super().__new__(cls, **kwargs)
+    _unnamed = 1
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
         watchdog = robot if isinstance(robot, CommandWatchdog) else getattr(robot, "watchdog", None)

@@ -140,12 +140,12 @@ class TouchWidget(RobotWidget[Touch]):
     @property
     def states(self) -> dict[str, TouchState]:
         """State of each sensor on show: frozen ones while paused, else the newest."""
-        return {name: sensor.state for name, sensor in self._on_show().items()}
+        return {name: sensor.state for name, sensor in self._sensors_on_show().items()}
 
     @property
     def touches(self) -> dict[str, int]:
         """The number of touches of each sensor on show; frozen while paused."""
-        return {name: sensor.touches for name, sensor in self._on_show().items()}
+        return {name: sensor.touches for name, sensor in self._sensors_on_show().items()}
 
     @property
     def frozen(self) -> dict[str, TouchState] | None:
@@ -210,7 +210,7 @@ class TouchWidget(RobotWidget[Touch]):
     def _now_ns(self) -> int:
         return time.monotonic_ns() if self._still_ns is None else self._still_ns
 
-    def _on_show(self) -> dict[str, TouchSensor]:
+    def _sensors_on_show(self) -> dict[str, TouchSensor]:
         if self.paused:
             rows = json.loads(self._frozen_frame[FRAME_HEADER.size :]) if self._frozen_frame else []
             known = {name: TouchSensor(TouchState[word.upper()], touches) for name, word, touches, _ in rows}

@@ -59,6 +59,8 @@ class NamedWidget(anywidget.AnyWidget):
     title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
     header = Flag(True, help="Whether title and controls stand above the picture.").tag(sync=True)
 
+    _unnamed = 0
+    """The number of arguments without a name: of some widgets the first is a feed."""
     _keywords: tuple[str, ...] = ()
     """Keywords that are not traits."""
     _meant: ClassVar[Mapping[str, str]] = {}
@@ -69,8 +71,8 @@ class NamedWidget(anywidget.AnyWidget):
 
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
         """Refuse positional arguments before anything is created."""
-        if unnamed:
-            raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {unnamed[0]!r}")
+        for extra in unnamed[cls._unnamed :]:
+            raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {extra!r}")
         return super().__new__(cls, **kwargs)
 
     def __init__(self, **kwargs: Any) -> None:

@@ -196,6 +196,16 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
         """The bytes of a frame after its header."""
         raise NotImplementedError
 
+    def _unpack(self, frame: bytes) -> S:
+        """The sample in a frame, with its header."""
+        raise NotImplementedError
+
+    def _on_show(self) -> S | None:
+        """The sample on show: the frozen one while paused, else the newest; None before the first."""
+        if self.paused:
+            return self._unpack(self._frozen_frame) if self._frozen_frame else None
+        return self._newest
+
     def _newest_sample(self) -> Any:
         """The sample that `wait` returns; None before the first one."""
         return self._newest

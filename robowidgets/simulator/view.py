@@ -62,16 +62,13 @@ class View(NamedWidget):
     """
 
     _esm, _css = bundle("simulator_widget")
+    _unnamed = 1
 
     footer = Flag(True, help="Whether places stand below the picture.").tag(sync=True)
     _frame = bytes_trait(echo_update=False)
     _walls = bytes_trait(echo_update=False)
     _shapes: traitlets.List[Any] = traitlets.List().tag(sync=True, echo_update=False)
     _status = traitlets.Unicode().tag(sync=True, echo_update=False)
-
-    def __new__(cls, _robot: Any, **kwargs: Any) -> Any:
-        """Take the robot as a positional argument."""
-        return super().__new__(cls, **kwargs)
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
         simulated = robot if isinstance(robot, Robot) else getattr(robot, "robot", None)

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from robowidgets._core.robot_widget import RobotWidget
+from robowidgets._core.robot_widget import FRAME_HEADER, RobotWidget
 
 from ..conftest import ROOT
 from .number import Number, to_number
@@ -36,9 +36,7 @@ class NumberWidget(RobotWidget[Number]):
     @property
     def number(self) -> Number | None:
         """The number on show: the frozen one while paused, else the newest; None before the first."""
-        if not self.paused:
-            return self._newest
-        return Number(*_VALUE.unpack(self._frozen_frame[-_VALUE.size :])) if self._frozen_frame else None
+        return self._on_show()
 
     def frame_of(self, sample: Number) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
@@ -46,6 +44,9 @@ class NumberWidget(RobotWidget[Number]):
 
     def _pack(self, sample: Number) -> bytes:
         return _VALUE.pack(sample.value)
+
+    def _unpack(self, frame: bytes) -> Number:
+        return Number(*_VALUE.unpack_from(frame, FRAME_HEADER.size))
 
 
 def build(folder: Path) -> tuple[str, str]:
