@@ -5,7 +5,7 @@ import { isDriving, type Knob, ofKeys, toKnob } from "./knob.ts";
 const KNOB_RADIUS = 19;
 
 /** What a person does to a pad. */
-export interface PadInput {
+interface PadInput {
   onHold(knob: Knob): void;
   onRelease(): void;
 }

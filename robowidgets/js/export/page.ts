@@ -27,7 +27,7 @@ interface PageFacts {
 /** Milliseconds for which a page waits for a script of a widget. */
 const PATIENCE_MS = 10_000;
 
-export type Widgets = Record<string, () => Script>;
+type Widgets = Record<string, () => Script>;
 
 /** Builds the page from its parts. */
 export async function start(widgets: Widgets): Promise<void> {

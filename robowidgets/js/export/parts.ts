@@ -1,5 +1,5 @@
 /** What Python has put into a script element of the page: facts, and the bytes after them. */
-export interface Part<F> {
+interface Part<F> {
   facts: F;
   bytes: Uint8Array<ArrayBuffer>;
 }

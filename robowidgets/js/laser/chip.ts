@@ -21,7 +21,7 @@ export interface ChipTexts {
 }
 
 /** What a person asks for on the chip. */
-export interface ChipActions {
+interface ChipActions {
   toCode(form: Form): string;
   say(words: string[]): void;
   /** Returns what is wrong with the name, or "". */

@@ -59,7 +59,7 @@ distance(msg)
 }
 
 /** An angle in radians as "20deg", where at most four decimals of degrees are exactly that angle; else "". */
-export function toAngleText(radians: number): string {
+function toAngleText(radians: number): string {
   const text = toDecimals(inDegrees(radians), 4);
   return Number(text) * DEGREE === radians ? `${text}deg` : "";
 }

@@ -1,9 +1,8 @@
 import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
 import { READING, type Scan } from "../shared/frames/scan.ts";
-import type { Theme } from "../shared/theme.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
 import { VIRIDIS } from "../shared/viridis.ts";
-import { arcFont } from "./draw_area.ts";
 
 export type Domain = [number, number];
 
@@ -44,7 +43,7 @@ export function drawColorScale(
   const [bar, thick, right, top] = [110, 8, width - 12, height - SCALE_HEIGHT + 6];
   const [low, high] = domain.map((value) => toFixed(value, Number.isInteger(value) ? 0 : 2)) as [string, string];
   const say = (text: string, x: number) =>
-    write(context, text, x, top + thick / 2, theme.muted, arcFont(theme), "right");
+    write(context, text, x, top + thick / 2, theme.muted, textFont(theme), "right");
   say(high, right);
   const barRight = right - context.measureText(high).width - 6;
   for (let x = 0; x < bar; x++) {

@@ -123,10 +123,6 @@ export function indexFont(theme: Theme): string {
   return `11px ${theme.mono}`;
 }
 
-export function arcFont(theme: Theme): string {
-  return `11px ${theme.font}`;
-}
-
 /** The robot at the scanner's place, its nose in the robot's forward. */
 export function drawRobot(context: CanvasRenderingContext2D, projection: Projection, theme: Theme): void {
   context.save();

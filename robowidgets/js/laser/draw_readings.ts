@@ -12,8 +12,7 @@ import {
   type Validity,
 } from "../shared/frames/scan.ts";
 import type { Occupancy } from "../shared/occupancy.ts";
-import type { Theme } from "../shared/theme.ts";
-import { arcFont } from "./draw_area.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
 import type { ArcLabel } from "./guides.ts";
 import { type Projection, toDirection } from "./projection.ts";
 
@@ -29,7 +28,7 @@ const INNER_LANE = 17;
 const MARK_SPACING = 7;
 const BEYOND = 5;
 
-export interface ReadingStyle {
+interface ReadingStyle {
   theme: Theme;
   /** The classes whose marks are drawn. */
   marks: ReadonlySet<Validity>;
@@ -150,7 +149,7 @@ export function drawBeyond(
   { box, labels }: { box: Box; labels: Box[] },
   theme: Theme,
 ): void {
-  context.font = arcFont(theme);
+  context.font = textFont(theme);
   const [width, height] = [context.measureText(words).width + 14, 14];
   const [left, right] = [box.x + 10, box.x + box.width - 10 - width];
   const [top, bottom] = [box.y + 8, box.y + box.height - 8 - height];
@@ -159,13 +158,13 @@ export function drawBeyond(
   if (!free) return;
   const { x, y } = free;
   drawMark(context, BEYOND, x + 3, y + height / 2, 0, -1, theme);
-  write(context, words, x + 12, y + height / 2 + 0.5, theme.muted, arcFont(theme), "left");
+  write(context, words, x + 12, y + height / 2 + 0.5, theme.muted, textFont(theme), "left");
 }
 
 /** The distance at each arc, with a halo. */
 export function drawArcLabels(context: CanvasRenderingContext2D, labels: ArcLabel[], theme: Theme): void {
   for (const { distance, box } of labels) {
     const [x, y] = [box.x + box.width / 2, box.y + box.height / 2 + 0.5];
-    write(context, toShortMetres(distance), x, y, theme.muted, arcFont(theme), "center", theme.area);
+    write(context, toShortMetres(distance), x, y, theme.muted, textFont(theme), "center", theme.area);
   }
 }

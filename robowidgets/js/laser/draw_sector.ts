@@ -1,6 +1,6 @@
 import { type Box, overlaps, type Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
-import type { Theme } from "../shared/theme.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
 import type { Stage } from "./layer.ts";
 import { type Projection, toDirection } from "./projection.ts";
 import { LIMITS, type Sector, type State, sweepOf } from "./sector.ts";
@@ -143,7 +143,7 @@ const HALO = 4;
 
 /** Fonts of the lines of a label: the name, then what is said of it. */
 function fontOf(line: number, theme: Theme): string {
-  return line ? `11px ${theme.font}` : `650 12px ${theme.font}`;
+  return line ? textFont(theme) : `650 12px ${theme.font}`;
 }
 
 /** Where the name of a sector stands. */

@@ -2,7 +2,7 @@ import { toFixed } from "../shared/format.ts";
 import { angleOf, type Sweep } from "../shared/frames/scan.ts";
 
 /** The angle of a ray as a student would work it out, line by line: names, numbers, result. */
-export interface Formula {
+interface Formula {
   names: string;
   numbers: string;
   radians: string;

@@ -4,7 +4,7 @@ import { watchWheel } from "../shared/wheel.ts";
 import type { Drag, Layer } from "./layer.ts";
 
 /** What the wheel and the keys + and - do, if no layer takes the key. */
-export interface Zoom {
+interface Zoom {
   onZoom(direction: -1 | 1): void;
   /** Whether it can zoom further; if not, the wheel scrolls the page. */
   canZoom(direction: -1 | 1): boolean;

@@ -1,7 +1,7 @@
 import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
-import type { Theme } from "../shared/theme.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
 import { difference, distanceOf, largest, matchRays } from "./difference.ts";
 import type { Ghost } from "./ghost.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
@@ -132,7 +132,7 @@ function drawWords(
     for (const y of [top, bottom]) context.fillRect(x - 3.5, y - 0.75, 7, 1.5);
   }
   const most = largestWords(differences);
-  const font = `11px ${theme.font}`;
+  const font = textFont(theme);
   context.font = font;
   const parts: [string, string][][] = [
     [

@@ -2,8 +2,8 @@ import { type Box, overlaps } from "../shared/box.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { angleOf, type Sweep } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
-import type { Theme } from "../shared/theme.ts";
-import { angleFont, arcFont, drawArea, drawGuides, drawRayLabels, drawRobot, indexFont } from "./draw_area.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
+import { angleFont, drawArea, drawGuides, drawRayLabels, drawRobot, indexFont } from "./draw_area.ts";
 import { drawArcLabels } from "./draw_readings.ts";
 import { type ArcLabel, arcDistances, arcLabels, type RayLabel, rayIndices, rayLabels, thinLabels } from "./guides.ts";
 import type { Depth, Layer, Painter, Stage } from "./layer.ts";
@@ -53,7 +53,7 @@ export class GuideLayer implements Layer {
     const { count, minRange, maxRange } = sweep;
     this.#arcs = arcDistances(this.#model.get("arc_distances"), this.#model.get("arc_count"), projection.viewRange)
       .filter((distance) => count && distance > minRange && distance <= maxRange * (1 + 1e-6))
-      .map((distance) => ({ distance, width: this.#widthOf(toShortMetres(distance), arcFont(theme)) + 6 }));
+      .map((distance) => ({ distance, width: this.#widthOf(toShortMetres(distance), textFont(theme)) + 6 }));
     // Before the first scan nobody knows what there is to number.
     const isFree = (label: RayLabel) => !covered.some((other) => overlaps(rimBox(projection, label), other));
     const kept = scan ? thinLabels(projection, this.#rayLabels).filter(isFree) : [];

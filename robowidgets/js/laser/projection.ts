@@ -2,7 +2,7 @@ import type { Box, Point } from "../shared/box.ts";
 import { angleFrom, type Sweep, spanOf } from "../shared/frames/scan.ts";
 
 /** Where the scanner stands in the picture. */
-export interface Center {
+interface Center {
   centerX: number;
   centerY: number;
   /** Pixels from the scanner to the edge of the view. */

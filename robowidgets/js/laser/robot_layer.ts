@@ -4,7 +4,7 @@ import { toFixed } from "../shared/format.ts";
 import { decodeSpeeds, type Speeds } from "../shared/frames/speeds.ts";
 import { decodeTouch, type Touch, type TouchState } from "../shared/frames/touch.ts";
 import { onChange } from "../shared/model.ts";
-import type { Theme } from "../shared/theme.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
 import { Companion } from "./companion.ts";
 import { drawRobot } from "./draw_area.ts";
 import { asSeen, atLeast, type Footprint, outlineOf, partOf, wayOf } from "./footprint.ts";
@@ -101,7 +101,7 @@ export class RobotLayer implements Layer {
     const [vx = NaN, vy = 0] = this.#measured ?? [];
     if (!robot || Number.isNaN(vx)) return;
     const text = `${toFixed(Math.hypot(vx, vy || 0), 2)} m/s`;
-    const font = `11px ${theme.font}`;
+    const font = textFont(theme);
     context.font = font;
     const width = context.measureText(text).width + 6;
     const outline = outlineOf(robot).map((place) => pixelOf(stage, robot, place, OUTSIDE));

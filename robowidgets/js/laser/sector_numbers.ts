@@ -6,7 +6,7 @@ import type { Named } from "./sector_store.ts";
 const MOST = 50;
 
 /** The rays of a sector, and what they measured. */
-export interface Looked {
+interface Looked {
   stretches: Stretch[];
   measured: Measured;
 }

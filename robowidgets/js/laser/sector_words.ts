@@ -5,7 +5,7 @@ import { type Measured, parseRays, type Sector, type State, type Stretch, sector
 import type { Named } from "./sector_store.ts";
 
 /** Metres to the nearest thing, or what there is in place of a number. */
-export function toDistance({ distance }: Measured, reach: number): string {
+function toDistance({ distance }: Measured, reach: number): string {
   if (distance === Infinity) return "nothing";
   return Number.isNaN(distance) ? "unknown" : distance === 0 ? "too close" : toMetres(distance, reach);
 }

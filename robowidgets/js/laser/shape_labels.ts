@@ -5,7 +5,7 @@ import type { Shape } from "../shared/traits.ts";
 import type { Stage } from "./layer.ts";
 
 /** The words of a shape, and points of the picture along it. */
-export interface ShapeLabel {
+interface ShapeLabel {
   shape: Shape;
   path: Point[];
   /** The name, and below it the numbers, if there are any. */

@@ -8,11 +8,10 @@ const CLEAR = 44;
 /** Pixels between two texts, one above the other. */
 const ROW = 16;
 /** A strip narrower than this is lower. Pixels. */
-export const NARROW = 460;
-export const HEIGHT = { wide: 150, narrow: 90 };
+const NARROW = 460;
 
 /** The plot of an index strip: rays in the order of the array from left to right, metres from the bottom up. */
-export interface StripAxes {
+interface StripAxes {
   box: Box;
   count: number;
   viewRange: number;

@@ -40,7 +40,7 @@ export interface Placed {
 }
 
 /** What the places depend on. */
-export interface Setting {
+interface Setting {
   /** Width of a text in the picture. */
   measure(text: string): number;
   /** Width beyond which machines stand below each other, not side by side. */

@@ -7,7 +7,7 @@ const SVG = "http://www.w3.org/2000/svg";
 const HEAD = 5;
 
 /** What can be seen of a machine beside its places. */
-export interface Shown {
+interface Shown {
   step: Step;
   fired: Fired[];
   /** Whether it is the program that drives, or will go on to drive. */

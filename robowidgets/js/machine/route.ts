@@ -6,7 +6,7 @@ interface Point {
 }
 
 /** An arrow between two boxes, with the places that dagre left free for it, one in each row that it passes. */
-export interface Edge {
+interface Edge {
   source: string;
   target: string;
   via: Point[];

@@ -68,7 +68,7 @@ export function isTaken(machine: MachineOutline, move: MoveOutline, fired: Fired
 }
 
 /** The words of a move, as Python says why it was made. */
-export function whyOf({ event, after }: MoveOutline): string {
+function whyOf({ event, after }: MoveOutline): string {
   if (event !== null) return `on ${event}`;
   return after !== null ? `after ${after}` : "at once";
 }

@@ -3,7 +3,7 @@ import { isPlain, on as listen } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
 
 /** What a person can do to the picture. */
-export interface Gestures {
+interface Gestures {
   onHover(point: Point | null): void;
   /** What may become a click. */
   onPress(point: Point): void;

@@ -8,7 +8,7 @@ import type { Pixel } from "./traits.ts";
 const BIN = 4;
 
 /** Codes of a picture, line after line from the top: what each pixel shows. */
-export interface Raster {
+interface Raster {
   width: number;
   height: number;
   codes: Uint16Array;

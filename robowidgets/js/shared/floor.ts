@@ -1,7 +1,7 @@
 import type { Box } from "./box.ts";
 import { type Size, write } from "./canvas.ts";
 import { toShortMetres } from "./format.ts";
-import type { Theme } from "./theme.ts";
+import { type Theme, textFont } from "./theme.ts";
 import { ticks } from "./ticks.ts";
 
 type Context = CanvasRenderingContext2D;
@@ -91,7 +91,7 @@ export function drawFloor(context: Context, projection: Projection, theme: Theme
   for (const x of [west, east]) line(context, { x, y: y - 3 }, { x, y: y + 3 });
   line(context, { x: west, y }, { x: east, y });
   stroke(context, theme.muted, 1);
-  write(context, toShortMetres(length), west - 6, y, theme.muted, `11px ${theme.font}`, "right");
+  write(context, toShortMetres(length), west - 6, y, theme.muted, textFont(theme), "right");
 }
 
 /** A robot as a disc with its nose inside, at a place in pixels. */

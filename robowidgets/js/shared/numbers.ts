@@ -3,7 +3,7 @@ import type { Point, TimeLine } from "./time_lines.ts";
 import type { About } from "./traits.ts";
 
 /** What is said of a sample, and when it arrived, in milliseconds. */
-export interface Said {
+interface Said {
   about: About;
   at: number;
 }

@@ -79,6 +79,7 @@ export function watchTheme(callback: () => void, signal: AbortSignal): void {
   for (const query of [prefersDark(), forcesColors()]) on(query, "change", callback, signal);
 }
 
-export function textFont(theme: Theme, size = 11): string {
-  return `${size}px ${theme.font}`;
+/** The font of small texts in a picture. */
+export function textFont(theme: Theme): string {
+  return `11px ${theme.font}`;
 }

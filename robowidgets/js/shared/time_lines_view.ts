@@ -2,7 +2,7 @@ import { Layer, type Surface, watchSize, write } from "./canvas.ts";
 import { make } from "./dom.ts";
 import { on } from "./events.ts";
 import { toFixed } from "./format.ts";
-import type { Theme } from "./theme.ts";
+import { type Theme, textFont } from "./theme.ts";
 import { type Point, pointAt, type TimeLine, toRuns } from "./time_lines.ts";
 
 const ROW = 44;
@@ -42,7 +42,7 @@ export class TimeLinesView {
     const size = { ...this.#size, ratio: ratio ?? this.#size.ratio };
     if (!size.width) return;
     const context = this.#layer.begin(size);
-    context.font = `11px ${theme.font}`;
+    context.font = textFont(theme);
     const left = Math.max(NAMES, ...lines.map(({ label }) => context.measureText(label).width + 16));
     const width = Math.max(1, size.width - left - NUMBERS);
     const toX = (at: number) => left + width * (1 + at / (1000 * seconds));
@@ -52,7 +52,7 @@ export class TimeLinesView {
       drawRow(context, line, { top: row * ROW + 4, height: ROW - 8, left, width }, toX, pointed, theme);
     }
     const y = lines.length * ROW + FOOT / 2 - 1;
-    const font = `11px ${theme.font}`;
+    const font = textFont(theme);
     write(context, `\u2212${toFixed(seconds, 0)} s`, left, y, theme.muted, font, "left");
     write(context, end, left + width, y, theme.muted, font, "right");
     if (pointed === null) return;
@@ -80,7 +80,7 @@ function drawRow(
   theme: Theme,
 ): void {
   const toY = (value: number) => top + height * (1 - Math.min(1, Math.max(0, (value - low) / (high - low))));
-  const font = `11px ${theme.font}`;
+  const font = textFont(theme);
   context.fillStyle = theme.area;
   context.fillRect(left, top, width, height);
   write(context, label, left - 8, top + height / 2, theme.muted, font, "right");

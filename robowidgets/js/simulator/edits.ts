@@ -4,7 +4,7 @@ import { type Scene, type Thing, withThing } from "./scene.ts";
 import type { SimulatorTraits } from "./traits.ts";
 
 /** What the page asks of Python. */
-export type Edit =
+type Edit =
   | { act: "robot"; x: number; y: number; yaw: number }
   | { act: "put"; x: number; y: number }
   | { act: "move"; index: number; x: number; y: number }

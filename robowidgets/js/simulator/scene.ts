@@ -2,7 +2,7 @@ import { copyOf, Reader, toBytes } from "../shared/bytes.ts";
 import { type Bounds, type Place, type Pose, type Projection, toPixel } from "../shared/floor.ts";
 import type { Metres } from "../shared/shapes/places.ts";
 
-export interface Disc extends Place {
+interface Disc extends Place {
   radius: number;
 }
 

@@ -30,7 +30,7 @@ export interface GroupFacts {
   hidden: AxisFacts[];
 }
 
-export interface Settings {
+interface Settings {
   limits: LimitSettings;
   planar: boolean;
   marksPeaks: boolean;

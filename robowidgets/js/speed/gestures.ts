@@ -1,7 +1,7 @@
 import { isPlain, on } from "../shared/events.ts";
 
 /** What a person can do to the bars. */
-export interface Gestures {
+interface Gestures {
   onHover(axis: number | null): void;
   onPick(axis: number | null): void;
   /** Walks to another axis: "next", "previous", "first", "last" or "none". */

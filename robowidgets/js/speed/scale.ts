@@ -8,7 +8,7 @@ export interface Scale {
 }
 
 /** A number beside the tracks, at a height from 0 (the lower end) to 1. */
-export interface Label {
+interface Label {
   value: number;
   height: number;
   /** A round number between zero and the limits, hidden in a narrow card. */

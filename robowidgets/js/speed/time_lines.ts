@@ -5,7 +5,7 @@ import { judge } from "./limits.ts";
 import type { Limits } from "./traits.ts";
 
 /** A sample with the time of its arrival in milliseconds. */
-export interface Timed {
+interface Timed {
   at: number;
   frame: Pick<Speeds, "measured" | "commanded">;
 }

@@ -75,7 +75,7 @@ export function classify(range: number, minRange: number, maxRange: number): Val
 
 type Counts = [number, number, number, number, number];
 
-export interface Census {
+interface Census {
   /** How many rays there are of each class. */
   counts: Counts;
   /** Index of the ray with the nearest obstacle, or -1. "Too close to measure" is nearer than any reading. */

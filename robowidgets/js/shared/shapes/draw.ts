@@ -17,7 +17,7 @@ const STEP = 4;
 const MOST_PIECES = 2000;
 
 /** Where a place is in the picture. */
-export type ToPoint = (place: Metres) => Point;
+type ToPoint = (place: Metres) => Point;
 
 /** Draws a shape without its words, which stand in the picture as a text does. */
 export function drawShape(
