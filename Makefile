@@ -71,13 +71,13 @@ test-newest: setup build
 
 test-ros1: setup build
 	scripts/ros1.sh
-	$(PYTEST) tests/ros1
+	$(PYTEST) --numprocesses 3 tests/ros1
 
 test-notebooks: setup build
-	$(PYTEST) --numprocesses 2 tests/test_notebooks.py
+	$(PYTEST) --numprocesses 4 tests/test_notebooks.py
 
 test-docs: setup build
-	$(PYTEST) --numprocesses 2 tests/test_docs.py tests/test_odd_scans.py
+	$(PYTEST) --numprocesses 3 tests/test_docs.py tests/test_odd_scans.py
 
 test-wheel: setup
 	$(PYTEST) tests/test_wheel.py

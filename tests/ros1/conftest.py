@@ -19,7 +19,7 @@ PUBLISHER = Path(__file__).with_name("publisher.py")
 
 
 class Master:
-    """The one rosmaster of a run: a process has one rospy node, and that has one master."""
+    """The one rosmaster of a process, which has one rospy node, and that one master."""
 
     def __init__(self) -> None:
         with socket.socket() as free:
