@@ -7,12 +7,11 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from functools import wraps
-from types import ModuleType, TracebackType
+from types import TracebackType
 from typing import Any
 
-from .base_widget import nearest_name
 from .error_routing import ipython_shell
-from .user_function import hint_of
+from .user_function import say_what_was_meant
 
 _OURS = __name__.partition(".")[0]
 _CHECKS = {_OURS, "anywidget", "ipywidgets", "traitlets"}
@@ -38,10 +37,8 @@ def shorten_tracebacks() -> None:
     def shortened(
         kind: type[BaseException], error: BaseException, traceback: TracebackType | None, *args: Any, **options: Any
     ) -> Any:
-        if hint := hint_of(error):
-            vars(error).setdefault("__notes__", [hint])  # `add_note` came with Python 3.11
         with _shortened_causes(error):
-            _say_what_was_meant(error)
+            say_what_was_meant(error)
             return whole(kind, error, _of_the_user(traceback), *args, **options)
 
     shell.InteractiveTB.structured_traceback = shortened
@@ -55,22 +52,8 @@ def _shortened_causes(error: BaseException) -> Iterator[None]:
             error = error.__cause__
             stack.callback(error.with_traceback, error.__traceback__)
             error.with_traceback(_of_the_user(error.__traceback__))
-            _say_what_was_meant(error)
+            say_what_was_meant(error)
         yield
-
-
-def _say_what_was_meant(error: BaseException) -> None:
-    """Complete Python's own text on an attribute that an object or a module of ours does not have."""
-    if not isinstance(error, AttributeError) or not str(error).endswith(f"has no attribute {error.name!r}"):
-        return
-    of, name = error.obj, str(error.name)
-    modules = [of.__name__] if isinstance(of, ModuleType) else [part.__module__ for part in type(of).__mro__]
-    if _OURS not in (module.partition(".")[0] for module in modules):
-        return
-    meant = {**getattr(of, "_meant", {}), **getattr(of, "_instead", {})}
-    near = meant.get(name) or nearest_name(name, (known for known in dir(of) if not known.startswith("_")))
-    if near:
-        error.args = (f"{error}; did you mean {near!r}?",)
 
 
 def _of_the_user(traceback: TracebackType | None) -> TracebackType | None:

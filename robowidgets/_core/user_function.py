@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import linecache
 import sys
 import traceback
@@ -10,6 +9,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import FrameType, ModuleType
 from typing import Any
+
+from .base_widget import nearest_name
 
 _PACKAGE = str(Path(__file__).parents[1])
 _OURS = __name__.partition(".")[0]
@@ -44,17 +45,19 @@ def error_in(error: BaseException) -> str:
     frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
     own = next((file for file, _ in frames if not file.startswith(_PACKAGE)), None)
     line = next((f"line {line}: " for file, line in reversed(frames) if file == own), "")
-    hint = hint_of(error)
-    return f"{line}{type(error).__name__}: {error}" + (f"; {hint}" if hint else "")
+    say_what_was_meant(error)
+    return f"{line}{type(error).__name__}: {error}"
 
 
-def hint_of(error: BaseException) -> str:
-    """``did you mean 'distance'?`` for a misspelt attribute of an object or a module of ours; else empty."""
-    if not isinstance(error, AttributeError) or not error.name or "did you mean" in str(error):
-        return ""
-    owner = error.obj
-    module = owner.__name__ if isinstance(owner, ModuleType) else type(owner).__module__
-    if module.partition(".")[0] != _OURS:
-        return ""
-    near = difflib.get_close_matches(error.name, [name for name in dir(owner) if not name.startswith("_")], n=1)
-    return f"did you mean {near[0]!r}?" if near else ""
+def say_what_was_meant(error: BaseException) -> None:
+    """Complete Python's own text on an attribute that an object or a module of ours does not have."""
+    if not isinstance(error, AttributeError) or not str(error).endswith(f"has no attribute {error.name!r}"):
+        return
+    of, name = error.obj, str(error.name)
+    modules = [of.__name__] if isinstance(of, ModuleType) else [part.__module__ for part in type(of).__mro__]
+    if _OURS not in (module.partition(".")[0] for module in modules):
+        return
+    meant = {**getattr(of, "_meant", {}), **getattr(of, "_instead", {})}
+    near = meant.get(name) or nearest_name(name, (known for known in dir(of) if not known.startswith("_")))
+    if near:
+        error.args = (f"{error}; did you mean {near!r}?",)
