@@ -25,13 +25,14 @@ def sweep(degrees, rays):
     return laser
 """
 OVERLAP = """(popup) => {
-    const box = (name) => popup.querySelector(name).getBoundingClientRect();
-    const names = [".rw-popup-expression", ".rw-popup-side", ".rw-popup-distance", ".rw-popup-angle"];
-    const boxes = names.map(box);
+    const names = ["expression", "side", "distance", "angle", "foot .rw-unfold", "foot .rw-angle-unit"];
+    const words = names.map((name) => popup.querySelector(`.rw-popup-${name}`));
+    const boxes = words.map((word) => word.getBoundingClientRect());
     const outer = popup.getBoundingClientRect();
     const cut = boxes.filter(({ left, right, top, bottom }) =>
         left < outer.left || right > outer.right || top < outer.top || bottom > outer.bottom);
-    return cut.length || boxes.some((a, i) => boxes.slice(i + 1).some((b) =>
+    const isSpilt = words.some(({ scrollWidth, clientWidth }) => clientWidth && scrollWidth > clientWidth);
+    return cut.length || isSpilt || boxes.some((a, i) => boxes.slice(i + 1).some((b) =>
         a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom));
 }"""
 """Whether words of a pop-up lie on one another, or outside of it."""

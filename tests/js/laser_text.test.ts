@@ -54,6 +54,12 @@ test("a reading in a picture of millimetres has their decimals", () => {
   assert.deepEqual([distance, details], ["0.0030 m", "x\u00A00.0030  y\u00A00.0000"]);
 });
 
+test("a reading from 1 km on is told in kilometres, its place too", () => {
+  const far = { ...scanOf([3000], { angleMin: 30 * DEGREE }), maxRange: 5000, kinds: [0] };
+  const { distance, details } = describeRay(far as never, 0, 5000);
+  assert.deepEqual([distance, details], ["3.000 km", "x\u00A02.598 km  y\u00A01.500 km"]);
+});
+
 test("a ray without a reading is told with what its value means", () => {
   const told = [1, 2, 3, 4].map((index) => describeRay(scan, index));
   assert.deepEqual(

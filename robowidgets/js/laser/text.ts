@@ -26,7 +26,8 @@ export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUni
   const parts = [meaningOf(scan, index)];
   const isReading = parts[0] === "";
   if (isReading) {
-    const [x, y] = [Math.cos(angle), Math.sin(angle)].map((part) => toFixed(range * part, decimalsFor(reach)));
+    const metres = (value: number) => (range < 1000 ? toFixed(value, decimalsFor(reach)) : toMetres(value, reach));
+    const [x, y] = [Math.cos(angle), Math.sin(angle)].map((part) => metres(range * part));
     // Each number stays with its letter where the pop-up is narrow.
     parts[0] = `x\u00A0${x}  y\u00A0${y}`;
   }
