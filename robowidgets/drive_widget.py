@@ -75,6 +75,7 @@ class DriveWidget(DrivingWidget):
 
     _esm, _css = bundle("drive_widget")
     _keywords = ("send",)
+    _usual = "send=feed.drive"
 
     linear_limit = _Limit(0.5, "m/s", help="At the edge of the pad, m/s.").tag(sync=True)
     angular_limit = _Limit(1.0, "rad/s", help="At the edge of the pad, rad/s.").tag(sync=True)

@@ -63,6 +63,8 @@ class NamedWidget(anywidget.AnyWidget):
     """The number of arguments without a name: of some widgets the first is a feed."""
     _keywords: tuple[str, ...] = ()
     """Keywords that are not traits."""
+    _usual = "title='/topic'"
+    """A keyword as people give it."""
     _meant: ClassVar[Mapping[str, str]] = {}
     """What people call a keyword, or another thing of a widget, and its name."""
     _instead: ClassVar[Mapping[str, str]] = {"show": "display(widget)"}
@@ -72,7 +74,7 @@ class NamedWidget(anywidget.AnyWidget):
     def __new__(cls, *unnamed: Any, **kwargs: Any) -> Any:
         """Refuse positional arguments before anything is created."""
         for extra in unnamed[cls._unnamed :]:
-            raise TypeError(f"{cls.__name__}() takes keywords only, like title='/topic'; got {extra!r}")
+            raise TypeError(f"{cls.__name__}() takes keywords only, like {cls._usual}; got {reprlib.repr(extra)}")
         return super().__new__(cls, **kwargs)
 
     def __init__(self, **kwargs: Any) -> None:

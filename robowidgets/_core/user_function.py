@@ -50,11 +50,12 @@ def error_in(error: BaseException) -> str:
 
 
 def say_what_was_meant(error: BaseException) -> None:
-    """Complete Python's own text on an attribute that an object or a module of ours does not have."""
+    """Complete Python's own text on an attribute that an object, a class or a module of ours does not have."""
     if not isinstance(error, AttributeError) or not str(error).endswith(f"has no attribute {error.name!r}"):
         return
     of, name = error.obj, str(error.name)
-    modules = [of.__name__] if isinstance(of, ModuleType) else [part.__module__ for part in type(of).__mro__]
+    kind = of if isinstance(of, type) else type(of)
+    modules = [of.__name__] if isinstance(of, ModuleType) else [part.__module__ for part in kind.__mro__]
     if _OURS not in (module.partition(".")[0] for module in modules):
         return
     meant = {**getattr(of, "_meant", {}), **getattr(of, "_instead", {})}
