@@ -45,12 +45,12 @@ def unwrap(message: Any) -> Any:
     return sample if isinstance(sample, HasAge) else message
 
 
-def stamp_ns(message: Any, path: str = "header.stamp") -> int | None:
-    """Nanoseconds of a stamp; None when there is none, it was never set (0), or no clock can say it.
+def stamp_ns(message: Any) -> int | None:
+    """Nanoseconds of the stamp of a message; None when there is none, it was never set (0), or no clock can say it.
 
     rospy says ``secs`` and ``nsecs``, ROS 2 and rosbags ``sec`` and ``nanosec``.
     """
-    stamp = get(message, path, None)
+    stamp = get(message, "header.stamp", None)
     if stamp is None:
         return None
     seconds = get(stamp, "sec", get(stamp, "secs", 0))
