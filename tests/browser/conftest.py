@@ -3,7 +3,8 @@
 Fixtures:
     plain_page: `nb = plain_page([source, ...])` runs these cells in this process and puts what they display into a page
         of its own: the real widget, the real front end, and no Jupyter. It gives a `PlainPage` (plain_page.py), which
-        has the cells, what is on show and `python` of a `Notebook`, in a tenth of the time, and takes its keywords.
+        has the cells, what is on show and `python` of a `Notebook`, in a tenth of the time, and takes its keywords. In
+        `with nb.busy():` an endless cell runs.
     notebook: `nb = notebook([source, ...])` writes a notebook with these code cells, opens it in a page of its own,
         runs it and gives a `Notebook`; keywords: `run=False`, `scale=2` (device pixels per CSS pixel), `width` and
         `height` of the window, `theme="dark"`, `touch=True` (a touch screen). A test may open several.
@@ -142,6 +143,8 @@ def take_page(
             console = Console(page)
         pages.append((page, console))
         taken.append((screen, page, console))
+        # On a page behind another, each turn of the wheel takes Chromium seconds.
+        page.bring_to_front()
         page.set_viewport_size({"width": width, "height": height})
         return page, console
 

@@ -1,7 +1,7 @@
 """Widgets on a page without Jupyter: Python's own widget, its own front end, and only the way between them of ours.
 
 What needs no kernel is tested here in a tenth of the time that JupyterLab takes. Cells run in this process. As with a
-kernel, what a page sends is handled in its order, by a thread of its own, but while a cell runs.
+kernel, what a page sends is handled in its order, by a thread of its own, but while a cell runs: see `busy`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ import queue
 import struct
 import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Literal
 
@@ -107,6 +108,7 @@ class PlainPage:
         self._socket: _Socket | None = None
         self._arrived: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
         self._kernel = threading.RLock()
+        self._is_busy = False
         self._namespace: dict[str, Any] = {"__name__": "__main__"}
         self._thread = threading.Thread(target=self._handle, daemon=True)
         self._create_comm = comm.create_comm
@@ -174,6 +176,33 @@ class PlainPage:
         self._settle()
         return text
 
+    @contextlib.contextmanager
+    def busy(self, code: str = "pass") -> Iterator[None]:
+        """While an endless cell runs, which repeats this code: what the page sends waits for its end.
+
+        Raises:
+            Exception: the code raised it.
+        """
+        started, ended = threading.Event(), threading.Event()
+        compiled = compile(code, "<busy cell>", "exec")
+
+        def run() -> None:
+            with self._kernel:
+                started.set()
+                while not ended.wait(0.001):
+                    exec(compiled, self._namespace)
+
+        with ThreadPoolExecutor(1) as cell:
+            running = cell.submit(run)
+            started.wait()
+            self._is_busy = True
+            try:
+                yield
+            finally:
+                self._is_busy = False
+                ended.set()
+            running.result()
+
     # What is on show
 
     def output(self, index: int) -> Locator:
@@ -197,6 +226,7 @@ class PlainPage:
     # The way between
 
     def _settle(self) -> None:
+        assert not self._is_busy, "the cell that runs would have to end first"
         pacer.flush()
         self.page.evaluate("() => host.settle()")
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Literal
 
-import pytest
 from playwright.sync_api import Locator, expect
 
 from ..unit.waiting import wait_for
@@ -91,8 +89,7 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
     expect(rows.nth(1)).to_contain_text("forward \u2192 avoid")
     expect(rows.nth(1).locator(".rw-fired-words")).to_have_text(re.compile(r"near\d+\.\d\d < 100\.00 m\[\d+\]"))
 
-    # As in a busy kernel, nothing that the page sends is handled meanwhile.
-    with nb._kernel:
+    with nb.busy():
         rows.nth(1).click()
         for card in (laser, widget):
             expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
@@ -118,7 +115,7 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
     # A moment ago, in the band of states: turn has been active since.
     band = widget.locator(".rw-states")
     expect(widget.locator(".rw-machine-band-foot")).to_have_text("\u221230 snow")
-    with nb._kernel:
+    with nb.busy():
         box = band.bounding_box()
         assert box
         place = {"x": box["width"] - 3, "y": box["height"] - 4}
@@ -142,11 +139,10 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
     expect(widget.locator("[data-active=leaf]")).to_have_count(0)
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
 def test_a_machine_fits_a_narrow_page_and_rings_step_by_tenths_where_motion_is_reduced(
-    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]
+    plain_page: Callable[..., PlainPage],
 ) -> None:
-    nb = plain_page([OPEN, TURN], width=400, scale=2, theme=theme)
+    nb = plain_page([OPEN, TURN], width=400, scale=2)
     widget = nb.widget(0, 2)
     nb.page.emulate_media(reduced_motion="reduce")
     expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
@@ -154,7 +150,9 @@ def test_a_machine_fits_a_narrow_page_and_rings_step_by_tenths_where_motion_is_r
     wait_for(lambda: ring.evaluate("ring => ring.style.getPropertyValue('--rw-left')") == "1", "the ring is full")
     expect(state(widget, "turn").locator(".rw-machine-state-left")).not_to_have_text("60.0 s")
     assert widget.locator(".rw-picture").evaluate("picture => picture.scrollWidth <= picture.clientWidth")
-    shoot(widget, f"machine-narrow-{theme}")
+    for theme in ("light", "dark"):
+        nb.theme(theme)
+        shoot(widget, f"machine-narrow-{theme}")
 
     nb.python("machine.layout.height = '300px'")
     card = widget.locator(".rw-card")

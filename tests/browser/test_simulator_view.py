@@ -140,7 +140,7 @@ def test_a_finger_drags_the_robot_and_scrolls_elsewhere(plain_page: Callable[...
 def test_what_is_moved_stays_there_until_a_busy_kernel_answers(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([OPEN], width=760)
     house, footer = House(nb), nb.widget(0).locator(".rw-footer")
-    with nb._kernel:  # as while a cell runs: messages of the page wait, and frames come
+    with nb.busy():
         house.drag((0, 0), (-1.0, -1.0))
         expect(footer).to_contain_text("x \u22121.00 y \u22121.00 m")
         nb._namespace["robot"].step(0.3)

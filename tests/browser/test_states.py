@@ -5,9 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
 
-import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from ..unit.recordings import program_run
@@ -30,35 +28,35 @@ def at(part: Locator, share: float, above: float = 8) -> dict[str, float]:
     return {"x": share * box["width"], "y": box["height"] - above}
 
 
-@pytest.mark.parametrize(("theme", "width"), [("light", 400), ("dark", 900)])
 def test_states_stand_on_player_and_scanogram_are_named_and_lead_to_their_time(
     plain_page: Callable[..., PlainPage],
     static_page: Callable[[Path], Page],
     tmp_path: Path,
-    theme: Literal["light", "dark"],
-    width: int,
 ) -> None:
     file = program_run.write(tmp_path / "run.mcap")
-    nb = plain_page([SHOW.format(path=str(file))], width=width, scale=2, theme=theme)
+    nb = plain_page([SHOW.format(path=str(file))], scale=2)
     player, scanogram = nb.page.locator(".rw-player"), nb.page.locator(".rw-scanogram")
     band, slider = player.locator(".rw-play-states"), player.locator("input[type=range]")
     expect(slider).to_have_attribute("aria-valuetext", "5.50 of 10.00 seconds, Walker \u203a avoid")
-    shoot(player, f"states-player-{theme}-{width}")
-    shoot(scanogram, f"states-scanogram-{theme}-{width}")
-
-    # While the kernel is busy: all of it happens in the page.
-    with nb._kernel:
-        band.hover(position=at(band, 0.2))
-        expect(band).to_have_attribute("title", "Walker \u203a forward")
-        band.click(position=at(band, 0.8))
-        expect(slider).to_have_attribute(
-            "aria-valuetext", re.compile(r"^(7.9|8.0)\d of 10.00 seconds, Walker \u203a forward$")
-        )
-        picture = scanogram.locator(".rw-picture")
-        picture.hover(position=at(picture, 0.65, above=24 + 8))
-        popup = scanogram.locator(".rw-popup:visible")
-        expect(popup).to_contain_text("Walker \u203a avoid \u203a turn_left")
-        expect(popup).to_contain_text("5.00 \u2013 7.00 s")
+    for theme, width in (("light", 400), ("dark", 900)):
+        nb.theme(theme)
+        nb.resize(width)
+        shoot(player, f"states-player-{theme}-{width}")
+        shoot(scanogram, f"states-scanogram-{theme}-{width}")
+        nb.python("player.seek(5.5)")
+        expect(slider).to_have_attribute("aria-valuetext", "5.50 of 10.00 seconds, Walker \u203a avoid")
+        with nb.busy():
+            band.hover(position=at(band, 0.2))
+            expect(band).to_have_attribute("title", "Walker \u203a forward")
+            band.click(position=at(band, 0.8))
+            expect(slider).to_have_attribute(
+                "aria-valuetext", re.compile(r"^(7.9|8.0)\d of 10.00 seconds, Walker \u203a forward$")
+            )
+            picture = scanogram.locator(".rw-picture")
+            picture.hover(position=at(picture, 0.65, above=24 + 8))
+            popup = scanogram.locator(".rw-popup:visible")
+            expect(popup).to_contain_text("Walker \u203a avoid \u203a turn_left")
+            expect(popup).to_contain_text("5.00 \u2013 7.00 s")
 
     html = tmp_path / "run.html"
     nb.python(f"recording.to_html({str(html)!r}, start=3, end=9)")
@@ -67,5 +65,5 @@ def test_states_stand_on_player_and_scanogram_are_named_and_lead_to_their_time(
     expect(band).to_be_visible()
     band.hover(position=at(band, 0.5))
     expect(band).to_have_attribute("title", "Walker \u203a avoid")
-    shoot(page.locator(".rw-scanogram"), f"states-exported-{theme}-{width}")
+    shoot(page.locator(".rw-scanogram"), "states-exported")
     nb.python("player.close()\nrecording.close()")
