@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Locator, expect
 
 from .chromium import shoot
 from .laser import SETUP
 from .plain_page import PlainPage
-from .test_look import TILT
 
 ROBOT = """
+import robowidgets
 from robowidgets import LaserWidget, conditions
 from robowidgets.simulator import Robot, World, wander
 robot = Robot(World.rooms(), seed=1)
@@ -28,18 +27,28 @@ laser
 """
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
-def test_look(plain_page: Callable[..., PlainPage], data: Path, theme: str, scale: int) -> None:
-    nb = plain_page([ROBOT], scale=scale, theme=theme)
-    card = nb.widget(0).locator(".rw-card")
+def test_it_stands_whole_below_the_picture_of_any_scan(plain_page: Callable[..., PlainPage], data: Path) -> None:
+    nb = plain_page([ROBOT], scale=2)
     nb.python("laser.pinned = 300")
-    for width in (320, 400, 700):
+    card = nb.widget(0).locator(".rw-card")
+    for theme, width in (("light", 320), ("light", 700), ("dark", 400)):
+        nb.theme(theme)
         nb.resize(width)
+        is_whole(card)
         shoot(card, f"index-{theme}-{width}")
     for file in ("hokuyo_people.bag", "turtlebot3_gazebo.bag"):
-        nb = plain_page([TILT.format(path=str(data / "good" / file), index=3), "laser.index_view = True"], theme=theme)
-        nb.resize(700)
-        shoot(nb.widget(0).locator(".rw-card"), f"index-{file.split('.')[0]}-{theme}")
+        nb.python(f"laser.update(next(robowidgets.open({str(data / 'good' / file)!r}).samples('/scan')).sample)")
+        is_whole(card)
+        shoot(card, f"index-{file.split('.')[0]}")
+
+
+def is_whole(card: Locator) -> None:
+    """The index view has the width of the picture, and stands below it."""
+    picture, strip = (card.locator(f".rw-{part}").bounding_box() for part in ("picture", "strip"))
+    assert picture
+    assert strip
+    assert (strip["x"], strip["width"]) == (picture["x"], picture["width"])
+    assert strip["y"] >= picture["y"] + picture["height"]
 
 
 def test_points_at_the_ray_that_the_picture_names(plain_page: Callable[..., PlainPage]) -> None:

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Position, expect
 
 import robowidgets
-from robowidgets.player import _overview
+from robowidgets.player import _overview, _prefetcher
 
 from ..unit.recordings import robot, sweeps
 from ..unit.waiting import wait_for
@@ -21,9 +21,7 @@ from .plain_page import PlainPage
 
 TABLE = "import robowidgets\nrecording = robowidgets.open({path!r})\nrecording"
 SHOW = "player = recording.show()\nplayer"
-SMALL = "from robowidgets.player import _prefetcher\n_prefetcher.KEPT_BYTES = 100_000\n"
-BUSY = "import time\nend = time.time() + 30\nwhile time.time() < end:\n    pass"
-SLEEP = "import time\nfor _ in range(300):\n    time.sleep(0.1)"
+BUSY = "while True:\n    pass"
 
 Open = Callable[..., Any]
 
@@ -52,40 +50,25 @@ def passes(nb: Notebook | PlainPage, seconds: float) -> None:
     )
 
 
-BELOW_TOP = """() => {
-    const panel = document.querySelector('.jp-WindowedPanel-outer');
-    panel.scrollTop = 600;
-    return document.querySelector('.rw-player').getBoundingClientRect().top - panel.getBoundingClientRect().top;
-}"""
-"""Pixels from the top of what the notebook shows, scrolled a way down, to the player."""
-
-
-def test_a_person_moves_the_slider_and_every_widget_follows(notebook: Open, data: Path) -> None:
-    nb = opened(notebook, data / "good" / "neato_fsm")
-    expect(nb.output(0).locator("table tbody tr")).to_have_count(10)
+def test_the_slider_and_python_move_every_widget(plain_page: Open, data: Path) -> None:
+    nb = opened(plain_page, data / "good" / "neato_fsm")
     expect(nb.output(1).locator(".rw-picture")).to_have_count(6)
+    # What the page has not yet comes.
+    nb.python("player.time = next(m.seconds for m in recording.samples('/bump') if any(m.sample.touched.values()))")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("21.96")
     tile = nb.output(1).locator(".rw-tile", has_text="left front")
-    expect(tile).to_contain_text("free")
-    for seconds, word in ((22, "touched"), (20, "free"), (22.5, "touched")):
+    expect(tile).to_contain_text("touched")
+    for seconds, word in ((20, "free"), (22.5, "touched")):
         to_time(nb, seconds)
         expect(tile).to_contain_text(word)
     expect(bar(nb).locator(".rw-play-now")).to_have_text("22.50")
     told = "print(player.time, player.views[-2].widget.states['left front'].name)"
     wait_for(lambda: nb.python(told).strip() == "22.5 TOUCHED", "Python knew")
-    nb.resize(600, 500)
-    wait_for(lambda: 0 <= nb.page.evaluate(BELOW_TOP) < 5, "the bar stays at the top of a narrow page")
 
 
-def test_python_moves_it_and_what_the_page_has_not_yet_comes(plain_page: Open, data: Path) -> None:
-    nb = opened(plain_page, data / "good" / "neato_fsm")
-    nb.python("player.time = next(m.seconds for m in recording.samples('/bump') if any(m.sample.touched.values()))")
-    expect(bar(nb).locator(".rw-play-now")).to_have_text("21.96")
-    expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
-
-
-def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(notebook: Open, data: Path) -> None:
+def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(plain_page: Open, data: Path) -> None:
     nb = opened(
-        notebook, data / "good" / "tilt_laser.bag", "player = recording.show()\nplayer.marks = [(5, 6, 'x')]\nplayer"
+        plain_page, data / "good" / "tilt_laser.bag", "player = recording.show()\nplayer.marks = [(5, 6, 'x')]\nplayer"
     )
     bar(nb).locator("input").focus()
     first = now(nb)
@@ -106,14 +89,10 @@ def test_keys_step_from_scan_to_scan_and_go_from_mark_to_mark(notebook: Open, da
     nb.output(1).locator(".rw-scanogram .rw-picture").focus()
     nb.page.keyboard.press("p")
     expect(bar(nb).locator(".rw-play-now")).to_have_text("5.00")
-    for focused in (".rw-play", ".rw-step >> nth=0", ".rw-play-speed", ".rw-loop", "input"):
-        bar(nb).locator(focused).focus()
-        nb.page.keyboard.press("x")
-    expect(nb.page.locator(".jp-Cell")).to_have_count(2)
 
 
-def test_its_keys_work_on_every_widget_that_has_no_use_for_them(notebook: Open, tmp_path: Path) -> None:
-    nb = opened(notebook, robot.write(tmp_path / "drive"))
+def test_its_keys_work_on_every_widget_that_has_no_use_for_them(plain_page: Open, tmp_path: Path) -> None:
+    nb = opened(plain_page, robot.write(tmp_path / "drive"))
     shown, press = nb.output(1), nb.page.keyboard.press
     time, play, loop = (bar(nb).locator(one) for one in (".rw-play-now", ".rw-play", ".rw-loop"))
     pictures = [shown.locator(f".rw-{kind} .rw-picture") for kind in ("scanogram", "laser", "speed", "touch")]
@@ -133,7 +112,6 @@ def test_its_keys_work_on_every_widget_that_has_no_use_for_them(notebook: Open, 
     for title in ("Stop here (space)", "Play (space)"):
         press(" ")
         expect(play).to_have_attribute("title", title)
-    expect(nb.page.locator(".jp-Cell")).to_have_count(2)
 
 
 def test_a_widget_keeps_the_keys_that_it_uses_itself(plain_page: Open, tmp_path: Path) -> None:
@@ -173,25 +151,25 @@ def test_a_widget_keeps_the_keys_that_it_uses_itself(plain_page: Open, tmp_path:
 def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
     plain_page: Open, data: Path, tmp_path: Path
 ) -> None:
-    path = robot.write(tmp_path / "night", silence=7200)
-    for theme in ("light", "dark"):
-        nb = opened(plain_page, path, theme=theme)
-        clock, moment = (bar(nb).locator(one) for one in (".rw-play-clock", ".rw-play-time"))
-        nb.python("player.seek(recording.seconds_at('2023-11-15T00:13:24.900'))")
-        expect(bar(nb).locator(".rw-play-now")).to_have_text("7204.90")
-        for width, told in ((1000, "2023-11-15 00:13:24 UTC"), (700, "00:13:24 UTC"), (500, "00:13:24 UTC"), (300, "")):
-            nb.resize(width)
+    nb = opened(plain_page, robot.write(tmp_path / "night", silence=7200))
+    clock, moment = (bar(nb).locator(one) for one in (".rw-play-clock", ".rw-play-time"))
+    nb.python("player.seek(recording.seconds_at('2023-11-15T00:13:24.900'))")
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("7204.90")
+    for width, told in ((1000, "2023-11-15 00:13:24 UTC"), (700, "00:13:24 UTC"), (500, "00:13:24 UTC"), (300, "")):
+        nb.resize(width)
+        assert (clock.inner_text() if clock.is_visible() else "") == told
+        expect(moment).to_have_attribute("title", "2023-11-15 00:13:24 UTC")
+        assert bar(nb).evaluate("bar => bar.scrollWidth <= bar.clientWidth")
+        for theme in ("light", "dark"):
+            nb.theme(theme)
             shoot(bar(nb), f"player-clock-{theme}-{width}")
-            assert (clock.inner_text() if clock.is_visible() else "") == told
-            expect(moment).to_have_attribute("title", "2023-11-15 00:13:24 UTC")
-            assert bar(nb).evaluate("bar => bar.scrollWidth <= bar.clientWidth")
-        nb.resize(1000)
-        places = []
-        for seconds in (0, 9.99, 3599.5, 6399.8):
-            nb.python(f"player.time = {seconds}")
-            expect(bar(nb).locator(".rw-play-now")).to_have_text(f"{seconds:.2f}")
-            places.append(bar(nb).locator(".rw-play-line").bounding_box())
-        assert all(place == places[0] for place in places), places
+    nb.resize(1000)
+    places = []
+    for seconds in (0, 9.99, 3599.5, 6399.8):
+        nb.python(f"player.time = {seconds}")
+        expect(bar(nb).locator(".rw-play-now")).to_have_text(f"{seconds:.2f}")
+        places.append(bar(nb).locator(".rw-play-line").bounding_box())
+    assert all(place == places[0] for place in places), places
     nb = opened(plain_page, data / "good" / "turtlebot3_gazebo.bag")
     expect(bar(nb).locator(".rw-play-duration")).to_have_text(" / 91.34 s")
     expect(bar(nb).locator(".rw-play-clock")).to_be_hidden()
@@ -261,33 +239,12 @@ def test_a_step_crosses_hours_of_silence_in_which_what_is_shown_is_told_to_be_ol
     shoot(nb.output(1), "player-silence")
 
 
-def test_a_click_on_the_whole_drive_moves_all(notebook: Open, data: Path) -> None:
-    nb = opened(notebook, data / "good" / "neato_fsm")
-    picture = nb.output(1).locator(".rw-scanogram .rw-picture")
-    busy = nb.append(BUSY)
-    nb.python("import time\nwhile len(player._prefetcher._sent) < 33: time.sleep(0.05)")
-    nb.start(busy)
-    before = now(nb)
-    picture.click(position={"x": 500, "y": 100})
-    passes(nb, before + 5)
-    shown = nb.output(1).locator(".rw-scanogram .rw-scanogram-cursor")
-    expect(shown).to_contain_text(f"{now(nb):.2f} s")
-    clicked = now(nb)
-    nb.page.keyboard.press(".")
-    passes(nb, clicked)
-    stepped = now(nb)
-    nb.interrupt()
-    with pytest.raises(CellError, match="KeyboardInterrupt"):
-        nb.wait(busy)
-    wait_for(lambda: abs(float(nb.python("print(player.time)")) - now(nb)) < 0.01, "Python knew")
-    assert now(nb) == stepped, "it did not go back to the click that Python heard of last"
-
-
 def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_runs(
-    notebook: Open, tmp_path: Path
+    plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(_prefetcher, "KEPT_BYTES", 100_000)
     path = sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100))
-    nb = opened(notebook, path, SMALL + SHOW)
+    nb = opened(plain_page, path)
     nb.python("import time\nwhile sum(player._prefetcher._sent.values()) < 90_000: time.sleep(0.05)")
     asked, has = "print(player._prefetcher._pointed)", "print(sorted(player._prefetcher._sent))"
 
@@ -308,90 +265,11 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
     touch.send("Input.dispatchTouchEvent", {"type": "touchCancel", "touchPoints": []})
     fetches(lambda: bar(nb).locator("input").hover(position={"x": 400, "y": 10}))
     fetches(lambda: picture.hover(position={"x": 550, "y": 10}))
-    busy = nb.append(SLEEP)
-    nb.start(busy)
-    picture.click(position={"x": 550, "y": 10})
-    passes(nb, 100.0)
-    expect(nb.output(1).locator(".rw-laser .rw-footer")).to_contain_text(f"{1 + int(now(nb) * 10) / 100:.2f} m")
-    assert bar(nb).locator(".rw-play-words").text_content() == ""
-    nb.interrupt()
-    with pytest.raises(CellError, match="KeyboardInterrupt"):
-        nb.wait(busy)
-
-
-def test_it_plays_steps_and_seeks_while_a_cell_runs(notebook: Open, data: Path) -> None:
-    nb = opened(notebook, data / "good" / "turtlebot3_gazebo.bag")
-    nb.python("player.time = 10")
-    expect(bar(nb).locator(".rw-play-now")).to_have_text("10.00")
-    nb.python("import time\nwhile len(player._prefetcher._sent) < 91: time.sleep(0.05)")
-    busy = nb.append(BUSY)
-    nb.start(busy)
-    laser = nb.output(1).locator(".rw-laser .rw-footer")
-    before = laser.text_content()
-    bar(nb).get_by_title("Play (space)").click()
-    passes(nb, 11.0)
-    bar(nb).locator("select").select_option("10")
-    passes(nb, 40.0)
-    bar(nb).get_by_title("Stop here (space)").click()
-    assert laser.text_content() != before
-    there = now(nb)
-    bar(nb).get_by_title("One scan back (,)").click()
-    nb.page.wait_for_function(
-        "time => parseFloat(document.querySelector('.rw-play-now').textContent) < time", arg=there
-    )
-    nb.interrupt()
-    with pytest.raises(CellError, match="KeyboardInterrupt"):
-        nb.wait(busy)
-    wait_for(lambda: abs(float(nb.python("print(player.time)")) - now(nb)) < 0.01, "Python knew")
-
-
-def test_a_first_look_is_there_though_the_kernel_is_busy_at_once(notebook: Open, data: Path) -> None:
-    show = f"from IPython.display import display\nplayer = recording.show()\ndisplay(player)\n{BUSY}"
-    nb = opened(notebook, data / "good" / "neato_fsm", show, run=False)
-    nb.run(0)
-    nb.start(1)
-    expect(nb.output(1).locator(".rw-laser .rw-footer").first).to_contain_text("nearest")
-    bar(nb).get_by_title("Play (space)").click()
-    passes(nb, 6.0)
-    nb.interrupt()
-    with pytest.raises(CellError, match="KeyboardInterrupt"):
-        nb.wait(1)
-
-
-def test_a_reloaded_page_goes_on_where_it_was(notebook: Open, data: Path) -> None:
-    nb = opened(notebook, data / "good" / "neato_fsm")
-    to_time(nb, 22.25)
-    nb.python("pass")
-    nb.save()
-    nb.reload()
-    expect(bar(nb).locator(".rw-play-now")).to_have_text("22.25")
-    expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
-    bar(nb).get_by_title("Play (space)").click()
-    passes(nb, 23.0)
-
-
-HELD = """
-import gc, os, threading
-from comm import get_comm_manager
-gc.collect()
-files = [os.path.realpath(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd")]
-senders = [thread for thread in threading.enumerate() if thread.name == "robowidgets-player"]
-print(len(get_comm_manager().comms), len(senders), sum("fsm_0" in file for file in files))
-"""
-
-
-def test_a_cell_that_runs_again_replaces_its_player(notebook: Open, data: Path) -> None:
-    nb = opened(notebook, data / "good" / "neato_fsm")
-    wait_for(
-        lambda: nb.python(HELD).split()[1:] == ["0", "2"], "all was sent: the table and the player have the file open"
-    )
-    held = nb.python(HELD)
-    for _ in range(5):
-        nb.run(1)
-    expect(nb.output(1).locator(".rw-player")).to_have_count(1)
-    wait_for(lambda: nb.python(HELD) == held, "what the earlier runs held is gone")
-    to_time(nb, 22.5)
-    expect(nb.output(1).locator(".rw-tile", has_text="left front")).to_contain_text("touched")
+    with nb.busy():
+        picture.click(position={"x": 550, "y": 10})
+        passes(nb, 100.0)
+        expect(nb.output(1).locator(".rw-laser .rw-footer")).to_contain_text(f"{1 + int(now(nb) * 10) / 100:.2f} m")
+        assert bar(nb).locator(".rw-play-words").text_content() == ""
 
 
 BOXES = """() => [...document.querySelectorAll(".rw-recording, .rw-recording .rw-card")].map(element => {
@@ -416,32 +294,34 @@ MARKED = (
 
 def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
     nb = opened(plain_page, Path(robowidgets.SAMPLE), MARKED, height=720)
-    for theme in ("light", "dark"):
-        nb.theme(theme)
-        for width, height in ((1143, 562), (1300, 562), (900, 562)):
-            nb.resize(width, 720)
-            at = boxes(nb)
-            assert at["laser"][1] + at["laser"][3] - at["recording"][1] == height
-            assert at["recording"][2] == at["path"][2] == width, "the path has the room below for itself"
-            assert at["path"][1] == at["recording"][1] + height + 4
-            assert at["player"][3] == 40
-            left, right = at["scanogram"], at["laser"]
-            assert left[2] / right[2] == pytest.approx(62 / 38, abs=0.01)
-            assert left[1] == right[1]
-            assert right[1] + right[3] == at["speed"][1] + at["speed"][3] == at["touch"][1] + at["touch"][3]
-            assert at["speed"][3] == at["touch"][3] == 172
-            for card in nb.output(1).locator(".rw-card").all():
-                assert card.evaluate("card => card.scrollWidth <= card.clientWidth + 1")
-            shoot(nb.output(1), f"recording-show-{theme}-{width}")
-        nb.resize(1500, 900)
+    for width, height in ((1143, 562), (1300, 562), (900, 562)):
+        nb.resize(width, 720)
         at = boxes(nb)
-        assert at["path"][1] - at["recording"][1] == 742 + 4, "on a high window it is higher"
-        nb.resize(400, 720)
-        at = boxes(nb)
-        tops = [at[name][1] for name in ("player", "laser", "scanogram", "speed", "touch")]
-        assert tops == sorted(tops), "below 900 px the rays stand under the bar"
-        assert all(width <= 400 for _, _, width, _ in at.values())
-        shoot(nb.output(1), f"recording-show-{theme}-400")
+        assert at["laser"][1] + at["laser"][3] - at["recording"][1] == height
+        assert at["recording"][2] == at["path"][2] == width, "the path has the room below for itself"
+        assert at["path"][1] == at["recording"][1] + height + 4
+        assert at["player"][3] == 40
+        left, right = at["scanogram"], at["laser"]
+        assert left[2] / right[2] == pytest.approx(62 / 38, abs=0.01)
+        assert left[1] == right[1]
+        assert right[1] + right[3] == at["speed"][1] + at["speed"][3] == at["touch"][1] + at["touch"][3]
+        assert at["speed"][3] == at["touch"][3] == 172
+        for card in nb.output(1).locator(".rw-card").all():
+            assert card.evaluate("card => card.scrollWidth <= card.clientWidth + 1")
+        shoot(nb.output(1), f"recording-show-light-{width}")
+    nb.resize(1500, 900)
+    at = boxes(nb)
+    assert at["path"][1] - at["recording"][1] == 742 + 4, "on a high window it is higher"
+    nb.resize(400, 720)
+    at = boxes(nb)
+    tops = [at[name][1] for name in ("player", "laser", "scanogram", "speed", "touch")]
+    assert tops == sorted(tops), "below 900 px the rays stand under the bar"
+    assert all(width <= 400 for _, _, width, _ in at.values())
+    shoot(nb.output(1), "recording-show-light-400")
+    nb.theme("dark")
+    for width in (400, 1143):
+        nb.resize(width, 720)
+        shoot(nb.output(1), f"recording-show-dark-{width}")
     words, walk = nb.output(1).locator(".rw-play-mark-words"), nb.output(1).locator(".rw-play-walk button")
     expect(words).to_contain_text("mark 1 of 2: bump")
     walk.last.click()
@@ -475,31 +355,113 @@ def test_two_scanners_and_four_sensors_stand_whole_on_one_screen(plain_page: Ope
     expect(scans.locator(".rw-footer:visible")).to_have_count(2)
 
 
-def test_pointing_at_the_scanogram_shows_that_moment_everywhere_while_a_cell_runs(notebook: Open) -> None:
-    nb = opened(notebook, Path(robowidgets.SAMPLE), "player = recording.show()\nplayer", width=1280, height=720)
-    nb.python("import time\nplayer.time = 24.1\nwhile len(player._prefetcher._sent) < 58: time.sleep(0.05)")
-    at = boxes(nb)
-    assert at["path"][1] - at["recording"][1] == 562 + 4
+def test_while_a_cell_runs_it_shows_plays_steps_points_and_seeks(notebook: Open) -> None:
+    # The cell is busy from its first moment on.
+    show = f"player = recording.show()\ndisplay(player)\n{BUSY}"
+    nb = opened(notebook, Path(robowidgets.SAMPLE), show, run=False, width=1280, height=720)
+    nb.run(0)
+    nb.start(1)
     shown = nb.output(1)
     nearest, value = shown.locator(".rw-laser .rw-nearest"), shown.locator(".rw-speed [data-axis='0'] .rw-value")
-    tile = shown.locator(".rw-tile", has_text="right")
-    expect(nearest).to_contain_text("73.2°")
-    nb.start(nb.append(BUSY))
+    tile, time = shown.locator(".rw-tile", has_text="right"), bar(nb).locator(".rw-play-now")
+    expect(nearest).to_contain_text("nearest", timeout=30_000)  # a kernel's first recording takes seconds to open
+    first = nearest.inner_text()
+    bar(nb).get_by_title("Play (space)").click()
+    bar(nb).locator("select").select_option("10")
+    passes(nb, 6.0)
+    bar(nb).get_by_title("Stop here (space)").click()
+    expect(nearest).not_to_have_text(first)
+    there = now(nb)
+    for _ in range(2):  # the first may lead to the scan on show, hundredths ago
+        bar(nb).get_by_title("One scan back (,)").click()
+    nb.page.wait_for_function(
+        "time => parseFloat(document.querySelector('.rw-play-now').textContent) < time", arg=there
+    )
+    assert now(nb) == pytest.approx(there, abs=0.25)
+
+    # Where the pointer is on the scanogram, all show that moment; a click stays there.
+    there, first = now(nb), nearest.inner_text()
+    at = boxes(nb)
+    assert at["path"][1] - at["recording"][1] == 562 + 4
     picture = shown.locator(".rw-scanogram .rw-picture")
     box = picture.bounding_box() or {"width": 0}
-    left = 64 + 13.05 / 58.1 * (box["width"] - 80)
-    picture.hover(position={"x": left, "y": 100})
-    expect(bar(nb).locator(".rw-play-now")).to_have_text("13.00")
-    expect(nearest).not_to_contain_text("73.2°")
+
+    def at_second(seconds: float) -> Position:
+        return {"x": 64 + (seconds + 0.05) / 58.1 * (box["width"] - 80), "y": 100}
+
+    picture.hover(position=at_second(3))
+    expect(time).to_have_text("3.00")
+    expect(nearest).not_to_have_text(first)
     ring = shown.locator(".rw-laser .rw-popup:visible .rw-popup-expression")
     expect(ring).to_have_text(shown.locator(".rw-scanogram .rw-popup-expression").inner_text())
     pointed = (nearest.inner_text(), value.inner_text(), tile.inner_text())
     nb.page.mouse.move(5, 5)
-    expect(bar(nb).locator(".rw-play-now")).to_have_text("24.10")
-    expect(nearest).to_contain_text("73.2°")
+    expect(time).to_have_text(f"{there:.2f}")
+    expect(nearest).to_have_text(first)
     expect(ring).to_have_count(0)
-    picture.click(position={"x": left, "y": 100})
+    picture.click(position=at_second(3))
     nb.page.mouse.move(5, 5)
-    expect(bar(nb).locator(".rw-play-now")).to_have_text("13.00")
+    expect(time).to_have_text("3.00")
     assert (nearest.inner_text(), value.inner_text(), tile.inner_text()) == pointed
+
+    # To a moment that it has not played yet, and a step from there.
+    picture.click(position=at_second(9))
+    passes(nb, 8.9)
+    clicked = now(nb)
+    expect(shown.locator(".rw-scanogram .rw-scanogram-cursor")).to_contain_text(f"{clicked:.2f} s")
+    nb.page.keyboard.press(".")
+    passes(nb, clicked)
+    stepped = now(nb)
+    for focused in (".rw-play", ".rw-step >> nth=0", ".rw-play-speed", ".rw-loop", "input"):
+        bar(nb).locator(focused).focus()
+        nb.page.keyboard.press("x")
+    expect(nb.page.locator(".jp-Cell"), "no key reached the notebook").to_have_count(2)
     nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(1)
+    wait_for(lambda: abs(float(nb.python("print(player.time)")) - stepped) < 0.01, "Python knew")
+    assert now(nb) == stepped, "it did not go back to the click that Python heard of last"
+
+
+BELOW_TOP = """() => {
+    const panel = document.querySelector('.jp-WindowedPanel-outer');
+    panel.scrollTop = 600;
+    return document.querySelector('.rw-player').getBoundingClientRect().top - panel.getBoundingClientRect().top;
+}"""
+"""Pixels from the top of what the notebook shows, scrolled a way down, to the player."""
+
+
+HELD = """
+import gc, os, threading
+from comm import get_comm_manager
+gc.collect()
+files = [os.path.realpath(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd")]
+senders = [thread for thread in threading.enumerate() if thread.name == "robowidgets-player"]
+print(len(get_comm_manager().comms), len(senders), sum("fsm_0" in file for file in files))
+"""
+
+
+def test_a_cell_that_runs_again_replaces_its_player_which_goes_on_where_it_was_on_a_reloaded_page(
+    notebook: Open, data: Path
+) -> None:
+    nb = opened(notebook, data / "good" / "neato_fsm")
+    expect(nb.output(0).locator("table tbody tr")).to_have_count(10)
+    wait_for(
+        lambda: nb.python(HELD).split()[1:] == ["0", "2"], "all was sent: the table and the player have the file open"
+    )
+    held = nb.python(HELD)
+    for _ in range(3):
+        nb.run(1)
+    expect(nb.output(1).locator(".rw-player")).to_have_count(1)
+    wait_for(lambda: nb.python(HELD) == held, "what the earlier runs held is gone")
+    nb.resize(600, 500)
+    wait_for(lambda: 0 <= nb.page.evaluate(BELOW_TOP) < 5, "the bar stays at the top of a narrow page")
+
+    to_time(nb, 22.25)
+    tile = nb.output(1).locator(".rw-tile", has_text="left front")
+    expect(tile).to_contain_text("touched")
+    nb.reload()
+    expect(bar(nb).locator(".rw-play-now")).to_have_text("22.25")
+    expect(tile).to_contain_text("touched")
+    bar(nb).get_by_title("Play (space)").click()
+    passes(nb, 22.5)

@@ -16,8 +16,7 @@ from .notebook import Notebook
 from .plain_page import PlainPage
 
 SETUP = """
-import numpy as np, threading
-from ipywidgets import FloatText, jslink
+import numpy as np
 from robowidgets import ScanogramWidget
 
 # 4000 scans in 400 s, 181 rays from -90 to 90 degrees, all at 3 m but one ray of one scan.
@@ -28,19 +27,18 @@ scanogram = ScanogramWidget(title="/scan")
 scanogram.update(times_ns=np.arange(4000) * 100_000_000, ranges=ranges, angle_min=-np.pi / 2,
                  angle_increment=np.pi / 180, range_min=0.1, range_max=10.0)
 scanogram.set_touches([(100.0, 100.5, "left")], title="/bumper")
+scanogram
+"""
+FOLLOWER = """
+from ipywidgets import FloatText, jslink
 follower = FloatText()
 jslink((scanogram, "time"), (follower, "value"))
-display(scanogram, follower)
-"""
-BUSY = """
-done = threading.Event()
-while not done.is_set():
-    pass
+follower
 """
 LEFT, RIGHT, TOP = 64, 16, 16
 
 
-def card_of(nb: Notebook) -> Locator:
+def card_of(nb: Notebook | PlainPage) -> Locator:
     return nb.widget(0).locator(".rw-card")
 
 
@@ -80,8 +78,8 @@ def says(card: Locator, *words: str) -> None:
         expect(popup).to_contain_text(word)
 
 
-def test_a_person_points_clicks_and_drags_and_python_knows(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SETUP])
+def test_a_person_points_clicks_and_drags_and_python_knows(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP])
     nb.resize(900)
     card = card_of(nb)
     expect(card.locator(".rw-facts")).to_have_text("4 000 scans · 181 rays · 400.0 s".replace(" 0", "\u202f0"))
@@ -96,7 +94,6 @@ def test_a_person_points_clicks_and_drags_and_python_knows(notebook: Callable[..
 
     picture_of(card).click(position=at(card, 300))
     eventually(lambda: nb.python("print(round(scanogram.time))").strip(), "300")
-    assert float(nb.widget(0, 1).locator("input").input_value()) == pytest.approx(300, abs=1)
 
     drag(card, at(card, 100), at(card, 150))
     eventually(lambda: nb.python("print(*(round(t) for t in scanogram.selection or ()))").strip(), "100 150")
@@ -135,26 +132,22 @@ def test_a_person_points_clicks_and_drags_and_python_knows(notebook: Callable[..
         eventually(lambda: nb.python("print(scanogram.view[0] <= scanogram.time <= scanogram.view[1])").strip(), "True")
 
 
-def test_the_wheel_zooms_down_to_single_scans_while_a_cell_runs(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SETUP, BUSY], run=False)
-    nb.run(0)
+def test_the_wheel_zooms_down_to_single_scans_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP])
     nb.resize(900)
     card = card_of(nb)
     everything = card.get_by_role("button", name="Show all of it")
     expect(everything).to_be_disabled()
     spot = at(card, 200.05, y=height_of(card, 90))
-    nb.start(1)
-    picture_of(card).hover(position=at(card, 100))
-    box = picture_of(card).bounding_box()
-    assert box
-    nb.page.mouse.move(box["x"] + spot["x"], box["y"] + spot["y"], steps=3)  # on its way, as the wheel asks
-    for _ in range(10):
-        nb.page.mouse.wheel(0, -200)
-    expect(everything, "it zooms in the page").to_be_enabled()
-    says(card, "ranges[90]")
-    nb.interrupt()
-    with pytest.raises(AssertionError, match="KeyboardInterrupt"):
-        nb.wait(1)
+    with nb.busy():
+        picture_of(card).hover(position=at(card, 100))
+        box = picture_of(card).bounding_box()
+        assert box
+        nb.page.mouse.move(box["x"] + spot["x"], box["y"] + spot["y"], steps=3)  # on its way, as the wheel asks
+        for _ in range(10):
+            nb.page.mouse.wheel(0, -200)
+        expect(everything, "it zooms in the page").to_be_enabled()
+        says(card, "ranges[90]")
     eventually(lambda: len(nb.python("print(scanogram.view)").split()), 2)
     start, end = (float(t) for t in nb.python("print(*scanogram.view)").split())
     assert start < 200.05 < end < start + 4
@@ -177,12 +170,16 @@ def shows_the_state(page: Page, card: Locator) -> None:
     says(card, "ranges[90]", "0.50 m", "200.00 s")
 
 
-def test_a_reload_and_an_export_keep_what_is_on_show(
+def test_a_link_in_the_page_a_reload_and_an_export_have_what_is_on_show(
     notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
 ) -> None:
-    nb = notebook([SETUP, "scanogram.view, scanogram.selection, scanogram.time = (190, 210), (199, 202), 201.0"])
+    nb = notebook([SETUP, FOLLOWER])
     nb.resize(900)
     card = card_of(nb)
+    picture_of(card).click(position=at(card, 300))
+    eventually(lambda: nb.python("print(round(scanogram.time))").strip(), "300")
+    assert float(nb.widget(1).locator("input").input_value()) == pytest.approx(300, abs=1)
+    nb.python("scanogram.view, scanogram.selection, scanogram.time = (190, 210), (199, 202), 201.0")
     shows_the_state(nb.page, card)
     eventually(lambda: nb.python("print(len(scanogram._detail) > 0)").strip(), "True")
     picture_of(card).hover(position=at(card, 200.05, (190, 210), height_of(card, 90)))

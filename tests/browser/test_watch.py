@@ -3,54 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal
 
 import pytest
 from playwright.sync_api import Locator, expect
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .laser import LIGHT, SETUP, Picture, locate
-from .notebook import Notebook
 from .plain_page import PlainPage
-from .test_laser_live import BUSY
 
 DRIVE = """
-import time
-import robowidgets
 from robowidgets import LaserWidget, conditions
 from robowidgets.simulator import Robot, World, wander
 robot = Robot(World.rooms(), seed=1)
 laser = LaserWidget(title="/scan")
-def drive(seconds):
-    end = robot.time + seconds
-    for _ in wander(robot):
-        robot.step(0.1)
-        laser.update(robot.scan())
-        time.sleep(0.03)
-        if robot.time > end:
-            break
-laser
-"""
-WATCH = """
 wall = laser.watch(lambda scan: scan.distance("front") < 0.9, name="wall")
 laser.watch(conditions.nearest_below(0.35, ("50deg", "130deg")), name="left side")
-drive({seconds})
-"""
-
-
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
-def test_look(plain_page: Callable[..., PlainPage], theme: str, scale: int) -> None:
-    nb = plain_page([DRIVE, WATCH.format(seconds=9)], scale=scale, theme=theme)
-    nb.python("""
 laser.watch(lambda scan: 1 / 0, name="broken")
 laser.watch(lambda scan: None, name="never known")
 laser.watch(conditions.nearest_below(3), name="anything")
-laser.watch(conditions.nearest_below(0.2), name="bump")
-laser.update(robot.scan())
-laser.watched["bump"].wait(5, value=False)
-""")
-    card = nb.widget(0).locator(".rw-card")
+for _ in wander(robot):
+    robot.step(0.1)
+    laser.update(robot.scan())
+    if robot.time > 9:
+        break
+laser
+"""
+STATES = {"wall": "true", "left side": "false", "broken": "off", "never known": "unknown", "anything": "true"}
+
+
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_lamps_of_all_states_fit_every_width(
+    plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
+) -> None:
+    nb = plain_page([DRIVE], scale=scale, theme=theme)
+    card, said = nb.widget(0).locator(".rw-card"), nb.widget(0).locator(".rw-lamps")
+    expect(card.locator(".rw-lamp")).to_have_text(list(STATES))
+    for name, state in STATES.items():
+        expect(card.locator(".rw-lamp", has_text=name)).to_have_attribute("data-rw-state", state)
     for width in (320, 400, 700):
         nb.resize(width)
+        assert said.evaluate("lamps => lamps.scrollWidth <= lamps.clientWidth")
         shoot(card, f"watch-{theme}-{width}")
 
 
@@ -152,30 +145,27 @@ def test_what_was_found_stands_in_rows_that_lead_there(plain_page: Callable[...,
     shoot(nb.output(0), "found-rows")
 
 
-def test_in_the_middle_of_an_endless_loop(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SETUP + "laser.update(**fan())\nlaser"])
+def test_in_the_middle_of_an_endless_loop(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP + "import time\nn = 0\nlaser.update(**fan())\nlaser"])
     card = nb.widget(0).locator(".rw-card")
     nb.python('laser.watch(lambda scan: scan.distance(("-5deg", "5deg")) < 1, name="wall")')
     name, said = card.locator(".rw-lamp"), card.locator(".rw-lamps")
     expect(name).to_have_attribute("data-rw-state", "false")
-    loop = nb.append(BUSY.format(stop="busy-watch-seen"))
-    nb.start(loop)
-    for state in ("true", "false", "true"):
-        expect(name).to_have_attribute("data-rw-state", state, timeout=20_000)
-    # The changes are stepped through, and scans compared, without the kernel.
-    card.get_by_role("button", name="wall: the change before").click()
-    expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
-    frozen = said.inner_text()
-    card.locator(".rw-picture").press("g")
-    strip = card.locator(".rw-strip")
-    expect(strip).to_be_visible()
-    strip.hover(position={"x": 46 + 9.5 / 19 * (width_of(card) - 68), "y": 60})
-    expect(card.locator(".rw-popup:visible")).to_contain_text("ranges[9]")
-    assert said.inner_text() == frozen
-    card.locator(".rw-picture").press("Space")
-    expect(name).to_have_attribute("data-rw-state", "true", timeout=20_000)
-    (nb.lab.files / "busy-watch-seen").touch()
-    nb.wait(loop)
+    with nb.busy("n = n % 800 + 2\nlaser.update(**fan({9: 0.6002 + n / 1000}))\ntime.sleep(0.002)"):
+        for state in ("true", "false", "true"):
+            expect(name).to_have_attribute("data-rw-state", state, timeout=20_000)
+        # The changes are stepped through, and scans compared, without the kernel.
+        card.get_by_role("button", name="wall: the change before").click()
+        expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
+        frozen = said.inner_text()
+        card.locator(".rw-picture").press("g")
+        strip = card.locator(".rw-strip")
+        expect(strip).to_be_visible()
+        strip.hover(position={"x": 46 + 9.5 / 19 * (width_of(card) - 68), "y": 60})
+        expect(card.locator(".rw-popup:visible")).to_contain_text("ranges[9]")
+        assert said.inner_text() == frozen
+        card.locator(".rw-picture").press("Space")
+        expect(name).to_have_attribute("data-rw-state", "true", timeout=20_000)
     # A lamp is not older than its scan: nothing is known when no more come.
     expect(name).to_have_attribute("data-rw-state", "unknown", timeout=15_000)
     expect(said).to_contain_text("unknown")
