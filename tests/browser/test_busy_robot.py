@@ -17,7 +17,8 @@ from robowidgets.behaviors import Drive
 from robowidgets.simulator import View, World
 room = World([(-3, -2, 3, -2), (3, -2, 3, 2), (3, 2, -3, 2), (-3, 2, -3, -2)], [(1.5, 1.0, 0.3)])
 robot = feeds.simulator(room=room, hz=20, wander=False)
-display(robot.show(), View(robot))
+view = robot.show()
+display(view, View(robot))
 
 @robot.program(rate=20)
 class Walker:
@@ -36,9 +37,13 @@ print("both are moved")
 while True:
     time.sleep(0.01)
 """
+ARRIVED = """
+from robowidgets._core.robot_widget import FRAME_HEADER
+print(*(FRAME_HEADER.unpack_from(view.widgets[topic]._frozen_frame)[3] for topic in ("/scan", "/odom")))
+"""
 
 
-def test_a_robot_is_moved_and_its_machine_frozen_with_its_sensors_while_a_cell_runs(
+def test_a_robot_is_moved_and_its_widgets_freeze_and_step_to_one_moment_while_a_cell_runs(
     notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([SHOW])
@@ -70,7 +75,26 @@ def test_a_robot_is_moved_and_its_machine_frozen_with_its_sensors_while_a_cell_r
     expect(room.locator(".rw-footer")).to_contain_text("x \u22121.50 y 0.50 m")
     eventually(lambda: nb.output(busy).inner_text().strip(), "both are moved")
 
+    buttons, laser = shown.locator(".rw-freeze"), shown.locator(".rw-laser")
+    assert buttons.count() >= 4
+    laser.locator(".rw-freeze").click()
+    for button in buttons.all():
+        expect(button).to_have_attribute("aria-pressed", "true")
+    for _ in range(5):
+        nb.page.keyboard.press(",")
+    expect(laser.locator(".rw-time b")).to_contain_text("\u2212")
+
     nb.interrupt()
     with pytest.raises(CellError, match="KeyboardInterrupt"):
         nb.wait(busy)
     expect(shown.locator(".rw-program .rw-program-mode")).to_have_text("paused")
+
+    def is_one_moment() -> bool:
+        scan, speed = (float(one) for one in nb.python(ARRIVED).split())
+        return scan - 0.3 < speed <= scan
+
+    # The page tells Python what each widget holds at its own pace.
+    eventually(is_one_moment, True)
+    shown.locator(".rw-speed .rw-freeze").click()
+    for button in buttons.all():
+        expect(button).to_have_attribute("aria-pressed", "false")

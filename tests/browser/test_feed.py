@@ -1,16 +1,17 @@
-"""A feed on the page: a robot drives while a cell is busy."""
+"""A feed on the page: a robot drives while a cell is busy, and when the kernel or the page is taken from under it."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
 
-from playwright.sync_api import expect
+import pytest
+from playwright.sync_api import Locator, expect
 
 from .chromium import shoot
-from .notebook import Notebook
+from .notebook import CellError, Notebook
 
-OPEN = """
+SHOW = """
 from robowidgets import LaserWidget, feeds
 feed = feeds.simulator()
 feed.show()
@@ -20,32 +21,82 @@ lost = LaserWidget()
 feed.connect("/scna", lost)
 lost
 """
+ENDLESS = """
+while True:
+    feed.drive(0.3, 0.4)
+    sum(range(100_000))
+"""
+CONNECT = """
+from robowidgets import LaserWidget, feeds
+laser = LaserWidget()
+feed = feeds.simulator()
+feed.connect("/scan", laser)
+laser
+"""
 BUSY = """
 from pathlib import Path
 while not Path({stop!r}).exists():
-    feed.drive(0.3, 0.4)
     sum(range(100_000))
 """
 
 
-def test_a_robot_is_live_while_a_cell_is_busy_for_20_s_and_what_is_wrong_is_told(
+def expect_moving(laser: Locator) -> None:
+    """Wait until the widget has shown three more scans."""
+    nearest = laser.locator(".rw-nearest")
+    expect(nearest).to_contain_text("nearest ")
+    for _ in range(3):
+        expect(nearest).not_to_have_text(nearest.inner_text())
+
+
+def test_a_robot_is_live_while_a_cell_is_busy_and_after_an_interrupt_and_a_restart(
     notebook: Callable[..., Notebook],
 ) -> None:
-    nb = notebook([OPEN, WRONG], width=1300)
+    nb = notebook([SHOW, WRONG, ENDLESS], run=False, width=1300)
+    nb.run(0)
+    nb.run(1)
     cards = nb.output(0).locator(".rw-card")
     expect(cards).to_have_count(5)  # Stop is the first of them
-    nb.start(nb.append(BUSY.format(stop="seen")))
-    nearest = cards.nth(1).locator(".rw-nearest")
-    until = time.monotonic() + 20.0  # longer than any patience of a feed, of the server or of the page
+    nb.start(2)
+    until = time.monotonic() + 12.0  # longer than any patience of a feed or of the page
     while time.monotonic() < until:
-        before = nearest.inner_text()
-        assert before.startswith("nearest ")
-        expect(nearest).not_to_have_text(before)
+        expect_moving(cards.nth(1))
     shoot(nb.output(0), "feed-simulator")
     expect(nb.widget(1)).to_contain_text("no such topic /scna; there are /scan, /odom, /cmd_vel, /bumper")
     shoot(nb.output(1), "feed-no-such-topic")
-    (nb.lab.files / "seen").touch()
-    nb.wait(2)
+    nb.interrupt()
+    with pytest.raises(CellError, match="KeyboardInterrupt"):
+        nb.wait(2)
+    expect_moving(cards.nth(1))
+    assert nb.python("print(repr(feed.status))") == "''\n"
     assert nb.python("print(feed.show('/odom').widgets['/odom'].title)") == "/odom\n"
+
+    nb.restart_kernel()
+    nb.run(0)
+    expect_moving(cards.nth(1))
+    assert nb.python("print(repr(feed.status))") == "''\n"
     nb.python("feed.close()")
     expect(cards.nth(1)).to_contain_text("the feed is closed")
+
+
+def test_a_feed_is_live_on_two_pages_and_on_one_that_was_reloaded_while_a_cell_was_busy(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([CONNECT])
+    busy = nb.append(BUSY.format(stop="reloaded"))
+    nb.save()
+    page = nb.page.context.new_page()
+    second = Notebook(page, nb.lab, nb.path, nb.console)
+    second.open()
+    expect_moving(second.widget(0))
+    expect_moving(nb.widget(0))
+    shoot(second.output(0), "feed-second-page")
+    page.close()
+    nb.start(busy)
+    expect_moving(nb.widget(0))
+    nb.save()
+    nb.page.reload()
+    (nb.lab.files / "reloaded").touch()  # before that JupyterLab does not ask a busy kernel for its widgets
+    nb.open()
+    expect_moving(nb.widget(0))
+    shoot(nb.output(0), "feed-reloaded")
+    assert nb.python("print(repr(feed.status))") == "''\n"

@@ -12,6 +12,7 @@ from playwright.sync_api import Locator, expect
 from .laser import FAN, SETUP, Picture, eventually, locate
 from .notebook import Notebook
 from .plain_page import PlainPage
+from .test_laser_zoom import reaches
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
 ANCHOR = """laser.update(ranges=np.full(1040, 2.0), angle_min=np.radians(-130), angle_increment=np.radians(0.25),
@@ -23,6 +24,7 @@ BOXES = """(picture) => {
         return [left - outer.left, top - outer.top, right - outer.left, bottom - outer.top];
     });
 }"""
+SCROLLED = "() => document.querySelector('.jp-Notebook .jp-WindowedPanel-outer').scrollTop"
 CELLS = (
     "() => [...document.querySelectorAll('.jp-Notebook .jp-Cell')].map((c) => c.classList.contains('jp-mod-active'))"
 )
@@ -147,12 +149,47 @@ def test_clicks_and_keys_pin_and_walk(plain_page: Callable[..., PlainPage]) -> N
     expect(popup).to_have_count(0)
 
 
-def test_the_notebook_keeps_still_while_keys_walk(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST, "1 + 1"])
-    card = nb.widget(0).locator(".rw-card")
-    picture, popup, keys = card.locator(".rw-picture"), popups(card), nb.page.keyboard
+def test_the_notebook_scrolls_under_the_wheel_and_keeps_still_while_keys_walk(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([FIRST, "laser", "laser"])
+    nb.resize(700)
+    card, mouse, keys = nb.widget(0).locator(".rw-card"), nb.page.mouse, nb.page.keyboard
+    picture, popup = card.locator(".rw-picture"), popups(card)
+
+    # A wheel that has nothing left to zoom scrolls.
+    picture.hover()
+    mouse.move(400, 300, steps=3)
+    reaches(card, "4")
+    mouse.wheel(0, 60)
+    eventually(lambda: nb.page.evaluate(SCROLLED) > 0, True)
+    reaches(card, "4")
+
+    # A wheel that scrolls does not zoom.
+    nb.python("laser.view_range = 2.0")
+    second = nb.widget(1).locator(".rw-card")
+    below = second.locator(".rw-picture")
+    for clicked in (False, True):
+        reaches(second, "2")
+        if clicked:
+            below.click()
+        nb.page.evaluate("() => { document.querySelector('.jp-Notebook .jp-WindowedPanel-outer').scrollTop = 0; }")
+        mouse.move(400, 200, steps=3)
+        turns = 0
+        while turns < 5:
+            before = nb.page.evaluate(SCROLLED)
+            mouse.wheel(0, 60)
+            eventually(lambda before=before: nb.page.evaluate(SCROLLED) > before, True)
+            turns += below.evaluate("(picture) => picture.matches(':hover')")
+        reaches(second, "2")
+    below.click()
+    mouse.wheel(0, -100)
+    reaches(second, "1.5")
+    nb.python("laser.view_range = 'sensor'")
+
+    # Keys walk, and none reaches the notebook.
     picture.click()
-    nb.page.mouse.move(5, 5)
+    mouse.move(5, 5)
     keys.press("Home")
     says(popup, *of(0))
     nb.python("laser.update(**fan({7: -inf}))")
@@ -171,12 +208,13 @@ def test_the_notebook_keeps_still_while_keys_walk(notebook: Callable[..., Notebo
     assert nb.page.evaluate(CELLS) == cells, "no key reached the notebook"
     expect(nb.page.locator(".jp-Dialog")).to_have_count(0)
 
+    # Those of running a cell do, and all do beside the widget.
     picture.focus()
     keys.press("Shift+Enter")
-    eventually(lambda: nb.page.evaluate(CELLS), [False, True])
+    eventually(lambda: nb.page.evaluate(CELLS), [False, True, False])
     nb.page.locator(".jp-Notebook .jp-InputPrompt").last.click()
     keys.press("b")
-    eventually(lambda: nb.page.evaluate(CELLS), [False, False, True])
+    eventually(lambda: nb.page.evaluate(CELLS), [False, False, False, True])
 
 
 def test_a_finger_does_all_of_it(plain_page: Callable[..., PlainPage]) -> None:

@@ -9,24 +9,34 @@ from playwright.sync_api import Locator, expect
 from .laser import FAN, SETUP, eventually, layers, locate
 from .notebook import Notebook
 from .plain_page import PlainPage
+from .test_history import is_at, slider_of
+from .test_silence import WIDGETS, cards, is_new, is_old
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
 THREAD = "import threading\nthread = threading.Thread(target=laser.update, args=[{}])\nthread.start(); thread.join()"
 
 
-def cards(nb: Notebook) -> list[Locator]:
-    return [nb.widget(index).locator(".rw-card") for index in (0, 1)]
+def views(nb: Notebook) -> list[Locator]:
+    """Both views of the laser."""
+    return [nb.widget(index).locator(".rw-card") for index in (0, 3)]
 
 
 def says(card: Locator, nearest: str, freeze: str) -> None:
-    expect(card.locator(".rw-nearest")).to_have_text(f"nearest {nearest}")
+    expect(card.locator(".rw-nearest")).to_have_text(nearest if "too close" in nearest else f"nearest {nearest}")
     expect(card.locator(".rw-freeze")).to_have_text(freeze)
 
 
-def test_two_views_and_a_reloaded_page_show_the_same(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST, "laser"], height=1400)
+def test_two_views_a_reloaded_page_and_one_without_its_kernel_show_the_same(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([WIDGETS, "speed", "touch", "laser"], height=1400)
+    nb.python("laser.update(**fan())")
+    frozen_in_one_view_it_is_in_both_and_on_a_reloaded_page(nb)
+    loaded_in_the_silence_a_page_does_not_take_the_picture_for_new(nb)
+    after_a_restart_the_cells_run_again_and_a_closed_widget_goes(nb)
+
+
+def frozen_in_one_view_it_is_in_both_and_on_a_reloaded_page(nb: Notebook) -> None:
     nb.resize(500, height=1400)
-    first, second = cards(nb)
+    first, second = views(nb)
     place = locate(first)
     assert locate(second) == place
     spot = {"x": place.at(*FAN[4])[0], "y": place.at(*FAN[4])[1]}
@@ -45,7 +55,7 @@ def test_two_views_and_a_reloaded_page_show_the_same(notebook: Callable[..., Not
     eventually(lambda: nb.python("laser.hovered"), "4")
 
     nb.reload()
-    first, second = cards(nb)
+    first, second = views(nb)
     for card in (first, second):
         says(card, "1.52 m at −80.0° [1]", "Frozen · 1 since")
         expect(card.locator(".rw-popup:visible")).to_have_count(1)
@@ -55,37 +65,56 @@ def test_two_views_and_a_reloaded_page_show_the_same(notebook: Callable[..., Not
     nb.python("laser.pinned = None")
     for card in (first, second):
         expect(card.locator(".rw-popup:visible"), "nobody points").to_have_count(0)
+
+    # There it steps from the frozen scan to the one that was the newest, and to what has come since.
+    expect(first.locator(".rw-time")).to_have_text("earlier")
+    is_at(first, 1, 2)
+    nb.python("laser.update(**fan({9: 0.85}))")
+    is_at(first, 1, 3)
+    slider_of(first).press("ArrowRight")
+    for card in (first, second):
+        says(card, "0.90 m at 0.0° [9]", "Frozen · 1 since")
+    eventually(lambda: nb.python("print(f'{laser.frozen.nearest().range:.2f}')"), "0.90\n")
     first.locator(".rw-freeze").click()
     for card in (first, second):
-        says(card, "0.90 m at 0.0° [9]", "Freeze")
+        says(card, "0.85 m at 0.0° [9]", "Freeze")
     nb.python("laser.update(**fan({9: 0.8}))")
     for card in (first, second):
         says(card, "0.80 m at 0.0° [9]", "Freeze")
 
+
+def loaded_in_the_silence_a_page_does_not_take_the_picture_for_new(nb: Notebook) -> None:
+    nb.python("go_live()")
+    for card in cards(nb):
+        is_old(card)
     nb.reload()
     for card in cards(nb):
-        says(card, "0.80 m at 0.0° [9]", "Freeze")
+        is_old(card)
+    for card in views(nb):
+        says(card, "too close at −40.0° [5]", "Freeze")
+    expect(cards(nb)[2].locator(".rw-tile").first).to_contain_text("touched")
+    nb.python("update()")
+    for card in cards(nb):
+        is_new(card)
 
 
-def test_after_a_restart_the_cells_run_again_and_a_closed_widget_goes(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([FIRST, "laser"])
+def after_a_restart_the_cells_run_again_and_a_closed_widget_goes(nb: Notebook) -> None:
     nb.restart_kernel()
-    first, second = cards(nb)
+    first, second = views(nb)
     first.locator(".rw-freeze").click()
     second.locator(".rw-picture").click()
     for card in (first, second):
-        says(card, "1.52 m at −80.0° [1]", "Frozen · 0 since")
+        says(card, "too close at −40.0° [5]", "Frozen · 0 since")
         expect(card.locator(".rw-popup:visible")).to_have_count(1)
     nb.run_all()
-    for card in cards(nb):
-        says(card, "1.52 m at −80.0° [1]", "Freeze")
     nb.python("laser.update(**fan({9: 0.9}))")
-    first, second = cards(nb)
-    says(first, "0.90 m at 0.0° [9]", "Freeze")
+    first, second = views(nb)
+    for card in (first, second):
+        says(card, "0.90 m at 0.0° [9]", "Freeze")
     first.locator(".rw-freeze").click()
     says(second, "0.90 m at 0.0° [9]", "Frozen · 0 since")
     nb.python("laser.close()")
-    for index in (0, 1):
+    for index in (0, 3):
         expect(nb.output(index).locator(".rw-card")).to_have_count(0)
     nb.python("laser.update(**fan())\nlaser.paused = False")
 

@@ -7,11 +7,9 @@ from collections.abc import Callable
 from playwright.sync_api import Locator, expect
 
 from .laser import FAN, LIGHT, SETUP, Picture, eventually, listen, locate, words
-from .notebook import Notebook
 from .plain_page import PlainPage
 
 FIRST = f"{SETUP}\nlaser.update(**fan())\nlaser"
-SCROLLED = "() => document.querySelector('.jp-Notebook .jp-WindowedPanel-outer').scrollTop"
 
 
 def reaches(card: Locator, metres: str) -> None:
@@ -89,38 +87,3 @@ def test_auto_is_decided_by_the_first_reading_unless_a_person_has_zoomed(plain_p
     nb.python("laser.view_range = 'auto'")
     reaches(card, "30")
     eventually(lambda: nb.python("laser.view_range"), "'sensor'")
-
-
-def test_a_wheel_that_scrolls_the_notebook_does_not_zoom(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([f"{FIRST}.view_range = 2.0\nlaser", "laser", "laser"])
-    nb.resize(700)
-    card = nb.widget(1).locator(".rw-card")
-    picture, mouse = card.locator(".rw-picture"), nb.page.mouse
-    for clicked in (False, True):
-        reaches(card, "2")
-        if clicked:
-            picture.click()
-        nb.page.evaluate("() => { document.querySelector('.jp-Notebook .jp-WindowedPanel-outer').scrollTop = 0; }")
-        mouse.move(400, 200, steps=3)
-        turns = 0
-        while turns < 5:
-            before = nb.page.evaluate(SCROLLED)
-            mouse.wheel(0, 60)
-            eventually(lambda before=before: nb.page.evaluate(SCROLLED) > before, True)
-            turns += picture.evaluate("(picture) => picture.matches(':hover')")
-        reaches(card, "2")
-    picture.click()
-    mouse.wheel(0, -100)
-    reaches(card, "1.5")
-
-
-def test_a_wheel_that_has_nothing_left_to_zoom_scrolls_the_notebook(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([f"{FIRST}", "laser", "laser"])
-    nb.resize(700)
-    card, mouse = nb.widget(0).locator(".rw-card"), nb.page.mouse
-    card.locator(".rw-picture").hover()
-    mouse.move(400, 300, steps=3)
-    reaches(card, "4")
-    mouse.wheel(0, 60)
-    eventually(lambda: nb.page.evaluate(SCROLLED) > 0, True)
-    reaches(card, "4")

@@ -9,7 +9,7 @@ from typing import Literal
 import pytest
 from playwright.sync_api import Locator, expect
 
-from .chromium import shoot
+from .chromium import LOOKS, shoot
 from .laser import SETUP, eventually
 from .notebook import Notebook
 from .plain_page import PlainPage
@@ -86,8 +86,8 @@ def stands_free(card: Locator) -> bool:
     return free
 
 
-@pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)])
-def test_a_silent_picture_is_dimmed_and_says_for_how_long_at_every_width(
+@pytest.mark.parametrize(("theme", "scale"), LOOKS)
+def test_a_silent_picture_is_dimmed_also_in_a_png_and_says_for_how_long_and_a_frozen_one_is_not(
     plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
 ) -> None:
     nb = plain_page([WIDGETS, "speed", "touch"], scale=scale, theme=theme)
@@ -97,6 +97,10 @@ def test_a_silent_picture_is_dimmed_and_says_for_how_long_at_every_width(
     nb.python("go_live()")
     for card in cards(nb):
         is_old(card)
+    for card in cards(nb):
+        _, saved = download(nb.page, card)
+        assert differences(saved, seen(card)) < 0.008
+        assert (saved.max(axis=-1) - saved.min(axis=-1) > 60).sum() == 0, "there is colour in it"
     for width in (1200, 700, 320, 220):
         nb.resize(width)
         for card, kind in zip(cards(nb), KINDS, strict=True):
@@ -104,34 +108,13 @@ def test_a_silent_picture_is_dimmed_and_says_for_how_long_at_every_width(
             card.scroll_into_view_if_needed()
             eventually(lambda card=card: stands_free(card), True)
             shoot(card, f"silence-{kind}-{theme}-{width}")
-    nb.python("update()")
-    for card in cards(nb):
-        is_new(card)
-
-
-def test_a_frozen_picture_is_not_dimmed(plain_page: Callable[..., PlainPage]) -> None:
-    nb = plain_page([WIDGETS, "speed", "touch"])
-    nb.python("go_live()")
+    nb.resize(700)
     for card, kind in zip(cards(nb), KINDS, strict=True):
-        is_old(card)
         freeze_of(card).click()
         is_new(card)
-        shoot(card, f"silence-{kind}-frozen")
+        shoot(card, f"silence-{kind}-{theme}-frozen")
         freeze_of(card).click()
         is_old(card)
-
-
-def test_a_page_that_is_loaded_in_the_silence_does_not_take_the_picture_for_new(
-    notebook: Callable[..., Notebook],
-) -> None:
-    nb = notebook([WIDGETS, "speed", "touch"])
-    nb.python("go_live()")
-    for card in cards(nb):
-        is_old(card)
-    nb.reload()
-    for card in cards(nb):
-        is_old(card)
-    expect(cards(nb)[2].locator(".rw-tile").first).to_contain_text("touched")
     nb.python("update()")
     for card in cards(nb):
         is_new(card)
@@ -154,14 +137,3 @@ def test_a_lost_connection_dims_what_speaks_in_events_too(plain_page: Callable[.
     shoot(card, "silence-touch-events-lost")
     nb.python("touch._source = source")
     is_new(card)
-
-
-def test_a_png_of_it_is_as_dimmed_as_it_is(plain_page: Callable[..., PlainPage]) -> None:
-    nb = plain_page([WIDGETS, "speed", "touch"], scale=2)
-    nb.python("go_live()")
-    for card in cards(nb):
-        is_old(card)
-    for card in cards(nb):
-        _, saved = download(nb.page, card)
-        assert differences(saved, seen(card)) < 0.008
-        assert (saved.max(axis=-1) - saved.min(axis=-1) > 60).sum() == 0, "there is colour in it"
