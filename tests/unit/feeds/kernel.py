@@ -22,17 +22,33 @@ feed = feeds.simulator(hz=20, wander=False)
 """
 
 
-def heard_in(path: Path) -> list[tuple[float, float, float]]:
-    """When which speeds reached the robot, by the monotonic clock of the machine."""
-    return [ast.literal_eval(line) for line in path.read_text().split("\n")[:-1]] if path.exists() else []
+class Log:
+    """When which linear and angular speeds reached a robot, by the monotonic clock of the machine.
+
+    Tests poll it while they time the robot: only what is new is read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        path.touch()
+        self._path = path
+        self._read = 0
+        self._heard: list[tuple[float, float, float]] = []
+
+    def heard(self) -> list[tuple[float, float, float]]:
+        with self._path.open("rb") as file:
+            file.seek(self._read)
+            new = file.read()
+        whole = new[: new.rfind(b"\n") + 1]
+        self._read += len(whole)
+        self._heard += map(ast.literal_eval, whole.decode().splitlines())
+        return self._heard
 
 
 class Kernel:
     """A kernel that runs cells as a notebook does, and the commands that its robot heard."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
-        self._path.touch()
+        self._log = Log(path)
         self.manager = KernelManager()
         self.manager.start_kernel()
         self._client: BlockingKernelClient = self.manager.client()
@@ -64,7 +80,7 @@ class Kernel:
     @property
     def heard(self) -> list[tuple[float, float, float]]:
         """When which speeds reached the robot, by the monotonic clock of the machine."""
-        return heard_in(self._path)
+        return self._log.heard()
 
     def heard_since(self, since: float) -> list[float]:
         """The linear speeds that reached the robot since a time."""

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from ..waiting import wait_for
-from .kernel import OPEN, Kernel, heard_in
+from .kernel import OPEN, Kernel, Log
 
 
 @pytest.fixture
@@ -103,6 +103,7 @@ def test_a_signal_that_ends_the_process_sends_zero_first_though_functions_and_th
     tmp_path: Path, number: signal.Signals
 ) -> None:
     path = tmp_path / "heard.txt"
+    log = Log(path)
     threads = """
 def on():
     while True: feed.drive(0.3)
@@ -114,14 +115,15 @@ time.sleep(60)
     process = subprocess.Popen(
         [sys.executable, "-c", OPEN.format(path=str(path)) + HOLD + threads], stderr=subprocess.DEVNULL
     )
-    wait_for(lambda: len(heard_in(path)) > 5, "it drives")
+    wait_for(lambda: len(log.heard()) > 5, "it drives")
     process.send_signal(number)
     assert process.wait(20) == -number
-    assert heard_in(path)[-1][1] == 0.0
+    assert log.heard()[-1][1] == 0.0
 
 
 def test_a_kernel_whose_server_is_gone_sends_zero_before_it_ends(tmp_path: Path) -> None:
     path = tmp_path / "heard.txt"
+    log = Log(path)
     kernel = f"""
 import os
 from ipykernel.parentpoller import ParentPollerUnix
@@ -132,9 +134,9 @@ poller.start()
 """
     server = "import subprocess, sys; subprocess.Popen([sys.executable, '-c', sys.argv[1]]); input()"
     process = subprocess.Popen([sys.executable, "-c", server, kernel], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL)
-    wait_for(lambda: len(heard_in(path)) > 5, "it drives")
+    wait_for(lambda: len(log.heard()) > 5, "it drives")
     process.kill()
     process.communicate()
-    wait_for(lambda: heard_in(path)[-1][1] == 0.0, "zero is sent")
+    wait_for(lambda: log.heard()[-1][1] == 0.0, "zero is sent")
     time.sleep(0.3)
-    assert heard_in(path)[-1][1] == 0.0, "nothing follows"
+    assert log.heard()[-1][1] == 0.0, "nothing follows"
