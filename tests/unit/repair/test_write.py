@@ -29,6 +29,7 @@ from robowidgets.repair.write import write
 from ..recordings.clock_back import KINDS, bag, cut, db3, drive, mcap, step
 from ..recordings.digest import digest
 from ..recordings.written import MCAP_END, MCAP_MAGIC, mcap_head, mcap_messages, messages, read, record, write_bag
+from ..waiting import wait_for
 from .test_sqlite import write_old
 
 
@@ -268,8 +269,7 @@ class TestTheCommand:
         path = write_bag(tmp_path / "drive.bag", messages(60_000, size=320), chunk=1 << 20)
         command = [sys.executable, "-m", "robowidgets", "repair", str(path)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
-            while running.poll() is None and len(os.listdir(tmp_path)) == 1:
-                pass
+            wait_for(lambda: running.poll() is not None or len(os.listdir(tmp_path)) > 1, "it begins to write")
             assert [name.endswith(".part") for name in sorted(os.listdir(tmp_path))] == [False, True]
             running.send_signal(signal.SIGINT)
             assert running.wait(20) == 130
