@@ -9,7 +9,7 @@ from itertools import pairwise
 from pathlib import Path, PurePath
 
 from ..._core.tables import listed, many
-from ...repair import RESET_NS, RecordingError, Source, find_files, has_clock_step, open_repaired
+from ...repair import LEAP_NS, RESET_NS, RecordingError, Source, find_files, has_clock_step, open_repaired
 from . import _rosbags
 from ._chain import Chain
 from ._fallback import FallbackSource
@@ -28,6 +28,8 @@ _START = re.compile(r"^  starting_time:\s*\n\s+nanoseconds_since_epoch:\s*(\d+)"
 _DURATION = re.compile(r"^  duration:\s*\n\s+nanoseconds:\s*(\d+)", re.MULTILINE)
 _SECOND = 1_000_000_000
 _NAMED_AT_MOST = 5
+_LONGEST_PAUSE_NS = 60 * _SECOND
+"""Longest silence between two parts of one recording without metadata."""
 
 
 def open_source(path: Path) -> Source:
@@ -117,7 +119,8 @@ def _counts_up(names: Sequence[str]) -> bool:
 def _follow_on(files: Sequence[Path]) -> bool:
     """Whether each file that can be read has the topics of the one before, and goes on where that ends.
 
-    A clock may have been set back meanwhile; a file that starts no later than the one before is a copy of it.
+    A clock may have been set meanwhile, back or far ahead. A file that starts no later than the one before is a copy of
+    it, one that starts minutes after its end is another drive.
     """
     parts = []
     for file in files if len(files) > 1 else ():
@@ -125,7 +128,9 @@ def _follow_on(files: Sequence[Path]) -> bool:
             if source.start_ns is not None and source.end_ns is not None:
                 parts.append(({(c.topic, c.type) for c in source.channels}, source.start_ns, source.end_ns))
     return all(
-        (topics <= later_topics or later_topics <= topics) and later_start >= max(end - RESET_NS, min(start + 1, end))
+        (topics <= later_topics or later_topics <= topics)
+        and later_start >= max(end - RESET_NS, min(start + 1, end))
+        and not _LONGEST_PAUSE_NS < later_start - end <= LEAP_NS
         for (topics, start, end), (later_topics, later_start, _) in pairwise(parts)
     )
 

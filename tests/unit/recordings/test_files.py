@@ -209,6 +209,17 @@ class TestFilesWithoutMetadata:
         held = messages(60)
         assert read_count(self.folder(tmp_path, held[:30], held[30:])) == {"/scan": 40, "/cmd_vel": 20}
 
+    @pytest.mark.parametrize("pause", [50, 70, 86_400])
+    def test_that_start_minutes_later_are_not(self, tmp_path: Path, pause: int) -> None:
+        held = messages(60)
+        later = [(topic, time_ns + pause * 10**9, raw) for topic, time_ns, raw in held[30:]]
+        folder = self.folder(tmp_path, held[:30], later)
+        if pause < 60:
+            assert read_count(folder) == {"/scan": 40, "/cmd_vel": 20}
+            return
+        with pytest.raises(RecordingError, match="2 recordings in this folder"):
+            open(folder)
+
     @pytest.mark.parametrize("count", [30, 300])
     @pytest.mark.parametrize("cut", [0, 100])
     def test_that_are_copies_of_one_run_are_not(self, tmp_path: Path, count: int, cut: int) -> None:

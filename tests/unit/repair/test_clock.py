@@ -39,6 +39,8 @@ GONE_ON = [i / 10 - 0.1 * (i >= 50) for i in range(100)]
 
 ONE_FILE = ("bag", "bz2", "mcap", "long_mcap", "db3")
 FOLDERS = ("split_mcap", "split_db3", "bare_split")
+PARTS_FOLLOW_ON = [kind for kind in KINDS if kind != "bare_split"]
+"""Files without metadata whose times do not follow on are several recordings."""
 
 
 def number(scan: Any) -> int:
@@ -126,8 +128,7 @@ def without_arrival(frame: bytes) -> bytes:
     return frame[:24] + frame[FRAME_HEADER.size :]
 
 
-# Files without metadata whose times do not follow on are several recordings.
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "bare_split"])
+@pytest.mark.parametrize("kind", PARTS_FOLLOW_ON)
 def test_a_clock_that_is_set_back_for_good_goes_on_from_where_it_was(tmp_path: Path, kind: str) -> None:
     recording = robowidgets.open(KINDS[kind](tmp_path, drive(step(3600.0))))
     assert recording.problems == (SET_BACK_3600,)
@@ -214,13 +215,24 @@ class TestNothingIsSaidAndNothingTouched:
         path = KINDS[kind](tmp_path, drive(times))
         self.check(path, sorted(time - min(times) for time in times))
 
-    def test_when_a_day_lies_between_any_two_messages(self, tmp_path: Path, kind: str) -> None:
+    def test_but_that_a_clock_stood_still(self, tmp_path: Path, kind: str) -> None:
+        recording = robowidgets.open(KINDS[kind](tmp_path, drive([1.0] * 100)))
+        assert order(recording) == list(range(100))
+        assert [number(moment.sample) for moment in recording.scans()] == list(range(100))
+        assert recording.problems == (
+            "/scan: the clock stands still: 99 of 100 samples bear the time of the one before",
+        )
+
+
+@pytest.mark.parametrize("kind", PARTS_FOLLOW_ON)
+class TestALongSilence:
+    def test_is_no_step_where_a_day_lies_between_any_two_messages(self, tmp_path: Path, kind: str) -> None:
         recording = robowidgets.open(KINDS[kind](tmp_path, drive([i * 86_400.0 for i in range(100)])))
         assert recording.problems == ()
         assert recording.duration == 99 * 86_400
         assert order(recording) == list(range(100))
 
-    def test_when_a_robot_was_silent_for_29_days(self, tmp_path: Path, kind: str) -> None:
+    def test_is_no_step_where_it_takes_29_days(self, tmp_path: Path, kind: str) -> None:
         days = LEAP_NS / 1e9 - 86_400
         recording, track = open_scans(KINDS[kind](tmp_path, drive(step(-days))))
         assert recording.problems == ()
@@ -232,14 +244,6 @@ class TestNothingIsSaidAndNothingTouched:
         assert len(list(track.frames(days + 9.0, days + 10.0))) == 11
         ((_, raw),) = segment([track], int(days) + 9)
         assert np.frombuffer(raw, np.float64, 1)[0] == 11
-
-    def test_but_that_a_clock_stood_still(self, tmp_path: Path, kind: str) -> None:
-        recording = robowidgets.open(KINDS[kind](tmp_path, drive([1.0] * 100)))
-        assert order(recording) == list(range(100))
-        assert [number(moment.sample) for moment in recording.scans()] == list(range(100))
-        assert recording.problems == (
-            "/scan: the clock stands still: 99 of 100 samples bear the time of the one before",
-        )
 
 
 class TestADamagedRecording:
