@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import logging
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -92,12 +91,3 @@ _all: WeakSet[Program] = WeakSet()
 def _interrupt_all() -> None:
     for program in list(_all):
         program.interrupt()
-
-
-def _close_all() -> None:
-    for program in list(_all):
-        program.close()
-
-
-# Before the zeros of the watchdog, which registered earlier: no program may drive after them.
-atexit.register(_close_all)

@@ -6,6 +6,7 @@ import atexit
 import logging
 import os
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from .._core.platform_fixes import call_before_end
@@ -35,13 +36,15 @@ def close_at_end() -> None:
 
 
 def _close_all() -> None:
+    there, until = list(open_feeds), time.monotonic() + END_TIMEOUT
+    for one in there:  # no program may drive after the zeros
+        _try(one.programs.close)
     stop_all()  # before closing, which may take seconds for each feed
-    until = time.monotonic() + END_TIMEOUT
-    for one in list(open_feeds):
+    for one in there:
         if time.monotonic() > until:
             log.error("the process ends without waiting for a feed to close: %s", one.where)
             return
-        _close(one)
+        _try(one.close)
 
 
 def _forget_all() -> None:
@@ -50,9 +53,9 @@ def _forget_all() -> None:
     open_feeds.clear()
 
 
-def _close(one: Connection) -> None:
+def _try(close: Callable[[], object]) -> None:
     try:
-        one.close()
+        close()
     except Exception:  # the other feeds must be closed, too
         log.exception("a feed could not be closed")
 
