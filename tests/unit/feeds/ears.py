@@ -44,5 +44,9 @@ class Ears:
     def on_unheard(self, topic: str, reason: str) -> None:
         self.unheard[topic] = reason
 
+    def words(self, topic: str) -> str:
+        """What is wrong with a topic now."""
+        return self.troubles.get(topic, "") or self.unheard.get(topic, "")
+
     def of(self, topic: str) -> list[Any]:
         return [message for name, message in self.messages if name == topic]

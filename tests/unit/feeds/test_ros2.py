@@ -19,6 +19,7 @@ from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, Fe
 from robowidgets.feeds.ros2 import LOOK, Ros2
 
 from ..waiting import wait_for
+from .ears import Ears
 from .fake_rclpy import (
     DurabilityPolicy,
     Graph,
@@ -29,7 +30,6 @@ from .fake_rclpy import (
     get_message,
     install,
 )
-from .recorder import Recorder
 
 SCAN = "sensor_msgs/msg/LaserScan"
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
@@ -44,12 +44,12 @@ def graph(monkeypatch: pytest.MonkeyPatch) -> Iterator[Graph]:
 
 
 @pytest.fixture
-def heard() -> Recorder:
-    return Recorder()
+def heard() -> Ears:
+    return Ears()
 
 
 @pytest.fixture
-def ros2(graph: Graph, heard: Recorder) -> Iterator[Ros2]:
+def ros2(graph: Graph, heard: Ears) -> Iterator[Ros2]:
     ros2 = Ros2(domain_id=7)
     ros2.open(heard)
     yield ros2
@@ -122,7 +122,7 @@ def subscribed(ros2: Ros2, graph: Graph, topic: str) -> Any:
 # -- topics ------------------------------------------------------------------------------------------------------------
 
 
-def test_topics_tell_what_others_publish_and_listen_to(ros2: Ros2, graph: Graph, heard: Recorder, robot: Robot) -> None:
+def test_topics_tell_what_others_publish_and_listen_to(ros2: Ros2, graph: Graph, heard: Ears, robot: Robot) -> None:
     offer(graph, "/scan", SCAN)
     subscribed(ros2, graph, "/scan")
     ros2.publish("/cmd_vel", TWIST, FORWARD)
@@ -133,7 +133,7 @@ def test_topics_tell_what_others_publish_and_listen_to(ros2: Ros2, graph: Graph,
 
 
 def test_other_nodes_that_publish_are_named_as_far_as_their_names_are_known(
-    ros2: Ros2, graph: Graph, heard: Recorder
+    ros2: Ros2, graph: Graph, heard: Ears
 ) -> None:
     for name, namespace in (("teleop", "/hand"), ("nav", "/"), ("_NODE_NAME_UNKNOWN_", "_NODE_NAMESPACE_UNKNOWN_")):
         graph.node(name, namespace).create_publisher(get_message(TWIST), "/cmd_vel", 1)
@@ -145,7 +145,7 @@ def test_other_nodes_that_publish_are_named_as_far_as_their_names_are_known(
     wait_for(lambda: heard.topics == expected, "they are named")
 
 
-def test_a_topic_that_nobody_publishes_any_more_is_not_offered(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_a_topic_that_nobody_publishes_any_more_is_not_offered(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     lonely, shared = offer(graph, "/lonely", SCAN), offer(graph, "/shared", SCAN)
     graph.node("viewer").create_subscription(get_message(SCAN), "/shared", lambda _message: None, 1)
     for topic in ("/lonely", "/shared"):
@@ -157,25 +157,25 @@ def test_a_topic_that_nobody_publishes_any_more_is_not_offered(ros2: Ros2, graph
 
 
 def test_a_topic_that_appears_soon_after_the_start_is_told_soon(
-    ros2: Ros2, graph: Graph, heard: Recorder, robot: Robot
+    ros2: Ros2, graph: Graph, heard: Ears, robot: Robot
 ) -> None:
     wait_for(lambda: heard.topics, "the robot is known")
     assert time.monotonic() - graph.nodes[0].made < LOOK / 2
 
 
-def test_a_topic_whose_name_ros_refuses_stops_nothing(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_a_topic_whose_name_ros_refuses_stops_nothing(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     offer(graph, "/a-topic of somebody else's", SCAN)
     offer(graph, "/scan", SCAN)
     ros2.subscribe("/my scan")
     subscribed(ros2, graph, "/scan")
-    wait_for(lambda: [advert.name for advert in heard.topics] == ["/scan"], "the others are told")
+    wait_for(lambda: [advert.name for advert in heard.topics or ()] == ["/scan"], "the others are told")
     assert heard.lost == []
 
 
 # -- messages ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_message_comes(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_a_message_comes(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     publisher = offer(graph, "/scan", SCAN)
     subscribed(ros2, graph, "/scan")
     message = get_message(SCAN)()
@@ -212,7 +212,7 @@ def test_a_policy_that_is_not_known_is_heard_best_effort(ros2: Ros2, graph: Grap
     assert (qos.history, qos.reliability) == (HistoryPolicy.KEEP_LAST, ReliabilityPolicy.BEST_EFFORT)
 
 
-def test_a_refusal_is_told_and_gone_with_the_next_message(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_a_refusal_is_told_and_gone_with_the_next_message(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     publisher = offer(graph, "/scan", SCAN, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
     subscribed(ros2, graph, "/scan")
     refused = offer(graph, "/scan", SCAN)
@@ -227,7 +227,7 @@ def test_a_refusal_is_told_and_gone_with_the_next_message(ros2: Ros2, graph: Gra
 
 
 def test_a_truncated_message_is_told_until_a_whole_one_comes_and_holds_up_no_other(
-    ros2: Ros2, graph: Graph, heard: Recorder
+    ros2: Ros2, graph: Graph, heard: Ears
 ) -> None:
     publisher, other = offer(graph, "/scan", SCAN), offer(graph, "/other", SCAN)
     subscribed(ros2, graph, "/other")
@@ -252,7 +252,7 @@ def test_it_subscribes_where_refusals_cannot_be_told(ros2: Ros2, graph: Graph) -
     ros2.publish("/cmd_vel", TWIST, ZERO)
 
 
-def test_a_publisher_that_was_killed_and_restarted_is_heard_again(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_a_publisher_that_was_killed_and_restarted_is_heard_again(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     publisher = offer(graph, "/scan", SCAN)
     subscribed(ros2, graph, "/scan")
     publisher.node.destroy_node()
@@ -264,7 +264,7 @@ def test_a_publisher_that_was_killed_and_restarted_is_heard_again(ros2: Ros2, gr
     assert heard.lost == []
 
 
-def test_two_publishers_on_one_topic_are_both_heard(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_two_publishers_on_one_topic_are_both_heard(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     both = [offer(graph, "/scan", SCAN), offer(graph, "/scan", SCAN)]
     ros2.subscribe("/scan")
     sent = []
@@ -286,7 +286,7 @@ def test_a_topic_that_changes_its_type_is_heard_on(ros2: Ros2, graph: Graph) -> 
     wait_for(lambda: [s.topic_type for s in subscriptions(graph)] == [STAMPED], "the other type is subscribed")
 
 
-def test_a_package_that_is_not_installed_is_named(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_a_package_that_is_not_installed_is_named(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     known = get_message(SCAN)
     known.name = "x_msgs/msg/Bump"
     graph.node().create_publisher(known, "/bump", 1)
@@ -298,9 +298,7 @@ def test_a_package_that_is_not_installed_is_named(ros2: Ros2, graph: Graph, hear
     )
 
 
-def test_a_package_that_is_half_installed_is_trouble_of_its_topic_alone(
-    ros2: Ros2, graph: Graph, heard: Recorder
-) -> None:
+def test_a_package_that_is_half_installed_is_trouble_of_its_topic_alone(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     graph.broken.add(TWIST)
     offer(graph, "/speed", TWIST)
     offer(graph, "/scan", SCAN)
@@ -311,7 +309,7 @@ def test_a_package_that_is_half_installed_is_trouble_of_its_topic_alone(
     assert heard.lost == []
 
 
-def test_events_are_told_by_the_older_rclpy_too(monkeypatch: pytest.MonkeyPatch, heard: Recorder) -> None:
+def test_events_are_told_by_the_older_rclpy_too(monkeypatch: pytest.MonkeyPatch, heard: Ears) -> None:
     graph = install(monkeypatch, events="qos_event")
     ros2 = Ros2(domain_id=7)
     ros2.open(heard)
@@ -336,7 +334,7 @@ def test_the_first_message_of_a_feed_that_was_just_opened_arrives(ros2: Ros2, gr
     wait_for(lambda: robot.speeds == [0.0], "the robot received it")
 
 
-def test_the_first_message_to_a_robot_that_came_late_arrives(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_the_first_message_to_a_robot_that_came_late_arrives(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     wait_for(lambda: heard.connected, "it is connected")
     with Robot(graph) as robot:
         wait_for(lambda: heard.topics, "the robot is known")
@@ -344,7 +342,7 @@ def test_the_first_message_to_a_robot_that_came_late_arrives(ros2: Ros2, graph: 
         wait_for(lambda: robot.speeds == [0.0], "the robot received it")
 
 
-def test_what_nobody_listens_to_waits_for_nobody(ros2: Ros2, graph: Graph, heard: Recorder, robot: Robot) -> None:
+def test_what_nobody_listens_to_waits_for_nobody(ros2: Ros2, graph: Graph, heard: Ears, robot: Robot) -> None:
     wait_for(lambda: heard.topics, "the robot is known")
     began = time.monotonic()
     ros2.publish("/cmd_vel", STAMPED, {"twist": ZERO})  # it takes the other type
@@ -416,7 +414,7 @@ def test_what_rclpy_does_not_publish_is_refused(ros2: Ros2, graph: Graph) -> Non
 
 
 def test_without_a_connection_nothing_is_published_and_nothing_kept(
-    graph: Graph, heard: Recorder, monkeypatch: pytest.MonkeyPatch
+    graph: Graph, heard: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(**_: Any) -> None:
         raise RuntimeError("failed to initialize rcl: no network")
@@ -438,7 +436,7 @@ def test_without_a_connection_nothing_is_published_and_nothing_kept(
 
 
 def test_a_listener_that_refuses_our_quality_of_service_is_told_until_it_is_gone(
-    ros2: Ros2, graph: Graph, heard: Recorder, robot: Robot
+    ros2: Ros2, graph: Graph, heard: Ears, robot: Robot
 ) -> None:
     ros2.publish("/cmd_vel", TWIST, ZERO)
     wait_for(lambda: robot.speeds, "the robot received it")
@@ -448,16 +446,12 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told_until_it_is_gone
         lambda _message: None,
         QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL),
     )
-    wait_for(lambda: heard.troubles, "it is told")
-    assert heard.troubles == [
-        (
-            "/cmd_vel",
-            "a subscriber of /cmd_vel expects earlier messages (durability), so it receives nothing",
-        )
-    ]
+    wait_for(lambda: heard.unheard, "it is told")
+    words = "a subscriber of /cmd_vel expects earlier messages (durability), so it receives nothing"
+    assert heard.unheard == {"/cmd_vel": words}
     offer(graph, "/scan", SCAN)
-    wait_for(lambda: any(advert.name == "/scan" for advert in heard.topics), "it looked again")
-    assert len(heard.troubles) == 1
+    wait_for(lambda: any(advert.name == "/scan" for advert in heard.topics or ()), "it looked again")
+    assert heard.unheard == {"/cmd_vel": words}
     picky.node.destroy_node()
     wait_for(lambda: heard.words("/cmd_vel") == "", "it is over")
 
@@ -466,7 +460,7 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told_until_it_is_gone
 
 
 def test_a_ros_that_does_not_start_is_told_and_tried_again(
-    graph: Graph, heard: Recorder, monkeypatch: pytest.MonkeyPatch
+    graph: Graph, heard: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rclpy, tries = sys.modules["rclpy"], []
     init = rclpy.init
@@ -481,14 +475,14 @@ def test_a_ros_that_does_not_start_is_told_and_tried_again(
     ros2 = Ros2()
     ros2.open(heard)
     wait_for(lambda: heard.connected, "it is connected")
-    assert heard.lost[0][0] == f"{ros2.where} cannot be used: failed to initialize rcl: no network"
+    assert heard.lost[0] == f"{ros2.where} cannot be used: failed to initialize rcl: no network"
     ros2.close()
 
 
 def test_a_hundred_opens_and_closes_leave_no_thread_and_no_node(graph: Graph) -> None:
     threads = threading.active_count()
     for _ in range(100):
-        heard = Recorder()
+        heard = Ears()
         ros2 = Ros2(domain_id=7)
         ros2.open(heard)
         ros2.subscribe("/scan")
@@ -501,14 +495,14 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_node(graph: Graph) ->
 def test_two_feeds_have_nodes_of_different_names(graph: Graph) -> None:
     both = [Ros2(domain_id=7), Ros2(domain_id=7)]
     for ros2 in both:
-        ros2.open(Recorder())
+        ros2.open(Ears())
     wait_for(lambda: len(graph.nodes) == 2, "both have a node")
     assert graph.nodes[0].name != graph.nodes[1].name
     for ros2 in both:
         ros2.close()
 
 
-def test_what_is_ours_is_shut_down_in_order_and_leaves_no_thread(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_what_is_ours_is_shut_down_in_order_and_leaves_no_thread(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     wait_for(lambda: heard.connected, "it is connected")
     ros2.close()
     ros2.close()
@@ -517,7 +511,7 @@ def test_what_is_ours_is_shut_down_in_order_and_leaves_no_thread(ros2: Ros2, gra
     assert "robowidgets-ros2" not in {thread.name for thread in threading.enumerate()}
 
 
-def test_closing_takes_no_longer_than_it_may_whatever_rclpy_does(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
+def test_closing_takes_no_longer_than_it_may_whatever_rclpy_does(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     wait_for(lambda: heard.connected, "it is connected")
     released, held = threading.Event(), threading.Event()
 
@@ -563,7 +557,7 @@ def test_what_is_asked_of_an_idle_feed_is_done_at_once(
     offer(graph, "/scan", SCAN)
     subscribing, closing = [], []
     for _ in range(3):
-        ros2, heard = Ros2(domain_id=7), Recorder()
+        ros2, heard = Ros2(domain_id=7), Ears()
         ros2.open(heard)
         wait_for(lambda: heard.topics, "the topics are known")  # noqa: B023
         began = time.monotonic()
@@ -577,8 +571,8 @@ def test_what_is_asked_of_an_idle_feed_is_done_at_once(
     assert statistics.median(closing) < 0.1
 
 
-def test_it_can_be_closed_in_a_callback(ros2: Ros2, graph: Graph, heard: Recorder) -> None:
-    heard.then = ros2.close
+def test_it_can_be_closed_in_a_callback(ros2: Ros2, graph: Graph, heard: Ears) -> None:
+    heard.then = lambda *_: ros2.close()
     publisher = offer(graph, "/scan", SCAN)
     subscribed(ros2, graph, "/scan")
     publisher.publish(get_message(SCAN)())
@@ -586,7 +580,7 @@ def test_it_can_be_closed_in_a_callback(ros2: Ros2, graph: Graph, heard: Recorde
 
 
 def test_an_interrupt_that_ends_all_of_rclpy_is_told_once_and_survived(
-    ros2: Ros2, graph: Graph, heard: Recorder, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    ros2: Ros2, graph: Graph, heard: Ears, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     unraisable: list[Any] = []
     monkeypatch.setattr(sys, "unraisablehook", unraisable.append)
@@ -597,7 +591,9 @@ def test_an_interrupt_that_ends_all_of_rclpy_is_told_once_and_survived(
     subscribed(ros2, graph, "/scan")
     publisher.publish(get_message(SCAN)())
     wait_for(lambda: heard.messages, "messages come again")
-    assert heard.lost == [("ROS 2, domain 7 cannot be used: rclpy was shut down", 0.0)]
+    assert list(zip(heard.lost, heard.pauses, strict=True)) == [
+        ("ROS 2, domain 7 cannot be used: rclpy was shut down", 0.0)
+    ]
     assert [context.ok() for context in graph.contexts] == [False, True]
     gc.collect()
     assert (unraisable, capfd.readouterr().err) == ([], "")
@@ -661,7 +657,7 @@ def test_a_zero_that_the_robot_cannot_have_received_is_not_called_sent(ros2: Ros
 # -- a node of the program's -------------------------------------------------------------------------------------------
 
 
-def test_of_a_node_only_the_domain_is_used(graph: Graph, heard: Recorder) -> None:
+def test_of_a_node_only_the_domain_is_used(graph: Graph, heard: Ears) -> None:
     node = graph.node("mine")
     publisher = offer(graph, "/scan", SCAN)
     ros2 = Ros2(node)
@@ -676,7 +672,7 @@ def test_of_a_node_only_the_domain_is_used(graph: Graph, heard: Recorder) -> Non
     assert node.context.ok()
 
 
-def test_messages_come_after_the_program_s_context_was_shut_down(graph: Graph, heard: Recorder) -> None:
+def test_messages_come_after_the_program_s_context_was_shut_down(graph: Graph, heard: Ears) -> None:
     node = graph.node("mine")
     ros2 = Ros2(node)
     ros2.open(heard)
@@ -708,7 +704,7 @@ def test_wrong_arguments_are_refused_by_name(graph: Graph) -> None:
         Ros2(graph.node(), domain_id=1)
 
 
-def test_without_rclpy_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch, heard: Recorder) -> None:
+def test_without_rclpy_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch, heard: Ears) -> None:
     monkeypatch.setitem(sys.modules, "rclpy", None)
     with pytest.raises(FeedError, match=r"rclpy cannot be imported here .* feeds\.dds\(\) needs no ROS"):
         Ros2().open(heard)

@@ -29,7 +29,7 @@ from robowidgets.feeds.middleware import Advert, FeedError
 from robowidgets.feeds.ros2 import Ros2
 
 from ..waiting import wait_for
-from .recorder import Recorder
+from .ears import Ears
 
 DOMAIN = 1 + os.getpid() % 100
 SCAN = "sensor_msgs/msg/LaserScan"
@@ -60,12 +60,12 @@ def robot() -> Iterator[Any]:
 
 
 @pytest.fixture
-def heard() -> Recorder:
-    return Recorder()
+def heard() -> Ears:
+    return Ears()
 
 
 @pytest.fixture
-def ros2(heard: Recorder) -> Iterator[Ros2]:
+def ros2(heard: Ears) -> Iterator[Ros2]:
     ros2 = Ros2(domain_id=DOMAIN)
     ros2.open(heard)
     yield ros2
@@ -85,16 +85,16 @@ def scan() -> Any:
 
 
 @pytest.mark.parametrize("qos", [qos_profile_sensor_data, QoSProfile(depth=5)], ids=["best-effort", "reliable"])
-def test_a_scan_comes(ros2: Ros2, heard: Recorder, robot: Any, qos: Any) -> None:
+def test_a_scan_comes(ros2: Ros2, heard: Ears, robot: Any, qos: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", qos)
     ros2.subscribe("/scan")
     publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
     assert isinstance(heard.messages[0][1].ranges, array)
     assert Advert("/scan", SCAN, True, False) in heard.topics
-    assert heard.troubles == []
+    assert heard.said == []
 
 
-def test_a_latched_scan_comes_to_those_who_come_late(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+def test_a_latched_scan_comes_to_those_who_come_late(ros2: Ros2, heard: Ears, robot: Any) -> None:
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     robot.create_publisher(LaserScan, "/kept", qos).publish(scan())
     ros2.subscribe("/kept")
@@ -102,11 +102,11 @@ def test_a_latched_scan_comes_to_those_who_come_late(ros2: Ros2, heard: Recorder
 
 
 @pytest.mark.parametrize("kind", [Twist, TwistStamped])
-def test_the_robot_hears_a_speed(ros2: Ros2, heard: Recorder, robot: Any, kind: Any) -> None:
+def test_the_robot_hears_a_speed(ros2: Ros2, heard: Ears, robot: Any, kind: Any) -> None:
     got: list[Any] = []
     robot.create_subscription(kind, "/cmd_vel", got.append, 1)
     name = f"geometry_msgs/msg/{kind.__name__}"
-    wait_for(lambda: Advert("/cmd_vel", name, False, True) in heard.topics, "the topic is known")
+    wait_for(lambda: Advert("/cmd_vel", name, False, True) in (heard.topics or ()), "the topic is known")
     twist = {"linear": {"x": 0.25}}
     message = twist if kind is Twist else {"header": {"frame_id": "base"}, "twist": twist}
 
@@ -118,7 +118,7 @@ def test_the_robot_hears_a_speed(ros2: Ros2, heard: Recorder, robot: Any, kind: 
     assert (got[0] if kind is Twist else got[0].twist).linear.x == 0.25
 
 
-def test_every_speed_arrives_within_a_tenth_of_a_second(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+def test_every_speed_arrives_within_a_tenth_of_a_second(ros2: Ros2, heard: Ears, robot: Any) -> None:
     log: list[tuple[float, float]] = []
     robot.create_subscription(Twist, "/cmd_vel", lambda message: log.append((time.monotonic(), message.linear.x)), 10)
     wait_for(lambda: heard.topics, "the topic is known")
@@ -132,7 +132,7 @@ def test_every_speed_arrives_within_a_tenth_of_a_second(ros2: Ros2, heard: Recor
     assert statistics.median(late) < 0.1
 
 
-def test_a_listener_that_refuses_our_quality_of_service_is_told(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+def test_a_listener_that_refuses_our_quality_of_service_is_told(ros2: Ros2, heard: Ears, robot: Any) -> None:
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     picky = robot.create_subscription(Twist, "/cmd_vel", print, qos)
     wait_for(lambda: heard.topics, "the topic is known")
@@ -142,10 +142,10 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told(ros2: Ros2, hear
     wait_for(lambda: heard.words("/cmd_vel") == "", "it is over")
 
 
-def test_another_publisher_is_named(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+def test_another_publisher_is_named(ros2: Ros2, heard: Ears, robot: Any) -> None:
     robot.create_publisher(Twist, "/cmd_vel", 1)
     expected = Advert("/cmd_vel", "geometry_msgs/msg/Twist", True, False, ("/robot",))
-    wait_for(lambda: expected in heard.topics, "it is named")
+    wait_for(lambda: expected in (heard.topics or ()), "it is named")
 
 
 DRIVER = """
@@ -175,7 +175,7 @@ def test_a_program_that_ends_while_it_drives_stops_the_robot(robot: Any, end: st
     wait_for(lambda: speeds[-1] == 0.0, "the robot stops", 5.0)
 
 
-def test_of_a_node_only_the_domain_is_used(heard: Recorder, robot: Any) -> None:
+def test_of_a_node_only_the_domain_is_used(heard: Ears, robot: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", 1)
     ros2 = Ros2(robot)
     ros2.open(heard)
@@ -187,7 +187,7 @@ def test_of_a_node_only_the_domain_is_used(heard: Recorder, robot: Any) -> None:
     assert [s.topic_name for s in robot.subscriptions if s.topic_name == "/scan"] == []
 
 
-def test_subscriptions_come_and_go_often(heard: Recorder, robot: Any) -> None:
+def test_subscriptions_come_and_go_often(heard: Ears, robot: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", 10)
     ros2 = Ros2(robot)
     ros2.open(heard)
@@ -200,7 +200,7 @@ def test_subscriptions_come_and_go_often(heard: Recorder, robot: Any) -> None:
     assert heard.lost == []
 
 
-def test_a_name_that_ros_refuses_stops_nothing(ros2: Ros2, heard: Recorder, robot: Any) -> None:
+def test_a_name_that_ros_refuses_stops_nothing(ros2: Ros2, heard: Ears, robot: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", 1)
     ros2.subscribe("/my scan")
     ros2.subscribe("/scan")
@@ -209,12 +209,12 @@ def test_a_name_that_ros_refuses_stops_nothing(ros2: Ros2, heard: Recorder, robo
         ros2.publish("/cmd vel", "geometry_msgs/msg/Twist", {})
 
 
-def test_it_can_be_closed_in_a_callback_and_opened_again(heard: Recorder, robot: Any) -> None:
+def test_it_can_be_closed_in_a_callback_and_opened_again(heard: Ears, robot: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", 1)
     for _ in range(3):
-        again = Recorder()
+        again = Ears()
         ros2 = Ros2(domain_id=DOMAIN)
-        again.then = ros2.close
+        again.then = lambda *_, ros2=ros2: ros2.close()
         ros2.open(again)
         ros2.subscribe("/scan")
         publish_until(publisher, scan(), lambda again=again: again.messages, "a scan came")
