@@ -352,8 +352,8 @@ class CommandWatchdog(Watched):
                 _log_in_thread(f"the robot could not be told to stop: {error}")
         elif error is None:
             self._moved_at, self._zero_at, self._next_speed_at = now, self._expires, now + INTERVAL
-        elif not isinstance(error, self._not_sent):
-            self._zero_at = 0.0
+        elif not isinstance(error, self._not_sent):  # it may have reached the robot, or may still
+            self._moved_at, self._zero_at = now, 0.0
 
 
 def _log_in_thread(text: str) -> None:

@@ -140,7 +140,7 @@ class Connection(Watched):
             self.is_closed = True
         try:
             self.programs.close()
-            with contextlib.suppress(FeedError, TimeoutError):  # the watchdog logs it
+            with contextlib.suppress(FeedError, OSError):  # the watchdog logs it
                 self.watchdog.close()
         finally:
             try:

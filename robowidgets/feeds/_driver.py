@@ -62,7 +62,7 @@ class Driver:
             raise TypeError(f"driving: expected feeds.Driving(topic=..., max_linear=...), got {driving!r}")
         with self._changing:
             if self.watchdog.owes_zero:
-                with contextlib.suppress(FeedError, TimeoutError):  # the watchdog logs it and sends zero later
+                with contextlib.suppress(FeedError, OSError):  # the watchdog logs it and sends zero later
                     self.watchdog.sent_in_time(self.watchdog.stop())
             self._driving, self._status.cut, self._connected_by = driving, "", None
 
@@ -109,7 +109,7 @@ class Driver:
         self._connection.check_open()
         try:
             self.watchdog.sent_in_time(self.watchdog.stop())
-        except (FeedError, TimeoutError) as error:
+        except (FeedError, OSError) as error:
             follows = "; zero follows when it can be sent" if self.watchdog.owes_zero else ""
             raise FeedError(f"cannot stop: {self._connection.status or error}{follows}") from None
 
@@ -141,7 +141,7 @@ class Driver:
         request = self._request(velocity, PROGRAM)
         try:
             self.watchdog.sent_in_time(request)
-        except (FeedError, TimeoutError) as error:
+        except (FeedError, OSError) as error:
             is_connecting = isinstance(error, NotYetError) and time.monotonic() < (self._connected_by or 0.0)
             if is_connecting and self.watchdog.stops == stops:
                 return False

@@ -123,24 +123,26 @@ class WebSocketClient:
                 robot that is gone.
 
         Raises:
-            FeedError: there is no connection, or it took more than `SEND_TIMEOUT`. A frame to be confirmed is still
-                sent as soon as this connection allows it; others are not.
+            FeedError: there is no connection, or nothing could be sent within `SEND_TIMEOUT`; the frame is dropped.
+            TimeoutError, ConnectionError: the frame may have reached the robot, or may still. One to be confirmed is
+                sent as soon as this connection allows it.
         """
+        taken = threading.Lock()  # by the client's thread to send the frame, or by this one to drop it
         with self._lock:
             if self._connection is None or self._loop is None:
                 raise FeedError(f"there is no connection to {self.address}")
-            sending = asyncio.run_coroutine_threadsafe(self._publish(frame, confirm), self._loop)
+            sending = asyncio.run_coroutine_threadsafe(self._publish(frame, confirm, taken), self._loop)
         try:
             sending.result(SEND_TIMEOUT)
+            return
         except concurrent.futures.TimeoutError:
-            if not confirm:
-                sending.cancel()
-            if self._written is not None and not self._written.done():
-                raise FeedError(f"{self.address} does not take what is sent") from None
-            silence = max(SEND_TIMEOUT, time.monotonic() - (self._asked_at or math.inf))
-            raise FeedError(f"{self.address} has not answered for {silence:.1f} s") from None
-        except Exception as error:  # whatever the network and tornado raise, or it was cancelled
-            raise FeedError(f"the connection to {self.address} ended") from error
+            late: OSError = TimeoutError(self._why_late())
+        except Exception:  # whatever the network and tornado raise, or it was cancelled
+            late = ConnectionError(f"the connection to {self.address} ended")
+        if not confirm and taken.acquire(blocking=False):
+            sending.cancel()
+            raise FeedError(str(late))
+        raise late
 
     # -- in the client's thread ----------------------------------------------------------------------------------------
 
@@ -298,13 +300,21 @@ class WebSocketClient:
         self._written = self._connection.write_message(frame, binary=isinstance(frame, bytes))
         self._written.add_done_callback(lambda written: written.cancelled() or written.exception())
 
-    async def _publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
+    def _why_late(self) -> str:
+        if self._written is not None and not self._written.done():
+            return f"{self.address} does not take what is sent"
+        silence = max(SEND_TIMEOUT, time.monotonic() - (self._asked_at or math.inf))
+        return f"{self.address} has not answered for {silence:.1f} s"
+
+    async def _publish(self, frame: Callable[[], Frame], confirm: bool, taken: threading.Lock) -> None:
         # A speed that cannot be sent now must not reach the robot later, and tornado cannot cancel a write. So tornado
         # gets a frame only when it has written the one before, and a speed only while the robot answers.
         if not confirm and self._asked_at is not None and time.monotonic() - self._asked_at > SEND_TIMEOUT:
             await self._answered.wait()
         if self._written is not None:
             await asyncio.shield(self._written)
+        if not taken.acquire(blocking=False):
+            return
         self._send(frame())
         assert self._written is not None
         await asyncio.shield(self._written)

@@ -93,7 +93,8 @@ class Middleware(Protocol):
         Raises:
             NotYetError: no subscriber has connected yet.
             FeedError: there is no connection, the network does not take the message within `SEND_TIMEOUT`, or messages
-                cannot be published at all.
+                cannot be published at all. The message is not sent.
+            TimeoutError, ConnectionError: it may have reached the robot, or may still.
         """
 
     def close(self) -> None:

@@ -7,6 +7,7 @@ import struct
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -395,6 +396,28 @@ def test_a_feed_that_drives_stops_the_robot_when_it_is_closed() -> None:
         real.server.stop()
     speeds = [np.frombuffer(payload[4:]).tolist() for payload in taken.payloads]
     assert (speeds[0], speeds[-1]) == ([0.25, 0, 0, 0, 0, -0.5], [0.0] * 6)
+
+
+def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    frame_on = Foxglove._frame_on
+
+    def slowly(self: Foxglove, key: tuple[str, str, str], payload: bytes) -> bytes:
+        monkeypatch.setattr(Foxglove, "_frame_on", frame_on)
+        time.sleep(0.7)  # as where a busy program leaves no time for it
+        return frame_on(self, key, payload)
+
+    with (
+        OldFoxglove([channel(1)], capabilities=["clientPublish"], supportedEncodings=["json"]) as server,
+        feeds.foxglove(server.address) as feed,
+    ):
+        wait_for(lambda: feed.topics, "the topics are known")
+        feed.driving = feeds.Driving(hold=60.0)
+        monkeypatch.setattr(Foxglove, "_frame_on", slowly)
+        with pytest.raises(FeedError, match="cannot drive: "):
+            feed.drive(0.25)
+        wait_for(lambda: sum(isinstance(said, bytes) for said in server.heard) > 1, "the speed and zero came")
+        speeds = [json.loads(said[5:])["linear"]["x"] for said in server.heard if isinstance(said, bytes)]
+        assert speeds == [0.25, 0.0]
 
 
 def test_a_robot_that_was_lost_while_it_drove_is_stopped_though_its_server_takes_time_to_introduce_itself() -> None:

@@ -403,7 +403,7 @@ def test_to_a_robot_that_falls_silent_publishing_a_zero_is_an_error_that_says_so
         zero = {"header": {"stamp": {"sec": 1, "nanosec": 2}, "frame_id": "base"}, "twist": {"linear": {"x": 0.0}}}
         middleware.publish("/cmd_vel", STAMPED, zero)
         go_on = server.stall()
-        with pytest.raises(FeedError, match=f"{server.address} has not answered for 0.5 s"):
+        with pytest.raises(TimeoutError, match=f"{server.address} has not answered for 0.5 s"):
             middleware.publish("/cmd_vel", STAMPED, zero)
         go_on()
         middleware.publish("/cmd_vel", STAMPED, zero)
