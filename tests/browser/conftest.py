@@ -33,7 +33,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, Playwright, expect, sync_playwright
 
 from . import chromium, export
 from .console import Console
@@ -50,6 +50,8 @@ Screen = tuple[Host, int, bool]
 
 HELD_KEYS = ("ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "w", "a", "s", "d", "Shift")
 """Keys that a test may leave pressed."""
+
+expect.set_options(timeout=15_000)  # a machine may have much else to do
 
 
 @pytest.hookimpl(wrapper=True)

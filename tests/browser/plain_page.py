@@ -222,6 +222,8 @@ class PlainPage:
     def resize(self, width: int, height: int = 900) -> None:
         """Size the window such that what a cell displays has `width` CSS pixels."""
         self.page.set_viewport_size({"width": width + MARGIN, "height": height})
+        # Until the widgets have drawn for their size.
+        self.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     # The way between
 

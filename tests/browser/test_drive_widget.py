@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Any
 
 import pytest
 from playwright.sync_api import Locator, expect
 
-from robowidgets._core import command_watchdog, press
+from robowidgets.driving import command_watchdog, press
 
 from .chromium import shoot
 from .notebook import Notebook
@@ -29,7 +29,7 @@ pad
 BUSY = """
 import pathlib, time
 while not pathlib.Path({stop!r}).exists():
-    time.sleep(0.001)
+    {body}
 """
 SPEEDS = "[speed for _, *speed in heard]"
 
@@ -192,9 +192,9 @@ HANG = "() => setTimeout(() => { const end = Date.now() + 1500; while (Date.now(
 
 
 def test_a_page_or_a_process_that_hangs_stops_the_robot_and_does_not_drive_on(
-    notebook: Callable[..., Notebook],
+    plain_page: Callable[..., PlainPage],
 ) -> None:
-    nb = notebook([PAD])
+    nb = plain_page([PAD])
     pad_of(nb).focus()
     nb.page.keyboard.down("ArrowUp")
     numbers(nb, "0.40", "0.00")
@@ -217,36 +217,23 @@ def test_a_page_or_a_process_that_hangs_stops_the_robot_and_does_not_drive_on(
     assert heard(nb) == 2 * [[0.4, 0.0], [0.0, 0.0]]
 
 
-ALONE = """(path) => {
-    const panel = [...window.jupyterapp.shell.widgets("main")].find((widget) => widget.context?.path === path);
-    panel.sessionContext.session.kernel.commsOverSubshells = "disabled";
-}"""
-"""Messages of widgets wait until a cell ends, as they do with kernels that know no subshells."""
-
-
-def test_a_busy_kernel_stops_it_and_what_waited_moves_nothing(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([PAD], run=False)
-    nb.page.evaluate(ALONE, nb.path)
-    nb.run_all()
+def test_a_busy_kernel_stops_it_and_what_waited_moves_nothing(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([PAD])
     pad_of(nb).focus()
     nb.page.keyboard.down("ArrowUp")
     numbers(nb, "0.40", "0.00")
-    stop = nb.lab.files / "drive-busy"
-    busy = nb.append(BUSY.format(stop=str(stop)))
-    nb.start(busy)
-    numbers(nb, "0.00", "0.00")
-    nb.page.keyboard.up("ArrowUp")
-    pad_of(nb).focus()
-    for _ in range(3):
+    with nb.busy():
+        numbers(nb, "0.00", "0.00")
+        nb.page.keyboard.up("ArrowUp")
+        pad_of(nb).focus()
+        for _ in range(3):
+            nb.page.keyboard.down("ArrowUp")
+            says(nb, "asking the kernel")
+            says(nb, "kernel busy: stopped")
+            nb.page.keyboard.up("ArrowUp")
         nb.page.keyboard.down("ArrowUp")
         says(nb, "asking the kernel")
         says(nb, "kernel busy: stopped")
-        nb.page.keyboard.up("ArrowUp")
-    nb.page.keyboard.down("ArrowUp")
-    says(nb, "asking the kernel")
-    says(nb, "kernel busy: stopped")
-    stop.touch()
-    nb.wait(busy)
     says(nb, "no answer in time: stopped")
     assert heard(nb) == [[0.4, 0.0], [0.0, 0.0]]
     nb.page.keyboard.up("ArrowUp")
@@ -295,59 +282,60 @@ pad
 """
 
 
-@pytest.mark.parametrize("body", ["time.sleep(0.001)", "pass"])
 def test_beside_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once(
-    notebook: Callable[..., Notebook], body: str
+    notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([PROGRAM])
     unhurried(nb)
-    stop = nb.lab.files / f"drive-beside-{len(body)}"
     says(nb, "a program drives")
     numbers(nb, "0.20", "0.50")
-    busy = nb.append(BUSY.format(stop=str(stop)).replace("time.sleep(0.001)", body))
-    nb.start(busy)
-    pad_of(nb).focus()
-    nb.page.keyboard.down("ArrowUp")
-    says(nb, "driving")
-    numbers(nb, "0.40", "0.00")
-    nb.page.keyboard.up("ArrowUp")
-    says(nb, "a program drives")
-    numbers(nb, "0.20", "0.50")
-    stop.touch()
-    nb.wait(busy)
-    assert nb.python("refused") == "'cannot drive: a hand drives from a pad'"
-    commands = heard(nb)
-    first = commands.index([0.4, 0.0])
-    after = next(i for i, command in enumerate(commands) if i > first and command != [0.4, 0.0])
-    assert commands[after] == [0.0, 0.0]
-    assert commands[after + 1] == [0.2, 0.5]
-    assert [0.4, 0.0] not in commands[after:], "hand and program take turns"
+    for body in ("time.sleep(0.001)", "pass"):
+        stop = nb.lab.files / f"drive-beside-{len(body)}"
+        busy = nb.append(BUSY.format(stop=str(stop), body=body))
+        nb.start(busy)
+        pad_of(nb).focus()
+        nb.page.keyboard.down("ArrowUp")
+        says(nb, "driving")
+        numbers(nb, "0.40", "0.00")
+        nb.page.keyboard.up("ArrowUp")
+        says(nb, "a program drives")
+        numbers(nb, "0.20", "0.50")
+        stop.touch()
+        nb.wait(busy)
+        assert nb.python("refused") == "'cannot drive: a hand drives from a pad'", body
+        commands = heard(nb)
+        first = commands.index([0.4, 0.0])
+        after = next(i for i, command in enumerate(commands) if i > first and command != [0.4, 0.0])
+        assert commands[after] == [0.0, 0.0], body
+        assert commands[after + 1] == [0.2, 0.5], body
+        assert [0.4, 0.0] not in commands[after:], f"hand and program take turns: {body}"
+        nb.python("heard.clear(); refused = ''")
 
 
-def test_a_kernel_that_does_not_answer_is_not_said_to_have_stopped_a_program(
-    notebook: Callable[..., Notebook],
-) -> None:
-    nb = notebook([PROGRAM], run=False)
-    nb.page.evaluate(ALONE, nb.path)
-    nb.run_all()
+@pytest.fixture
+def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[PlainPage]:
+    """A plain page with a pad of a robot that a program drives until the end of the test."""
+    nb = plain_page([PROGRAM])
+    yield nb
+    nb._namespace["runs"] = False
+
+
+def test_a_kernel_that_does_not_answer_is_not_said_to_have_stopped_a_program(driven_page: PlainPage) -> None:
+    nb = driven_page
     says(nb, "a program drives")
-    stop = nb.lab.files / "drive-program"
-    busy = nb.append(BUSY.format(stop=str(stop)))
-    nb.start(busy)
-    pad_of(nb).focus()
-    nb.page.keyboard.down("ArrowUp")
-    says(nb, "kernel busy; a program drives")
-    numbers(nb, "0.20", "0.50")
-    nb.page.keyboard.up("ArrowUp")
-    says(nb, "kernel busy; a program drives")
-    stop.touch()
-    nb.wait(busy)
+    with nb.busy():
+        pad_of(nb).focus()
+        nb.page.keyboard.down("ArrowUp")
+        says(nb, "kernel busy; a program drives")
+        numbers(nb, "0.20", "0.50")
+        nb.page.keyboard.up("ArrowUp")
+        says(nb, "kernel busy; a program drives")
     says(nb, "a program drives")
     assert nb.python("refused") == "''"
 
 
-def test_stop_on_the_pad_latches_until_driving_is_allowed(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([PROGRAM])
+def test_stop_on_the_pad_latches_until_driving_is_allowed(driven_page: PlainPage) -> None:
+    nb = driven_page
     says(nb, "a program drives")
     stop, allow = nb.widget(0).locator(".rw-stop"), nb.widget(0).locator(".rw-allow")
     place = pad_of(nb).bounding_box()

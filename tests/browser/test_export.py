@@ -64,6 +64,12 @@ def shows(page: Page) -> None:
     frozen.locator(".rw-freeze").click()
     expect(frozen.locator(".rw-nearest")).to_have_text("nearest 0.90 m at 0.0° [9]")
 
+    shows_speed_and_touch(page)
+    page.locator(".rw-speed").first.get_by_role("button", name="Planar").click()
+    expect(page.locator(".rw-speed").first.locator("[data-axis]")).to_have_count(6)
+
+
+def shows_speed_and_touch(page: Page) -> None:
     speed, touch = page.locator(".rw-speed").first, page.locator(".rw-touch").first
     expect(speed.locator(".rw-value")).to_contain_text(["0.62", "0.00", "−1.24"])
     expect(touch.locator(".rw-tile")).to_contain_text(["free", "touched", "unknown"])
@@ -91,10 +97,17 @@ def hover(card: Locator, x: float, y: float) -> None:
     card.locator(".rw-picture").hover(position={"x": x, "y": y})
 
 
-def test_exported_pages_show_the_last_state_without_a_kernel(
+def test_a_reload_and_exported_pages_without_a_kernel_show_the_last_state(
     notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
 ) -> None:
     nb = notebook([WIDGETS, FROZEN, ALONE])
+    nb.reload()
+    shows_speed_and_touch(nb.page)
+    # The page has not seen when the touch began, until it hears of it again.
+    touched = nb.page.locator(".rw-touch .rw-tile").nth(1)
+    expect(touched.locator(".rw-tile-words")).to_have_text(re.compile("^touched.*1 touch$"))
+    nb.python("touch.update({'bumper': 0, 'state': 0})")
+    expect(touched.locator(".rw-tile-words")).to_have_text(re.compile(r"^touched.*\d s$"))
     nb.widget(1).locator(".rw-picture").hover()
     nb.python(
         "embed_minimal_html('embedded.html', views=[laser, frozen, speed, touch, player, empty, "

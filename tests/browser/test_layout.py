@@ -12,7 +12,7 @@ from .chromium import shoot
 from .notebook import Notebook
 from .plain_page import PlainPage
 from .test_png import differences, download, seen
-from .test_speed_widget import NAMES, OVERLAPS, STATES
+from .test_speed_widget import NAMES, OVERLAPS, STATES, of_each
 
 SETUP = """
 import numpy as np
@@ -50,9 +50,13 @@ CUT = """(card) => {
         .filter((element) => element.offsetWidth)
         .filter((element) => box(element).right > outer.right || box(element).left < outer.left
             || element.scrollWidth > element.clientWidth + 1 && !element.matches(".rw-title, .rw-slider"))
-        .map((element) => element.className);
+        .map((element) => `${card.className}: ${element.className}`);
 }"""
 """What of a card a person cannot see whole."""
+
+IN_PLACE = """(width) => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(
+    [...document.querySelectorAll(".rw-card")].every((card) => card.offsetWidth === width)))))"""
+"""Whether every card has a width, and what it draws for it."""
 
 ROOM = """(card) => {
     const box = (element) => element.getBoundingClientRect();
@@ -91,8 +95,7 @@ def test_rows_and_grids_shrink_to_the_room_that_there_is(notebook: Callable[...,
             box = nb.output(index).locator(".widget-box, .widget-gridbox")
             if width >= least:
                 assert scrolls(box) == 0, f"cell {index} at {width} px"
-            for card in box.locator(".rw-card").all():
-                assert card.evaluate(CUT) == [], f"cell {index} at {width} px"
+            assert of_each(box.locator(".rw-card"), CUT) == [], f"cell {index} at {width} px"
         shoot(nb.output(1), f"row-{width}")
         shoot(nb.output(2), f"grid-{width}")
     widths = [card.bounding_box() for card in nb.output(4).locator(".rw-card").all()]
@@ -168,15 +171,15 @@ def test_nothing_is_cut_down_to_200_pixels(plain_page: Callable[..., PlainPage],
     names = [*NAMES, *[f"{kind}()" for kind in KINDS], "DriveWidget()"]
     cells = [f"on_show.append({name})\non_show[-1]" for name in names]
     nb = plain_page([f"{STATES}\n{SETUP}\non_show = []", *cells], theme=theme, scale=scale)
+    cards = nb.page.locator(".rw-card")
+    expect(cards).to_have_count(len(names))
     for width in (200, 240, 281, 300):
         nb.python(f"for shown in on_show:\n    shown.layout.width = '{width}px'")
-        for index, name in enumerate(names, 1):
-            card = nb.widget(index).locator(".rw-card")
-            expect(card).to_have_css("width", f"{width}px")
-            assert card.evaluate(CUT) == [], f"{name} at {width} px"
-            if "rw-speed" in (card.get_attribute("class") or ""):
-                assert card.evaluate(OVERLAPS) == [], f"{name} at {width} px"
-            shoot(card, f"narrow-{index}-{theme}-{width}")
+        nb.page.wait_for_function(IN_PLACE, arg=width)
+        assert of_each(cards, CUT) == [], f"at {width} px"
+        assert of_each(nb.page.locator(".rw-speed"), OVERLAPS) == [], f"at {width} px"
+        for index in range(len(names)):
+            shoot(cards.nth(index), f"narrow-{index + 1}-{theme}-{width}")
 
 
 def test_freezing_moves_nothing_in_a_narrow_header(plain_page: Callable[..., PlainPage]) -> None:

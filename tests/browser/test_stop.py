@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any, Literal
 
 import pytest
 from playwright.sync_api import Locator, expect
 
+from robowidgets.driving.driving_widget import ALLOW_LIFETIME
+
 from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
 from .notebook import CellError, Notebook
 from .plain_page import PlainPage
-from .test_drive_widget import ALONE
 
 FEED = """
 import threading, time
@@ -42,31 +42,26 @@ threading.Thread(target=program, daemon=True).start()
 bar = StopWidget(feed)
 bar
 """
-BUSY = {
-    "sleeps": "import time\nwhile True:\n    time.sleep(0.001)",
-    "computes": "n = 0\nwhile True:\n    n += 1",
-}
-BUSY_UNTIL = """
-import pathlib, time
+BUSY = "import time\nwhile True:\n    time.sleep(0.001)", "n = 0\nwhile True:\n    n += 1"
+STUBBORN = """
+import pathlib
 while not pathlib.Path({stop!r}).exists():
-    {body}
+    try:
+        time.sleep(0.01)
+    except KeyboardInterrupt:
+        pass
 """
-SLEEP = "time.sleep(0.01)"
-STUBBORN = "try:\n        time.sleep(0.01)\n    except KeyboardInterrupt:\n        pass"
 NO_INTERRUPT = """(path) => {
     const panel = [...window.jupyterapp.shell.widgets("main")].find((widget) => widget.context?.path === path);
     panel.sessionContext.session.kernel.interrupt = undefined;
 }"""
 """The page cannot interrupt the kernel, as in hosts that do not hand it to widgets."""
+ALONE = """(path) => {
+    const panel = [...window.jupyterapp.shell.widgets("main")].find((widget) => widget.context?.path === path);
+    panel.sessionContext.session.kernel.commsOverSubshells = "disabled";
+}"""
+"""Messages of widgets wait until a cell ends, as they do with kernels that know no subshells."""
 PROGRAM = "a program drives /cmd_vel: 0.20 m/s, 0.50 rad/s"
-
-
-def deaf(notebook: Callable[..., Notebook]) -> Notebook:
-    """A notebook whose messages wait until the cell ends, as they do with kernels that know no subshells."""
-    nb = notebook([FEED], run=False)
-    nb.page.evaluate(ALONE, nb.path)
-    nb.run_all()
-    return nb
 
 
 def stop_of(nb: Notebook | PlainPage, cell: int = 0) -> Locator:
@@ -92,38 +87,33 @@ def press(nb: Notebook | PlainPage, cell: int = 0) -> float:
     return at
 
 
-def start_busy(nb: Notebook | PlainPage, body: str) -> tuple[int, Path]:
-    """Keep the kernel busy until a file is there."""
-    stop = nb.lab.files / f"{nb.path}-stop"
-    busy = nb.append(BUSY_UNTIL.format(stop=str(stop), body=body))
-    nb.start(busy)
-    return busy, stop
-
-
-@pytest.mark.parametrize("loop", BUSY)
-def test_beside_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..., Notebook], loop: str) -> None:
+def test_beside_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([FEED])
-    says(nb, PROGRAM)
     nb.page.evaluate(NO_INTERRUPT, nb.path)  # a machine that has much to do may answer late
-    busy = nb.append(BUSY[loop])
-    nb.start(busy)
-    at = press(nb)
-    expect(stop_of(nb)).to_have_text("Stopped")
-    says(nb, "nobody may drive", "until it is allowed again")
-    nb.page.mouse.up()
-    allow_of(nb).click()
-    says(nb, PROGRAM)
-    press(nb)
-    says(nb, "nobody may drive", "until it is allowed again")
-    nb.lab.interrupt(nb.path)
-    with pytest.raises(CellError, match="KeyboardInterrupt"):
-        nb.wait(busy)
-    heard = eval(nb.python("heard"))
-    zeros = [when for when, *speed in heard if speed == [0, 0]]
-    assert zeros[0] - at < 1
-    assert len(zeros) == 2
-    assert heard[-1][1:] == (0.0, 0.0)
-    assert nb.python("refused") == "'cannot drive: stop is latched until somebody releases it'"
+    for loop in BUSY:
+        says(nb, PROGRAM)
+        busy = nb.append(loop)
+        nb.start(busy)
+        at = press(nb)
+        expect(stop_of(nb)).to_have_text("Stopped")
+        says(nb, "nobody may drive", "until it is allowed again")
+        nb.page.mouse.up()
+        allow_of(nb).click()
+        says(nb, PROGRAM)
+        press(nb)
+        says(nb, "nobody may drive", "until it is allowed again")
+        nb.page.mouse.up()
+        nb.lab.interrupt(nb.path)
+        with pytest.raises(CellError, match="KeyboardInterrupt"):
+            nb.wait(busy)
+        heard = eval(nb.python("heard"))
+        zeros = [when for when, *speed in heard if speed == [0, 0]]
+        assert zeros[0] - at < 1, loop
+        assert len(zeros) == 2, loop
+        assert heard[-1][1:] == (0.0, 0.0), loop
+        assert nb.python("refused") == "'cannot drive: stop is latched until somebody releases it'", loop
+        nb.python("heard.clear(); refused = ''")
+        allow_of(nb).click()
 
 
 @pytest.fixture
@@ -202,10 +192,15 @@ def test_keys_stop_from_the_bar_and_escape_from_anywhere_in_its_view(notebook: C
     assert nb.python("feed.stopped") == "False"
 
 
-def test_a_kernel_that_does_not_answer_is_interrupted(notebook: Callable[..., Notebook]) -> None:
-    nb = deaf(notebook)
+def test_a_kernel_that_does_not_answer_is_interrupted_and_a_cell_that_goes_on_is_named(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([FEED], run=False)
+    nb.page.evaluate(ALONE, nb.path)
+    nb.run_all()
     says(nb, PROGRAM)
-    busy, _ = start_busy(nb, SLEEP)
+    busy = nb.append("while True:\n    time.sleep(0.01)")
+    nb.start(busy)
     says(nb, PROGRAM, "kernel busy: Stop interrupts the cell")
     at = press(nb)
     says(nb, "nobody may drive", "the kernel was interrupted")
@@ -218,13 +213,9 @@ def test_a_kernel_that_does_not_answer_is_interrupted(notebook: Callable[..., No
     allow_of(nb).click()
     says(nb, PROGRAM, "Escape stops, too")
 
-
-def test_a_cell_that_goes_on_after_an_interrupt_is_named_and_stop_can_be_pressed_again(
-    notebook: Callable[..., Notebook],
-) -> None:
-    nb = deaf(notebook)
-    says(nb, PROGRAM)
-    busy, stop = start_busy(nb, STUBBORN)
+    stop = nb.lab.files / f"{nb.path}-stop"
+    busy = nb.append(STUBBORN.format(stop=str(stop)))
+    nb.start(busy)
     press(nb)
     says(nb, "the kernel was interrupted, but its cell goes on", "press Stop again, or restart the kernel")
     expect(stop_of(nb)).to_have_attribute("aria-pressed", "false")
@@ -238,39 +229,36 @@ def test_a_cell_that_goes_on_after_an_interrupt_is_named_and_stop_can_be_pressed
 
 
 def test_where_there_is_no_way_to_a_busy_kernel_it_says_so_and_what_would_help(
-    notebook: Callable[..., Notebook],
+    driven_page: Callable[..., PlainPage],
 ) -> None:
-    nb = deaf(notebook)
+    nb = driven_page([FEED])
     says(nb, PROGRAM)
-    nb.page.evaluate(NO_INTERRUPT, nb.path)
-    busy, stop = start_busy(nb, SLEEP)
-    says(nb, PROGRAM, "kernel busy: Stop cannot reach it")
-    press(nb)
-    says(
-        nb,
-        "Stop cannot reach the busy kernel",
-        "Interrupt the cell with the notebook's own button. ipykernel 7 or later hears Stop beside a running cell in "
-        "JupyterLab; a robot should also stop by itself.",
-    )
-    expect(stop_of(nb)).to_have_text("Stop")
-    expect(stop_of(nb)).to_have_attribute("aria-pressed", "false")
-    for width in (280, 400, 1100):
-        nb.resize(width)
-        shoot(nb.widget(0), f"stop-unreachable-{width}")
-    stop.touch()
-    nb.wait(busy)
+    with nb.busy():
+        says(nb, PROGRAM, "kernel busy: Stop cannot reach it")
+        press(nb)
+        says(
+            nb,
+            "Stop cannot reach the busy kernel",
+            "Interrupt the cell with the notebook's own button. ipykernel 7 or later hears Stop beside a running cell "
+            "in JupyterLab; a robot should also stop by itself.",
+        )
+        expect(stop_of(nb)).to_have_text("Stop")
+        expect(stop_of(nb)).to_have_attribute("aria-pressed", "false")
+        for width in (280, 400, 1100):
+            nb.resize(width)
+            shoot(nb.widget(0), f"stop-unreachable-{width}")
     says(nb, "nobody may drive", "until it is allowed again")
 
 
-def test_an_allow_that_waited_for_the_kernel_releases_nothing(notebook: Callable[..., Notebook]) -> None:
-    nb = deaf(notebook)
+def test_an_allow_that_waited_for_the_kernel_releases_nothing(driven_page: Callable[..., PlainPage]) -> None:
+    nb = driven_page([FEED])
     nb.python("feed.stopped = True")
     says(nb, "nobody may drive")
-    busy = nb.append("import time\ntime.sleep(4)")
-    nb.start(busy)
-    allow_of(nb).click()
-    says(nb, "nobody may drive", "the kernel is busy")
-    nb.wait(busy)
+    with nb.busy():
+        says(nb, "nobody may drive", "the kernel is busy")
+        allow_of(nb).click()
+        clicked = time.monotonic()
+        wait_for(lambda: time.monotonic() > clicked + ALLOW_LIFETIME, "the page's token is too old")
     says(nb, "nobody may drive", "Allow came too late: press it again")
     allow_of(nb).click()
     says(nb, PROGRAM)

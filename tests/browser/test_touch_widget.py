@@ -10,7 +10,6 @@ from playwright.sync_api import Locator, expect
 
 from .chromium import shoot
 from .laser import eventually
-from .notebook import Notebook
 from .plain_page import PlainPage
 
 BUMPERS = """
@@ -101,8 +100,8 @@ def test_every_layout_fits_at_every_width(plain_page: Callable[..., PlainPage], 
     shoot(widget.locator(".rw-card"), f"touch-frozen-{theme}-700")
 
 
-def test_a_touch_is_seen_timed_counted_and_frozen(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([BUMPERS, "touch"])
+def test_a_touch_is_seen_timed_counted_and_frozen(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([BUMPERS, "touch"])
     widget, second = nb.widget(0), nb.widget(1)
     expect(widget.locator(".rw-empty")).to_have_text("waiting for a touch message")
     widget.locator(".rw-freeze").click()
@@ -134,32 +133,20 @@ def test_a_touch_is_seen_timed_counted_and_frozen(notebook: Callable[..., Notebo
     told = "FREE {'left': 1, 'center': 0, 'right': 1}\n"
     eventually(lambda: nb.python("print(touch.states['left'].name, touch.touches)"), told)
 
-    nb.reload()
-    shows(nb.widget(0), "left", "free", "1 touch$")
-    shows(nb.widget(1), "right", "touched", "1 touch$")
-    nb.python("touch.update({'bumper': 1, 'state': 0})")
+    nb.run(1)
+    shows(nb.widget(1), "left", "free", "1 touch$")
     shows(nb.widget(1), "right", "touched", r"\d+\.\d s$")
     nb.python("touch.reset()")
     shows(nb.widget(0), "right", "unknown", "—")
 
 
 def test_a_presence_is_released_without_another_message_also_while_a_cell_runs(
-    notebook: Callable[..., Notebook],
+    plain_page: Callable[..., PlainPage],
 ) -> None:
-    busy = """
-import time
-from pathlib import Path
-touch.update({"contacts": [{"collision1": {"name": "bumper"}, "collision2": {"name": "wall"}}]})
-while not Path("seen").exists():
-    time.sleep(0.01)
-"""
-    nb = notebook([BUMPERS])
-    widget = nb.widget(0)
-    cell = nb.append(busy)
-    nb.start(cell)
-    shows(widget, "bumper", "free", "1 touch$")
-    (nb.lab.files / "seen").touch()
-    nb.wait(cell)
+    nb = plain_page([BUMPERS])
+    nb.python('touch.update({"contacts": [{"collision1": {"name": "bumper"}, "collision2": {"name": "wall"}}]})')
+    with nb.busy():
+        shows(nb.widget(0), "bumper", "free", "1 touch$")
 
 
 def test_settings_change_while_it_runs_and_text_stays_text(plain_page: Callable[..., PlainPage]) -> None:
