@@ -1,8 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Box, type Placed, place } from "../../robowidgets/js/machine/layout.ts";
+import { type Placed, place } from "../../robowidgets/js/machine/layout.ts";
 import { activeText, isTaken, type Step, timeLeft, verdictOf } from "../../robowidgets/js/machine/step.ts";
 import type { Fired, MachineOutline, MoveOutline, StateOutline } from "../../robowidgets/js/machine/traits.ts";
+import type { Box } from "../../robowidgets/js/shared/box.ts";
 
 function state(name: string, path: string, machines: MachineOutline[] = []): StateOutline {
   return { name, path: `${path}.${name}`, machines };

@@ -1,9 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeSpeeds, type Speeds } from "../../robowidgets/js/shared/frames/speeds.ts";
-import { type AxisFacts, toFacts, toFastest } from "../../robowidgets/js/speed/facts.ts";
+import { type AxisFacts, decimalsFor, toFacts, toFastest } from "../../robowidgets/js/speed/facts.ts";
 import {
-  decimalsFor,
   describeAxis,
   stateWords,
   summarize,

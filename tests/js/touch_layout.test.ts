@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import type { Box } from "../../robowidgets/js/shared/box.ts";
 import { layAround, spread } from "../../robowidgets/js/touch/around.ts";
-import { type Box, layRows, toRows } from "../../robowidgets/js/touch/rows.ts";
+import { layRows, toRows } from "../../robowidgets/js/touch/rows.ts";
 
 const KOBUKI = ["left", "center", "right", "cliff left", "cliff center", "cliff right", "wheel left", "wheel right"];
 

@@ -1,15 +1,8 @@
 import dagre from "@dagrejs/dagre";
+import type { Box } from "../shared/box.ts";
 import { route } from "./route.ts";
 import { labelOf } from "./step.ts";
 import type { MachineOutline, MoveOutline, StateOutline } from "./traits.ts";
-
-export interface Box {
-  /** Left and top. */
-  x: number;
-  y: number;
-  width: number;
-  height: number;
-}
 
 export interface PlacedState extends Box {
   machine: MachineOutline;

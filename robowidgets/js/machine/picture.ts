@@ -1,5 +1,6 @@
+import type { Box } from "../shared/box.ts";
 import { make, setText } from "../shared/dom.ts";
-import { ANY, type Box, isTimed, type Placed, type PlacedMove, type PlacedState } from "./layout.ts";
+import { ANY, isTimed, type Placed, type PlacedMove, type PlacedState } from "./layout.ts";
 import { activeText, isActive, isTaken, labelOf, type Step, timeLeft, verdictOf } from "./step.ts";
 import type { Fired } from "./traits.ts";
 

@@ -1,9 +1,4 @@
-import type { Box } from "./layout.ts";
-
-interface Point {
-  x: number;
-  y: number;
-}
+import type { Box, Point } from "../shared/box.ts";
 
 /** An arrow between two boxes, with the places that dagre left free for it, one in each row that it passes. */
 interface Edge {

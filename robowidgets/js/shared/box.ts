@@ -5,6 +5,7 @@ export interface Point {
   y: number;
 }
 
+/** A rectangle, from its left upper corner. */
 export interface Box extends Point, Size {}
 
 export function holds({ x, y, width, height }: Box, point: Point): boolean {

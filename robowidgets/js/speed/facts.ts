@@ -1,8 +1,8 @@
+import { decimalsFor as decimalsUpTo } from "../shared/format.ts";
 import type { Speeds } from "../shared/frames/speeds.ts";
 import { type Axis, GROUPS, type Group, isShown } from "./axes.ts";
 import { type LimitSettings, limitsOf } from "./limits.ts";
 import { type Scale, sharedLimits, toReach, toScales } from "./scale.ts";
-import { decimalsFor } from "./text.ts";
 import type { Limits } from "./traits.ts";
 
 /** All data of one axis; speeds in its unit. */
@@ -89,4 +89,9 @@ function toSpeeds(speeds: Speeds | null, { index }: Axis, marksPeaks: boolean) {
   const peaks: [number, number] | null =
     speeds && marksPeaks ? [speeds.least[index] ?? NaN, speeds.greatest[index] ?? NaN] : null;
   return { measured: speeds?.measured?.[index] ?? null, commanded: speeds?.commanded?.[index] ?? null, peaks };
+}
+
+/** How many decimals tell speeds within limits apart: two, and more where all limits are below 0.1. */
+export function decimalsFor(limits: Limits[]): number {
+  return decimalsUpTo(Math.max(...limits.flat().map(Math.abs)));
 }

@@ -1,15 +1,9 @@
-import { decimalsFor as decimalsUpTo, toFixed } from "../shared/format.ts";
+import { toFixed } from "../shared/format.ts";
 import type { AxisFacts } from "./facts.ts";
 import { judge, type State } from "./limits.ts";
 import { isOff } from "./scale.ts";
-import type { Limits } from "./traits.ts";
 
 const MINUS = "\u2212";
-
-/** How many decimals tell speeds within limits apart: two, and more where all limits are below 0.1. */
-export function decimalsFor(limits: Limits[]): number {
-  return decimalsUpTo(Math.max(...limits.flat().map(Math.abs)));
-}
 
 /** A speed with some decimals, or fewer if it would be wider than a column. The pop-up shows all of them. */
 export function toNumber(value: number, decimals: number): string {

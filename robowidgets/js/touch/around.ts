@@ -1,9 +1,5 @@
-import { type Box, GAP, heightOf } from "./rows.ts";
-
-interface Point {
-  x: number;
-  y: number;
-}
+import type { Box, Point } from "../shared/box.ts";
+import { GAP, heightOf } from "./rows.ts";
 
 /** Where a sensor sits on the body, and the line from there to its rectangle. */
 export interface Lead {

@@ -1,10 +1,4 @@
-/** A rectangle in CSS pixels. */
-export interface Box {
-  x: number;
-  y: number;
-  width: number;
-  height: number;
-}
+import type { Box } from "../shared/box.ts";
 
 export const GAP = 8;
 const KINDS = /^(cliff|wheel|light|button|proximity|stall) /;

@@ -1,6 +1,7 @@
+import type { Box } from "../shared/box.ts";
 import { make, setText } from "../shared/dom.ts";
 import type { Sensor } from "../shared/frames/touch.ts";
-import { type Box, NARROW } from "./rows.ts";
+import { NARROW } from "./rows.ts";
 import { detailOf, tellAll } from "./text.ts";
 
 /** The rectangle of one sensor: its label, and its state in colour and in words. */

@@ -1,3 +1,4 @@
+import type { Box } from "../shared/box.ts";
 import { type Size, watchSize } from "../shared/canvas.ts";
 import { make, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
@@ -12,7 +13,7 @@ import { LEAST_WIDTH, layAround } from "./around.ts";
 import { Body } from "./body.ts";
 import type { Clock } from "./clock.ts";
 import { Footer } from "./footer.ts";
-import { type Box, GAP, layRows } from "./rows.ts";
+import { GAP, layRows } from "./rows.ts";
 import { select } from "./select.ts";
 import { modeWord, toLabels } from "./text.ts";
 import { Tile } from "./tile.ts";
