@@ -13,7 +13,7 @@ from typing import Any
 
 from .._core.log_once import LogOnce
 from .._core.rate import RateMeter
-from .._core.user_function import line_of
+from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
 from .._core.watched import Watched
 from ._prints import Prints, capture, release
@@ -305,6 +305,7 @@ class Program(Watched):
             drive = drive_of(version.function(**values), self.returned)
         except BaseException as failure:  # not even a SystemExit may end the thread without a word
             line = line_of(_code_of(version.function), traceback.walk_tb(failure.__traceback__)).removeprefix(", ")
+            say_what_was_meant(failure)
             error, raised = f"{line or self.name}: {type(failure).__name__}: {failure}", failure
         passed = time.perf_counter() - began
         with self._changed:

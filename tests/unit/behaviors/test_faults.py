@@ -72,6 +72,7 @@ def expect_zero(kernel: Kernel, since: float, within: float = WITHIN) -> None:
 @pytest.mark.parametrize(
     ("body", "words"),
     [
+        ("    return feed.drvie(1)", "has no attribute 'drvie'; did you mean 'drive'?"),
         ("    return 1 / 0", "failed: line 4: ZeroDivisionError: division by zero"),
         ("    raise SystemExit('out')", "failed: line 4: SystemExit: out"),
         ("    return 0.3", "failed: avoid: TypeError: expected a step to return Drive(linear, angular), or None"),
