@@ -144,7 +144,7 @@ def _never_came(topics: Sequence[Topic]) -> Iterator[Problem]:
 def _examine(topic: Topic, series: Series[Any], silences: NDArray[np.float64]) -> tuple[TopicReport, list[Problem]]:
     is_paced = bool(topic.widget and KINDS[topic.widget].goes_stale and not topic.commanded)
     timing = _timing(series) if is_paced else Timing()
-    found = [*_of_timing(timing, len(series), silences), *(_of_stamps(series) if is_paced else ())]
+    found = [*_of_timing(timing, series.seconds, silences), *(_of_stamps(series) if is_paced else ())]
     rays: dict[int, int] = {}
     geometry: Geometry | None = None
     frames: tuple[str, ...] = ()
@@ -163,10 +163,14 @@ def _timing(series: Series[Any]) -> Timing:
     return Timing(*timing_of(seconds, seconds)[:2])
 
 
-def _of_timing(timing: Timing, count: int, silences: NDArray[np.float64]) -> Iterator[Problem]:
-    """The problems of a timing, but for the pauses that are silences which another problem names."""
+def _of_timing(timing: Timing, seconds: NDArray[np.float64], silences: NDArray[np.float64]) -> Iterator[Problem]:
+    """The problems of a timing, but for the pauses that are silences which another problem names.
+
+    ``seconds``: when the samples were recorded, from the start of the recording.
+    """
     if not timing.step:
         return
+    count = len(seconds)
     if timing.lost and timing.lost > _SELDOM * count:
         yield Problem(
             f"{timing.lost:,} of {count + timing.lost:,} samples were lost",
@@ -182,8 +186,10 @@ def _of_timing(timing: Timing, count: int, silences: NDArray[np.float64]) -> Ite
     pauses = [pause for pause in timing.pauses if not np.isclose(silences[:, 0], pause[0]).any()]
     if pauses:
         longest = max(length for _, length in pauses)
+        # A recorder that got all at once has a shorter time.
+        clock = " by its stamps" if longest > seconds[-1] - seconds[0] else ""
         yield Problem(
-            f"nothing came {often(len(pauses))}, for up to {longest:.1f} s, first from {pauses[0][0]:.2f} s on",
+            f"nothing came {often(len(pauses))}, for up to {longest:.1f} s{clock}, first from {pauses[0][0]:.2f} s on",
             "did the sensor, its cable or the network fail?",
         )
 
