@@ -85,6 +85,8 @@ def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace
     if not _lab.is_installed():
         raise NoLabError
     folder = arguments.folder.absolute()
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(f"--folder: {arguments.folder} is a file; name a folder for the notebooks")
     folder.mkdir(parents=True, exist_ok=True)
     notebook = make_notebook(folder)
     _say(f"Opening {notebook} in JupyterLab. It is yours: it stays there as you save it. Ctrl-C ends JupyterLab.")
@@ -146,7 +148,11 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Exits with 0 when the file was written, 2 when it could not be.",
     )
     mend.add_argument(
-        "--output", type=Path, metavar="OUT.mcap", help="where to write it (default: FILE_repaired.mcap beside FILE)"
+        "-o",
+        "--output",
+        type=Path,
+        metavar="OUT.mcap",
+        help="where to write it (default: FILE_repaired.mcap beside FILE)",
     )
     mend.add_argument("--force", action="store_true", help="replace a file that is there already")
     mend.set_defaults(do=_write_repaired, failed=2)

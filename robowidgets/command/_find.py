@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from functools import reduce
 from math import degrees
 from operator import and_, or_
+from pathlib import Path
 from typing import Any
 
 import robowidgets
@@ -92,11 +93,16 @@ def add_find(parser: argparse.ArgumentParser) -> None:
 def readable(words: Iterable[str]) -> list[str]:
     """The words of a command, as argparse can read them.
 
-    It takes ``-30deg`` for an option unless a space stands before it, and wants two words after ``--sector``.
+    It takes ``-30deg`` for an option unless a space stands before it, wants two words after ``--sector``, and takes a
+    file after ``--touched`` for a sensor.
     """
     read: list[str] = []
-    for word in words:
-        if read[-1:] == ["--sector"] and word in SECTORS:
+    given = list(words)
+    for word, after in zip(given, [*given[1:], ""], strict=False):
+        if read[-1:] == ["--touched"] and Path(word).exists() and not any(Path(one).exists() for one in read[1:]):
+            read.insert(1, word)
+            continue
+        if read[-1:] == ["--sector"] and word.isalpha() and not DEGREES.fullmatch(after):
             read.append(word)
         read.append(f" {word}" if DEGREES.fullmatch(word) else word)
     return read
@@ -112,7 +118,7 @@ def _angle(word: str) -> float | str:
 def _sector(words: list[Any] | None) -> Asked | None:
     if not words:
         return None
-    if words[0] in SECTORS:
+    if words[0] == words[1] and str(words[0]).isalpha():
         return str(words[0])
     try:
         return to_sector(words)

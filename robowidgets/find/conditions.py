@@ -291,7 +291,7 @@ class _Touched(_OfOneTopic):
         touches = search.recording.touches(self._topic)
         labels = touches.labels
         if self._label is not None and self._label not in labels:
-            there = ", ".join(labels) or "none"
+            there = ", ".join(map(repr, labels)) or "none"
             raise ValueError(f"label: {touches.topic} has no sensor {self._label!r}; it has {there}")
         states = touches.states if self._label is None else touches.states[:, [labels.index(self._label)]]
         return steps(touches.times_ns, self._test(states, touches.lists_touches))

@@ -344,7 +344,7 @@ def test_find_of_nothing_is_1(capsys):
         ([str(robowidgets.SAMPLE)], "expected a condition: --touched, --nearest-below, --speed-above or --gap"),
         (
             [str(robowidgets.SAMPLE), "--touched", "nose"],
-            "find: --touched: /bumper has no sensor 'nose'; it has left, center, right",
+            "find: --touched: /bumper has no sensor 'nose'; it has 'left', 'center', 'right'",
         ),
         ([str(robowidgets.SAMPLE), "--gap=-1"], "find: --gap: expected a time above 0, got -1.0"),
         ([str(robowidgets.SAMPLE), "--nearest-below", "1", "--scan", "/scam"], "has no topic '/scam'"),
@@ -363,6 +363,13 @@ def test_find_that_is_interrupted_prints_what_it_found(capsys, monkeypatch):
     monkeypatch.setattr("robowidgets.recordings.columns.speeds.Speeds.chunks", interrupted)
     assert main(["find", str(robowidgets.SAMPLE), "--speed-above", "0.1"]) == 130
     assert capsys.readouterr().out.splitlines()[-1] == "# stopped at 0.000: nothing after that was looked at"
+
+
+def test_a_folder_for_notebooks_that_is_a_file_is_one_line(tmp_path, capsys):
+    file = tmp_path / "drive.bag"
+    file.touch()
+    assert main(["demo", "--folder", str(file), "--no-browser"]) == 1
+    assert f"--folder: {file} is a file; name a folder" in one_line(capsys)
 
 
 def test_info_prints_json(capsys):
@@ -390,8 +397,9 @@ def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
         "It <turns>.",
     ]
     assert main([*asked, "-o", "bump.html"]) == 0
-    assert capsys.readouterr().out == f"Wrote {tmp_path / 'bump.html'}: 0.1 MB\n"
-    text = (tmp_path / "bump.html").read_text(encoding="utf-8")
+    written = tmp_path / "bump.html"
+    assert capsys.readouterr().out == f"Wrote {written}: {written.stat().st_size / 1e6:.1f} MB\n"
+    text = written.read_text(encoding="utf-8")
     assert "It &lt;turns&gt;." in text
     assert "10.00 to 12.00 s of 58.00 s · 2025-06-15 15:06:50 UTC · /odom</p>" in text
 

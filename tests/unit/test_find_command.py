@@ -60,6 +60,17 @@ def test_a_sector_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) ->
     assert "find: --sector: expected radians, or degrees as in \"20deg\", got 'frnt'" in capsys.readouterr().err
 
 
+def test_a_sector_of_an_unknown_name_is_told_the_names(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["find", FILE, "--nearest-below", "0.5", "--sector", "ahead"]) == 2
+    assert "find: --sector: expected front, left, back, right or two angles" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("options", [["--touched", FILE], ["--touched", FILE, "--json"], ["--touched", "left", FILE]])
+def test_the_file_may_stand_after_the_sensor(options: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["find", *options]) == 0
+    assert len(capsys.readouterr().out.splitlines()) > 2
+
+
 def test_all_sensors_that_are_named_must_be_touched(capsys: pytest.CaptureFixture[str]) -> None:
     main(["find", FILE, "--touched", "left", "--touched", "right", "--json"])
     assert json.loads(capsys.readouterr().out)["condition"] == "(left touched & right touched)"

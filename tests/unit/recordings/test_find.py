@@ -65,7 +65,7 @@ class TestReadyMade:
         assert found(drive, conditions.touched()) == [(2, 3), (6, 7)]
         assert found(drive, conditions.touched("left", topic="/bumper")) == [(2, 3), (6, 7)]
         assert found(drive, conditions.touched("right")) == []
-        with pytest.raises(ValueError, match="label: /bumper has no sensor 'nose'; it has left, center, right"):
+        with pytest.raises(ValueError, match="label: /bumper has no sensor 'nose'; it has 'left', 'center', 'right'"):
             drive.find(conditions.touched("nose"))
 
     def test_nearest_below(self, drive: robowidgets.Recording) -> None:

@@ -224,6 +224,7 @@ class TestTheCommand:
             (["missing.bag"], "missing.bag: no such file or folder"),
             (["notes.bag"], "notes.bag: expected a ROS 1 bag of format 2.0, got text that starts with 'It rained.'"),
             (["drive.bag", "--output", "."], ".: is a folder; name a file with --output"),
+            (["drive.bag", "-o", "x.bag"], "--output: expected a name that ends in .mcap, got 'x.bag'"),
             (["drive.bag", "--output", "no/x.mcap"], "no/x.mcap: cannot be written: No such file or directory"),
             (["drive.bag", "--output", "drive.bag/x.mcap"], "drive.bag/x.mcap: cannot be written: Not a directory"),
             (["drive.bag", "--output", f"{'x' * 300}.mcap"], "File name too long"),
