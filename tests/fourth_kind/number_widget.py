@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from robowidgets._core.robot_widget import FRAME_HEADER, RobotWidget
+from robowidgets._core.robot_widget import RobotWidget
 
 from ..conftest import ROOT
 from .number import Number, to_number
@@ -46,7 +46,7 @@ class NumberWidget(RobotWidget[Number]):
         return _VALUE.pack(sample.value)
 
     def _unpack(self, frame: bytes) -> Number:
-        return Number(*_VALUE.unpack_from(frame, FRAME_HEADER.size))
+        return Number(*_VALUE.unpack(frame[-_VALUE.size :]))
 
 
 def build(folder: Path) -> tuple[str, str]:
