@@ -92,11 +92,12 @@ class RecordingData:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """The problems found so far, one line each: of the file, of topics, of messages that could not be shown.
+        """The problems found so far: of the file, of topics, of messages that could not be shown.
 
+        Each is a line of at most 200 characters.
         Problems of the clock of a topic are found when its `scans` or measured `speeds` are read.
         """
-        return tuple(problem.what for problem in self._with_remedies())
+        return tuple(str(problem._replace(remedy="")) for problem in self._with_remedies())
 
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None

@@ -21,7 +21,7 @@ else:
     from backports import zstd
 
 from ..repair.test_hostile import CLAIMS
-from . import sweeps
+from . import sweeps, topics
 from .written import MCAP_END, MCAP_MAGIC, mcap_chunk, mcap_head, record, string
 
 SECONDS = 5
@@ -182,3 +182,9 @@ def test_a_scan_that_claims_more_rays_than_it_has_is_left_out(tmp_path: Path, ra
     recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
     assert recording.scans().ranges.shape == (29, 4)
     assert "messages that cannot be shown are left out, the first at 2.00 s" in recording.problems[0]
+
+
+def test_a_problem_of_a_topic_whose_name_has_no_end_is_a_short_line(tmp_path: Path) -> None:
+    late = {f"/{1000 * 'scan'}": topics.every(0.1, 20, 30, 2.0), "/odom": topics.every(0.1, 0, 30, 0.3)}
+    with robowidgets.open(topics.write(tmp_path / "x", late)) as recording:
+        assert [len(line) for line in recording.problems] == [200]
