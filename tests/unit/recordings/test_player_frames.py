@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets import SpeedWidget
+from robowidgets import LaserWidget, PathWidget, SpeedWidget
 from robowidgets._core.robot_widget import FRAME_HEADER
 from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.player._frames import TICK, pack
@@ -50,7 +50,7 @@ def agree(player: Player, seed: int) -> None:
             if isinstance(view.widget, SpeedWidget):
                 was, now = view.widget._unpack(frame), view.widget._unpack(timed.frame)
                 assert repr((was.measured, was.commanded)) == repr((now.measured, now.commanded)), seconds
-            elif view.choice.kind.name in ("laser", "path"):
+            elif isinstance(view.widget, LaserWidget | PathWidget):
                 assert frame[FRAME_HEADER.size :] == timed.frame[FRAME_HEADER.size :], (seconds, view.choice.topic)
             else:
                 states = view.widget.states
