@@ -150,6 +150,7 @@ def reached(module: str) -> set[str]:
     return seen
 
 
+@cache
 def packages(module: str) -> set[str]:
     """The packages that a module imports itself."""
     found = set()
