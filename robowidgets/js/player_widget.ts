@@ -1,5 +1,6 @@
 import { PlayerBar } from "./player/bar.ts";
-import { type Moved, Playback } from "./player/playback.ts";
+import type { Moved } from "./player/moved.ts";
+import { Playback } from "./player/playback.ts";
 import type { PlayerTraits } from "./player/traits.ts";
 import type { Initialized, Rendered } from "./shared/model.ts";
 

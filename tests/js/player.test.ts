@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { actionOf, isBarsAlone, usesItself } from "../../robowidgets/js/player/keys.ts";
-import { type Moved, Playback } from "../../robowidgets/js/player/playback.ts";
+import type { Moved } from "../../robowidgets/js/player/moved.ts";
+import { Playback } from "../../robowidgets/js/player/playback.ts";
 import { decodeFrames, Segments } from "../../robowidgets/js/player/segments.ts";
 import { toClock } from "../../robowidgets/js/shared/format.ts";
 import { describeMark } from "../../robowidgets/js/shared/marks.ts";

@@ -4,29 +4,11 @@ import { markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Span } from "../shared/time_axis.ts";
-import type { About, Picking, Pointing, SampleTraits, TimeTraits } from "../shared/traits.ts";
+import type { About, Pointing } from "../shared/traits.ts";
+import type { Follower, Host, Moved, Target } from "./moved.ts";
 import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Track } from "./segments.ts";
 import type { PlayerTraits, SegmentMessage } from "./traits.ts";
-
-/** A widget's model in its host. `set_state` acts like a message of the kernel: the kernel is sent nothing. */
-export interface Host<T> extends Pick<Model<T>, "get" | "set" | "save_changes" | "on" | "off"> {
-  set_state(state: Partial<T>): void;
-  /** The state that the kernel sent, while the host applies it. */
-  _state_lock?: Record<string, unknown> | null;
-}
-
-/** Only a laser has rays at which a person points. */
-type Target = SampleTraits & Picking & { hovered?: number | null };
-type Follower = Host<TimeTraits & Pointing>;
-
-/** The models that a player moves. */
-export interface Moved {
-  /** Of widgets that show frames. */
-  targets: Host<Target>[];
-  /** Of widgets that show the time itself, and let a person choose it. */
-  followers: Follower[];
-}
 
 /** A segment, or only a time that the program seeks. */
 type Message = Partial<SegmentMessage> & { seek?: number };

@@ -1,0 +1,21 @@
+import type { Model } from "../shared/model.ts";
+import type { Picking, Pointing, SampleTraits, TimeTraits } from "../shared/traits.ts";
+
+/** A widget's model in its host. `set_state` acts like a message of the kernel: the kernel is sent nothing. */
+export interface Host<T> extends Pick<Model<T>, "get" | "set" | "save_changes" | "on" | "off"> {
+  set_state(state: Partial<T>): void;
+  /** The state that the kernel sent, while the host applies it. */
+  _state_lock?: Record<string, unknown> | null;
+}
+
+/** Only a laser has rays at which a person points. */
+export type Target = SampleTraits & Picking & { hovered?: number | null };
+export type Follower = Host<TimeTraits & Pointing>;
+
+/** The models that a player moves. */
+export interface Moved {
+  /** Of widgets that show frames. */
+  targets: Host<Target>[];
+  /** Of widgets that show the time itself, and let a person choose it. */
+  followers: Follower[];
+}
