@@ -32,5 +32,4 @@ if ! [ "$venv/.installed" -nt pyproject.toml ]; then
     --constraint "$venv/constraints.txt" --group unit --editable '.[lab]'
   touch "$venv/.installed"
 fi
-# Asserts are not rewritten: each process would do that again, for half of its start. A failure shows its variables instead.
-"$venv/bin/python" -m pytest --numprocesses 4 --dist loadfile --assert plain --showlocals tests/unit "$@"
+"$venv/bin/python" -m pytest --numprocesses 4 --dist loadfile tests/unit "$@"

@@ -86,7 +86,7 @@ def test_no_claim_and_no_bomb_takes_memory_or_time(tmp_path: Path) -> None:
     paths.append(tmp_path / "unindexed.mcap")
     paths[-1].write_bytes(MCAP_MAGIC + mcap_head() + chunk + MCAP_END)
     paths.append(tmp_path / "drive.log.gz")
-    with gzip.open(paths[-1], "wb") as log:
+    with gzip.open(paths[-1], "wb", compresslevel=1) as log:
         log.write(b"FLASER 1 1.0 0 0 0 0 0 0 1 robot 1\n")
         for _ in range(16):
             log.write(bytes(1 << 24))
