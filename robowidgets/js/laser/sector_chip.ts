@@ -39,13 +39,19 @@ export class SectorChip {
   }
 
   place(stage: Stage): void {
+    const before = this.box;
+    this.box = this.#placeBox(stage, before);
+    // The line to it, and the labels that give way to it, were drawn before its place was known.
+    if (before?.x !== this.box?.x || before?.y !== this.box?.y) this.#host.redraw();
+  }
+
+  #placeBox(stage: Stage, before: Box | null): Box | null {
     const { picked } = this.#store;
     if (!picked || !stage.scan) {
       this.#chip?.hide();
       this.#chip = null;
-      this.box = null;
       this.#key = "";
-      return;
+      return null;
     }
     this.#chip ??= this.#make();
     const isBelow = stage.size.width < NARROW;
@@ -54,13 +60,11 @@ export class SectorChip {
     if (key === this.#key) this.#tell();
     else this.#show();
     this.#key = key;
-    const before = this.box;
-    this.box = isBelow ? null : placeChip(this.#chip.size, stage, picked.sector, before);
-    if (!this.box) return;
-    this.#chip.place(this.box);
-    stage.covered.push(this.box);
-    // The line to it was drawn before its place was known.
-    if (before?.x !== this.box.x || before.y !== this.box.y) this.#host.redraw();
+    if (isBelow) return null;
+    const box = placeChip(this.#chip.size, stage, picked.sector, before);
+    this.#chip.place(box);
+    stage.covered.push(box);
+    return box;
   }
 
   askName(proposal: string): void {
