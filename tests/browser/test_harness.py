@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
 from PIL import Image
-from playwright.sync_api import Page, expect
+from playwright.sync_api import expect
 
 from .chromium import photograph
 from .notebook import CellError, Notebook
@@ -99,16 +96,3 @@ def test_an_error_in_a_widget_is_noticed(either: Callable[..., Notebook | PlainP
         nb.run(nb.append("Counter(n=13)"))
     assert nb.console.errors
     nb.console.errors.clear()
-
-
-def test_an_exported_notebook_and_an_embedded_widget_live_without_a_kernel(
-    notebook: Callable[..., Notebook], static_page: Callable[[Path], Page], tmp_path: Path
-) -> None:
-    file = tmp_path / "embedded.html"
-    embed = f"embed_minimal_html({str(file)!r}, views=[counter], drop_defaults=False)"
-    nb = notebook([COUNTER, f"from ipywidgets.embed import embed_minimal_html\n{embed}", "counter.n = 44", "counter"])
-    expect(static_page(file).get_by_role("button", name="n=3")).to_be_visible()
-    saved = nb.save()
-    subprocess.run([sys.executable, "-m", "nbconvert", "--to", "html", saved], check=True)
-    page = static_page(saved.with_suffix(".html"))
-    expect(page.get_by_role("button", name="n=44")).to_be_visible()

@@ -98,16 +98,16 @@ def test_the_button_saves_what_a_person_sees(plain_page: Callable[..., PlainPage
     assert differences(saved, seen(card)) < 0.008
 
 
-def test_the_button_needs_no_kernel_and_draws_finer_than_the_screen(notebook: Callable[..., Notebook]) -> None:
-    nb = notebook([SETUP + "laser.update(**fan())", "laser"], theme="dark")
+def test_the_button_needs_no_kernel_and_draws_finer_than_the_screen(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP + "laser.update(**fan())", "laser"], theme="dark")
     card = nb.widget(1).locator(".rw-card")
-    nb.start(nb.append("while True: laser.update(**fan())"))
-    locate(card, colour=DARK["reading"])
-    before = layers(card)
-    _, live = download(nb.page, card)
-    card.locator(".rw-freeze").click()
-    _, frozen = download(nb.page, card)
-    place = locate(card, colour=DARK["reading"])
+    with nb.busy("laser.update(**fan())"):
+        locate(card, colour=DARK["reading"])
+        before = layers(card)
+        _, live = download(nb.page, card)
+        card.locator(".rw-freeze").click()
+        _, frozen = download(nb.page, card)
+        place = locate(card, colour=DARK["reading"])
     for saved in (live, frozen):
         box = card.bounding_box()
         assert box
@@ -115,7 +115,6 @@ def test_the_button_needs_no_kernel_and_draws_finer_than_the_screen(notebook: Ca
         assert all(red_at(saved, card, place, ray, DARK["reading"]) for ray in FAN)
         assert saved[-4, 4].tolist() == list(Picture(card).paper)
     assert layers(card) == before, "the view itself was left as fine as the screen"
-    nb.interrupt()
 
 
 SAVE = """
