@@ -39,7 +39,7 @@ class Walker:
             return Drive(0, 0.2)
 
         spin = None
-        moves = "stop -> turn after 0.4", "turn -> {name} after 60"
+        moves = "stop -> turn after 1", "turn -> {name} after 60"
 
     class both:
         class one:
