@@ -311,7 +311,11 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
         shoot(nb.output(1), f"recording-show-light-{width}")
     nb.resize(1500, 900)
     at = boxes(nb)
-    assert at["path"][1] - at["recording"][1] == 742 + 4, "on a high window it is higher"
+    assert at["recording"][3] == 742, "on a high window all of it is higher"
+    assert at["path"][0] == at["laser"][0]
+    assert at["path"][1] == at["laser"][1] + at["laser"][3] + 4, "the path stands under the rays"
+    assert at["path"][1] + at["path"][3] == at["touch"][1] + at["touch"][3] == at["recording"][1] + 742
+    shoot(nb.output(1), "recording-show-light-high")
     nb.resize(400, 720)
     at = boxes(nb)
     tops = [at[name][1] for name in ("player", "laser", "scanogram", "speed", "touch")]
