@@ -37,12 +37,15 @@ async def run_cells(server: Any, notebook: Path, say: Callable[[str], None]) -> 
         )
         client.km = manager = server.kernel_manager.get_kernel(session["kernel"]["id"])
         kernel = await client.async_start_new_kernel_client()
+        # The client looks once a second whether the kernel lives: one that the server restarted meanwhile seems busy.
+        manager.stop_restarter()
         try:
             # Not async_execute: it takes the signals that stop the server for itself.
             for index, cell in enumerate(content.cells):
                 await client.async_execute_cell(cell, index)
         finally:
             kernel.stop_channels()
+            manager.start_restarter()
     except CellExecutionError as error:
         say(f"A cell raised {error.ename}: {error.evalue}. The rest is left for you to run.")
     except CellTimeoutError:

@@ -30,7 +30,9 @@ from jupyterlab.labapp import LabApp
 from robowidgets.command import _first_run, _lab
 
 folder = Path(sys.argv[1])
-server = LabApp.initialize_server(_lab.arguments(folder / "whole.ipynb", 0, False))
+# It restarts a kernel that has died at once, where it may.
+hasty = ["--KernelRestarter.time_to_dead=0.1"]
+server = LabApp.initialize_server(_lab.arguments(folder / "whole.ipynb", 0, False) + hasty)
 
 async def answer(session):
     client = server.kernel_manager.get_kernel(session["kernel"]["id"]).client()
