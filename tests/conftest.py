@@ -10,9 +10,12 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-# A shell starts what runs in the background with SIGINT ignored, and so would the programs be that tests interrupt.
+# A shell starts what runs in the background with SIGINT ignored, nohup with SIGHUP, and so would the programs be that
+# tests interrupt and end.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def real_recordings() -> Path:

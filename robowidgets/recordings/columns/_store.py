@@ -83,6 +83,7 @@ class Store:
         memory: keeps the batches that were read last.
         note: called with the channel, the log time and the error of a message that cannot be shown.
         stop: called with an error after which nothing more can be read.
+        span: the log times of the messages, the second not included; None means no limit.
     """
 
     def __init__(
@@ -93,6 +94,7 @@ class Store:
         memory: Memory,
         note: Callable[[Channel, int, Exception], None],
         stop: Callable[[RecordingError], None],
+        span: tuple[int | None, int | None] = (None, None),
     ) -> None:
         self.topic = channels[0].topic
         self.memory = memory
@@ -101,7 +103,13 @@ class Store:
         self._decoders = decoders
         self._note = note
         self._stop = stop
+        self._span = span
         self._index: _Index | None = None
+
+    def between(self, start_ns: int | None, stop_ns: int | None) -> Store:
+        """The messages logged at ``start_ns`` or later and before ``stop_ns``, located in a pass of their own."""
+        span = (start_ns, stop_ns)
+        return Store(self._source, self._channels, self._decoders, self.memory, self._note, self._stop, span)
 
     @property
     def places(self) -> list[Place]:
@@ -120,7 +128,7 @@ class Store:
 
     @property
     def is_indexed(self) -> bool:
-        """Whether the first pass has reached the end of the topic."""
+        """Whether the first pass has reached the end."""
         return self._index is not None
 
     def chunks(self, start: int = 0, stop: int | None = None) -> Iterator[Any]:
@@ -149,10 +157,11 @@ class Store:
 
     def _first_pass(self) -> Iterator[Any]:
         index = _Index()
-        total = sum(channel.count for channel in self._channels)
+        whole = self._span == (None, None)
+        total = sum(channel.count for channel in self._channels) if whole else None
         with Progress(total, f"Reading {self.topic}") as bar:
             try:
-                for batch, messages in _batches(self._source.messages(self._channels)):
+                for batch, messages in _batches(self._source.messages(self._channels, *self._span)):
                     chunks = index.add_batch(batch, self._decode(messages))
                     self.memory.put((index, len(index.batches) - 1), chunks)
                     bar.update(len(messages))

@@ -15,6 +15,7 @@ from ...repair import RecordingError
 from ...samples import Scan
 from ...samples.scan import distances, ray_distances
 from ...samples.sector import Asked
+from ..times import to_ns
 from ._decoders import ScanDecoder
 from .chunks import ScanChunk
 from .series import Series
@@ -151,6 +152,16 @@ class Scans(Series[Scan]):
             )
         angle_min, increment = next(iter(kinds), (0.0, 0.0))
         return np.asarray(angle_min + np.arange(rays) * increment, np.float64)
+
+    def between(self, start: float | None = None, end: float | None = None) -> Self:
+        """See `Series`. Of a topic that was not read yet, it reads these scans alone."""
+        if self._rows is not None or self.is_read or (start is None and end is None):
+            return super().between(start, end)
+        span = (
+            None if seconds is None else to_ns(self._start_ns, name, seconds)
+            for name, seconds in (("start", start), ("end", end))
+        )
+        return type(self)(self._store.between(*span), self._start_ns)
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Times, ranges and intensities, by name."""

@@ -161,6 +161,31 @@ class TestPicking:
         assert [moment.seconds for moment in part] == seconds
         assert part.seconds.tolist() == seconds
 
+    @pytest.mark.parametrize("read_before", [False, True])
+    def test_a_part_is_the_same_whether_all_were_read_or_the_part_alone(
+        self, drive: robowidgets.Recording, monkeypatch: pytest.MonkeyPatch, read_before: bool
+    ) -> None:
+        source, read = drive._messages._source, []
+        messages = source.messages
+
+        def counted(*asked: Any) -> Iterator[Any]:
+            for message in messages(*asked):
+                read.append(message[1])
+                yield message
+
+        monkeypatch.setattr(source, "messages", counted)
+        scans = drive.scans()
+        if read_before:
+            assert len(scans) == 100
+        read.clear()
+        part = scans.between(2.0, 5.0)
+        np.testing.assert_allclose(part.ranges[:, 0], 1 + np.arange(20, 50) / 100, rtol=1e-6)
+        np.testing.assert_allclose(part[5:8].seconds, [2.5, 2.6, 2.7])
+        assert part.between(4.0, 4.2).seconds.tolist() == [4.0, 4.1]
+        assert part.ray_counts == {1: 30}
+        assert read == ([] if read_before else part.times_ns.tolist()), "each once, and no other"
+        assert len(scans) == 100
+
     @pytest.mark.parametrize(("asked", "got"), [(2.04, 2.0), (2.06, 2.1), (-5, 0.0), (99.0, 9.9), (np.float32(3), 3.0)])
     def test_the_nearest_to_a_time(self, drive: robowidgets.Recording, asked: float, got: float) -> None:
         assert drive.scans().at(asked).seconds == got
