@@ -98,6 +98,7 @@ class ProgramWidget(DrivingWidget):
             "step_ms": round(1000 * program.step_time, 2),
             "since": round(program.since),
             "speed": (program.returned.linear, program.returned.angular),
+            "kept": program.kept,
             "limits": (0.5, 1.0) if driving is None else (driving.max_linear, driving.max_angular),
             "active": " + ".join(function.active) if isinstance(function, Machine) else "",
             "prints": [(round(seconds, 2), text) for seconds, text in program.prints.lines],

@@ -89,6 +89,7 @@ class Program(Watched):
         steps: the number of steps.
         step_time: seconds that the last step took.
         returned: the speed that the last step asked for.
+        kept: whether the last step returned None, which keeps the speed.
         prints: the last lines that it printed.
         origin: the monotonic time that its steps count from; None before the first.
     """
@@ -98,7 +99,7 @@ class Program(Watched):
         self.name, self.state, self.variables = name, State(), variables
         self.version = Version(lambda: None, number=0)
         self.mode, self.error, self.waiting, self.note = PAUSED, "", "", ""
-        self.steps, self.step_time, self.returned = 0, 0.0, STANDSTILL
+        self.steps, self.step_time, self.returned, self.kept = 0, 0.0, STANDSTILL, False
         self.prints = Prints()
         self.has_view = False
         """Whether a widget shows what it prints."""
@@ -224,7 +225,7 @@ class Program(Watched):
             self._leave()
             self.mode, self.error, self.waiting = mode, error, ""
             self.note = note or self.note
-            self.returned = STANDSTILL
+            self.returned, self.kept = STANDSTILL, False
             self._changed.notify_all()
         self._robot.halt()
         self._call_watchers()
@@ -302,7 +303,8 @@ class Program(Watched):
         began = time.perf_counter()
         error, raised = "", None
         try:
-            drive = drive_of(version.function(**values), self.returned)
+            result = version.function(**values)
+            drive = drive_of(result, self.returned)
         except BaseException as failure:  # not even a SystemExit may end the thread without a word
             line = line_of(_code_of(version.function), traceback.walk_tb(failure.__traceback__)).removeprefix(", ")
             say_what_was_meant(failure)
@@ -313,7 +315,7 @@ class Program(Watched):
                 return False
             self._in_step, self.step_time = False, passed
             if not error:
-                self.returned, self.error = drive, ""
+                self.returned, self.kept, self.error = drive, result is None, ""
                 self._steps_a_second = self._rate.rate(self.steps, time.monotonic())
         if error:
             self._end(FAILED, error=error)

@@ -48,6 +48,14 @@ def test_it_tells_what_the_program_does_and_follows_the_next_one(robot: Feed, wi
     told = page.state["_state"]["program"]
     assert (told["name"], told["version"], told["mode"], told["limits"]) == ("go", 1, "running", (0.5, 1.0))
     wait_for(lambda: page.state["_state"]["program"]["prints"][-1][1] == "on its way", "its prints are told")
+    assert not told["kept"]
+
+    @robot.program(rate=50)
+    def forget():  # type: ignore[no-untyped-def]
+        Drive(0.3)
+
+    wait_for(lambda: page.state["_state"]["program"]["kept"], "a step without a return is told")
+    assert page.state["_state"]["program"]["speed"] == (0.0, 0.0)
 
     @robot.program(rate=50)
     def fail():  # type: ignore[no-untyped-def]

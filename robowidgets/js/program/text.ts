@@ -9,8 +9,9 @@ export function toMode(told: Told, program: Program): string {
 }
 
 /** What a step returned, as Python code. */
-export function toCode([linear, angular]: [number, number]): string {
-  return `Drive(${toPython(linear)}, ${toPython(angular)})`;
+export function toCode([linear, angular]: [number, number], kept: boolean): string {
+  const drive = `Drive(${toPython(linear)}, ${toPython(angular)})`;
+  return kept ? `None, keeps ${drive}` : drive;
 }
 
 function toPython(value: number): string {

@@ -27,6 +27,8 @@ export interface Program {
   since: number;
   /** What the last step returned, m/s and rad/s. */
   speed: [number, number];
+  /** Whether it returned None, which keeps the speed. */
+  kept: boolean;
   limits: [number, number];
   /** The active states of a state machine. */
   active: string;

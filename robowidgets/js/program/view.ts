@@ -110,7 +110,7 @@ export class ProgramView {
     for (const [i, fact] of this.#facts.entries()) setText(fact, numbers[i] ?? "\u2013");
     setText(this.#active, program?.active ?? "");
     const speed = told.stopped ? ([0, 0] as [number, number]) : (program?.speed ?? [0, 0]);
-    setText(this.#code, program ? toCode(speed) : "\u2013");
+    setText(this.#code, program ? toCode(speed, program.kept && !told.stopped) : "\u2013");
     for (const [i, axis] of this.#axes.entries()) axis.update(speed[i] ?? 0, program?.limits[i] ?? 1);
     this.#variables.update(told.variables ?? []);
     this.#drawPrints(program);
