@@ -57,6 +57,7 @@ class Messages:
         """For each topic its kind, and the message type that decided it."""
         self._left_out: dict[str, str] = {}
         self._stopped: list[str] = []
+        self._closed = False
         # Channels without a message last: of several types of a topic, the type of the first message is shown.
         by_count = sorted(source.channels, key=lambda channel: not channel.count)
         found = {channel.id: self._understand(channel) for channel in by_count}
@@ -137,6 +138,7 @@ class Messages:
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
+        self._closed = True
         self._source.close()
 
     def _understand(self, channel: Channel) -> tuple[Kind | None, str]:
@@ -267,6 +269,9 @@ class Messages:
         return (time_ns - (self.start_ns or 0)) / 1e9
 
     def _stop(self, error: Exception) -> None:
+        """Note that the file can be read no further; raise the error where that is no damage, but it was closed."""
+        if self._closed:
+            raise error
         line = f"the file can be read no further: {one_line(error)}"
         if line not in self._stopped:
             self._stopped.append(line)

@@ -161,7 +161,9 @@ class Scans(Series[Scan]):
             None if seconds is None else to_ns(self._start_ns, name, seconds)
             for name, seconds in (("start", start), ("end", end))
         )
-        return type(self)(self._store.between(*span), self._start_ns)
+        part = type(self)(self._store.between(*span), self._start_ns)
+        len(part)  # at once, so that it outlives the recording, as far as it is in memory
+        return part
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Times, ranges and intensities, by name."""

@@ -186,6 +186,18 @@ class TestPicking:
         assert read == ([] if read_before else part.times_ns.tolist()), "each once, and no other"
         assert len(scans) == 100
 
+    def test_a_part_outlives_the_recording_and_what_was_not_read_says_that_it_is_closed(
+        self, drive: robowidgets.Recording
+    ) -> None:
+        scans, moments = drive.scans(), drive.samples("/scan")
+        part = scans.between(2.0, 5.0)
+        drive.close()
+        assert part.ranges.shape == (30, 1)
+        for read in (lambda: scans.ranges, lambda: list(moments)):
+            with pytest.raises(RecordingError, match="closed"):
+                read()
+        assert drive.problems == ()
+
     @pytest.mark.parametrize(("asked", "got"), [(2.04, 2.0), (2.06, 2.1), (-5, 0.0), (99.0, 9.9), (np.float32(3), 3.0)])
     def test_the_nearest_to_a_time(self, drive: robowidgets.Recording, asked: float, got: float) -> None:
         assert drive.scans().at(asked).seconds == got
