@@ -257,7 +257,7 @@ def files() -> list[Path]:
 def test_pictures_of_pages(browser: Browser, files: list[Path], theme: Literal["light", "dark"]) -> None:
     assert all(file.stat().st_size <= LARGEST_PAGE for file in files)
     context = browser.new_context(
-        color_scheme=theme, device_scale_factor=2, offline=True, viewport={"width": 1180, "height": 760}
+        color_scheme=theme, device_scale_factor=2, offline=True, viewport={"width": 1180, "height": 900}
     )
     shown = context.new_page()
     shown.goto(files[0].as_uri())
