@@ -243,6 +243,7 @@ LARGEST_PAGE = 2_000_000
 @pytest.fixture(scope="module")
 def files() -> list[Path]:
     """The pages in files of the gallery."""
+    SCREENSHOTS.mkdir(exist_ok=True)
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         bumps = recording.find(conditions.touched())
         note = "Center and right touch at once. The nearest reading is 0.15 m away, to the right of the middle."
