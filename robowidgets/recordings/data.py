@@ -25,7 +25,7 @@ from .columns.touches import Touches
 from .files import open_source
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
 from .time_slice import TimeSlice
-from .times import seconds_at, to_ns
+from .times import seconds_at, span_ns, to_ns
 from .topics import Moment, Topic, UnknownTopicError, check, named, only, shown
 
 if TYPE_CHECKING:
@@ -118,10 +118,7 @@ class RecordingData:
         names = [topics] if isinstance(topics, str) else list(topics) if topics is not None else list(self._by_name())
         for name in names:
             self.check(name)
-        times = (
-            None if seconds is None else to_ns(self.start_ns, name, seconds)
-            for name, seconds in (("start", start), ("end", end))
-        )
+        times = span_ns(self.start_ns, start, end)
         self._check_open()
         return self._messages.moments(list(dict.fromkeys(names)), *times)
 

@@ -10,7 +10,7 @@ from .columns.scans import Scans
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .span import Span
-from .times import to_ns
+from .times import span_ns
 from .topics import Moment
 
 if TYPE_CHECKING:
@@ -44,9 +44,7 @@ class TimeSlice:
         self.end: float | None
         if isinstance(which, slice) and which.step is None:
             self.start, self.end = which.start, which.stop
-            for name, seconds in (("start", self.start), ("end", self.end)):
-                if seconds is not None:
-                    to_ns(recording.start_ns, name, seconds)
+            span_ns(recording.start_ns, self.start, self.end)  # raises
             if self.start is not None and self.end is not None and self.start > self.end:
                 raise ValueError(f"recording[{self.start}:{self.end}]: expected a start before the end, in seconds")
             return

@@ -25,6 +25,15 @@ def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
     return (start_ns or 0) + round(float(seconds) * 1e9)
 
 
+def span_ns(start_ns: int | None, start: Any, end: Any) -> tuple[int | None, int | None]:
+    """The times by the clock of a start and an end in seconds from the start, as by `to_ns`; None stays None."""
+    first, last = (
+        None if seconds is None else to_ns(start_ns, name, seconds)
+        for name, seconds in (("start", start), ("end", end))
+    )
+    return first, last
+
+
 def has_date(time_ns: int) -> bool:
     """Whether a clock with this time has the right date."""
     return time_ns >= REAL_FROM_NS

@@ -15,7 +15,7 @@ from ...repair import RecordingError
 from ...samples import Scan
 from ...samples.scan import distances, ray_distances
 from ...samples.sector import Asked
-from ..times import to_ns
+from ..times import span_ns
 from ._decoders import ScanDecoder
 from .chunks import ScanChunk
 from .series import Series
@@ -157,11 +157,7 @@ class Scans(Series[Scan]):
         """See `Series`. Of a topic that was not read yet, it reads these scans alone."""
         if self._rows is not None or self.is_read or (start is None and end is None):
             return super().between(start, end)
-        span = (
-            None if seconds is None else to_ns(self._start_ns, name, seconds)
-            for name, seconds in (("start", start), ("end", end))
-        )
-        part = type(self)(self._store.between(*span), self._start_ns)
+        part = type(self)(self._store.between(*span_ns(self._start_ns, start, end)), self._start_ns)
         len(part)  # at once, so that it outlives the recording, as far as it is in memory
         return part
 

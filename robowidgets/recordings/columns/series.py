@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...kinds import Kind
 from ...messages.channel import Channel
 from ...repair import RecordingError
-from ..times import to_ns
+from ..times import span_ns, to_ns
 from ..topics import Moment
 from . import tables
 from ._clock_problems import about_clock
@@ -60,7 +60,7 @@ class Series(Generic[Taken]):
 
     @property
     def is_read(self) -> bool:
-        """Whether the topic was read from start to end."""
+        """Whether all its samples were read."""
         return self._store.is_indexed
 
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -171,12 +171,13 @@ class Series(Generic[Taken]):
             TypeError: a time is no number.
             ValueError: a time is infinite or NaN.
         """
+        first_ns, stop_ns = span_ns(self._start_ns, start, end)
         times = self.times_ns
         inside = np.ones(len(times), bool)
-        if start is not None:
-            inside &= times >= to_ns(self._start_ns, "start", start)
-        if end is not None:
-            inside &= times < to_ns(self._start_ns, "end", end)
+        if first_ns is not None:
+            inside &= times >= first_ns
+        if stop_ns is not None:
+            inside &= times < stop_ns
         found = np.flatnonzero(inside)
         if found.size and found[-1] - found[0] == found.size - 1:
             return self._with(self.rows[int(found[0]) : int(found[-1]) + 1])
