@@ -225,7 +225,7 @@ class Program(Watched):
             self._leave()
             self.mode, self.error, self.waiting = mode, error, ""
             self.note = note or self.note
-            self.returned, self.kept = STANDSTILL, False
+            self._stand_still()
             self._changed.notify_all()
         self._robot.halt()
         self._call_watchers()
@@ -271,7 +271,7 @@ class Program(Watched):
         """The version to call and its arguments; None while it cannot step."""
         version = self.version
         if self._robot.stopped:
-            self.returned = STANDSTILL
+            self._stand_still()
             self._set_waiting("stop is latched")
             return version, None
         try:
@@ -280,7 +280,7 @@ class Program(Watched):
             values = self._inputs.take()
         except NotReadyError as error:
             self._robot.halt()
-            self.returned = STANDSTILL
+            self._stand_still()
             self._set_waiting(str(error))
             return version, None
         now = time.monotonic()
@@ -331,6 +331,10 @@ class Program(Watched):
         self._set_waiting(refused)
         self._call_watchers()
         return True
+
+    def _stand_still(self) -> None:
+        """What a step that returns None keeps is a standstill from now on."""
+        self.returned, self.kept = STANDSTILL, False
 
     def _set_waiting(self, why: str) -> None:
         if why != self.waiting:
