@@ -144,8 +144,8 @@ class MachineWidget(RobotWidget[MachineStep]):
         judged = {key: (one.value, one.text) for key, one in sample.judged.items()}
         # Not each step has a frame: events that made a move are true in the first frame after it.
         for fired in sample.fired:
-            if fired.why.startswith("on ") and self._origin + fired.time > self._made_after:
-                judged[fired.machine, fired.why.removeprefix("on ")] = True, fired.text
+            if fired.event and self._origin + fired.time > self._made_after:
+                judged[fired.machine, fired.event] = True, fired.text
         told = {
             "key": self._outline.get("key", ""),
             "time": sample.time,

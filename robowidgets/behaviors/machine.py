@@ -35,7 +35,8 @@ SINCE = "since"
 class Fired(NamedTuple):
     """A move that was made: seconds, the machine, both states, and why.
 
-    ``text`` says what its event compared, and ``nearest`` is the nearest ray that it looked at, where it looked at any.
+    ``event`` is the name of its event, empty for other moves. ``text`` says what its event compared, and ``nearest`` is
+    the nearest ray that it looked at, where it looked at any.
     """
 
     time: float
@@ -43,6 +44,7 @@ class Fired(NamedTuple):
     source: str
     target: str
     why: str
+    event: str = ""
     text: str = ""
     nearest: Ray | None = None
 
@@ -279,7 +281,7 @@ class Machine:
         saw = self._judged.get((machine.path, str(move.event)), Judged(None))
         self._leave(machine, now)
         why = str(move).partition(f"{move.target} ")[2]
-        self.fired.append(Fired(now, machine.path, source, move.target, why, saw.text, saw.nearest))
+        self.fired.append(Fired(now, machine.path, source, move.target, why, move.event or "", saw.text, saw.nearest))
         self._enter(machine, move.target, now)
 
     def _enter(self, machine: Outline, name: str, now: float) -> None:
