@@ -78,7 +78,8 @@ class Variables(Watched):
         Raises:
             TypeError: no number. ValueError: not low <= value <= high, or no identifier.
         """
-        first, least, most = (finite(key, given, unit or "any unit") for key, given in _named(value, low, high))
+        named = (("value", value), ("low", low), ("high", high))
+        first, least, most = (finite(key, given, unit or "any unit") for key, given in named)
         if not least <= first <= most or least == most:
             raise ValueError(f"{name}: expected low <= value <= high, got {least:g}, {first:g}, {most:g}")
         known = self._table.get(name)
@@ -148,10 +149,6 @@ class Variables(Watched):
             raise ValueError(f"expected a name such as 'near' for a variable, got {name!r}")
         self._table[name] = variable
         self._call_watchers()
-
-
-def _named(value: float, low: float, high: float) -> tuple[tuple[str, float], ...]:
-    return ("value", value), ("low", low), ("high", high)
 
 
 def _checked(name: str, value: Any) -> bool | float | str:

@@ -6,6 +6,9 @@ from dataclasses import dataclass, fields
 
 from ..samples.checks import finite
 
+Speeds = tuple[float, float, float]
+"""Forward in m/s, counter-clockwise in rad/s, and to the left in m/s."""
+
 
 @dataclass(frozen=True)
 class Motors:
@@ -35,16 +38,13 @@ class Motors:
             if value <= 0 and (field.name != "max_sideways" or value < 0):
                 raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
 
-    def toward(self, linear: float, angular: float, command: tuple[float, float], dt: float) -> tuple[float, float]:
+    def toward(self, speeds: Speeds, command: Speeds, dt: float) -> Speeds:
         """The speeds after dt seconds of accelerating toward a command within the limits."""
         return (
-            _approach(linear, _clip(command[0], self.max_linear), self.linear_acceleration * dt),
-            _approach(angular, _clip(command[1], self.max_angular), self.angular_acceleration * dt),
+            _approach(speeds[0], _clip(command[0], self.max_linear), self.linear_acceleration * dt),
+            _approach(speeds[1], _clip(command[1], self.max_angular), self.angular_acceleration * dt),
+            _approach(speeds[2], _clip(command[2], self.max_sideways), self.linear_acceleration * dt),
         )
-
-    def sideways_toward(self, sideways: float, command: float, dt: float) -> float:
-        """The speed to the left after dt seconds of accelerating toward a command within the limits."""
-        return _approach(sideways, _clip(command, self.max_sideways), self.linear_acceleration * dt)
 
 
 def _clip(value: float, limit: float) -> float:

@@ -16,7 +16,7 @@ from ..samples.checks import finite
 from ._contact import PRESSED_WITHIN, contact_angles, pressed, push_out
 from ._models import model_of
 from ._scanners import scanner_of
-from .motors import Motors
+from .motors import Motors, Speeds
 from .scanner import Scanner
 from .world import World, to_pose
 
@@ -30,8 +30,7 @@ _WAY_OFF, _TURN_OFF = 0.02, 0.03
 _BEND = 0.02
 """Radians a metre, at most, by which odometry takes a straight way for a bent one."""
 _MOVING = (
-    "_pose", "_odometry", "_command", "_linear", "_angular", "_sideways", "_time_ns", "_scan_number", "_scan_ns",
-    "_next_scan_ns", "_scan_pose",
+    "_pose", "_odometry", "_command", "_speeds", "_time_ns", "_scan_number", "_scan_ns", "_next_scan_ns", "_scan_pose",
 )  # fmt: skip
 """What changes of a robot in its world as time passes."""
 _EXACT = 1e-6
@@ -103,8 +102,8 @@ class Robot(Watched):
         if self.radius <= 0:
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
         self._pose = self._fitting(*to_pose("pose", world.start if pose is None else pose))
-        self._command = (0.0, 0.0, 0.0)
-        self._linear = self._angular = self._sideways = 0.0
+        self._command: Speeds = (0.0, 0.0, 0.0)
+        self._speeds: Speeds = (0.0, 0.0, 0.0)
         self._time_ns = 0
         self._seed = seed
         self._odometry = self._pose
@@ -252,7 +251,7 @@ class Robot(Watched):
 
     def speed(self) -> Speed:
         """The speed that the wheels measure, with the pose that follows from them."""
-        return self._as_speed(self._linear, self._angular, self._sideways, self._odometry)
+        return self._as_speed(*self._speeds, self._odometry)
 
     def command(self) -> Speed:
         """The speed that `drive` commanded last, even if it is beyond the limits of the motors."""
@@ -322,31 +321,30 @@ class Robot(Watched):
         return self.world.near(x, y, 2 * self.radius)
 
     def _move(self, dt: float) -> None:
-        self._linear, self._angular = self.motors.toward(self._linear, self._angular, self._command[:2], dt)
-        self._sideways = self.motors.sideways_toward(self._sideways, self._command[2], dt)
-        x, y, yaw = self._pose
-        heading = yaw + self._angular * dt / 2
-        ahead, left = self._linear * dt, self._sideways * dt
-        wanted = (x + ahead * cos(heading) - left * sin(heading), y + ahead * sin(heading) + left * cos(heading))
-        is_free = self._has_room(*wanted)
-        place = wanted if is_free else push_out(self._around(*wanted), *wanted, self.radius) or (x, y)
-        if place != wanted:
-            self._linear = _slowed(self._linear, (place[0] - x) * cos(heading) + (place[1] - y) * sin(heading), dt)
-            self._sideways = _slowed(self._sideways, (place[1] - y) * cos(heading) - (place[0] - x) * sin(heading), dt)
-        self._pose = Pose(*place, _wrapped(yaw + self._angular * dt))
-        self._measure_way(dt)
-
-    def _measure_way(self, dt: float) -> None:
+        linear, angular, sideways = self.motors.toward(self._speeds, self._command, dt)
+        (x, y, yaw), turned = self._pose, angular * dt
+        wanted = _moved(self._pose, linear * dt, sideways * dt, turned)
+        place = wanted[:2]
+        if not self._has_room(*place):
+            place = push_out(self._around(*place), *place, self.radius) or (x, y)
+        if place != wanted[:2]:
+            dx, dy, heading = place[0] - x, place[1] - y, yaw + turned / 2
+            linear = _slowed(linear, dx * cos(heading) + dy * sin(heading), dt)
+            sideways = _slowed(sideways, dy * cos(heading) - dx * sin(heading), dt)
+        self._speeds, self._pose = (linear, angular, sideways), Pose(*place, wanted.yaw)
         way_off, turn_off, bend = self._wheels
-        x, y, yaw = self._odometry
-        ahead, left = self._linear * dt * (1 + way_off), self._sideways * dt * (1 + way_off)
-        turned = self._angular * dt * (1 + turn_off) + ahead * bend
-        heading = yaw + turned / 2
-        self._odometry = Pose(
-            x + ahead * cos(heading) - left * sin(heading),
-            y + ahead * sin(heading) + left * cos(heading),
-            _wrapped(yaw + turned),
-        )
+        ahead, left = linear * dt * (1 + way_off), sideways * dt * (1 + way_off)
+        self._odometry = _moved(self._odometry, ahead, left, turned * (1 + turn_off) + ahead * bend)
+
+
+def _moved(pose: Pose, ahead: float, left: float, turned: float) -> Pose:
+    """The pose after a way in metres and a turn in radians: the way leads where the robot looks halfway of the turn."""
+    heading = pose.yaw + turned / 2
+    return Pose(
+        pose.x + ahead * cos(heading) - left * sin(heading),
+        pose.y + ahead * sin(heading) + left * cos(heading),
+        _wrapped(pose.yaw + turned),
+    )
 
 
 def _slowed(speed: float, travelled: float, dt: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..samples import Scan
-from ..samples.checks import finite, number, to_radians
+from ..samples.checks import finite, not_negative, number, to_radians
 from ..samples.scan import MAX_RAYS
 from ._raycast import cast_rays
 from .world import World, to_pose
@@ -90,8 +90,7 @@ class Scanner:
             ("resolution", "metres"),
             ("noise_share", "a share of the distance"),
         ):
-            if finite(name, getattr(self, name), unit) < 0:
-                raise ValueError(f"{name}: expected {unit}, 0 or more, got {getattr(self, name)!r}")
+            not_negative(name, getattr(self, name), unit)
         if finite("range_max", self.range_max, "metres") <= self.range_min:
             raise ValueError(f"range_max: expected metres above range_min ({self.range_min:g}), got {self.range_max!r}")
         field_of_view = finite("field_of_view", to_radians("field_of_view", self.field_of_view), "radians")

@@ -8,19 +8,19 @@ MOTORS = Motors(max_linear=1.0, max_angular=2.0, linear_acceleration=0.5, angula
 
 
 def test_speed_approaches_the_command_by_the_acceleration():
-    assert MOTORS.toward(0.0, 0.0, (1.0, -1.0), 0.1) == pytest.approx((0.05, -0.4))
+    assert MOTORS.toward((0.0, 0.0, 0.0), (1.0, -1.0, 0.0), 0.1) == pytest.approx((0.05, -0.4, 0.0))
 
 
 def test_slowing_down_takes_as_long_as_speeding_up():
-    assert MOTORS.toward(0.3, -1.0, (0.0, 0.0), 0.1) == pytest.approx((0.25, -0.6))
+    assert MOTORS.toward((0.3, -1.0, 0.0), (0.0, 0.0, 0.0), 0.1) == pytest.approx((0.25, -0.6, 0.0))
 
 
 def test_the_command_is_reached_and_not_passed():
-    assert MOTORS.toward(0.98, 1.9, (0.99, 1.8), 0.1) == pytest.approx((0.99, 1.8))
+    assert MOTORS.toward((0.98, 1.9, 0.0), (0.99, 1.8, 0.0), 0.1) == pytest.approx((0.99, 1.8, 0.0))
 
 
 def test_more_than_the_motors_can_do_is_cut():
-    assert MOTORS.toward(1.0, -2.0, (50.0, -50.0), 1.0) == (1.0, -2.0)
+    assert MOTORS.toward((1.0, -2.0, 0.0), (50.0, -50.0, 5.0), 1.0) == (1.0, -2.0, 0.0)
 
 
 @pytest.mark.parametrize(
