@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from ._core.base_widget import bundle, nearest_name, refuse_unnamed
+from ._core.base_widget import bundle, check_given, refuse_unnamed
 from ._core.robot_widget import FRAME_HEADER
 from ._core.traits import Angle, Angles, Flag
 from .laser.footprint import HasFootprint
@@ -28,7 +28,7 @@ _FIELDS = (
     "time_increment", "scan_time",
 )  # fmt: skip
 _BY_NAME = "update(ranges=..., angle_min=..., angle_increment=..., range_min=..., range_max=...)"
-_KNOWN = frozenset(_FIELDS)
+_INSTEAD = f"or: {', '.join(_FIELDS)}"
 _MARKS = tuple(kind.name.lower() for kind in Validity if kind is not Validity.READING)
 
 FARTHEST = 100_000
@@ -118,13 +118,7 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     """
 
     _esm, _css = bundle("laser_widget")
-    _meant: ClassVar = {
-        "arcs": "arc_count",
-        "rays": "ray_count",
-        "freeze": "paused",
-        "frozen": "paused",
-        "offset": "angle_offset",
-    }
+    _meant: ClassVar = {**DrawsShapes._meant, "arcs": "arc_count", "rays": "ray_count", "offset": "angle_offset"}
     _instead: ClassVar = {**DrawsShapes._instead, "ranges": "widget.scan.ranges", "angles": "widget.scan.angles"}
     _keywords = ("sectors", "pins")
     column = "wide"
@@ -200,7 +194,8 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
         """
         try:
             refuse_unnamed("update", unnamed, _BY_NAME)
-            given = _of_fields(message, fields)
+            check_given("update", message, fields, _INSTEAD, _FIELDS)
+            given = fields if message is None else message
             # Most are like the one before, and then nothing else is to be looked at.
             scan = self._read.next(given)
             if scan is None:
@@ -307,22 +302,6 @@ def _metres(value: Any) -> float | None:
     return float(value) if is_number and 0 < value <= FARTHEST else None
 
 
-def _of_fields(message: Any, fields: dict[str, Any]) -> Any:
-    """The message, or the fields given instead of one."""
-    if message is None and not fields:
-        raise TypeError(f"update() needs a message, or: {', '.join(_FIELDS)}")
-    if message is None:
-        if not fields.keys() <= _KNOWN:
-            unknown = [name for name in fields if name not in _KNOWN]
-            near = [meant for name in unknown if (meant := nearest_name(name, _FIELDS))]
-            hint = f"; did you mean {_listed(near)}? It" if near else "; it"
-            raise TypeError(f"update() has no field {_listed(unknown)}{hint} takes a message, or: {', '.join(_FIELDS)}")
-        return fields
-    if fields:
-        raise TypeError(f"update() takes a message or fields, not both; got a message and {_listed(fields)}")
-    return message
-
-
 def _refuse_array(message: Any) -> None:
     """TypeError for plain numbers; messages pass, also those that are tuples."""
     is_array = hasattr(message, "__array__") or (
@@ -333,8 +312,3 @@ def _refuse_array(message: Any) -> None:
             f"update() got a {type(message).__name__} without the scanner's geometry; plain numbers go by name: "
             f"{_BY_NAME}"
         )
-
-
-def _listed(names: Any) -> str:
-    sequence: Sequence[str] = list(names)
-    return ", ".join(repr(name) for name in sequence)

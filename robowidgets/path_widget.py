@@ -6,12 +6,12 @@ import struct
 import time
 from dataclasses import dataclass
 from math import nan
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core.base_widget import bundle, refuse_unnamed
+from ._core.base_widget import bundle, check_given, refuse_unnamed
 from ._core.pacer import pacer
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import bytes_trait
@@ -27,7 +27,6 @@ _FRAME = struct.Struct("<4d")
 _SPACING = 0.25
 """Seconds between two paths that are sent, at least. The newest pose is sent with each frame."""
 
-_FIELDS = ("x", "y", "yaw", "time")
 _BY_NAME = "update(x=1.0, y=0.5, yaw=0.2, time=3.0)"
 
 
@@ -76,7 +75,6 @@ class PathWidget(RobotWidget[PathPoint]):
 
     _esm, _css = bundle("path_widget")
     column = "map"
-    _meant: ClassVar = {"freeze": "paused", "frozen": "paused"}
     sample_name = "pose"
 
     _path = bytes_trait(echo_update=False)
@@ -153,16 +151,13 @@ class PathWidget(RobotWidget[PathPoint]):
         return {"frame_id": sample.frame_id, **notes}, self._pack(sample)
 
     def _to_point(self, message: Any, fields: dict[str, Any]) -> PathPoint:
-        if unknown := [name for name in fields if name not in _FIELDS]:
-            raise TypeError(f"update() has no field {', '.join(map(repr, unknown))}; it takes a message, or {_BY_NAME}")
+        if message is None and not {"x", "y"} <= fields.keys():
+            raise TypeError(f"update() needs a message, or x and y in metres, as {_BY_NAME}")
+        named = [name for name in fields if name != "time"]
+        check_given("update", message, named, f"or {_BY_NAME}", ("x", "y", "yaw"))
         if message is None:
-            missing = [name for name in "xy" if name not in fields]
-            if missing:
-                raise TypeError(f"update() needs a message, or x and y in metres, as {_BY_NAME}")
             x, y = (finite(name, fields[name], "metres") for name in "xy")
             pose = Pose(x, y, to_radians("yaw", fields.get("yaw", nan)))
-        elif given := [name for name in "xy" if name in fields] + ["yaw"] * ("yaw" in fields):
-            raise TypeError(f"update() takes a message or fields, not both; got a message and {', '.join(given)}")
         else:
             pose = to_pose(message)
         now = time.monotonic()

@@ -86,7 +86,7 @@ class ProgramWidget(DrivingWidget):
         if program is None:
             return None
         function, feed = program.version.function, self._feed
-        driving: Any = None if feed is None else feed.driving
+        driving = feed and feed.driving
         return {
             "name": program.name,
             "version": program.version.number,
@@ -99,7 +99,7 @@ class ProgramWidget(DrivingWidget):
             "since": round(program.since),
             "speed": (program.returned.linear, program.returned.angular),
             "kept": program.kept,
-            "limits": (0.5, 1.0) if driving is None else (driving.max_linear, driving.max_angular),
+            "limits": (driving.max_linear, driving.max_angular) if driving else (0.5, 1.0),
             "active": " + ".join(function.active) if isinstance(function, Machine) else "",
             "prints": [(round(seconds, 2), text) for seconds, text in program.prints.lines],
         }

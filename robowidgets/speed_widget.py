@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import traitlets
 
-from ._core.base_widget import bundle, refuse_unnamed
+from ._core.base_widget import bundle, check_given, refuse_unnamed
 from ._core.limit_traits import AxisLimits, Limits, Pair, is_past, unit_of
 from ._core.robot_widget import FRAME_HEADER, RobotWidget
 from ._core.traits import Flag, HistorySeconds
@@ -23,6 +23,7 @@ _FRAME = struct.Struct("<ddqd24d")
 
 _MEASURED, _COMMANDED = 1, 2
 _NO_VALUES = (nan,) * 6
+_NO_SPEED: dict[str, Any] = {"linear": _NO_VALUES[:3], "angular": _NO_VALUES[3:]}
 
 
 @dataclass(frozen=True)
@@ -102,9 +103,12 @@ class SpeedWidget(RobotWidget[Reading]):
 
     _esm, _css = bundle("speed_widget")
     _meant: ClassVar = {
-        "max_speed": "linear_limits", "max_linear": "linear_limits", "max_angular": "angular_limits",
-        "freeze": "paused", "frozen": "paused", "peaks": "hold_peaks",
-    }  # fmt: skip
+        **RobotWidget._meant,
+        "max_speed": "linear_limits",
+        "max_linear": "linear_limits",
+        "max_angular": "angular_limits",
+        "peaks": "hold_peaks",
+    }
     _instead: ClassVar = {
         **RobotWidget._instead,
         "linear": "widget.speed.linear",
@@ -208,7 +212,8 @@ class SpeedWidget(RobotWidget[Reading]):
         try:
             if unnamed or isinstance(message, Real):
                 refuse_unnamed(method, (message, *unnamed), f"{method}(linear=(0.2, 0, 0), angular=(0, 0, 0.5))")
-            speed = to_speed(_of_fields(method, message, fields))
+            check_given(method, message, fields, "or linear and angular (three numbers each)", ("linear", "angular"))
+            speed = to_speed(Speed(**{**_NO_SPEED, **fields}) if message is None else message)
         except (TypeError, ValueError) as error:
             if method == "command" and "command()" not in str(error):
                 error = type(error)(f"command(): {error}")
@@ -275,18 +280,6 @@ class SpeedWidget(RobotWidget[Reading]):
             tuple(values[18:]),
             int(resets),
         )
-
-
-def _of_fields(method: str, message: Any, fields: dict[str, Any]) -> Any:
-    """The message, or a speed of the fields given instead of one."""
-    unknown = ", ".join(repr(name) for name in fields if name not in ("linear", "angular"))
-    if unknown:
-        raise TypeError(f"{method}() has no field {unknown}; it takes a message, or linear and angular")
-    if message is None and not fields:
-        raise TypeError(f"{method}() needs a message, or linear and angular (three numbers each)")
-    if message is not None and fields:
-        raise TypeError(f"{method}() takes a message or fields, not both; got a message and {', '.join(fields)}")
-    return message if message is not None else Speed(**{"linear": _NO_VALUES[:3], "angular": _NO_VALUES[:3], **fields})
 
 
 def _in_words(speed: Speed) -> str:

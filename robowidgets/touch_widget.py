@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from ._core.base_widget import bundle, refuse_unnamed
+from ._core.base_widget import bundle, check_given, refuse_unnamed
 from ._core.pacer import pacer
 from ._core.robot_widget import FRAME_HEADER, LONGEST_SILENCE, RobotWidget
 from .messages import to_touch
@@ -55,7 +55,7 @@ class TouchWidget(RobotWidget[Touch]):
     """
 
     _esm, _css = bundle("touch_widget")
-    _meant: ClassVar = {"freeze": "paused", "frozen": "paused", "touched": "states"}
+    _meant: ClassVar = {**RobotWidget._meant, "touched": "states"}
 
     sample_name = "touch"
     goes_stale = False
@@ -109,12 +109,8 @@ class TouchWidget(RobotWidget[Touch]):
         """
         try:
             refuse_unnamed("update", unnamed, "update(left=True, right=False)")
-            if message is None and not touched:
-                raise TypeError("update() needs a message, or sensors by name, like update(left=True, right=False)")
-            if message is not None and touched:
-                raise TypeError(
-                    f"update() takes a message or sensors, not both; got a message and {', '.join(touched)}"
-                )
+            instead = "or sensors by name, like update(left=True, right=False)"
+            check_given("update", message, touched, instead, noun="sensors")
             touch = to_touch(_with_flags(touched) or message, own=tuple(self.sensors))
         except (TypeError, ValueError) as error:
             self._refuse(error)

@@ -6,7 +6,7 @@ import difflib
 import logging
 import os
 import reprlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -147,6 +147,30 @@ def refuse_unnamed(method: str, unnamed: Sequence[Any], call: str) -> None:
         raise TypeError(
             f"{method}() takes one message, or numbers by name: {call}; got {', '.join(map(reprlib.repr, unnamed))}"
         )
+
+
+def check_given(
+    method: str, message: Any, named: Collection[str], instead: str, known: Collection[str] = (), noun: str = "fields"
+) -> None:
+    """TypeError unless there is either a message, or values by known names.
+
+    Args:
+        method: the name of the method that got them.
+        message: the message, or None.
+        named: the names of the values.
+        instead: the values that it takes instead of a message: ``"or linear and angular (three numbers each)"``.
+        known: the names that it knows; empty: any name.
+        noun: for the values.
+    """
+    unknown = [name for name in named if name not in known] if known else []
+    if unknown:
+        near = [meant for name in unknown if (meant := nearest_name(name, known))]
+        hint = f"; did you mean {', '.join(map(repr, near))}? It" if near else "; it"
+        raise TypeError(f"{method}() has no field {', '.join(map(repr, unknown))}{hint} takes a message, {instead}")
+    if message is None and not named:
+        raise TypeError(f"{method}() needs a message, {instead}")
+    if message is not None and named:
+        raise TypeError(f"{method}() takes a message or {noun}, not both; got a message and {', '.join(named)}")
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:

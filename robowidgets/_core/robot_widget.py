@@ -8,7 +8,7 @@ import threading
 import time
 import weakref
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, Generic, TypeVar
 from uuid import uuid4
 
@@ -60,6 +60,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     that a program sets, because a loop may set them at any rate, too.
     """
 
+    _meant: ClassVar[Mapping[str, str]] = {"freeze": "paused", "frozen": "paused"}
     _instead: ClassVar = {
         **NamedWidget._instead,
         "freeze": "widget.paused = True",

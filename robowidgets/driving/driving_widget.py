@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterable
-from typing import Any, Protocol
+from collections.abc import Iterable
+from typing import Any
 
 import traitlets
 
@@ -22,46 +22,12 @@ ALLOW_LIFETIME = 3.0
 """Seconds for which a token may release the latch. The page gets a token every second."""
 
 
-class _Driving(Protocol):
-    @property
-    def topic(self) -> str: ...
-    @property
-    def needs_page(self) -> bool: ...
-
-
-class _Driver(Protocol):
-    def drive_by_hand(self, linear: float, angular: float, press: str) -> None: ...
-    def page_seen(self) -> None: ...
-
-
-class _Connection(Protocol):
-    is_closed: bool
-
-    def watch(self, on_change: Callable[[], None]) -> None: ...
-    def forget(self, on_change: Callable[[], None]) -> None: ...
-
-
-class _DrivenFeed(Protocol):
-    """The part of a feed that pad and Stop use."""
-
-    @property
-    def connection(self) -> _Connection: ...
-
-    @property
-    def watchdog(self) -> CommandWatchdog: ...
-    @property
-    def driver(self) -> _Driver: ...
-    @property
-    def driving(self) -> _Driving: ...
-    @property
-    def drive_status(self) -> str: ...
-
-
 class DrivingWidget(NamedWidget):
     """A widget with a Stop, which shows who drives. It uses a watchdog: a feed's, or its own."""
 
     _watchdog: CommandWatchdog
-    _feed: _DrivenFeed | None = None
+    _feed: Any = None
+    """The feed that it belongs to; None where it has only a watchdog. Feeds lie in a layer above."""
     _owns = False
 
     _state = traitlets.Dict(
@@ -113,7 +79,7 @@ class DrivingWidget(NamedWidget):
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
-    def _attach(self, watchdog: CommandWatchdog, feed: _DrivenFeed | None = None, *, owns: bool = False) -> None:
+    def _attach(self, watchdog: CommandWatchdog, feed: Any = None, *, owns: bool = False) -> None:
         """Use a watchdog from now on."""
         self._detach()
         self._forget_errors()

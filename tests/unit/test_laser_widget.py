@@ -251,7 +251,7 @@ class TestUpdate:
             (
                 (MESSAGE,),
                 {"ranges": [1.0], "range_max": 3.0},
-                r"^update\(\) takes a message or fields, not both; got a message and 'ranges', 'range_max'$",
+                r"^update\(\) takes a message or fields, not both; got a message and ranges, range_max$",
             ),
             ((), {**MESSAGE, "rangs": []}, r"^update\(\) has no field 'rangs'; did you mean 'ranges'\? It takes a m"),
             (

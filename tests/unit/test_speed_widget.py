@@ -300,6 +300,7 @@ class TestErrors:
             ("update", [], {}, TypeError, r"^update\(\) needs a message, or linear and angular \(three numbers each\)"),
             ("command", [], {}, TypeError, r"^command\(\) needs a message, or linear and angular"),
             ("update", [], {"speed": 3}, TypeError, r"^update\(\) has no field 'speed'; it takes a message, or linear"),
+            ("update", [], {"liner": 3}, TypeError, r"has no field 'liner'; did you mean 'linear'\? It takes"),
             ("update", [TWIST], {"linear": 1}, TypeError, "takes a message or fields, not both; got .* and linear"),
             ("update", [], {"linear": (1, 2)}, ValueError, r"^linear: expected three numbers \(x, y, z\), got 2"),
             ("update", [], {"linear": 0.5}, TypeError, r"^linear: expected three numbers \(x, y, z\), got 0.5"),
