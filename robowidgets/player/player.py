@@ -281,7 +281,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             else:
                 found = self.recording.at(topic, seconds - _TINY)
         if found:
-            self.bar.send({"seek": found.seconds})
+            self.bar.send({"seek": found.seconds, "step": [seconds, direction]})
 
     def _on_time(self, ahead: Prefetcher, change: Any) -> None:
         bar = self.bar

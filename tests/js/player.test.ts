@@ -169,11 +169,47 @@ test("what is old is told with its age, whether it is new on show or not", async
   end();
 });
 
-test("a step to what is not here is left to Python", async () => {
-  const { playback, sent, end } = await play({}, [0]);
+test("a step to what is not here is left to Python, and taken before it answers where its segment comes", async () => {
+  const { fake, playback, sent, give, end } = await play({ duration: 9 }, [0]);
   playback.seek(0.5);
   playback.step(1);
   assert.deepEqual(sent.at(-1), { step: [0.5, 1] });
+  give(3);
+  assert.deepEqual([playback.time, playback.waits], [0.5, true], "a segment between is missing still");
+  give(1);
+  assert.deepEqual([playback.time, playback.waits], [1, false]);
+  fake.tell({ seek: 1, step: [0.5, 1] });
+  playback.seek(1.5);
+  fake.tell({ seek: 1, step: [0.5, 1] });
+  assert.equal(playback.time, 1.5, "its answer comes too late");
+  playback.step(1);
+  fake.tell({ seek: 7.25, step: [1.5, 1] });
+  assert.deepEqual([playback.time, sent.at(-1)], [7.25, { pointed: 7.25 }]);
+  end();
+});
+
+test("the newest of several steps is taken, and none after a seek or once it plays", async () => {
+  const { fake, playback, give, end } = await play({ duration: 9, time: 5.5 }, [5]);
+  playback.step(1);
+  playback.step(-1);
+  playback.step(-1);
+  fake.tell({ seek: 6, step: [5.5, 1] });
+  assert.equal(playback.time, 5);
+  give(6);
+  assert.equal(playback.time, 5);
+  give(4);
+  assert.equal(playback.time, 4.5);
+  for (const other of [() => playback.seek(6), () => fake.receive({ time: 6 }), () => playback.toggle()]) {
+    playback.seek(6.5);
+    playback.step(1);
+    assert.ok(playback.waits);
+    other();
+    assert.ok(!playback.waits);
+  }
+  fake.receive({ playing: false });
+  const before = playback.time;
+  give(7);
+  assert.equal(playback.time, before);
   end();
 });
 

@@ -10,8 +10,11 @@ import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Track } from "./segments.ts";
 import type { PlayerTraits, SegmentMessage } from "./traits.ts";
 
-/** A segment, or only a time that the program seeks. */
-type Message = Partial<SegmentMessage> & { seek?: number };
+/** A time, and the direction of a step from there. */
+type Step = [from: number, direction: -1 | 1];
+
+/** A segment; or only a time that the program seeks, or to which a step leads. */
+type Message = Partial<SegmentMessage> & { seek?: number; step?: Step };
 
 const TELL_MS = 200;
 /** Seconds of wall time; a smaller difference to another page's time is not a seek. */
@@ -33,13 +36,15 @@ export class Playback {
   #pointed: Pointing["_pointed"] = null;
   /** The moment at which the widgets are frozen; null: they are not. */
   #frozenAt: number | null = null;
+  /** The newest step that the page could not take yet, because it lacks a segment; null without one. */
+  #wished: Step | null = null;
   /** Whether a step is to move frozen widgets, too, once the page has its segment. */
   #steps = false;
   /** Index of the ray that the laser shows because a person points at it on the scanogram. */
   #ray: number | null = null;
   #last = 0;
   /** Whether the segment of the current time is missing. */
-  waits = true;
+  #lacks = true;
 
   constructor(model: Model<PlayerTraits>, moved: Promise<Moved>, signal: AbortSignal) {
     this.#model = model;
@@ -79,6 +84,11 @@ export class Playback {
   /** What a person points at, where the page has it. */
   get #previewed(): Pointing["_pointed"] {
     return this.#pointed && this.#segments.has(this.#pointed.time) ? this.#pointed : null;
+  }
+
+  /** Whether a segment is missing: of the current time, or of a step. */
+  get waits(): boolean {
+    return this.#lacks || this.#wished !== null;
   }
 
   get begin(): number {
@@ -123,8 +133,9 @@ export class Playback {
   seek(time: number): void {
     this.#time = this.#within(time);
     this.#pointed = null;
+    this.#wished = null;
     this.#show();
-    if (!this.waits) {
+    if (!this.#lacks) {
       this.#tell();
       return;
     }
@@ -148,12 +159,19 @@ export class Playback {
   /** Steps to the next or previous frame of the first widget: a laser, if there is one. */
   step(direction: -1 | 1): void {
     if (this.playing) setTraits(this.#model, { playing: false });
-    const from = this.#frozenAt ?? this.#time;
-    const to = this.#segments.neighbour(0, from, direction, this.duration);
+    this.#wished = [this.#frozenAt ?? this.#time, direction];
     this.#steps = this.#frozenAt !== null;
+    this.#takeStep();
+    if (!this.#wished) return;
+    // Across a long silence only Python knows the next sample. While it is busy, the segments may come before its answer.
+    this.#model.send({ step: this.#wished });
+    this.#changed();
+  }
+
+  /** Takes the step that is wished, where the page has what it needs. */
+  #takeStep(): void {
+    const to = this.#wished && this.#segments.neighbour(0, ...this.#wished, this.duration);
     if (to !== null) this.seek(to);
-    // Across a long silence only Python knows the next sample; it answers with a seek.
-    else this.#model.send({ step: [from, direction] });
   }
 
   /** To the start of the next mark, or of the one before. */
@@ -166,6 +184,7 @@ export class Playback {
     const apart = Math.abs(this.#model.get("time") - this.#time);
     if (apart === 0 || (this.playing && apart < APART * this.#model.get("speed"))) return;
     this.#time = this.#model.get("time");
+    this.#wished = null;
     this.#show();
   }
 
@@ -173,6 +192,7 @@ export class Playback {
     this.#last = performance.now();
     if (this.playing) {
       this.#pointed = null;
+      this.#wished = null;
       const [start, end] = this.span;
       if (this.#time < start || this.#time >= end) this.seek(start);
       this.#nextFrame();
@@ -188,7 +208,7 @@ export class Playback {
     const [start, end] = this.span;
     const before = this.#time;
     // Wait for missing segments instead of skipping them.
-    if (!this.waits) this.#time += passed * this.#model.get("speed");
+    if (!this.#lacks) this.#time += passed * this.#model.get("speed");
     if (this.#time >= end) {
       const again = this.#model.get("loop");
       this.#time = again ? start : end;
@@ -199,9 +219,10 @@ export class Playback {
     this.#nextFrame();
   }
 
-  #onMessage({ seek, segment = 0, drop = [], abouts = [] }: Message, buffers: DataView[]): void {
+  #onMessage({ seek, step, segment = 0, drop = [], abouts = [] }: Message, buffers: DataView[]): void {
     if (seek !== undefined) {
-      this.seek(seek);
+      // A late answer to a step that was taken meanwhile, or replaced by another one, leads nowhere.
+      if (!step || step.join() === this.#wished?.join()) this.seek(seek);
       return;
     }
     const tracks = buffers.map((buffer, i): Track => {
@@ -210,6 +231,7 @@ export class Playback {
     this.#segments.drop(drop);
     this.#segments.put(segment, tracks);
     this.#prefetcher.came();
+    this.#takeStep();
     // The segment on show may have been replaced.
     this.#show();
   }
@@ -217,7 +239,7 @@ export class Playback {
   #show(): void {
     const time = this.shown;
     const frames = this.#segments.at(time);
-    this.waits = frames === null;
+    this.#lacks = frames === null;
     const pauses = this.#model.get("_pauses");
     for (const [i, { track, frame }] of (frames ?? []).entries()) {
       const target = this.#moved.targets[i];

@@ -226,9 +226,10 @@ def test_a_step_that_the_page_cannot_take_goes_to_the_next_scan_or_the_one_befor
     sent: list[object] = []
     monkeypatch.setattr(player.bar, "send", lambda content, _buffers=None: sent.append(content))
     scans = [moment.seconds for moment in player.recording.samples("/scan")]
-    for seconds, direction in ((scans[4], 1), (scans[4], -1), (scans[4] + 0.01, -1), (scans[-1], 1), (scans[0], -1)):
-        player.bar._handle_custom_msg({"step": [seconds, direction]}, [])
-    assert sent == [{"seek": scans[5]}, {"seek": scans[3]}, {"seek": scans[4]}]
+    steps = [[scans[4], 1], [scans[4], -1], [scans[4] + 0.01, -1]]
+    for step in (*steps, [scans[-1], 1], [scans[0], -1]):
+        player.bar._handle_custom_msg({"step": step}, [])
+    assert sent == [{"seek": scans[i], "step": step} for i, step in zip((5, 3, 4), steps, strict=True)]
 
 
 def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
