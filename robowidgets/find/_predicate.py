@@ -210,6 +210,10 @@ class Function:
                 raise NotYetError(name)
         return self._function(*map(trace.of, samples))
 
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        """See `Condition`."""
+        return [topic.name for topic in _topics(recording, asked)]
+
     def steps(self, search: Search) -> Steps:
         """See `Condition`."""
         recording = search.recording

@@ -12,7 +12,7 @@ Example:
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import degrees, inf
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from .._core.watch import Watch
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..recordings.columns.chunks import ScanChunk, SpeedChunk, single_scan, single_speed
-from ..recordings.topics import UnknownTopicError, UnnamedTopicError
+from ..recordings.topics import UnknownTopicError, UnnamedTopicError, only
 from ..samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ..samples.checks import number
 from ..samples.scan import distances, inside, ray_distances
@@ -32,6 +32,7 @@ from ._predicate import Function, NotYetError
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
 
 if TYPE_CHECKING:
+    from ..recordings import RecordingData
     from .search import Search
 
 __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"]
@@ -39,6 +40,10 @@ __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"
 
 class Condition(ABC):
     """A condition, which is true, false or unknown at each time of a recording."""
+
+    @abstractmethod
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        """The topics that `steps` reads, each as often as it reads it; ``asked`` are those of `Recording.find`."""
 
     @abstractmethod
     def steps(self, search: Search) -> Steps:
@@ -213,6 +218,9 @@ class _Joined(Condition):
         self._how = how
         self._parts = [condition(part) for part in parts]
 
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        return [topic for part in self._parts for topic in part.topics(recording, asked)]
+
     def steps(self, search: Search) -> Steps:
         return combined([part.steps(search) for part in self._parts], self._how)
 
@@ -238,6 +246,9 @@ class _Not(Condition):
     def __init__(self, part: Condition) -> None:
         self._part = part
 
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        return self._part.topics(recording, asked)
+
     def steps(self, search: Search) -> Steps:
         return inverted(self._part.steps(search))
 
@@ -262,6 +273,9 @@ class _OfOneTopic(Condition):
 
     def __init__(self, topic: str | None) -> None:
         self._topic = topic
+
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:  # noqa: ARG002
+        return [self._topic or only(recording.path.name, recording.topics, self.kind.name)]
 
     def judge(self, moment: Any) -> Verdict:
         """See `Condition`."""
@@ -293,6 +307,7 @@ class _Touched(_OfOneTopic):
         if self._label is not None and self._label not in labels:
             there = ", ".join(map(repr, labels)) or "none"
             raise ValueError(f"label: {touches.topic} has no sensor {self._label!r}; it has {there}")
+        search.looked_at(len(touches))
         states = touches.states if self._label is None else touches.states[:, [labels.index(self._label)]]
         return steps(touches.times_ns, self._test(states, touches.lists_touches))
 
@@ -406,7 +421,7 @@ class _Gap(Condition):
         self._topic = topic
 
     def steps(self, search: Search) -> Steps:
-        silences = [(name, self._of(search, name)) for name in self._topics(search)]
+        silences = [(name, self._of(search, name)) for name in self.topics(search.recording, None)]
         search.silences += silences
         return combined([when for _, when in silences], np.max)
 
@@ -419,15 +434,15 @@ class _Gap(Condition):
         """See `Condition`."""
         raise TypeError(f"{self}: a gap lies between samples, so only Recording.find finds it")
 
-    def _topics(self, search: Search) -> Sequence[str]:
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:  # noqa: ARG002
         if self._topic is not None:
             return [self._topic]
-        shown = [topic for topic in search.recording.topics if topic.widget]
+        shown = [topic for topic in recording.topics if topic.widget]
         found = [topic.name for topic in shown if KINDS[topic.widget or ""].goes_stale and not topic.commanded]
         if found:
             return found
         steady = [f"no {'measured ' * kind.commands}{kind.noun}" for kind in KINDS.values() if kind.goes_stale]
-        there = f"{search.recording.path.name} has {' and '.join(steady)}"
+        there = f"{recording.path.name} has {' and '.join(steady)}"
         if not shown:
             raise UnknownTopicError(there)
         raise UnnamedTopicError(there, [topic.name for topic in shown], None)

@@ -145,8 +145,9 @@ class _Nearest:
 def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | None) -> Spans:
     """See `Recording.find`."""
     wanted = condition(given)
-    total = sum(topic.count for topic in recording.topics if topic.widget)
     start_ns = recording.start_ns or 0
+    count_of = {topic.name: topic.count for topic in recording.topics}
+    total = sum(count_of.get(topic, 0) for topic in wanted.topics(recording, topics))
     with Progress(total, "Finding", " samples") as bar, without_bars():
         search = Search(recording, topics, bar)
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from comm import get_comm_manager
@@ -12,7 +13,7 @@ import robowidgets
 from robowidgets import conditions
 from robowidgets._core import progress
 
-from . import sweeps
+from . import robot, sweeps
 
 
 @pytest.fixture
@@ -73,3 +74,27 @@ def test_a_search_shows_one_bar_for_all_it_does(
     said = capsys.readouterr().err
     assert "Finding:   0%" in said
     assert "Reading" not in said
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        conditions.nearest_below(1),
+        conditions.touched() & ~conditions.speed_above(1),
+        conditions.gap(1, "/odom"),
+        lambda moment: moment.scan.distance() < 1,
+    ],
+)
+def test_the_bar_of_a_search_comes_to_its_end(condition: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    bars: list[progress.Progress] = []
+
+    class Bar(progress.Progress):
+        def __enter__(self) -> progress.Progress:
+            bars.append(self)
+            return self
+
+    monkeypatch.setattr("robowidgets.find.search.Progress", Bar)
+    with robowidgets.open(robot.write(tmp_path / "drive")) as recording:
+        recording.find(condition)
+    (bar,) = bars
+    assert bar._done == bar._options["total"] > 0
