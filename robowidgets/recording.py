@@ -133,7 +133,11 @@ class Recording(RecordingData):
 
         again = open(self.path)
         again.memory = self.memory
-        return Player(again, topics, scanogram, rerun)
+        try:
+            return Player(again, topics, scanogram, rerun)
+        except BaseException:
+            again.close()
+            raise
 
     def to_html(
         self,

@@ -31,6 +31,7 @@ from tornado.websocket import WebSocketHandler
 
 from robowidgets._core.pacer import pacer
 from robowidgets.feeds import Feed
+from robowidgets.recordings import RecordingData
 
 from .console import Console
 from .notebook import CellError
@@ -122,9 +123,9 @@ class PlainPage:
         self._settle()
 
     def close(self) -> None:
-        """Close all its widgets and feeds."""
+        """Close all its widgets, feeds and recordings."""
         for value in self._namespace.values():
-            if isinstance(value, (Feed, Widget)):
+            if isinstance(value, (Feed, RecordingData, Widget)):
                 value.close()
         Widget.close_all()
         comm.create_comm = self._create_comm

@@ -177,8 +177,11 @@ def test_one_who_observes_the_time_may_set_it(player: Player, monkeypatch: pytes
 def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     unseen: list[object] = []
     monkeypatch.setattr(sys, "unraisablehook", unseen.append)
-    with open(path) as recording, pytest.raises(UnknownTopicError):
-        recording.show("/nothing")
+    with open(path) as recording:
+        files = os.listdir("/proc/self/fd")
+        with pytest.raises(UnknownTopicError) as raised:
+            recording.show("/nothing")
+        assert os.listdir("/proc/self/fd") == files, f"closed while {raised} refers to it"
     gc.collect()
     assert (threads_named("robowidgets-player"), unseen) == (0, [])
 
