@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .messages import ScanReader, to_scan, to_speed, to_touch
+from .messages import to_scan, to_speed, to_touch
 from .messages.fields import Shape, unwrap
 from .messages.touch import TOUCH_TYPES
 from .samples import Pose, Problem, Scan, Speed, Touch
@@ -57,7 +57,6 @@ class Kind:
         nothing: the sample that a player shows before the first of a topic.
         has_shape: whether a message of an unknown type with these fields is of this kind; None: only `types` are.
         undecided: those of `types` of which some messages only are of this kind: the first message of a topic decides.
-        make_reader: makes a `read` that remembers what stays the same from message to message of one topic.
         columns: the series class of `Recording.series`.
         frames: what the player of a recording shows of a topic at each time, a `robowidgets.player._frames.Track`.
         rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; empty: Rerun leaves them out.
@@ -79,7 +78,6 @@ class Kind:
     nothing: Any
     has_shape: Callable[[Shape], bool] | None = None
     undecided: frozenset[str] = frozenset()
-    make_reader: Callable[[], Callable[[Any], Any]] | None = None
     columns: str = "robowidgets.recordings.columns.series:Samples"
     frames: str = _SAMPLE_FRAMES
     rerun: str = ""
@@ -88,10 +86,6 @@ class Kind:
     goes_stale: bool = True
     every_message: bool = False
     also: tuple[SecondWidget, ...] = ()
-
-    def reader(self) -> Callable[[Any], Any]:
-        """A new reader for the messages of one topic."""
-        return self.make_reader() if self.make_reader else self.read
 
     def is_command(self, topic: str) -> bool:
         """Whether samples on this topic were asked for, not measured."""
@@ -141,7 +135,6 @@ LASER = Kind(
         header_problems=(Problem("no scan up to this time of the recording", ""),),
     ),
     has_shape=_is_scan,
-    make_reader=ScanReader,
     columns="robowidgets.recordings.columns.scans:Scans",
     rerun="robowidgets.in_rerun.rerun_log:ScanLog",
     # A room is much smaller than what many scanners can see.

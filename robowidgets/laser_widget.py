@@ -15,7 +15,7 @@ from ._core.traits import Angle, Angles, Flag
 from .laser.footprint import HasFootprint
 from .laser.ghost import HasGhost
 from .laser.sectors import HasSectors
-from .messages import ScanReader
+from .messages import to_scan
 from .messages.fields import unwrap
 from .samples import Problem, Scan, Validity
 from .samples.scan import MAX_RAYS
@@ -167,7 +167,6 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     ).tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
-        self._read = ScanReader()
         self._offset = 0.0
         sectors, pins = kwargs.pop("sectors", {}), kwargs.pop("pins", {})
         super().__init__(**kwargs)
@@ -196,11 +195,8 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
             refuse_unnamed("update", unnamed, _BY_NAME)
             check_given("update", message, fields, _INSTEAD, _FIELDS)
             given = fields if message is None else message
-            # Most are like the one before, and then nothing else is to be looked at.
-            scan = self._read.next(given)
-            if scan is None:
-                _refuse_array(unwrap(given))
-                scan = self._read(given)
+            _refuse_array(unwrap(given))
+            scan = to_scan(given)
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:

@@ -17,8 +17,7 @@ from .._core.pacer import pacer
 from .._core.tables import many
 from .._core.user_function import line_of, name_of
 from .._core.user_threads import UserThread, frames_of
-from ._sample_reader import SampleReader
-from ._topics import Table, Topic, queue_length
+from ._topics import Table, Topic, queue_length, sample_of
 
 log = logging.getLogger("robowidgets")
 
@@ -72,7 +71,6 @@ class FunctionCaller:
         self._changed = threading.Condition()
         self._functions: list[Function] = []
         self._waiting: dict[str, deque[tuple[Any, Topic]]] = {}
-        self._readers: dict[str, SampleReader] = {}
         self._thread: UserThread | None = None
         self._current: Function | None = None
         self._slow_topic = ""
@@ -159,9 +157,8 @@ class FunctionCaller:
     def _drop(self, gone: list[Function]) -> None:
         self._functions = [function for function in self._functions if function not in gone]
         topics = {function.topic for function in self._functions}
-        for table in (self._waiting, self._readers):
-            for topic in table.keys() - topics:
-                del table[topic]
+        for topic in self._waiting.keys() - topics:
+            del self._waiting[topic]
         if self._current in gone and self._thread is not None and self._thread is not threading.current_thread():
             self._thread.abandon()
             self._thread = self._current = None
@@ -205,9 +202,7 @@ class FunctionCaller:
 
     def _call(self, function: Function, message: Any, topic: Topic) -> None:
         try:
-            sample = (
-                message if function.raw else self._readers.setdefault(topic.name, SampleReader()).read(message, topic)
-            )
+            sample = message if function.raw else sample_of(message, topic)
         except (TypeError, ValueError) as error:
             function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
             self._log(function.error)

@@ -13,9 +13,8 @@ from ..behaviors.robot import NotReadyError
 from ..kinds import KINDS, Kind
 from ..samples import Touch, TouchState
 from ..samples.touch_tracker import TouchTracker
-from ._sample_reader import SampleReader
 from ._subscription import Target
-from ._topics import queue_length
+from ._topics import queue_length, sample_of
 
 if TYPE_CHECKING:
     from ._connection import Connection
@@ -71,7 +70,6 @@ class _Latest:
 
     def __init__(self, connection: Connection, topic: str, on_message: Callable[[], None]) -> None:
         self._connection, self.topic, self._on_message = connection, topic, on_message
-        self._reader = SampleReader()
         self._lock = threading.Lock()
         self._messages: deque[Any] = deque()
         self._times: deque[float] = deque(maxlen=3)
@@ -107,7 +105,7 @@ class _Latest:
         touched: set[str] = set()
         for message in messages:
             try:
-                sample = self._reader.read(message, topic)
+                sample = sample_of(message, topic)
             except (TypeError, ValueError) as error:
                 raise NotReadyError(f"a message of {self.topic} cannot be read: {error}") from None
             self._sample = sample

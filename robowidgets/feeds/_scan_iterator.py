@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from ..messages import ScanReader
+from ..messages import to_scan
 from ..samples import Scan
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
             arrived.notify()
 
     target = connection.attach(topic, take)
-    read, limit = ScanReader(), max(timeout, FIRST_TIMEOUT)
+    limit = max(timeout, FIRST_TIMEOUT)
     try:
         while True:
             until = time.monotonic() + limit
@@ -41,6 +41,6 @@ def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Sca
                 why = connection.status_of(topic)
                 raise TimeoutError(f"no scan of {topic} for {limit:g} s" + (f": {why}" if why else ""))
             limit = timeout
-            yield read(message)
+            yield to_scan(message)
     finally:
         connection.detach(topic, target)

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from .._core.tables import many
-from ..kinds import counts_every_message, is_standard, is_undecided, kind_of_message, kind_of_type, widgets_of
+from ..kinds import KINDS, counts_every_message, is_standard, is_undecided, kind_of_message, kind_of_type, widgets_of
 from .middleware import EVENTS, Advert
 
 _HEADS = ("topic", "type", "published", "heard", "widget")
@@ -54,6 +54,16 @@ def decided(topic: Topic, message: Any) -> Topic:
     if kind is None:
         return topic
     return topic._replace(widget=kind.name, commanded=kind.is_command(topic.name))
+
+
+def sample_of(message: Any, topic: Topic) -> Any:
+    """The sample in a message of a topic; the message itself if no widget shows it.
+
+    Raises:
+        TypeError, ValueError: it cannot be read.
+    """
+    widget = topic.widget or (decided(topic, message).widget if is_open(topic) or not topic.type else None)
+    return message if widget is None else KINDS[widget].read(message)
 
 
 def queue_length(type_name: str) -> int:

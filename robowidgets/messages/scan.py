@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Callable, KeysView, Mapping, Sized
+from collections.abc import Callable, Sized
 from math import degrees, inf, isfinite, nan, pi
-from operator import attrgetter, itemgetter, methodcaller
 from typing import Any
 
 import numpy as np
@@ -15,12 +13,8 @@ from ..samples.checks import OF_DEGREES, is_angle, number, to_radians
 from .fields import MISSING, describe, frame_id, get, has, reader, stamp_ns, unwrap
 
 _NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
-_SETTINGS = (*_NEEDED[1:], "angle_max", "time_increment", "scan_time")
-_COMPARED = frozenset((float, int, np.float32, np.float64, type(None)))
-_COPIED = frozenset((np.ndarray, array, list, tuple))
 LONGEST_SCAN = 60.0
 """Seconds; a scan_time or time_increment above it is noted and not used."""
-_NOTHING: dict[str, Any] = {}
 _ONE_RAY = (
     "; a single distance is one ray: ranges=[message.range], angle_min=0, angle_increment=0, "
     "range_min=message.min_range, range_max=message.max_range"
@@ -74,88 +68,6 @@ def to_scan(message: Any) -> Scan:
             *_about_frame(message),
         ),
     )
-
-
-class ScanReader:
-    """Makes scans of the messages of one scanner, as `to_scan` does, but checks only once what stays the same.
-
-    A scanner sends its settings with every scan, and to check them takes longer than to copy the ranges.
-    """
-
-    def __init__(self) -> None:
-        self.next: Callable[[Any], Scan | None] = _nothing
-        """Gives the scan in a message that differs from the last one in values and stamp alone; None for any other."""
-
-    def __call__(self, message: Any) -> Scan:
-        """The scan in a message. Raises as `to_scan` does."""
-        message = unwrap(message)
-        if isinstance(message, Scan):
-            return message
-        scan = self.next(message)
-        if scan is None:
-            scan = to_scan(message)
-            known = _Known(message, scan)
-            self.next = known.next if known.is_usual else _nothing
-        return scan
-
-
-class _Known:
-    """A message that was read, to tell whether another differs from it in its values and its stamp alone."""
-
-    def __init__(self, message: Any, scan: Scan) -> None:
-        read = reader(message)
-        there = [name for name in _SETTINGS if read(name, MISSING) is not MISSING]
-        keyed = isinstance(message, Mapping)
-        values_of: Callable[..., Callable[[Any], Any]] = itemgetter if keyed else attrgetter
-        self._scan = scan
-        self._form = type(message)
-        self._fields_of: Callable[[Any], KeysView[str]] = methodcaller("keys") if keyed else _fields
-        self._fields = frozenset(self._fields_of(message))
-        self._values_of = values_of(*there, "ranges")
-        self._settings: list[Any] = [*self._values_of(message)][:-1]
-        self._kinds = list(map(type, self._settings))
-        intensities = read("intensities", None)
-        self._uses_intensities = intensities is None or len(intensities) == scan.intensities.size
-        self._has_more = not keyed or not self._fields <= {*there, "ranges"}
-
-    @property
-    def is_usual(self) -> bool:
-        """Whether the next may be like it: what is missing in one, or not used, is looked for in the next."""
-        comparable = _COMPARED.issuperset(self._kinds) and None not in self._settings[: len(_NEEDED) - 1]
-        return comparable and self._uses_intensities
-
-    def next(self, message: Any) -> Scan | None:
-        """The scan in a message that differs in values and stamp alone; None for any other message."""
-        if type(message) is not self._form:
-            return None
-        try:
-            # Of those that have nothing more, the names are the same where they are as many, and none is missing.
-            if self._fields_of(message) != self._fields if self._has_more else len(message) != len(self._fields):
-                return None
-            *settings, ranges = self._values_of(message)
-            if list(map(type, settings)) != self._kinds or settings != self._settings or type(ranges) not in _COPIED:
-                return None
-            if not self._has_more:
-                return self._scan.again(ranges, None, None)
-            if frame_id(message) != self._scan.frame_id:
-                return None
-            intensities = reader(message)("intensities", None)
-            if intensities is not None and type(intensities) not in _COPIED:
-                return None
-            if intensities is None or not len(intensities):
-                return None if self._scan.intensities.size else self._scan.again(ranges, None, stamp_ns(message))
-            return self._scan.again(ranges, intensities, stamp_ns(message))
-        except (TypeError, ValueError, LookupError, AttributeError):  # `to_scan` finds out what is different
-            return None
-
-
-def _nothing(_message: Any) -> None:
-    """Without a previous message, none is like it."""
-
-
-def _fields(message: Any) -> KeysView[str]:
-    """The names in an object that may be different in another of the same type."""
-    return getattr(message, "__dict__", _NOTHING).keys()
 
 
 def _count(ranges: Any) -> int:

@@ -199,21 +199,13 @@ class Scan(HasAge):
         with np.errstate(invalid="ignore"):
             return np.where(now == then, np.float32(0), now - then).astype(np.float32)
 
-    def again(
-        self,
-        ranges: ArrayLike,
-        intensities: ArrayLike | None,
-        stamp_ns: int | None,
-        *,
-        keep: bool = False,
-    ) -> Scan:
+    def again(self, ranges: ArrayLike, intensities: ArrayLike | None, stamp_ns: int | None) -> Scan:
         """The next sweep of the same scanner: what is not given stays as it is, and is not checked again.
 
         Args:
-            ranges: as many as this scan has.
+            ranges: as many as this scan has. They are copied, unless they are float32 and read-only.
             intensities: the same, or None to keep those of this scan.
             stamp_ns: time of the first ray in nanoseconds since the epoch, or None.
-            keep: whether arrays of float32 that are read-only are kept, not copied.
 
         Raises:
             TypeError: no numbers. ValueError: another number of rays, or of intensities.
@@ -224,7 +216,7 @@ class Scan(HasAge):
         values["stamp_ns"], values["_arrived"] = stamp_ns, time.monotonic()
         for name, given in (("ranges", ranges), ("intensities", intensities)):
             if given is not None:
-                array = given if keep and is_frozen(given) else floats(name, given)
+                array = given if is_frozen(given) else floats(name, given)
                 if array.size != values[name].size:
                     raise ValueError(
                         f"{name}: expected {values[name].size:,} values as in the scan before, got {array.size:,}"

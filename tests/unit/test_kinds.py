@@ -114,7 +114,6 @@ def test_what_a_row_names_is_there(kind: kinds.Kind) -> None:
     for reference in (kind.widget, kind.columns, kind.frames, *seconds):
         assert isinstance(kinds.load(reference), type)
     assert kind.read(kind.nothing) is kind.nothing
-    assert kind.reader()(kind.nothing) is kind.nothing
     assert isinstance(kind.nothing, kind.sample)
 
 

@@ -56,9 +56,7 @@ def test_without_intensities_they_stay(scan: Scan) -> None:
 
 def test_arrays_that_could_change_are_copied_and_others_kept(scan: Scan) -> None:
     frozen, loose = sent(1, 2, 3), np.array([1, 2, 3], np.float32)
-    assert scan.again(frozen, None, None, keep=True).ranges is frozen
-    assert scan.again(frozen, None, None).ranges is not frozen
-    assert scan.again(loose, None, None, keep=True).ranges is not loose
+    assert scan.again(frozen, None, None).ranges is frozen
     after = scan.again(loose, None, None)
     loose[0] = 9
     assert after.ranges.tolist() == [1, 2, 3]

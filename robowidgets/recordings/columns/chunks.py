@@ -103,7 +103,7 @@ class ScanChunk(Chunk):
     def sample(self, i: int) -> Scan:
         """See `Chunk`."""
         ranges, intensities = self.ranges[i], self.intensities[i]
-        return self.like.again(ranges, intensities, int(self.stamps_ns[i]) or None, keep=True)
+        return self.like.again(ranges, intensities, int(self.stamps_ns[i]) or None)
 
 
 @dataclass(frozen=True)
