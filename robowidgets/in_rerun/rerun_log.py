@@ -187,7 +187,7 @@ class ScanLog(TopicLog):
                 labelled = rays
             rows = max(_PIECE_BYTES // (12 * rays + 64), 1)
             for first in range(0, len(chunk), rows):
-                piece = chunk.part(slice(first, first + rows))
+                piece = chunk.part(slice(first, first + rows), chunk.start + first)
                 poses = world.poses(chunk.like.frame_id, piece.times_ns, piece.stamps_ns)
                 points = rr.Points3D.columns(positions=_points(piece)).partition([rays] * len(piece))
                 log.send(stream, entity, piece.times_ns, [*points, *log.transforms(poses)])

@@ -14,6 +14,11 @@ from ...repair import RecordingError
 
 DEFAULT = 1 << 30
 
+_INSTEAD = (
+    "take a part of it (series[a:b], series.between(start, end)), go through .chunks(), "
+    "or set recording.memory higher, in bytes"
+)
+
 
 class Memory:
     """Keeps the sequences used last, in no more bytes than a limit.
@@ -48,11 +53,6 @@ class Memory:
         self._limit = limit
         self._drop(0)
 
-    @property
-    def used_bytes(self) -> int:
-        """Bytes in use now."""
-        return self._bytes
-
     def get(self, key: Hashable, make: Callable[[], Sequence[Any]]) -> Sequence[Any]:
         """The sequence cached under a key; else it is made, and cached if there is room. Its items have ``nbytes``."""
         with self._lock:
@@ -73,38 +73,22 @@ class Memory:
                 self._bytes += size
 
     @contextmanager
-    def reserved(self, size: int, what: str, instead: str) -> Iterator[None]:
+    def reserved(self, size: int, what: str) -> Iterator[None]:
         """Make room for an array while it is filled, and give the room back.
-
-        Raises:
-            RecordingError: it is larger than the limit.
-        """
-        self.take(size, what, instead)
-        try:
-            yield
-        finally:
-            self._reserved -= size
-
-    def take(self, size: int, what: str, instead: str) -> None:
-        """Make room, for good, for something of a size.
-
-        Raises:
-            RecordingError: it is larger than the limit.
-        """
-        self.check(size, what, instead)
-        self._reserved += size
-        self._drop(0)
-
-    def check(self, size: int, what: str, instead: str) -> None:
-        """Check that something of a size fits into the limit.
 
         Raises:
             RecordingError: it is larger than the limit.
         """
         if size > self._limit:
             raise RecordingError(
-                f"{what} would take {megabytes(size)} of memory, and the limit is {megabytes(self._limit)}: {instead}"
+                f"{what} would take {megabytes(size)} of memory, and the limit is {megabytes(self._limit)}: {_INSTEAD}"
             )
+        self._reserved += size
+        self._drop(0)
+        try:
+            yield
+        finally:
+            self._reserved -= size
 
     def _drop(self, size: int) -> None:
         """Drop the sequences used longest ago, until so many bytes have room."""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, groupby, islice
+from itertools import chain, groupby, islice, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,6 +50,8 @@ class _Index:
 
     batches: list[Batch] = field(default_factory=list)
     places: list[Place] = field(default_factory=list)
+    starts: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    """The first rows of the places."""
     times: list[NDArray[np.int64]] = field(default_factory=list)
     stamps: list[NDArray[np.int64]] = field(default_factory=list)
     rows: int = 0
@@ -69,7 +70,8 @@ class _Index:
         return numbered
 
     def finish(self) -> None:
-        """Join the times."""
+        """Join the times, and collect the first rows."""
+        self.starts = np.array([place.start for place in self.places], np.int64)
         self.times, self.stamps = [_joined(self.times)], [_joined(self.stamps)]
 
 
@@ -131,22 +133,27 @@ class Store:
         """Whether the first pass has reached the end."""
         return self._index is not None
 
-    def chunks(self, start: int = 0, stop: int | None = None) -> Iterator[Any]:
-        """The chunks of the rows from ``start`` up to, not including, ``stop``, cut to these rows."""
-        if self._index is None and start == 0 and stop is None:
+    def chunks(self, rows: NDArray[np.int64] | None = None) -> Iterator[Any]:
+        """The chunks of some rows, in their order; ``start`` of a chunk counts in these. None: of all rows."""
+        if self._index is None and rows is None:
             yield from self._first_pass()
             return
         index = self._indexed()
-        stop = index.rows if stop is None else stop
-        first_place = bisect_right(index.places, start, key=lambda place: place.start) - 1
-        for place in index.places[max(first_place, 0) :]:
-            if place.start >= stop:
-                return
-            first, end = max(start - place.start, 0), min(stop - place.start, place.rows)
-            if first < end:
-                chunk = self._batch(index, place.batch)[place.number]
-                part = chunk if end - first == place.rows else chunk.part(slice(first, end))
-                yield replace(part, start=place.start + first)
+        rows = np.arange(index.rows) if rows is None else rows
+        numbers = np.searchsorted(index.starts, rows, side="right") - 1
+        cuts = np.flatnonzero(np.diff(numbers, prepend=-1)).tolist()
+        for first, stop in pairwise([*cuts, len(rows)]):
+            place = index.places[numbers[first]]
+            chunk = self._batch(index, place.batch)[place.number]
+            own = rows[first:stop] - place.start
+            whole = np.array_equal(own, np.arange(place.rows))
+            yield replace(chunk, start=first) if whole else chunk.part(own, first)
+
+    def sample(self, row: int) -> Any:
+        """The sample in one row."""
+        index = self._indexed()
+        place = index.places[int(np.searchsorted(index.starts, row, side="right")) - 1]
+        return self._batch(index, place.batch)[place.number].sample(row - place.start)
 
     def _indexed(self) -> _Index:
         if self._index is None:

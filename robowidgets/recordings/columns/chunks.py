@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...samples import Pose, Scan, Speed
+from ...samples.checks import frozen
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -53,10 +54,10 @@ class Chunk:
         """One of the samples."""
         raise NotImplementedError
 
-    def part(self, rows: slice) -> Self:
-        """The chunk of some rows."""
-        columns: Any = {name: column[rows] for name, column in self.columns().items()}
-        return replace(self, start=self.start + (rows.start or 0), **columns)
+    def part(self, rows: NDArray[np.int64] | slice, start: int) -> Self:
+        """The chunk of some rows, with another start."""
+        columns: Any = {name: frozen(column[rows]) for name, column in self.columns().items()}
+        return replace(self, start=start, **columns)
 
 
 @dataclass(frozen=True)

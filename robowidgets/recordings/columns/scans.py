@@ -50,8 +50,8 @@ class Scans(Series[Scan]):
         """A series for each number of rays, in the order of their first scans."""
         if len(self.ray_counts) < 2:
             return (self,)
-        rows, rays = np.asarray(self.rows, np.int64), self._rays
-        return tuple(self._with(rows[rays == count]) for count in self.ray_counts)
+        rays = self._rays
+        return tuple(self._with(self.rows[rays == count]) for count in self.ray_counts)
 
     @property
     def ray_count(self) -> int:
@@ -161,9 +161,9 @@ class Scans(Series[Scan]):
         len(part)  # at once, so that it outlives the recording, as far as it is in memory
         return part
 
-    def columns(self) -> dict[str, NDArray[Any]]:
+    def to_numpy(self) -> dict[str, NDArray[Any]]:
         """Times, ranges and intensities, by name."""
-        return {**super().columns(), "ranges": self.ranges, "intensities": self.intensities}
+        return {**super().to_numpy(), "ranges": self.ranges, "intensities": self.intensities}
 
     @property
     def _rays(self) -> NDArray[np.int64]:

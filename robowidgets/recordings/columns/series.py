@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator
 from operator import index as as_index
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from ...kinds import Kind
 from ...messages.channel import Channel
 from ...repair import RecordingError
+from ...samples.checks import frozen
 from ..times import span_ns, to_ns
 from ..topics import Moment
 from . import tables
@@ -23,13 +23,7 @@ from ._store import Store
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Rows = Sequence[int] | NDArray[np.int64]
 Taken = TypeVar("Taken")
-
-_INSTEAD = (
-    "take a part of it (series[a:b], series.between(start, end)), go through .chunks(), "
-    "or set recording.memory higher, in bytes"
-)
 
 
 class Series(Generic[Taken]):
@@ -43,7 +37,7 @@ class Series(Generic[Taken]):
     longer than a second, and the samples decoded last are cached, within `Recording.memory`.
     """
 
-    def __init__(self, store: Store, start_ns: int, rows: Rows | None = None) -> None:
+    def __init__(self, store: Store, start_ns: int, rows: NDArray[np.int64] | None = None) -> None:
         self._store = store
         self._start_ns = start_ns
         self._rows = rows
@@ -63,25 +57,12 @@ class Series(Generic[Taken]):
         """Whether all its samples were read."""
         return self._store.is_indexed
 
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns by name, as `to_numpy` returns them; in this class only the times."""
-        return {"times_ns": self.times_ns, "seconds": self.seconds, "stamps_ns": self.stamps_ns}
-
     def chunks(self) -> Iterator[Any]:
         """The columns chunk by chunk; ``start`` of a chunk counts within this series.
 
         Only one chunk at a time is in memory, so a recording of any size fits.
         """
-        if self._rows is None:
-            yield from self._store.chunks()
-            return
-        given = 0
-        for start, stop, step in _runs(self._rows):
-            for chunk in self._store.chunks(start, stop):
-                part = chunk if step == 1 else chunk.part(slice((start - chunk.start) % step, None, step))
-                if len(part):
-                    yield replace(part, start=given)
-                    given += len(part)
+        return self._store.chunks(self._rows)
 
     @property
     def stamps_ns(self) -> NDArray[np.int64]:
@@ -89,14 +70,14 @@ class Series(Generic[Taken]):
         return self._picked(self._store.stamps_ns)
 
     @property
-    def rows(self) -> Rows:
-        """The indices of the samples among all of the topic: a range, or an array."""
-        return range(len(self._all_times)) if self._rows is None else self._rows
+    def rows(self) -> NDArray[np.int64]:
+        """The indices of the samples among all of the topic, shape (N,)."""
+        return np.arange(len(self._all_times)) if self._rows is None else self._rows
 
     @property
     def times_ns(self) -> NDArray[np.int64]:
         """Log times in nanoseconds since the epoch, shape (N,)."""
-        return _frozen(self._picked(self._all_times))
+        return frozen(self._picked(self._all_times))
 
     @property
     def said(self) -> NDArray[np.bool_]:
@@ -106,7 +87,7 @@ class Series(Generic[Taken]):
     @property
     def seconds(self) -> NDArray[np.float64]:
         """Log times in seconds from the start of the recording, shape (N,)."""
-        return _frozen((self.times_ns - self._start_ns) / 1e9)
+        return frozen((self.times_ns - self._start_ns) / 1e9)
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -114,7 +95,7 @@ class Series(Generic[Taken]):
         return about_clock(self.times_ns, self._start_ns)
 
     def __len__(self) -> int:
-        return len(self.rows)
+        return len(self._all_times if self._rows is None else self._rows)
 
     @overload
     def __getitem__(self, which: slice | NDArray[np.bool_]) -> Self: ...
@@ -126,8 +107,7 @@ class Series(Generic[Taken]):
         if isinstance(which, np.ndarray) and which.dtype == bool:
             if which.shape != (len(self),):
                 raise IndexError(f"{self.topic}: expected a mask of {len(self):,} values, got shape {which.shape}")
-            which = np.ma.filled(which, False)
-            return self._with(np.asarray(self.rows, np.int64)[which])
+            return self._with(self.rows[np.ma.filled(which, False)])
         try:
             number = as_index(which)
         except TypeError:
@@ -178,14 +158,11 @@ class Series(Generic[Taken]):
             inside &= times >= first_ns
         if stop_ns is not None:
             inside &= times < stop_ns
-        found = np.flatnonzero(inside)
-        if found.size and found[-1] - found[0] == found.size - 1:
-            return self._with(self.rows[int(found[0]) : int(found[-1]) + 1])
-        return self._with(np.asarray(self.rows, np.int64)[found])
+        return self._with(self.rows[inside])
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
         """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
-        return dict(self.columns())
+        return {"times_ns": self.times_ns, "seconds": self.seconds, "stamps_ns": self.stamps_ns}
 
     def to_pandas(self) -> Any:
         """A pandas DataFrame: a row for each sample, by seconds from the start.
@@ -193,7 +170,7 @@ class Series(Generic[Taken]):
         Raises:
             ImportError: pandas is not installed.
         """
-        return tables.to_pandas(self.columns())
+        return tables.to_pandas(self.to_numpy())
 
     def to_polars(self) -> Any:
         """A polars DataFrame: a row for each sample, its ranges as an array.
@@ -201,7 +178,7 @@ class Series(Generic[Taken]):
         Raises:
             ImportError: polars is not installed.
         """
-        return tables.to_polars(self.columns())
+        return tables.to_polars(self.to_numpy())
 
     def to_arrow(self) -> Any:
         """An Arrow table: a row for each sample, its ranges as a list of fixed size.
@@ -209,7 +186,7 @@ class Series(Generic[Taken]):
         Raises:
             ImportError: pyarrow is not installed.
         """
-        return tables.to_arrow(self.columns())
+        return tables.to_arrow(self.to_numpy())
 
     def __repr__(self) -> str:
         times = self.seconds
@@ -224,13 +201,13 @@ class Series(Generic[Taken]):
         """Log times of all rows of the topic."""
         return self._store.times_ns
 
-    def _with(self, rows: Rows) -> Self:
+    def _with(self, rows: NDArray[np.int64]) -> Self:
         """A series with other rows of the topic."""
         return type(self)(self._store, self._start_ns, rows)
 
     def _sample(self, row: int) -> Taken:
         """The sample in one row of the topic."""
-        sample: Taken = next(self._store.chunks(row, row + 1)).sample(0)
+        sample: Taken = self._store.sample(row)
         return sample
 
     def _samples(self) -> Iterator[tuple[int, Taken]]:
@@ -243,20 +220,14 @@ class Series(Generic[Taken]):
         """One array of a column of all chunks, shape (N, width)."""
         dtype = np.dtype(kind)
         size = len(self) * width * dtype.itemsize
-        with self._store.memory.reserved(size, f"{self.topic}: the array of all {name}", _INSTEAD):
+        with self._store.memory.reserved(size, f"{self.topic}: the array of all {name}"):
             array = np.empty((len(self), width), dtype)
             for chunk in self.chunks():
                 array[chunk.start : chunk.start + len(chunk)] = column(chunk)
         return array
 
     def _picked(self, column: NDArray[Any]) -> NDArray[Any]:
-        if self._rows is None:
-            return column
-        if isinstance(self._rows, range):
-            rows = self._rows
-            stop = rows.stop if rows.stop >= 0 else None
-            return np.asarray(column[rows.start : stop : rows.step] if rows else column[:0])
-        return np.asarray(column[np.asarray(self._rows)])
+        return column if self._rows is None else column[self._rows]
 
     def _moment(self, time_ns: int, sample: Any) -> Moment:
         return Moment(self.topic, time_ns, sample, (time_ns - self._start_ns) / 1e9)
@@ -264,20 +235,3 @@ class Series(Generic[Taken]):
 
 class Samples(Series[Any]):
     """The samples of a topic of any kind, with their times; see `Series` for the ways to select from them."""
-
-
-def _runs(rows: Rows) -> Iterator[tuple[int, int, int]]:
-    """Start, stop and step (above 0) of the runs that make up the rows, in their order."""
-    if isinstance(rows, range) and rows.step > 0:
-        if rows:
-            yield rows[0], rows[-1] + 1, rows.step
-        return
-    every = np.asarray(rows, np.int64)
-    for part in np.split(every, np.flatnonzero(np.diff(every) != 1) + 1):
-        if part.size:
-            yield int(part[0]), int(part[-1]) + 1, 1
-
-
-def _frozen(column: NDArray[Any]) -> NDArray[Any]:
-    column.flags.writeable = False
-    return column

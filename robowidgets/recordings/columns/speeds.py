@@ -51,6 +51,6 @@ class Speeds(Series[Speed]):
         """X and y in metres and yaw in radians by odometry, shape (N, 3); NaN for speeds that came without."""
         return self._array("poses", 3, np.float64, lambda chunk: chunk.poses if chunk.poses.size else np.nan)
 
-    def columns(self) -> dict[str, NDArray[Any]]:
+    def to_numpy(self) -> dict[str, NDArray[Any]]:
         """Times, and the six numbers by the names in `AXES`."""
-        return {**super().columns(), **dict(zip(AXES, self.values.T, strict=True))}
+        return {**super().to_numpy(), **dict(zip(AXES, self.values.T, strict=True))}
