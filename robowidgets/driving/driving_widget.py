@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import traitlets
 
@@ -14,6 +14,9 @@ from .._core.pacer import pacer
 from .._core.platform_fixes import route_by_message
 from .command_watchdog import HOLD, ZERO, CommandWatchdog
 from .press import PadMessage, Tokens, to_pad_message
+
+if TYPE_CHECKING:
+    from ..feeds.feed import Feed
 
 RENEWAL = 1.0
 """Seconds after which the state of a driven robot is sent again; the page takes an older state for a lost kernel."""
@@ -26,8 +29,8 @@ class DrivingWidget(NamedWidget):
     """A widget with a Stop, which shows who drives. It uses a watchdog: a feed's, or its own."""
 
     _watchdog: CommandWatchdog
-    _feed: Any = None
-    """The feed that it belongs to; None where it has only a watchdog. Feeds lie in a layer above."""
+    _feed: Feed | None = None
+    """The feed whose watchdog it uses; None for a watchdog of another one."""
     _owns = False
 
     _state = traitlets.Dict(
@@ -79,7 +82,7 @@ class DrivingWidget(NamedWidget):
 
     # -- for subclasses ------------------------------------------------------------------------------------------------
 
-    def _attach(self, watchdog: CommandWatchdog, feed: Any = None, *, owns: bool = False) -> None:
+    def _attach(self, watchdog: CommandWatchdog, feed: Feed | None = None, *, owns: bool = False) -> None:
         """Use a watchdog from now on."""
         self._detach()
         self._forget_errors()
