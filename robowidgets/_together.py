@@ -6,7 +6,8 @@ from typing import Any
 
 import ipywidgets
 
-from ._core.robot_widget import RobotWidget, freeze_together
+from ._core.freezing import freeze_together
+from ._core.robot_widget import RobotWidget
 from ._layout import WIDE, columns
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import traitlets
 
 from ._core.base_widget import bundle, check_given, refuse_unnamed
-from ._core.robot_widget import FRAME_HEADER
+from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Angle, Angles, Flag
 from .laser.footprint import HasFootprint
 from .laser.ghost import HasGhost

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from ._core.base_widget import bundle, check_given, refuse_unnamed
 from ._core.pacer import pacer
-from ._core.robot_widget import FRAME_HEADER, RobotWidget
+from ._core.robot_widget import RobotWidget
+from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import bytes_trait
 from .messages import to_pose
 from .messages.fields import frame_id, stamp_ns, unwrap

@@ -12,7 +12,8 @@ import traitlets
 
 from ._core.base_widget import bundle, check_given, refuse_unnamed
 from ._core.limit_traits import AxisLimits, Limits, Pair, is_past, unit_of
-from ._core.robot_widget import FRAME_HEADER, RobotWidget
+from ._core.robot_widget import RobotWidget
+from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Flag, HistorySeconds
 from .messages import to_speed
 from .samples import AXES, Speed

@@ -13,7 +13,8 @@ import traitlets
 
 from ._core.base_widget import bundle, check_given, refuse_unnamed
 from ._core.pacer import pacer
-from ._core.robot_widget import FRAME_HEADER, LONGEST_SILENCE, RobotWidget
+from ._core.robot_widget import LONGEST_SILENCE, RobotWidget
+from ._core.timed_frame import FRAME_HEADER
 from .messages import to_touch
 from .samples import Touch, TouchMode, TouchState
 from .samples.checks import in_radians

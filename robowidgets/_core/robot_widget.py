@@ -1,22 +1,19 @@
-"""The base of the widgets that show samples: sending samples to the page, freezing, and errors."""
+"""The base of the widgets that show samples: storing them, sending them to the page, and errors."""
 
 from __future__ import annotations
 
 import os
-import struct
 import threading
 import time
 import weakref
-from collections import deque
-from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, Generic, TypeVar
-from uuid import uuid4
+from collections.abc import Iterable
+from typing import Any, Generic, TypeVar
 
 import traitlets
 
 from ..samples.checks import not_negative
-from .base_widget import NamedWidget
 from .error_routing import called_from_cell
+from .freezing import FreezableWidget
 from .judge import Shot
 from .numbers import Numbers
 from .pacer import pacer
@@ -24,20 +21,13 @@ from .page_file import SentFrames, WritesPage
 from .platform_fixes import message_padding
 from .png import SavesPng
 from .rate import RateMeter
-from .timed_frame import TimedFrame
-from .traits import Flag, HistorySeconds, bytes_trait
+from .timed_frame import FRAME_HEADER, TimedFrame
+from .traits import Flag, HistorySeconds
 from .watching import JudgesConditions
-
-FRAME_HEADER = struct.Struct("<ddqd")
-"""Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and its
-time of arrival in seconds of Python's monotonic clock, which only Python reads."""
 
 SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
 """Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
 where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
-
-MOST_ABOUTS = 12_000
-"""Number of texts on samples that are kept: one for each sample that the page keeps."""
 
 RESYNC_TRAITS = ("title", "_about", "_source")
 """Traits that only Python writes, which are sent again with a frame at intervals: a server that is flooded with prints
@@ -52,7 +42,7 @@ NO_TEXTS: dict[str, Any] = {}
 S = TypeVar("S")
 
 
-class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S]):
+class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
     Subclasses pack samples to bytes and back, and pass new ones to `_show`. The calling thread only stores a sample,
@@ -60,15 +50,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     that a program sets, because a loop may set them at any rate, too.
     """
 
-    _meant: ClassVar[Mapping[str, str]] = {"freeze": "paused", "frozen": "paused"}
-    _instead: ClassVar = {
-        **NamedWidget._instead,
-        "freeze": "widget.paused = True",
-        "frozen": "widget.paused = True",
-    }
-
     footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
-    paused = Flag(False, help="Whether the picture is frozen. Python and the view write it.").tag(sync=True)
     history = HistorySeconds(
         30.0,
         why="; the page keeps 20 samples for each of them",
@@ -78,9 +60,6 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
 
     has_rate = True
     """Whether samples come as they are measured, at a rate; False for samples that are picked from a recording."""
-
-    driven_by_player = False
-    """True while a player in the page feeds this widget; Python then sends no frames."""
 
     goes_stale = True
     """Whether a sample says nothing any more once the source is silent."""
@@ -95,12 +74,6 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
     """Names of the traits on which its frames depend, besides the sample."""
 
     _edition = traitlets.Int(0, help="How often a program has changed what a player shows with each sample.")
-    _together = traitlets.Unicode(help="Name of the group that is frozen and stepped together; empty: alone.").tag(
-        sync=True, echo_update=False
-    )
-    _frame = bytes_trait(echo_update=False)
-    _frozen_frame = bytes_trait(echo_update=False)
-    _about = traitlets.Dict().tag(sync=True, echo_update=False)
     _source = traitlets.Dict(
         help="From a feed: robot, topic, type, status, error of a function, as plain text; whether the connection is "
         "lost."
@@ -111,7 +84,6 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
 
     def __init__(self, **kwargs: Any) -> None:
         self._process = os.getpid()
-        self._group: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()
         self._newest: S | None = None
         self._newest_about: dict[str, Any] = {}
         self._png_error = ""
@@ -124,9 +96,6 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
         self._plotted = Numbers()
         self._changed = False
         self._waiting = 0
-        self._abouts: deque[tuple[int, dict[str, Any]]] = deque([(0, {})], MOST_ABOUTS)
-        """The texts on samples, each with the sequence number of its first sample."""
-        self._frozen_about: dict[str, Any] = {}
         self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
         """`_frame` and `_about` as they were sent last; only the pacer sends them."""
         self._sent_frames = SentFrames()
@@ -278,10 +247,8 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
 
     def _set_png_error(self, error: str) -> None:
         if error != self._png_error:
-            with self._sample_lock:
-                self._png_error = error
-                self._changed = True
-            pacer.mark(self)
+            self._png_error = error
+            self._say_more()
 
     def _catch_up(self) -> None:
         self.send_newest()
@@ -398,7 +365,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
             pacer.forget(self)
 
     def _bring_up_to_date(self) -> None:
-        """Pack the newest sample into `_frame` and `_about` without sending them, as setting the traits would."""
+        """See `FreezableWidget`."""
         with self._send_lock:
             with self._sample_lock:
                 if not self._changed:
@@ -444,47 +411,6 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, NamedWidget, Generic[S
         if self.goes_stale and self.has_rate and age > self._longest_silence():
             return self._source.get("status", "") or f"no new {self.sample_name} for {age:.1f} s"
         return ""
-
-    @traitlets.validate("paused")
-    def _before_paused(self, proposal: Any) -> Any:
-        """Keep the shown sample before `paused` is True, because another thread may read it at any moment."""
-        if proposal["value"] and not self.paused:
-            self._freeze()
-        return proposal["value"]
-
-    @traitlets.observe("paused")
-    def _after_paused(self, _change: Any) -> None:
-        if self.paused:
-            self._freeze()
-        elif self._frozen_frame:
-            self._frozen_frame = b""
-        # A page that freezes a widget freezes the others itself, at the moment that it shows.
-        if "paused" not in self._property_lock:
-            for other in list(self._group):
-                other.paused = self.paused
-
-    def _freeze(self) -> None:
-        """Keep the shown sample; when a person freezes the picture, the page does so itself."""
-        with self._send_lock:
-            if not self._frozen_frame:
-                self._bring_up_to_date()
-                self._frozen_frame = self._frame
-
-    @traitlets.observe("_frozen_frame")
-    def _after_frozen_frame(self, _change: Any) -> None:
-        self._frozen_about = self._about
-        if self._frozen_frame and not self.driven_by_player:
-            number, *_ = FRAME_HEADER.unpack_from(self._frozen_frame)
-            texts = (about for first, about in reversed(self._abouts) if first <= number)
-            self._frozen_about = next(texts, self._about)
-
-
-def freeze_together(widgets: Iterable[RobotWidget[Any]]) -> None:
-    """Freeze, release and step these widgets together from now on, in the page and in Python."""
-    group = weakref.WeakSet(widgets)
-    name = uuid4().hex
-    for widget in group:
-        widget._group, widget._together = group, name
 
 
 _made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()

@@ -1,12 +1,17 @@
-"""Frames with their times, as pages that play take them."""
+"""Frames: their header, and their times, as pages that play take them."""
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+FRAME_HEADER = struct.Struct("<ddqd")
+"""Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and its
+time of arrival in seconds of Python's monotonic clock, which only Python reads."""
 
 
 class TimedFrame(NamedTuple):

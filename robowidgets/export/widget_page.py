@@ -13,9 +13,8 @@ from typing import Any
 import ipywidgets
 
 from .._core.cells import close_all
-from .._core.robot_widget import FRAME_HEADER
 from .._core.tables import as_date, many
-from .._core.timed_frame import TimedFrame
+from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from ..player_widget import PlayerWidget
 from .html import Heading, Models, Page, segment, shown
 

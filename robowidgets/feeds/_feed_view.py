@@ -11,7 +11,7 @@ import ipywidgets
 
 from .._core.cells import take_the_place
 from .._core.coalesced_call import CoalescedCall
-from .._core.robot_widget import freeze_together
+from .._core.freezing import freeze_together
 from .._layout import WIDE, columns
 from .._widget_choice import WidgetChoice, choose_widgets
 from ..behaviors.machine import Machine

@@ -6,7 +6,7 @@ from typing import Any
 
 import traitlets
 
-from .._core.robot_widget import FRAME_HEADER
+from .._core.timed_frame import FRAME_HEADER
 from .._core.traits import bytes_trait
 from ..samples import Scan
 

@@ -10,8 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from .._core.progress import without_bars
-from .._core.robot_widget import FRAME_HEADER
-from .._core.timed_frame import TimedFrame, table_of
+from .._core.timed_frame import FRAME_HEADER, TimedFrame, table_of
 from .._widget_choice import WidgetChoice
 from ..path_widget import PathPoint, PathWidget
 from ..poses.path import Path

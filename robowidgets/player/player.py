@@ -17,8 +17,8 @@ import numpy as np
 import traitlets
 
 from .._core.cells import close_all, take_the_place
+from .._core.freezing import freeze_together
 from .._core.output_file import checked_output
-from .._core.robot_widget import freeze_together
 from .._core.time_traits import Marks, Seconds, TimeSpan
 from .._core.traits import Flag
 from .._layout import WIDE, columns

@@ -16,7 +16,7 @@ from traitlets import TraitError
 import robowidgets
 from robowidgets import LaserWidget, Scan, Validity
 from robowidgets._core.pacer import pacer
-from robowidgets._core.robot_widget import FRAME_HEADER
+from robowidgets._core.timed_frame import FRAME_HEADER
 
 from .pages import Page
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget, MachineWidget, conditions
-from robowidgets._core.robot_widget import FRAME_HEADER
+from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Feed
 

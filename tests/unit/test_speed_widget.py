@@ -16,7 +16,7 @@ from rosbags.highlevel import AnyReader
 from traitlets import TraitError
 
 from robowidgets import Speed
-from robowidgets._core.robot_widget import FRAME_HEADER
+from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.samples import AXES
 from robowidgets.speed_widget import SpeedWidget
 

@@ -16,7 +16,7 @@ from traitlets import TraitError
 
 from robowidgets import Touch, TouchMode, TouchState, TouchWidget
 from robowidgets._core.pacer import pacer
-from robowidgets._core.robot_widget import FRAME_HEADER
+from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.samples.touch_tracker import TouchTracker
 
 FREE, TOUCHED, UNKNOWN = TouchState.FREE, TouchState.TOUCHED, TouchState.UNKNOWN

@@ -14,7 +14,7 @@ import pytest
 import robowidgets
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget, conditions
 from robowidgets._core import judge
-from robowidgets._core.robot_widget import FRAME_HEADER
+from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets._core.watch import MOST_RUNS, _runs
 
 from .pages import Page

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from robowidgets import LaserWidget, PathWidget, SpeedWidget
-from robowidgets._core.robot_widget import FRAME_HEADER
-from robowidgets._core.timed_frame import TimedFrame
+from robowidgets._core.timed_frame import FRAME_HEADER, TimedFrame
 from robowidgets.player._frames import TICK, pack
 from robowidgets.player.player import Player
 from robowidgets.recording import open

@@ -16,7 +16,7 @@ from rosbags.rosbag2.storage_mcap import McapReader
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
-from robowidgets._core.robot_widget import FRAME_HEADER
+from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets._widget_choice import WidgetChoice
 from robowidgets.kinds import LASER
 from robowidgets.messages.compression import zstd

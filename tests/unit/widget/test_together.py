@@ -8,7 +8,8 @@ import pytest
 
 from robowidgets import LaserWidget, ScanogramWidget, SpeedWidget, TouchWidget, feeds, together
 from robowidgets import open as open_recording
-from robowidgets._core.robot_widget import FRAME_HEADER, freeze_together
+from robowidgets._core.freezing import freeze_together
+from robowidgets._core.timed_frame import FRAME_HEADER
 
 
 def test_what_a_program_freezes_freezes_all_at_what_they_show() -> None:
