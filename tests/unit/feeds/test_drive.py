@@ -113,11 +113,11 @@ def test_another_topic_may_be_driven(driven: Driven) -> None:
 
 
 def test_zero_follows_a_speed_that_nobody_renews(driven: Driven) -> None:
-    feed, script = driven(CMD_VEL, hold=0.05)
+    feed, script = driven(CMD_VEL, hold=0.2)
     feed.drive(0.3, 0.0)
     began = time.monotonic()
     wait_for(lambda: len(script.sent) == 2, "zero is sent")
-    assert time.monotonic() - began >= 0.03
+    assert time.monotonic() - began >= 0.15
     assert script.speeds == [(0.3, 0.0), (0.0, 0.0)]
     wait_for(lambda: _driving_threads() == [], "the thread ends with it")
     feed.drive(0.2, 0.0)
@@ -128,7 +128,7 @@ def test_zero_follows_a_speed_that_nobody_renews(driven: Driven) -> None:
 def test_zero_follows_a_speed_though_the_program_is_interrupted_while_it_waits_for_it(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    feed, script = driven(CMD_VEL, hold=0.05)
+    feed, script = driven(CMD_VEL, hold=0.2)
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -264,7 +264,7 @@ def test_closing_while_the_connection_counts_as_lost_sends_zero_all_the_same(dri
 
 
 def test_a_zero_into_a_dead_connection_is_sent_again_when_it_is_back(driven: Driven) -> None:
-    feed, script = driven(CMD_VEL, hold=0.05)
+    feed, script = driven(CMD_VEL, hold=0.2)
     feed.drive(0.3, 0.0)
     script.deaf = True
     wait_for(lambda: script.unheard and _driving_threads() == [], "zero went out, and nobody heard it")
@@ -330,7 +330,7 @@ def test_stopping_a_robot_that_cannot_be_reached_says_so(driven: Driven) -> None
 def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
     driven: Driven, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    feed, script = driven(CMD_VEL, hold=0.05)
+    feed, script = driven(CMD_VEL, hold=0.2)
 
     def cut(*_: object) -> None:
         raise OSError("the wire is cut")
