@@ -6,16 +6,16 @@ from collections.abc import Sequence
 
 import ipywidgets
 
-UNDER_SCANOGRAM = 2
-"""Small widgets that fit under a scanogram, one beside the other."""
+UNDER_SCANOGRAM = 3
+"""Small widgets that fit under a scanogram, one beside the other: usually speeds, touches and the path."""
 
 
 def on_one_screen(scanogram: ipywidgets.Widget | None, widgets: Sequence[ipywidgets.Widget]) -> ipywidgets.Box:
     """The widgets in two columns that share the height of the window.
 
-    Left the scanogram with two small widgets below it, right those of the wide column; the other small ones share the
-    width below. Without a scanogram the wide widgets stand left, and all small ones right. On a narrow page the columns
-    stand one above the other, the wide widgets first.
+    Left the scanogram with up to three small widgets below it, right those of the wide column; the other small ones
+    share the width below. Without a scanogram the wide widgets stand left, and all small ones right. On a narrow page
+    the columns stand one above the other, the wide widgets first.
     """
     wide = [widget for widget in widgets if widget.column == "wide"]
     small = [widget for widget in widgets if widget.column != "wide"]

@@ -32,6 +32,7 @@ from ..recordings import RecordingData
 from ..recordings.times import has_date
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
+from ..speed_widget import SpeedWidget
 from ._frames import Track
 from ._overview import whole_drive
 from ._prefetcher import SEGMENT, Prefetcher, segment
@@ -41,6 +42,9 @@ from ._to_html import Wanted, page_of
 _EARLY = 0.1
 _TINY = 1e-7
 _LOOKED_AT = 20
+
+_OUT_OF_PLANE = slice(2, 5)
+"""Linear z, angular x and y among `AXES`."""
 
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 HELD_BYTES, HELD_SEGMENTS = 200_000, 30
@@ -108,6 +112,10 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         scanned = next((choice.topic for choice in shown if choice.kind.name == LASER.name), "") if moves else ""
         beside = [name for choice in shown for name in choice.topics]
         self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
+        if self.scanogram:  # which has read the measured speeds
+            for view in self.views:
+                if isinstance(view.widget, SpeedWidget):
+                    view.widget.planar = _is_planar(recording, view.choice.topics)
         self.bar = self._make_bar(note)
         super().__init__(self.arranged(self.scanogram))
         self.add_class("rw-recording")  # the bar takes the keys of this element
@@ -313,6 +321,11 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
 def _view(recording: RecordingData, choice: WidgetChoice) -> View:
     widget = choice.make()
     return View(widget, choice, _track(recording, choice, widget))
+
+
+def _is_planar(recording: RecordingData, topics: Iterable[str]) -> bool:
+    """Whether the speeds of topics use no other axes than a planar widget shows."""
+    return not any(np.nan_to_num(recording.speeds(topic).values[:, _OUT_OF_PLANE]).any() for topic in topics)
 
 
 def _track(recording: RecordingData, choice: WidgetChoice, widget: Any) -> Track:

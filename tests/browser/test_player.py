@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -277,6 +278,13 @@ BOXES = """() => [...document.querySelectorAll(".rw-recording, .rw-recording .rw
     const [, kind] = element.className.match(/rw-(recording|player|scanogram|laser|speed|touch|path)(?!-)/);
     return [kind, [x, y, width, height]];
 })"""
+ENDS = """elements => elements.map(element => {
+    const range = document.createRange();
+    range.selectNodeContents(element);
+    const { left, right } = range.getBoundingClientRect();
+    return [left, right];
+})"""
+"""Left and right of the texts of elements."""
 
 
 def boxes(nb: Notebook | PlainPage) -> dict[str, list[float]]:
@@ -294,27 +302,34 @@ MARKED = (
 
 def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
     nb = opened(plain_page, Path(robowidgets.SAMPLE), MARKED, height=720)
-    for width, height in ((1143, 562), (1300, 562), (900, 562)):
+    touch = nb.output(1).locator(".rw-touch")
+    for width, small in ((1112, 172), (1300, 172), (900, 240)):
         nb.resize(width, 720)
         at = boxes(nb)
-        assert at["laser"][1] + at["laser"][3] - at["recording"][1] == height
-        assert at["recording"][2] == at["path"][2] == width, "the path has the room below for itself"
-        assert at["path"][1] == at["recording"][1] + height + 4
+        assert at["recording"][2] == width
+        assert at["recording"][3] == 562
         assert at["player"][3] == 40
         left, right = at["scanogram"], at["laser"]
         assert left[2] / right[2] == pytest.approx(62 / 38, abs=0.01)
         assert left[1] == right[1]
-        assert right[1] + right[3] == at["speed"][1] + at["speed"][3] == at["touch"][1] + at["touch"][3]
-        assert at["speed"][3] == at["touch"][3] == 172
+        assert right[1] + right[3] == at["recording"][1] + 562
+        assert right[2] > 330
+        for name in ("speed", "touch", "path"):
+            assert at[name][3] == small, "the small ones stand in one row"
+            assert at[name][1] + at[name][3] == right[1] + right[3]
+        expect(touch.locator(".rw-tile")).to_have_count(3)
+        assert touch.locator(".rw-picture").evaluate("picture => picture.scrollHeight <= picture.clientHeight")
+        numbers = nb.output(1).locator(".rw-speed [data-axis] .rw-value").evaluate_all(ENDS)
+        assert len(numbers) == 3
+        assert all(end + 4 < start for (_, end), (start, _) in pairwise(numbers)), "the numbers do not run together"
         for card in nb.output(1).locator(".rw-card").all():
             assert card.evaluate("card => card.scrollWidth <= card.clientWidth + 1")
         shoot(nb.output(1), f"recording-show-light-{width}")
     nb.resize(1500, 900)
     at = boxes(nb)
     assert at["recording"][3] == 742, "on a high window all of it is higher"
-    assert at["path"][0] == at["laser"][0]
-    assert at["path"][1] == at["laser"][1] + at["laser"][3] + 4, "the path stands under the rays"
-    assert at["path"][1] + at["path"][3] == at["touch"][1] + at["touch"][3] == at["recording"][1] + 742
+    assert at["path"][3] == 240
+    assert at["path"][1] + at["path"][3] == at["laser"][1] + at["laser"][3] == at["recording"][1] + 742
     shoot(nb.output(1), "recording-show-light-high")
     nb.resize(400, 720)
     at = boxes(nb)
@@ -340,11 +355,11 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
 def test_two_scanners_and_four_sensors_stand_whole_on_one_screen(plain_page: Open, data: Path) -> None:
     nb = opened(plain_page, data / "good" / "neato_fsm", "recording.show()", height=720)
     card, scans = nb.output(1).locator(".rw-touch"), nb.output(1).locator(".rw-laser")
-    for width, high in ((1143, 172), (1100, 172), (900, 240)):
+    for width in (1112, 900):
         nb.resize(width, 720)
         at = boxes(nb)
-        assert at["path"][1] - at["recording"][1] == 562 + 4
-        assert at["touch"][3] == high
+        assert at["recording"][3] == 562
+        assert at["touch"][3] == at["path"][3] == 240
         assert card.locator(".rw-picture").evaluate("picture => picture.scrollHeight <= picture.clientHeight")
         assert card.locator(".rw-tile").evaluate_all(
             "tiles => tiles.every((tile) => tile.scrollWidth <= tile.clientWidth)"
@@ -398,7 +413,7 @@ def test_while_a_cell_runs_it_plays_steps_points_and_seeks(notebook: Open) -> No
     # Where the pointer is on the scanogram, all show that moment; a click stays there.
     there, first = now(nb), nearest.inner_text()
     at = boxes(nb)
-    assert at["path"][1] - at["recording"][1] == 562 + 4
+    assert at["recording"][3] == 562
     picture = shown.locator(".rw-scanogram .rw-picture")
     box = picture.bounding_box() or {"width": 0}
 

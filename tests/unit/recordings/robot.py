@@ -25,7 +25,9 @@ _TYPES = {
 _COVARIANCE = np.zeros(36)
 
 
-def write(folder: Path, bad_scan_at: int | None = None, silence: int = 0, robots: Sequence[str] = ("",)) -> Path:
+def write(
+    folder: Path, bad_scan_at: int | None = None, silence: int = 0, robots: Sequence[str] = ("",), climb: float = 0.0
+) -> Path:
     """Ten seconds at 10 Hz: scan i has the one range 1 + i / 100, speed and command are i / 100.
 
     Commands begin at 5 s. The left bumper is pressed at 2 and 6 s, and released at 3 and 7 s.
@@ -35,6 +37,7 @@ def write(folder: Path, bad_scan_at: int | None = None, silence: int = 0, robots
         bad_scan_at: number of a scan whose limits are the wrong way round.
         silence: seconds without a message in the middle.
         robots: namespaces, each with all the topics.
+        climb: speed upwards of the last command.
     """
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connections = {
@@ -52,7 +55,7 @@ def write(folder: Path, bad_scan_at: int | None = None, silence: int = 0, robots
             put("/scan", time_ns, _scan(time_ns, 1 + i / 100, swapped=i == bad_scan_at))
             put("/odom", time_ns, _odometry(time_ns, i / 100))
             if i >= 50:
-                put("/cmd_vel", time_ns, _twist(i / 100))
+                put("/cmd_vel", time_ns, _twist(i / 100, climb if i == 10 * SECONDS - 1 else 0.0))
             if i in (20, 30, 60, 70):
                 put("/bumper", time_ns, _new("kobuki_ros_interfaces/msg/BumperEvent", 0, i in (20, 60)))
         put("/log", START_NS + (SECONDS + silence) * 1_000_000_000, _new("std_msgs/msg/String", "done"))
@@ -74,9 +77,9 @@ def _scan(time_ns: int, distance: float, swapped: bool) -> Any:
     return _new("sensor_msgs/msg/LaserScan", _header(time_ns), 0.0, 0.0, 0.1, 0.0, 0.0, low, high, ranges, none)
 
 
-def _twist(forward: float) -> Any:
+def _twist(forward: float, up: float = 0.0) -> Any:
     zero = _new("geometry_msgs/msg/Vector3", 0.0, 0.0, 0.0)
-    return _new("geometry_msgs/msg/Twist", _new("geometry_msgs/msg/Vector3", forward, 0.0, 0.0), zero)
+    return _new("geometry_msgs/msg/Twist", _new("geometry_msgs/msg/Vector3", forward, 0.0, up), zero)
 
 
 def _odometry(time_ns: int, forward: float) -> Any:

@@ -382,6 +382,17 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
     assert has_one(scanogram=True)
 
 
+def test_the_bars_of_axes_that_no_speed_or_command_uses_are_left_out(path: Path, tmp_path: Path, data: Path) -> None:
+    def is_planar(path: Path, **more: bool) -> bool:
+        with shown(path, **more) as player:
+            return bool(widget(player, SpeedWidget).planar)
+
+    assert is_planar(path)
+    assert not is_planar(robot.write(tmp_path / "climb", climb=0.1))
+    assert not is_planar(data / "good" / "tilt_laser.bag")
+    assert not is_planar(path, scanogram=False), "its speeds are not read before it is shown"
+
+
 def test_without_a_scanogram_the_wide_widgets_stand_left_and_the_small_ones_beside(path: Path) -> None:
     for topics, boxes in (((), ["rw-wides", "rw-smalls"]), (("/odom", "/bumper"), ["rw-smalls"])):
         with shown(path, *topics, scanogram=False) as player:
