@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import anywidget
 import traitlets
 
@@ -47,18 +44,6 @@ class PlayerWidget(anywidget.AnyWidget):
     _start = traitlets.Float(None, allow_none=True, help="Seconds since the epoch; None: no date.").tag(sync=True)
     _status = traitlets.Unicode().tag(sync=True)
     _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)
-
-    def when_asked(self, call: Callable[[], Any]) -> None:
-        """Call back whenever a page tells that it has no segment."""
-        self.on_msg(lambda _widget, content, _buffers: content.get("have") == "nothing" and call())
-
-    def when_pointed(self, call: Callable[[float], Any]) -> None:
-        """Call back with a time in a segment that the page lacks: under the pointer, or the time on show."""
-        self.on_msg(lambda _widget, content, _buffers: "pointed" in content and call(content["pointed"]))
-
-    def when_stepped(self, call: Callable[[float, int], Any]) -> None:
-        """Call back when a step forward (1) or back (-1) from a time leads to a sample that the page lacks."""
-        self.on_msg(lambda _widget, content, _buffers: "step" in content and call(*content["step"]))
 
     @property
     def span(self) -> Span:

@@ -116,7 +116,6 @@ class ScanogramWidget(SavesPng, NamedWidget):
     def __init__(self, **kwargs: Any) -> None:
         self._file: RecordingData | None = None
         self._picture: Picture | None = None
-        self._is_whole = True
         self._edition = 0
         self._png_error = ""
         super().__init__(**kwargs)
@@ -259,12 +258,11 @@ class ScanogramWidget(SavesPng, NamedWidget):
         with self.hold_sync():
             if notes is not None:
                 self._about = {"notes": list(notes)}
-            if self._is_whole:
-                self._edition += 1
-                self._frame = self._pack(picture)
-                self._detail = b""
-                # Cleared, so that the same request of the page is a change again.
-                self._wanted = []
+            self._edition += 1
+            self._frame = self._pack(picture)
+            self._detail = b""
+            # Cleared, so that the same request of the page is a change again.
+            self._wanted = []
 
     def _set_png_error(self, error: str) -> None:
         if error != self._png_error:

@@ -225,7 +225,6 @@ class _Joined(Condition):
         return combined([part.steps(search) for part in self._parts], self._how)
 
     def judge(self, moment: Any) -> Verdict:
-        """See `Condition`."""
         verdicts = [part.judge(moment) for part in self._parts]
         value = _VALUES[int(self._how([_code(verdict.value) for verdict in verdicts]))]
         text = " · ".join(dict.fromkeys(verdict.text for verdict in verdicts if verdict.text))
@@ -235,7 +234,6 @@ class _Joined(Condition):
 
     @property
     def reads(self) -> frozenset[str]:
-        """See `Condition`."""
         return frozenset().union(*(part.reads for part in self._parts))
 
     def __str__(self) -> str:
@@ -253,13 +251,11 @@ class _Not(Condition):
         return inverted(self._part.steps(search))
 
     def judge(self, moment: Any) -> Verdict:
-        """See `Condition`."""
         verdict = self._part.judge(moment)
         return Verdict(None if verdict.value is None else not verdict.value, verdict.text)
 
     @property
     def reads(self) -> frozenset[str]:
-        """See `Condition`."""
         return self._part.reads
 
     def __str__(self) -> str:
@@ -278,13 +274,11 @@ class _OfOneTopic(Condition):
         return [self._topic or only(recording.path.name, recording.topics, self.kind.name)]
 
     def judge(self, moment: Any) -> Verdict:
-        """See `Condition`."""
         sample = last(moment, self.kind, self._topic)
         return Verdict(None) if sample is None else self._judge(sample)
 
     @property
     def reads(self) -> frozenset[str]:
-        """See `Condition`."""
         return frozenset({self.kind.sample_name})
 
     @abstractmethod
@@ -426,12 +420,10 @@ class _Gap(Condition):
         return combined([when for _, when in silences], np.max)
 
     def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
-        """See `Condition`."""
         raise TypeError(f"{self}: a gap lies between samples, so only Recording.find finds it")
 
     @property
     def reads(self) -> frozenset[str]:
-        """See `Condition`."""
         raise TypeError(f"{self}: a gap lies between samples, so only Recording.find finds it")
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:  # noqa: ARG002

@@ -236,14 +236,19 @@ class Prefetcher:
 
     def _pointed_kept(self) -> list[int]:
         """The segments last pointed at; an eighth of what the page keeps, at most."""
-        each = sum(self._sent.values()) / max(1, len(self._sent))
+        each = self._usual_size
         return self._pointed[: floor(KEPT_BYTES / 8 / each)] if each else self._pointed
+
+    @property
+    def _usual_size(self) -> float:
+        """The mean size of the segments that were sent, in bytes; 0 before the first."""
+        return sum(self._sent.values()) / max(1, len(self._sent))
 
     def _soon(self) -> list[int]:
         """The segments that the page is about to show, the most urgent first; half of what it keeps, at most."""
         cursor = self.cursor
         here, (first, last) = floor(self._here() / SEGMENT), (floor(s / SEGMENT) for s in cursor.span)
-        each = sum(self._sent.values()) / max(1, len(self._sent))
+        each = self._usual_size
         count = floor(AHEAD * max(cursor.rate, 1.0) / SEGMENT) + 1
         if each:
             count = max(2, min(count, floor(KEPT_BYTES / 2 / each)))
@@ -256,7 +261,7 @@ class Prefetcher:
         """All other segments that the page can keep, the nearest first; farther ones are dropped for them."""
         if not self._asked or not self._sent:
             return
-        usual = sum(self._sent.values()) / len(self._sent)
+        usual = self._usual_size
         soon = {*self._soon(), *self._pointed_kept()}
         size, count = self._largest + sum(self._sent.get(index, usual) for index in soon), len(soon)
         here = floor(self._here() / SEGMENT)

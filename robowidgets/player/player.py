@@ -124,9 +124,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.observe(self._to_bar, name)
             self.bar.observe(self._from_bar, name)
         self._prefetcher = ahead = Prefetcher(self._open_tracks, self._send_ahead, recording.duration, self._complain)
-        self.bar.when_asked(ahead.start)
-        self.bar.when_pointed(ahead.point)
-        self.bar.when_stepped(self._step)
+        self.bar.on_msg(partial(self._on_page, ahead))
         self.bar.observe(partial(self._on_time, ahead), ["time", "playing", "speed", "loop", "selection"])
         for view in self.views:
             if view.widget.frame_traits:
@@ -279,6 +277,15 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             if name == "time":
                 # While a page plays, it takes a time from Python for the time of another page.
                 self.bar.send({"seek": value})
+
+    def _on_page(self, ahead: Prefetcher, _bar: PlayerWidget, content: dict[str, Any], _buffers: Any) -> None:
+        """What a page says: that it has no segment, or lacks that of a time, or that to which a step leads."""
+        if "have" in content:
+            ahead.start()
+        elif "pointed" in content:
+            ahead.point(content["pointed"])
+        elif "step" in content:
+            self._step(*content["step"])
 
     def _step(self, seconds: float, direction: int) -> None:
         """Go from a time to the next or previous sample of the first widget, which may be an hour away."""

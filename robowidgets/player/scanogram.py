@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from ..kinds import LASER, SPEED, TOUCH, Kind
 from ..recordings import RecordingData
 from ..recordings.columns.chunks import ScanChunk
 from ..recordings.columns.scans import Scans as ScanSeries
-from ..recordings.columns.speeds import Speeds
 from ..recordings.columns.touches import Touches
 from ..recordings.topics import Topic
 from ..repair import RecordingError
@@ -99,7 +98,6 @@ class ScansInFile:
         return np.concatenate([ranges for chunk in self._series[start:stop].chunks() for ranges in self._mapper(chunk)])
 
 
-AnySeries = TypeVar("AnySeries", ScanSeries, Speeds)
 Span = tuple[float | None, float | None]
 """Start and end in seconds from the start of the recording; None: its own."""
 
@@ -112,31 +110,21 @@ def scanogram(
     **options: Any,
 ) -> ScanogramWidget:
     """See `ScanogramWidget.of`; of a span of the recording."""
-    widget = ScanogramWidget(**options)
-    take_the_place(widget)
-    with widget.hold_sync():
-        widget._is_whole = False
-        _fill(widget, recording, topic, beside, span)
-        widget._is_whole = True
-        widget._draw(widget._scans_first("of()"))
-    return widget
-
-
-def _fill(
-    widget: ScanogramWidget, recording: RecordingData, topic: str | None, beside: Collection[str] | None, span: Span
-) -> None:
-    """Put the scans of a recording into a scanogram, with the measured speed and all touches of the same robot."""
     lasers = [t.name for t in recording.topics if t.widget == LASER.name]
-    scans = recording.scans(lasers[0] if topic is None and lasers else topic)
-    _put_scans(widget, recording, _within(scans, span), span)
+    scans = recording.scans(lasers[0] if topic is None and lasers else topic).between(*span)
 
     def of_the_robot(kind: Kind) -> list[Topic]:
         topics = [t for t in recording.topics if t.widget == kind.name and (beside is None or t.name in beside)]
         return [t for t in topics if shared(t.name, scans.topic) == max(shared(t.name, name) for name in lasers)]
 
-    _put_speeds(widget, recording, of_the_robot(SPEED), span)
-    _put_touches(widget, recording, [t.name for t in of_the_robot(TOUCH)], span)
-    widget.states = rows_of(recording.states)
+    widget = ScanogramWidget(**options)
+    take_the_place(widget)
+    with widget.hold_sync():
+        _put_scans(widget, recording, scans, span)
+        _put_speeds(widget, recording, of_the_robot(SPEED), span)
+        _put_touches(widget, recording, [t.name for t in of_the_robot(TOUCH)], span)
+        widget.states = rows_of(recording.states)
+    return widget
 
 
 def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries, span: Span) -> None:
@@ -154,7 +142,7 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
         # Opened again, so that the given recording may be closed.
         widget._file = RecordingData(recording.path)
         widget._file.memory = min(CACHE_BYTES, recording.memory)
-        series = _within(widget._file.scans(scans.topic), span)
+        series = widget._file.scans(scans.topic).between(*span)
         likes = [(chunk.like, len(chunk)) for chunk in series.chunks()]
     else:
         likes = [(chunk.like, len(chunk)) for chunk in loaded]
@@ -178,10 +166,6 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
     )
     if not widget.title:
         widget.title = scans.topic
-
-
-def _within(series: AnySeries, span: Span) -> AnySeries:
-    return series if span == (None, None) else series.between(*span)
 
 
 def _about(likes: list[tuple[Scan, int]], mapper: RayMapper, by_angle: bool) -> Iterator[str]:
@@ -215,7 +199,7 @@ def _loaded(scans: ScanSeries, most: int) -> list[ScanChunk] | None:
 def _put_speeds(widget: ScanogramWidget, recording: RecordingData, topics: list[Topic], span: Span) -> None:
     """Put the first measured speed under the scans, or a commanded one if none was measured."""
     for topic in sorted(topics, key=lambda topic: topic.commanded):
-        speeds = _within(recording.speeds(topic.name), span)
+        speeds = recording.speeds(topic.name).between(*span)
         if len(speeds):
             widget.set_speeds(times_ns=speeds.times_ns, values=speeds.values, title=topic.name)
             return

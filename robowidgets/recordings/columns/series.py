@@ -151,6 +151,8 @@ class Series(Generic[Taken]):
             TypeError: a time is no number.
             ValueError: a time is infinite or NaN.
         """
+        if start is None and end is None:
+            return self
         first_ns, stop_ns = span_ns(self._start_ns, start, end)
         times = self.times_ns
         inside = np.ones(len(times), bool)
