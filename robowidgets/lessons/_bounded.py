@@ -42,33 +42,29 @@ def bounded(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(function)
     def within_limit(*args: Any, **kwargs: Any) -> Any:
-        return _call(function, *args, **kwargs)
+        returned: list[Any] = []
+        raised: list[BaseException] = []
+
+        def run() -> None:
+            try:
+                returned.append(function(*args, **kwargs))
+            except BaseException as error:
+                raised.append(error)
+
+        thread = UserThread(run, "lesson")
+        thread.start()
+        thread.join(LIMIT_S)
+        if thread.is_alive():
+            at_work = getattr(function, "current", function)  # of a state machine: the function of the user
+            where = line_of(at_work, frames_of(thread))
+            thread.end()  # it would take the processor from all others
+            thread.join(0.5)
+            raise BrokenError(f"it did not return within {LIMIT_S:g} s{where}: does a loop in it never end?")
+        if raised:
+            raise BrokenError(f"it raised an error, {error_in(raised[0])}") from None
+        return returned[0] if returned else None
 
     return within_limit
-
-
-def _call(function: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
-    returned: list[Any] = []
-    raised: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            returned.append(function(*args, **kwargs))
-        except BaseException as error:
-            raised.append(error)
-
-    thread = UserThread(run, "lesson")
-    thread.start()
-    thread.join(LIMIT_S)
-    if thread.is_alive():
-        at_work = getattr(function, "current", function)  # of a state machine: the function of the user
-        where = line_of(at_work, frames_of(thread))
-        thread.end()  # it would take the processor from all others
-        thread.join(0.5)
-        raise BrokenError(f"it did not return within {LIMIT_S:g} s{where}: does a loop in it never end?")
-    if raised:
-        raise BrokenError(f"it raised an error, {error_in(raised[0])}") from None
-    return returned[0] if returned else None
 
 
 def number(answer: Any, what: str) -> float:
