@@ -21,7 +21,7 @@ import robowidgets
 from robowidgets import LaserWidget, Scan, ScanogramWidget, Sector, Speed, SpeedWidget, TouchWidget
 from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
-from robowidgets.export._segments import pack_track
+from robowidgets.export.segments import pack_track
 from robowidgets.player._frames import pack
 from robowidgets.samples.rays import sector_of, stretches
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME

@@ -1,18 +1,18 @@
-"""A page in a file: what it takes, and how it is written."""
+"""A page in a file: its text, its policy, its scripts, parts of data that are no markup, and how it is written."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import base64
+import hashlib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
+from .._core.base_widget import STATIC, built_file
 from .._core.output_file import whole_file
 from .._core.tables import megabytes
-from ._models import Models, shown
-from ._page import Heading, Program, page
-from ._segments import segment
-
-__all__ = ["MAX_SIZE", "SUFFIXES", "Heading", "Models", "Page", "segment", "shown"]
+from .segments import compressed
 
 SUFFIXES = (".html", ".htm")
 
@@ -25,14 +25,37 @@ _SAMPLED = 40
 _AROUND = 64
 """Bytes around a part."""
 
+_BREAKS_OUT = ("</script", "<script", "<!--", "</style")
+"""What would end, or change the meaning of, a script or a stylesheet in a page."""
+
+_MADE = "Made with robowidgets. This page loads nothing from the web, and sends nothing."
+_NO_SCRIPT = "This page has not started: it needs a browser of 2023 or later that runs scripts."
+
+
+class Heading(NamedTuple):
+    """What stands on the page as text: title, facts, lines on problems, a note, and the first samples."""
+
+    title: str
+    facts: str
+    problems: Sequence[str]
+    note: str
+    lines: Sequence[str]
+
+
+class Program(NamedTuple):
+    """The scripts and stylesheets of a page."""
+
+    styles: tuple[str, ...]
+    scripts: tuple[str, ...]
+
 
 class Page(NamedTuple):
     """A page that can be written.
 
     Args:
         heading: its text.
-        program: its scripts and stylesheets.
-        state: its models.
+        program: its scripts and stylesheets, beyond those that load it.
+        state: the part with its models; see `segments.compressed`.
         numbers: of its segments.
         segment: packs a segment, by its number.
         advice: how to have less of it, for a page that is too large.
@@ -47,7 +70,7 @@ class Page(NamedTuple):
 
     def size(self) -> int:
         """Its bytes; estimated from some of its segments where there are many."""
-        fixed = sum(map(len, page(self.heading, self.program, self.state, ())))
+        fixed = sum(map(len, self._pieces(())))
         step = -(-len(self.numbers) // _SAMPLED) or 1
         some = [len(self.segment(number)) + _AROUND for number in self.numbers[step // 2 :: step]]
         return fixed + round(sum(some) / max(1, len(some)) * len(self.numbers))
@@ -64,7 +87,7 @@ class Page(NamedTuple):
         size = 0
         try:
             with whole_file(path) as file:
-                for piece in page(self.heading, self.program, self.state, map(self.segment, self.numbers)):
+                for piece in self._pieces(map(self.segment, self.numbers)):
                     file.write(piece)
                     size += len(piece)
                     if max_size is not None:
@@ -73,9 +96,87 @@ class Page(NamedTuple):
             raise type(error)(f"{path} was not written: {error.strerror or error}") from None
         return path
 
+    def _pieces(self, segments: Iterable[bytes]) -> Iterator[bytes]:
+        """The page, piece by piece, with these parts of segments.
+
+        Its policy allows the scripts and stylesheets that are in it, by their hashes, and no request at all. Everything
+        that comes from a recording is text in it, or packed.
+        """
+        heading, program = self.heading, self.program
+        style, loader = static("export_loader.css"), static("export_loader.js")
+        scripts, styles = (loader, *program.scripts), (style, *program.styles)
+        policy = "; ".join(
+            (
+                "default-src 'none'",
+                f"script-src {' '.join(map(_source, scripts))}",
+                f"style-src {' '.join(map(_source, styles))}",
+                "img-src data: blob:",
+                "connect-src 'none'",
+                "base-uri 'none'",
+                "form-action 'none'",
+            )
+        )
+        texts = [("style", t.encode()) for t in program.styles] + [("script", t.encode()) for t in program.scripts]
+        packed = compressed({"texts": [[tag, len(text)] for tag, text in texts]}, [text for _, text in texts])
+        yield f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{escape(heading.title)}</title>
+<link rel="icon" href="data:,">
+<style>{style}</style>
+</head>
+<body>
+<header>
+<h1>{escape(heading.title)}</h1>
+<p class="rw-page-facts">{escape(heading.facts)}</p>
+{_lines(heading)}</header>
+<main></main>
+<section class="rw-page-text"><p class="rw-page-why">{_NO_SCRIPT}</p><pre>{escape(chr(10).join(heading.lines))}</pre>\
+</section>
+<footer class="rw-page-end"><div class="rw-page-data"></div><span>{_MADE}</span></footer>
+""".encode()
+        yield _part("program", packed)
+        yield _part("page", self.state)
+        for segment in segments:
+            yield _part("segment", segment)
+        yield f"<script>{loader}</script>\n</body>\n</html>\n".encode()
+
     def _check(self, size: int, path: Path, max_size: int, about: str = "about ") -> None:
         if size > max_size:
             raise ValueError(
                 f"{path.name} would take {about}{megabytes(size)}, and at most {megabytes(max_size)} are allowed: "
                 f"{self.advice}, or allow more (max_size={-(-2 * size // 10**6) * 10**6:_})"
             )
+
+
+def static(name: str) -> str:
+    """A built file of exported pages.
+
+    Raises:
+        ImportError: it is missing.
+    """
+    return inlined(built_file(STATIC / name).read_text(encoding="utf-8"), name)
+
+
+def inlined(text: str, name: str) -> str:
+    """A script or stylesheet that may stand in a page as it is; ValueError names it if it may not."""
+    found = next((word for word in _BREAKS_OUT if word in text.lower()), None)
+    if found:
+        raise ValueError(f"{name} contains {found!r}, which no script or stylesheet of an exported page may")
+    return text
+
+
+def _lines(heading: Heading) -> str:
+    problems = "".join(f'<p class="rw-page-problems">⚠ {escape(line)}</p>\n' for line in heading.problems)
+    return problems + (f'<p class="rw-page-note">{escape(heading.note)}</p>\n' if heading.note else "")
+
+
+def _part(kind: str, packed: bytes) -> bytes:
+    return b'<script type="text/plain" data-part="%b">%b</script>\n' % (kind.encode(), packed)
+
+
+def _source(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"

@@ -16,7 +16,9 @@ from .._core.cells import close_all
 from .._core.tables import as_date, many
 from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from ..player_widget import PlayerWidget
-from .html import Heading, Models, Page, segment, shown
+from .html import Heading, Page
+from .models import Models, shown
+from .segments import segment
 
 _SECONDS = 10.0
 """Length of a segment."""

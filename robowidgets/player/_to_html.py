@@ -15,7 +15,9 @@ import ipywidgets
 from .._core.cells import close_all
 from .._core.tables import as_date
 from .._core.timed_frame import TimedFrame
-from ..export.html import Heading, Models, Page, segment, shown
+from ..export.html import Heading, Page
+from ..export.models import Models, shown
+from ..export.segments import segment
 from ..kinds import LASER
 from ..recordings import RecordingData
 from ..recordings.times import has_date, to_ns

@@ -6,7 +6,7 @@ import { findParts, readPart } from "./parts.ts";
 import { ScanogramMaker } from "./scanogram.ts";
 import { build, FOREVER, type Script, type Shown } from "./views.ts";
 
-/** What Python says of the page; robowidgets/export/_models.py. */
+/** What Python says of the page; robowidgets/export/models.py. */
 interface PageFacts {
   models: { id: string; widget: string; state: Record<string, unknown> }[];
   /** Model, trait and number of bytes of each binary trait, which follow one after the other. */

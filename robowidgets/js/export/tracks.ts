@@ -1,7 +1,7 @@
 import { type PackedFloats, unpackFloats } from "./floats.ts";
 import type { Taker } from "./taker.ts";
 
-/** How Python has packed the frames of one widget in a segment; robowidgets/export/_segments.py. */
+/** How Python has packed the frames of one widget in a segment; robowidgets/export/segments.py. */
 export interface PackedTrack {
   /** Number of frames, and of bytes of all of them. */
   count: number;

@@ -8,8 +8,8 @@ from re import search
 from typing import Any
 
 from .._core.base_widget import bundle
-from ._page import Program, inlined, static
-from ._segments import compressed
+from .html import Program, inlined, static
+from .segments import compressed
 
 _BUILT_IN = ("laser_widget", "player_widget", "scanogram_widget", "speed_widget", "touch_widget")
 """The widgets in the script of each page."""
