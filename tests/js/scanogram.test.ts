@@ -404,7 +404,7 @@ test("the last number of the time axis stands whole within the picture, on a tic
       fillText: (text: string, x: number) => written.push([text, x + 3.5 * text.length]),
     } as unknown as CanvasRenderingContext2D;
     const axis = { span: [0, 100] as [number, number], left: layout.left, width: layout.width };
-    drawTimes(context, axis, layout, 100, null, {} as Theme);
+    drawTimes(context, axis, layout, 100, -10, {} as Theme);
     assert.equal(written.at(-1)?.[0], "100 s");
     for (const [text, end] of written) assert.ok(end <= width, `${text} ends at ${end} of ${width}`);
   }

@@ -17,16 +17,13 @@ export function drawTimes(
   axis: TimeAxis,
   layout: Layout,
   whole: number,
-  line: number | null,
+  line: number,
   theme: Theme,
   state = "",
 ): void {
   const { right, bottom } = layout;
-  context.font = textFont(theme);
-  const taken =
-    line === null
-      ? null
-      : drawMoment(context, axis, layout, [toMoment(line, whole), state].filter(Boolean).join(" \u00b7 "), line, theme);
+  const moment = [toMoment(line, whole), state].filter(Boolean).join(" \u00b7 ");
+  const taken = drawMoment(context, axis, layout, moment, line, theme);
   context.font = textFont(theme);
   context.textAlign = "center";
   context.textBaseline = "top";

@@ -1,5 +1,5 @@
 import type { Point } from "../shared/box.ts";
-import { type Surface, watchSize } from "../shared/canvas.ts";
+import { type Size, type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
@@ -12,7 +12,6 @@ import { moved, toSeconds, zoomed } from "./axis.ts";
 import { watchGestures } from "./gestures.ts";
 import { Legend } from "./legend.ts";
 import { pointAt } from "./point.ts";
-import { placeBeside } from "./popup_place.ts";
 import { selectedRays } from "./rows.ts";
 import { type Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
@@ -22,6 +21,8 @@ import type { ScanogramTraits } from "./traits.ts";
 const MEDIAN = "Show the median, not the nearest, of the readings that share a pixel";
 const LATE = "finer detail when the kernel is free";
 const LATE_MEDIAN = "medians when the kernel is free";
+/** Pixels from a pop-up to the thing that it names, and to the edge of the picture. */
+const [GAP, MARGIN] = [14, 4];
 const NEVER = `no finer detail: ${NO_KERNEL}`;
 
 /** One view of a scanogram: it wires the card, the scene, the legend, the pop-up and the gestures together. */
@@ -213,6 +214,15 @@ export class ScanogramView {
     }
     return typeof time === "number" ? { time, row: found?.row ?? null } : null;
   }
+}
+
+/** Place of a pop-up: right of the thing it names if there is room, else left of it; always inside the picture. */
+function placeBeside(popup: Size, inside: Size, at: Point): Point {
+  const right = at.x + GAP;
+  const fits = right + popup.width <= inside.width - MARGIN;
+  const x = fits ? right : Math.max(MARGIN, at.x - GAP - popup.width);
+  const y = at.y - popup.height - GAP / 2;
+  return { x, y: Math.min(inside.height - popup.height - MARGIN, Math.max(MARGIN, y)) };
 }
 
 /** Seconds of a span. */
