@@ -11,7 +11,7 @@ Example:
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable
 from math import degrees, inf
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.watch import Watch
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..recordings.columns.chunks import ScanChunk, SpeedChunk, single_scan, single_speed
 from ..recordings.topics import UnknownTopicError, UnnamedTopicError, only
@@ -28,68 +27,15 @@ from ..samples.checks import number
 from ..samples.scan import distances, inside, ray_distances
 from ..samples.sector import Asked, to_sector
 from ..samples.verdict import Verdict, fact
-from ._predicate import Function, NotYetError
-from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
+from ._instant import NotYetError
+from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
+from .condition import VALUES, Condition, Function
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData
     from .search import Search
 
 __all__ = ["Condition", "gap", "nearest_below", "speed_above", "touched", "when"]
-
-
-class Condition(ABC):
-    """A condition, which is true, false or unknown at each time of a recording."""
-
-    @abstractmethod
-    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
-        """The topics that `steps` reads, each as often as it reads it; ``asked`` are those of `Recording.find`."""
-
-    @abstractmethod
-    def steps(self, search: Search) -> Steps:
-        """The steps of the condition, up to the end of the search."""
-
-    @abstractmethod
-    def judge(self, moment: Any) -> Verdict:
-        """What the condition says of one moment.
-
-        Args:
-            moment: a `Scan`, `Speed` or `Touch`, or an object that has the last samples as attributes ``scan``,
-                ``speed`` and ``touch``, and by topic as ``moment[topic]``. A sample that is None, or whose reading
-                raises `NotYetError`, is not there yet: the condition is unknown.
-
-        Raises:
-            TypeError: the sample is of another kind, or the condition needs more than one moment.
-        """
-
-    @property
-    @abstractmethod
-    def reads(self) -> frozenset[str]:
-        """What `judge` reads of a moment, such as ``{"scan"}``; empty for a function of a moment.
-
-        Raises:
-            TypeError: the condition needs more than one moment.
-        """
-
-    def __and__(self, other: Any) -> Condition:
-        return _Joined(" & ", np.min, self, other)
-
-    def __rand__(self, other: Any) -> Condition:
-        return _Joined(" & ", np.min, other, self)
-
-    def __or__(self, other: Any) -> Condition:
-        return _Joined(" | ", np.max, self, other)
-
-    def __ror__(self, other: Any) -> Condition:
-        return _Joined(" | ", np.max, other, self)
-
-    def __invert__(self) -> Condition:
-        return _Not(self)
-
-    def __bool__(self) -> bool:
-        raise TypeError(
-            "a condition is neither true nor false by itself: join conditions with &, | and ~ (in brackets)"
-        )
 
 
 def touched(label: str | None = None, topic: str | None = None) -> Condition:
@@ -152,22 +98,7 @@ def gap(seconds: float, topic: str | None = None) -> Condition:
 
 def when(function: Callable[[Any], Any]) -> Condition:
     """A function of one moment is true; see `Recording.find`."""
-    return _When(function)
-
-
-def condition(given: Any) -> Condition:
-    """A condition, that of a `Watch`, or the function of one moment as a condition; TypeError for anything else."""
-    if isinstance(given, Condition):
-        return given
-    if isinstance(given, Watch):
-        return given.condition if isinstance(given.condition, Condition) else _WhenSample(given)
-    if callable(given) and getattr(given, "__module__", "") == __name__:
-        raise TypeError(
-            f"condition: {given.__name__} makes a condition: call it, as in conditions.{given.__name__}(...)"
-        )
-    if callable(given):
-        return when(given)
-    raise TypeError(f"condition: expected a function of one moment, or one of robowidgets.conditions, got {given!r}")
+    return Function(function)
 
 
 def last(moment: Any, kind: Kind, topic: str | None) -> Any:
@@ -182,84 +113,12 @@ def last(moment: Any, kind: Kind, topic: str | None) -> Any:
         return None
 
 
-_VALUES = {NO: False, UNKNOWN: None, YES: True}
-
-
-def _code(value: bool | None) -> int:
-    return UNKNOWN if value is None else YES if value else NO
-
-
 def _state(touch: Touch, name: str) -> TouchState:
     """The state of a sensor by one message."""
     if touch.mode is TouchMode.PRESENCE:
         return TouchState.TOUCHED if touch.touched.get(name) else TouchState.FREE
     touched = touch.touched.get(name)
     return TouchState.UNKNOWN if touched is None else TouchState(int(touched))
-
-
-class _When(Function, Condition):
-    """A function of one moment as a condition."""
-
-
-class _WhenSample(_When):
-    """The function of a watch, which takes a sample of its widget, as a condition."""
-
-    def __init__(self, watch: Watch) -> None:
-        super().__init__(watch.condition, [watch.sample_name])
-        self._name = watch.name
-
-    def __str__(self) -> str:
-        return self._name
-
-
-class _Joined(Condition):
-    def __init__(self, word: str, how: Callable[..., Any], *parts: Any) -> None:
-        self._word = word
-        self._how = how
-        self._parts = [condition(part) for part in parts]
-
-    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
-        return [topic for part in self._parts for topic in part.topics(recording, asked)]
-
-    def steps(self, search: Search) -> Steps:
-        return combined([part.steps(search) for part in self._parts], self._how)
-
-    def judge(self, moment: Any) -> Verdict:
-        verdicts = [part.judge(moment) for part in self._parts]
-        value = _VALUES[int(self._how([_code(verdict.value) for verdict in verdicts]))]
-        text = " · ".join(dict.fromkeys(verdict.text for verdict in verdicts if verdict.text))
-        rays = np.unique(np.concatenate([verdict.rays for verdict in verdicts]))
-        nearest = min((v.nearest for v in verdicts if v.nearest), key=lambda ray: ray.range, default=None)
-        return Verdict(value, text, rays, nearest) if value else Verdict(value, text)
-
-    @property
-    def reads(self) -> frozenset[str]:
-        return frozenset().union(*(part.reads for part in self._parts))
-
-    def __str__(self) -> str:
-        return f"({self._word.join(map(str, self._parts))})"
-
-
-class _Not(Condition):
-    def __init__(self, part: Condition) -> None:
-        self._part = part
-
-    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
-        return self._part.topics(recording, asked)
-
-    def steps(self, search: Search) -> Steps:
-        return inverted(self._part.steps(search))
-
-    def judge(self, moment: Any) -> Verdict:
-        verdict = self._part.judge(moment)
-        return Verdict(None if verdict.value is None else not verdict.value, verdict.text)
-
-    @property
-    def reads(self) -> frozenset[str]:
-        return self._part.reads
-
-    def __str__(self) -> str:
-        return f"~{self._part}"
 
 
 class _OfOneTopic(Condition):
@@ -313,7 +172,7 @@ class _Touched(_OfOneTopic):
         names = touch.sensors if self._label is None else (self._label,)
         states = np.array([[_state(touch, name) for name in names]], np.uint8)
         touched = [name for name, state in zip(names, states[0], strict=True) if state == TouchState.TOUCHED]
-        return Verdict(_VALUES[int(self._test(states, lists_touches)[0])], ", ".join(touched))
+        return Verdict(VALUES[int(self._test(states, lists_touches)[0])], ", ".join(touched))
 
     @staticmethod
     def _test(states: NDArray[np.uint8], lists_touches: bool) -> NDArray[np.int8]:
@@ -360,7 +219,7 @@ class _NearestBelow(_OfOneTopic):
         search.met(chunk.times_ns[rows], away.min(axis=1), indices, chunk.like.angles[indices])
 
     def _judge(self, scan: Scan) -> Verdict:
-        value = _VALUES[int(self._test(single_scan(scan, 0))[0])]
+        value = VALUES[int(self._test(single_scan(scan, 0))[0])]
         text = "" if value is None else fact(scan.distance(self._sector), "<", self._distance)
         if not value:
             return Verdict(value, text)
@@ -391,7 +250,7 @@ class _SpeedAbove(_OfOneTopic):
         return search.over(search.recording.speeds(self._topic), self._test)
 
     def _judge(self, speed: Speed) -> Verdict:
-        value = _VALUES[int(self._test(single_speed(speed, 0))[0])]
+        value = VALUES[int(self._test(single_speed(speed, 0))[0])]
         size = abs(speed.values[AXES.index(self._axis)])
         return Verdict(value, "" if value is None else fact(size, ">", self._limit, self._unit))
 

@@ -10,7 +10,8 @@ import pytest
 
 import robowidgets
 from robowidgets import Scan, Speed, Touch, TouchMode, conditions
-from robowidgets.find._predicate import NotYetError
+from robowidgets.find._instant import NotYetError
+from robowidgets.find.condition import condition
 from robowidgets.kinds import KINDS
 from robowidgets.samples.verdict import Verdict, fact, judged
 
@@ -135,7 +136,7 @@ class TestMoment:
         assert both.judge(SimpleNamespace(scan=SEEN, touch=self.BUMP)).value is True
         assert both.judge(SimpleNamespace(scan=None, touch=self.BUMP)).value is None
         assert both.reads == {"scan", "touch"}
-        named = conditions.condition(lambda scan, touch: touch.touched["left"] and scan.distance() < 0.35)
+        named = condition(lambda scan, touch: touch.touched["left"] and scan.distance() < 0.35)
         assert named.judge(SimpleNamespace(scan=SEEN, touch=self.BUMP)).rays.tolist() == [0]
         assert named.judge(SimpleNamespace(scan=SEEN, touch=None)).value is None
         assert named.reads == {"scan", "touch"}

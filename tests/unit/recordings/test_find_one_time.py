@@ -11,7 +11,7 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets.find._predicate import _together
+from robowidgets.find._instant import together
 from robowidgets.find._steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
 
 from . import sweeps
@@ -82,5 +82,5 @@ class TestSteps:
 
 def test_a_function_sees_topics_of_one_time_together() -> None:
     topics = {"a": [(0, "a0"), (1, "a1"), (1, "a2")], "b": [(1, "b1"), (2, "b2")], "c": []}
-    together = _together({topic: iter(samples) for topic, samples in topics.items()})  # type: ignore[arg-type, misc]
-    assert list(together) == [(0, {"a": "a0"}), (1, {"a": "a1", "b": "b1"}), (1, {"a": "a2"}), (2, {"b": "b2"})]
+    grouped = together({topic: iter(samples) for topic, samples in topics.items()})  # type: ignore[arg-type, misc]
+    assert list(grouped) == [(0, {"a": "a0"}), (1, {"a": "a1", "b": "b1"}), (1, {"a": "a2"}), (2, {"b": "b2"})]

@@ -1,0 +1,165 @@
+"""The moments of a recording, at which functions of one moment are called."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from ..kinds import KINDS, Kind
+from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, only
+from ..samples import Scan, Speed, Touch
+from ..samples.verdict import Trace
+
+if TYPE_CHECKING:
+    from ..recordings import RecordingData
+
+TIME = ""
+"""Stands for the time among the topics that a function has read."""
+
+Make = Callable[[], Any]
+
+
+class NotYetError(LookupError):
+    """There is no sample of a topic yet: the condition is unknown."""
+
+
+class Instant:
+    """The last sample of each topic at one time.
+
+    ``moment.scan``, ``moment.speed`` and ``moment.touch`` are the samples of the only topic of their kind (for speeds,
+    of the measured one); a sample of another kind has the name `Kind.sample_name`. ``moment["/cmd_vel"]`` is the sample
+    of any topic. ``moment.seconds`` counts from the start of the recording, ``moment.time_ns`` is by its clock.
+
+    Raises:
+        UnknownTopicError: the recording has several topics of a kind, so one must be named.
+    """
+
+    scan: Scan
+    """The last scan."""
+    speed: Speed
+    """The last measured speed."""
+    touch: Touch
+    """The last known state of the touch sensors."""
+
+    def __init__(self, name: str, topics: list[Topic], start_ns: int) -> None:
+        self._name = name
+        self._topics = topics
+        self._names = [topic.name for topic in topics]
+        self._topic_of: dict[str, str] = {}
+        """The only topic of each kind, by the kind."""
+        self._start_ns = start_ns
+        self._now = start_ns
+        self._samples: dict[str, Any] = {}
+        """The last sample of each topic, or the function that makes it."""
+        self._used: set[str] = set()
+        """The topics that the function has read."""
+
+    @property
+    def time_ns(self) -> int:
+        """Nanoseconds since the epoch."""
+        self._used.add(TIME)
+        return self._now
+
+    @property
+    def seconds(self) -> float:
+        """Seconds from the start of the recording."""
+        return (self.time_ns - self._start_ns) / 1e9
+
+    def __getattr__(self, name: str) -> Any:
+        kind = next((kind for kind in KINDS.values() if kind.sample_name == name), None)
+        if kind is None:
+            raise AttributeError(f"no {name!r} here: there are {', '.join(self._attributes())} and moment[topic]")
+        if kind.name not in self._topic_of:
+            self._topic_of[kind.name] = self._only(kind)
+        return self[self._topic_of[kind.name]]
+
+    def __dir__(self) -> list[str]:
+        return self._attributes()
+
+    def __getitem__(self, topic: str) -> Any:
+        if topic not in self._names:
+            raise KeyError(f"no topic {topic!r} is looked at here: those that are: {', '.join(self._names)}")
+        self._used.add(topic)
+        if topic not in self._samples:
+            raise NotYetError(topic)
+        sample = self._samples[topic]
+        if callable(sample):
+            sample = self._samples[topic] = sample()
+        return sample
+
+    @staticmethod
+    def _attributes() -> list[str]:
+        return [*(kind.sample_name for kind in KINDS.values()), "seconds", "time_ns"]
+
+    def _only(self, kind: Kind) -> str:
+        try:
+            return only(self._name, self._topics, kind.name)
+        except UnnamedTopicError as error:
+            first = error.topics[0]
+            how = f"ask for one, as in moment[{first!r}], or have one of them looked at, as in topics={[first]!r}"
+            raise UnnamedTopicError(error.there, error.topics, kind.name, how) from None
+        except UnknownTopicError as error:
+            raise AttributeError(f"{error} among those that are looked at") from None
+
+
+class OneSample:
+    """A moment at which there is one sample, of a widget that shows no other.
+
+    Args:
+        sample: a `Scan`, `Speed`, `Touch`, or a sample of another kind.
+    """
+
+    def __init__(self, sample: Any) -> None:
+        self._sample = sample
+
+    def __getattr__(self, name: str) -> Any:
+        there = next(kind.sample_name for kind in KINDS.values() if isinstance(self._sample, kind.sample))
+        if name != there:
+            raise AttributeError(f"no {name!r} here: this is one {there}")
+        return self._sample
+
+    def __getitem__(self, topic: str) -> Any:
+        return self._sample
+
+
+class TracedMoment:
+    """A moment whose scans note what is read in them."""
+
+    def __init__(self, moment: Any, trace: Trace) -> None:
+        self._moment, self._trace = moment, trace
+
+    def __getattr__(self, name: str) -> Any:
+        return self._trace.of(getattr(self._moment, name))
+
+    def __getitem__(self, topic: str) -> Any:
+        return self._trace.of(self._moment[topic])
+
+    def __dir__(self) -> list[str]:
+        return dir(self._moment)
+
+
+def together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[int, dict[str, Make]]]:
+    """The samples of all topics in the order of time, grouped by time.
+
+    If topics have several samples at one time, the first group contains the first of each, the next the second of each.
+    """
+    heads = {topic: head for topic, samples in topics.items() if (head := next(samples, None))}
+    while heads:
+        now = min(time_ns for time_ns, _ in heads.values())
+        came = {topic: make for topic, (time_ns, make) in heads.items() if time_ns == now}
+        yield now, came
+        for topic in came:
+            if head := next(topics[topic], None):
+                heads[topic] = head
+            else:
+                del heads[topic]
+
+
+def samples_of(recording: RecordingData, topic: str) -> Iterator[tuple[int, Make]]:
+    """The times of a topic, none before the previous one, each with the function that makes its sample."""
+    latest = 0
+    for chunk in recording.series(topic).chunks():
+        for i, time_ns in enumerate(chunk.times_ns.tolist()):
+            latest = max(latest, time_ns)
+            yield latest, partial(chunk.sample, i)

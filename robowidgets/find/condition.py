@@ -1,0 +1,299 @@
+"""What a condition is: true, false or unknown at each time, joined with others, or a function of one moment."""
+
+from __future__ import annotations
+
+import inspect
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._core.watch import Watch
+from ..kinds import KINDS
+from ..messages.decoding import one_line
+from ..recordings.topics import Topic, UnnamedTopicError, shown
+from ..repair import RecordingError
+from ..samples import HasAge
+from ..samples.verdict import Trace, Verdict
+from ._instant import TIME, Instant, NotYetError, OneSample, TracedMoment, samples_of, together
+from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
+from .silence import mark_stale
+
+if TYPE_CHECKING:
+    from ..recordings import RecordingData
+    from .search import Search
+
+VALUES = {NO: False, UNKNOWN: None, YES: True}
+"""The values of steps, as those of verdicts."""
+
+_BAR_EVERY = 500
+_READY_MADE = f"{__package__}.conditions"
+
+
+class Condition(ABC):
+    """A condition, which is true, false or unknown at each time of a recording."""
+
+    @abstractmethod
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        """The topics that `steps` reads, each as often as it reads it; ``asked`` are those of `Recording.find`."""
+
+    @abstractmethod
+    def steps(self, search: Search) -> Steps:
+        """The steps of the condition, up to the end of the search."""
+
+    @abstractmethod
+    def judge(self, moment: Any) -> Verdict:
+        """What the condition says of one moment.
+
+        Args:
+            moment: a `Scan`, `Speed` or `Touch`, or an object that has the last samples as attributes ``scan``,
+                ``speed`` and ``touch``, and by topic as ``moment[topic]``. A sample that is None, or whose reading
+                raises `NotYetError`, is not there yet: the condition is unknown.
+
+        Raises:
+            TypeError: the sample is of another kind, or the condition needs more than one moment.
+        """
+
+    @property
+    @abstractmethod
+    def reads(self) -> frozenset[str]:
+        """What `judge` reads of a moment, such as ``{"scan"}``; empty for a function of a moment.
+
+        Raises:
+            TypeError: the condition needs more than one moment.
+        """
+
+    def __and__(self, other: Any) -> Condition:
+        return _Joined(" & ", np.min, self, other)
+
+    def __rand__(self, other: Any) -> Condition:
+        return _Joined(" & ", np.min, other, self)
+
+    def __or__(self, other: Any) -> Condition:
+        return _Joined(" | ", np.max, self, other)
+
+    def __ror__(self, other: Any) -> Condition:
+        return _Joined(" | ", np.max, other, self)
+
+    def __invert__(self) -> Condition:
+        return _Not(self)
+
+    def __bool__(self) -> bool:
+        raise TypeError(
+            "a condition is neither true nor false by itself: join conditions with &, | and ~ (in brackets)"
+        )
+
+
+class Function(Condition):
+    """A condition that is true while a function returns a true value, until a sample that it read is stale.
+
+    Args:
+        function: takes an `Instant`, or the samples that its parameters name. It is called again only after a change of
+            a value that it read last time.
+        names: the names of the samples that it takes, where its parameters have other names.
+        text: its name; empty: that of the function.
+    """
+
+    def __init__(self, function: Callable[..., Any], names: Sequence[str] | None = None, text: str = "") -> None:
+        self._function = function
+        self._text = text or str(getattr(function, "__name__", type(function).__name__))
+        self._names = sample_names(function) if names is None else tuple(names)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        return frozenset(self._names)
+
+    def judge(self, moment: Any) -> Verdict:
+        """See `Condition`."""
+        trace = Trace()
+        try:
+            result = self._result(OneSample(moment) if isinstance(moment, HasAge) else moment, trace)
+        except NotYetError:
+            return Verdict(None)
+        return trace.verdict(result)
+
+    def _result(self, moment: Any, trace: Trace) -> Any:
+        """What the function returns; NotYetError where a sample is not there yet."""
+        if not self._names:
+            return self._function(TracedMoment(moment, trace))
+        samples = [getattr(moment, name) for name in self._names]
+        for name, sample in zip(self._names, samples, strict=True):
+            if sample is None:
+                raise NotYetError(name)
+        return self._function(*map(trace.of, samples))
+
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        """See `Condition`."""
+        return [topic.name for topic in _topics(recording, asked)]
+
+    def steps(self, search: Search) -> Steps:
+        """See `Condition`."""
+        recording = search.recording
+        topics = _topics(recording, search.topics)
+        instant = Instant(recording.path.name, topics, recording.start_ns or 0)
+        times: list[int] = []
+        values: list[int] = []
+        used_at: list[frozenset[str]] = []
+        going_stale: dict[str, list[int]] = {t.name: [] for t in topics if t.widget and KINDS[t.widget].goes_stale}
+        value = UNKNOWN
+        used: frozenset[str] = frozenset()
+        now = instant._now
+        looked = 0
+        try:
+            for time_ns, samples in together({topic.name: samples_of(recording, topic.name) for topic in topics}):
+                if time_ns > search.end_ns and search.is_cut:
+                    break
+                instant._now = time_ns
+                instant._samples.update(samples)
+                if not times or TIME in instant._used or not instant._used.isdisjoint(samples):
+                    value = self._call(instant, search)
+                    used = frozenset(instant._used)
+                for topic in going_stale.keys() & samples:
+                    going_stale[topic].append(time_ns)
+                # In this order, so that an interrupt in between leaves no time without a value.
+                values.append(value)
+                used_at.append(used)
+                times.append(time_ns)
+                now, looked = time_ns, looked + len(samples)
+                if looked >= _BAR_EVERY:
+                    search.looked_at(looked)
+                    looked = 0
+        except KeyboardInterrupt:
+            search.cut(now)
+        search.looked_at(looked)
+        rests_on = (
+            (np.array(came, np.int64), np.array([name in names for names in used_at[: len(times)]], bool))
+            for name, came in going_stale.items()
+        )
+        return mark_stale(steps(times, values[: len(times)]), rests_on, search.end_ns)
+
+    def _call(self, instant: Instant, search: Search) -> int:
+        instant._used.clear()
+        trace = Trace()
+        try:
+            value = trace.value(self._result(instant, trace))
+            if value and (ray := trace.nearest()):
+                search.met(
+                    np.array([instant._now]), np.array([ray.range]), np.array([ray.index]), np.array([ray.angle])
+                )
+            return _code(value)
+        except NotYetError:
+            return UNKNOWN
+        except UnnamedTopicError:
+            raise
+        except Exception as error:
+            seconds = (instant._now - instant._start_ns) / 1e9
+            raise RecordingError(
+                f"the condition {self} failed at {seconds:.2f} s: {type(error).__name__}: {one_line(error)}"
+            ) from error
+
+    def __str__(self) -> str:
+        return self._text
+
+
+def condition(given: Any) -> Condition:
+    """A condition, that of a `Watch`, or the function of one moment as a condition; TypeError for anything else."""
+    if isinstance(given, Condition):
+        return given
+    if isinstance(given, Watch):
+        own = given.condition
+        return own if isinstance(own, Condition) else Function(own, [given.sample_name], given.name)
+    if callable(given) and getattr(given, "__module__", "") == _READY_MADE:
+        raise TypeError(
+            f"condition: {given.__name__} makes a condition: call it, as in conditions.{given.__name__}(...)"
+        )
+    if callable(given):
+        return Function(given)
+    raise TypeError(f"condition: expected a function of one moment, or one of robowidgets.conditions, got {given!r}")
+
+
+def sample_names(function: Callable[..., Any]) -> tuple[str, ...]:
+    """The samples that a function takes, by the names of its parameters: ``lambda scan, speed: ...``.
+
+    None where it takes a moment: where its one parameter has another name, or it tells of no parameters.
+
+    Raises:
+        TypeError: it takes several things, and not all of them are samples.
+    """
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return ()
+    given = [
+        p.name for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
+    ]
+    known = [kind.sample_name for kind in KINDS.values()]
+    if given and set(given) <= set(known):
+        return tuple(given)
+    if len(given) > 1:
+        raise TypeError(
+            f"condition: expected a function of one moment, or of samples by name ({', '.join(known)}); "
+            f"it takes {', '.join(given)}"
+        )
+    return ()
+
+
+def _topics(recording: RecordingData, asked: Any) -> list[Topic]:
+    there = shown(recording.topics)
+    if asked is None:
+        return list(there.values())
+    names = [asked] if isinstance(asked, str) else list(asked)
+    for name in names:
+        recording.check(name)
+    return [there[name] for name in dict.fromkeys(names)]
+
+
+def _code(value: bool | None) -> int:
+    return UNKNOWN if value is None else YES if value else NO
+
+
+class _Joined(Condition):
+    def __init__(self, word: str, how: Callable[..., Any], *parts: Any) -> None:
+        self._word = word
+        self._how = how
+        self._parts = [condition(part) for part in parts]
+
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        return [topic for part in self._parts for topic in part.topics(recording, asked)]
+
+    def steps(self, search: Search) -> Steps:
+        return combined([part.steps(search) for part in self._parts], self._how)
+
+    def judge(self, moment: Any) -> Verdict:
+        verdicts = [part.judge(moment) for part in self._parts]
+        value = VALUES[int(self._how([_code(verdict.value) for verdict in verdicts]))]
+        text = " · ".join(dict.fromkeys(verdict.text for verdict in verdicts if verdict.text))
+        rays = np.unique(np.concatenate([verdict.rays for verdict in verdicts]))
+        nearest = min((v.nearest for v in verdicts if v.nearest), key=lambda ray: ray.range, default=None)
+        return Verdict(value, text, rays, nearest) if value else Verdict(value, text)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        return frozenset().union(*(part.reads for part in self._parts))
+
+    def __str__(self) -> str:
+        return f"({self._word.join(map(str, self._parts))})"
+
+
+class _Not(Condition):
+    def __init__(self, part: Condition) -> None:
+        self._part = part
+
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        return self._part.topics(recording, asked)
+
+    def steps(self, search: Search) -> Steps:
+        return inverted(self._part.steps(search))
+
+    def judge(self, moment: Any) -> Verdict:
+        verdict = self._part.judge(moment)
+        return Verdict(None if verdict.value is None else not verdict.value, verdict.text)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        return self._part.reads
+
+    def __str__(self) -> str:
+        return f"~{self._part}"
