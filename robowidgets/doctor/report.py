@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import tables
-from .._core.tables import listed, many, often
+from .._core.tables import listed, often
 from ..kinds import KINDS
 from ..recordings.columns.scans import Scans
 from ..recordings.columns.series import Series
@@ -232,13 +232,6 @@ def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Prob
         elif problem in headers or count > _SELDOM * len(scans):
             where = f"in {count:,} of {len(scans):,} scans, first at {first[problem]:.2f} s"
             problems.append(Problem(f"{problem.what} ({where})", problem.remedy))
-    if len(frames) > 1:
-        problems.append(
-            Problem(
-                f"scans of {many(len(frames), 'frame')}: {listed(list(map(_name_of, frames)))}",
-                "do two scanners publish to one topic? Give each its own",
-            )
-        )
     usual = geometries.most_common(1)
     return usual[0][0] if usual else None, tuple(frames), problems
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
 from .._core.progress import Progress
-from .._core.tables import listed
+from .._core.tables import listed, many
 from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of
@@ -37,6 +37,7 @@ _SILENCE_STEPS = 10
 _REPAIR = "robowidgets repair writes all that can be read to a file that every tool reads"
 _SILENT = "did its node or its sensor start late, or stop early?"
 _LEFT_OUT = "see what publishes them"
+_SEVERAL = "do two sensors publish to one topic? Give each its own"
 
 Found = TypeVar("Found")
 
@@ -76,6 +77,7 @@ class Messages:
             (self._source.problems, _REPAIR),
             (unread, ""),
             (self._silences, _SILENT),
+            (self._about_frames(), _SEVERAL),
             (self._stopped, _REPAIR),
             (self._left_out.values(), _LEFT_OUT),
         )
@@ -229,6 +231,15 @@ class Messages:
             if count >= _LEAST and kind.goes_stale and not kind.is_command(topic):
                 lines += silences(topic, count, *self._span(channels), self._seconds(self.end_ns or 0))
         return lines
+
+    def _about_frames(self) -> Iterator[str]:
+        """Lines on topics whose messages, as far as they were read, are of several coordinate frames."""
+        for topic, channels in self._shown.items():
+            kind, _ = self._kinds[topic]
+            found = [name or "(empty)" for channel in channels for name in self._decoders[channel.id].frame_ids]
+            names = list(dict.fromkeys(found))
+            if len(names) > 1 and not kind.is_command(topic):
+                yield f"{topic}: {kind.noun} of {many(len(names), 'frame')}: {listed(names)}"
 
     def _span(self, channels: Sequence[Channel]) -> tuple[float, float]:
         """Seconds of the first and the last message of these channels; those of the recording if no index tells."""

@@ -95,7 +95,8 @@ class RecordingData:
         """The problems found so far: of the file, of topics, of messages that could not be shown.
 
         Each is a line of at most 200 characters.
-        Problems of the clock of a topic are found when its `scans` or measured `speeds` are read.
+        Problems of the clock of a topic are found when its `scans` or measured `speeds` are read, and several frames on
+        one topic when its messages are.
         """
         return tuple(str(problem._replace(remedy="")) for problem in self._with_remedies())
 

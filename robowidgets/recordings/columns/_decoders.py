@@ -23,7 +23,9 @@ _FIRST_LOOK, _CAREFUL_LOOK = 1024, 32
 
 
 class Decoder(Protocol):
-    """Decodes the messages of one channel into chunks."""
+    """Decodes the messages of one channel into chunks; `frame_ids` are those of all scans and speeds so far."""
+
+    frame_ids: dict[str, None]
 
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
         """The chunks of some messages in their order, without the messages that cannot be shown.
@@ -44,13 +46,16 @@ class TemplateDecoder:
     def __init__(self, channel: Channel) -> None:
         self.shape, self.encoding = shape_of(channel), channel.encoding
         self.read = decoder_of(channel)
+        self.frame_ids: dict[str, None] = {}
         self._template: MessageTemplate | None = None
         # Number of messages that are compared at once: fewer after messages that differed.
         self._look = _FIRST_LOOK
 
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
         """See `Decoder`."""
-        return merged(self._chunks(raws, np.array(times, np.int64), note))
+        chunks = merged(self._chunks(raws, np.array(times, np.int64), note))
+        self.frame_ids.update(dict.fromkeys(chunk.frame_id for chunk in chunks))
+        return chunks
 
     def _chunks(self, raws: Sequence[bytes], times: NDArray[np.int64], note: Note) -> Iterator[Any]:
         at = 0
@@ -118,6 +123,8 @@ class SampleDecoder:
 
     def __init__(self, channel: Channel, read: Callable[[Any], Any]) -> None:
         self._decode, self._read = decoder_of(channel), read
+        # One topic may have messages of many touch sensors, each in its own frame.
+        self.frame_ids: dict[str, None] = {}
 
     def decode(self, raws: Sequence[bytes], times: Sequence[int], note: Note) -> list[Any]:
         """See `Decoder`."""

@@ -85,6 +85,11 @@ class ScanChunk(Chunk):
         return self.like.angle_increment
 
     @property
+    def frame_id(self) -> str:
+        """Of the scanner."""
+        return self.like.frame_id
+
+    @property
     def range_min(self) -> float:
         """Metres; see `Scan`."""
         return self.like.range_min

@@ -26,7 +26,12 @@ _COVARIANCE = np.zeros(36)
 
 
 def write(
-    folder: Path, bad_scan_at: int | None = None, silence: int = 0, robots: Sequence[str] = ("",), climb: float = 0.0
+    folder: Path,
+    bad_scan_at: int | None = None,
+    silence: int = 0,
+    robots: Sequence[str] = ("",),
+    climb: float = 0.0,
+    second_frame: str = "base_link",
 ) -> Path:
     """Ten seconds at 10 Hz: scan i has the one range 1 + i / 100, speed and command are i / 100.
 
@@ -38,6 +43,7 @@ def write(
         silence: seconds without a message in the middle.
         robots: namespaces, each with all the topics.
         climb: speed upwards of the last command.
+        second_frame: frame of the speeds in the second half.
     """
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connections = {
@@ -53,7 +59,7 @@ def write(
         for i in range(10 * SECONDS):
             time_ns = START_NS + i * 100_000_000 + (i >= 5 * SECONDS) * silence * 1_000_000_000
             put("/scan", time_ns, _scan(time_ns, 1 + i / 100, swapped=i == bad_scan_at))
-            put("/odom", time_ns, _odometry(time_ns, i / 100))
+            put("/odom", time_ns, _odometry(time_ns, i / 100, "base_link" if i < 50 else second_frame))
             if i >= 50:
                 put("/cmd_vel", time_ns, _twist(i / 100, climb if i == 10 * SECONDS - 1 else 0.0))
             if i in (20, 30, 60, 70):
@@ -82,7 +88,7 @@ def _twist(forward: float, up: float = 0.0) -> Any:
     return _new("geometry_msgs/msg/Twist", _new("geometry_msgs/msg/Vector3", forward, 0.0, up), zero)
 
 
-def _odometry(time_ns: int, forward: float) -> Any:
+def _odometry(time_ns: int, forward: float, frame_id: str) -> Any:
     pose = _new(
         "geometry_msgs/msg/Pose",
         _new("geometry_msgs/msg/Point", 0.0, 0.0, 0.0),
@@ -91,7 +97,7 @@ def _odometry(time_ns: int, forward: float) -> Any:
     return _new(
         "nav_msgs/msg/Odometry",
         _header(time_ns),
-        "base_link",
+        frame_id,
         _new("geometry_msgs/msg/PoseWithCovariance", pose, _COVARIANCE),
         _new("geometry_msgs/msg/TwistWithCovariance", _twist(forward), _COVARIANCE),
     )

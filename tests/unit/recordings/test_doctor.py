@@ -143,8 +143,8 @@ class TestScans:
         found = report(mixed)
         assert found.topics[0].frame_ids == ("front", "")
         assert lines(found) == [
+            "/scan: laser scans of 2 frames: front, (empty)",
             "/scan: frame_id is empty (in 20 of 40 scans, first at 2.00 s)",
-            "/scan: scans of 2 frames: front, (empty)",
         ]
 
     def test_a_frame_with_a_name_without_end_leaves_the_table_readable(self, report: Callable[..., Any]) -> None:

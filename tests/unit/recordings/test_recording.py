@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +85,19 @@ class TestSamples:
         assert scan.stamp_ns == robot.START_NS + S
         assert isinstance(speed, Speed)
         assert (speed.linear[0], speed.frame_id) == (0.1, "base_link")
+
+    @pytest.mark.parametrize(
+        "read", [lambda recording: list(recording.samples()), lambda recording: recording.speeds()]
+    )
+    def test_of_two_frames_on_one_topic_are_told_once_they_were_read(
+        self, tmp_path: Path, read: Callable[[Recording], Iterable[Moment]]
+    ) -> None:
+        with open(robot.write(tmp_path / "two", second_frame="robot2/base_link")) as recording:
+            assert recording.problems == ()
+            assert len(list(recording.samples("/odom", end=5.0))) == 50
+            assert recording.problems == ()
+            assert all(moment.topic for moment in read(recording))
+            assert recording.problems == ("/odom: speeds of 2 frames: base_link, robot2/base_link",)
 
     def test_that_cannot_be_shown_are_left_out_and_told(self, tmp_path: Path) -> None:
         with open(robot.write(tmp_path / "bad", bad_scan_at=33)) as recording:
