@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ..messages.encoding import encode
 from ..messages.standard import TWIST_STAMPED
-from ._encode import encode
 from ._reconnect_loop import ReconnectLoop, checked_domain
 from .feed import Feed
 from .middleware import FeedError, Listener

@@ -47,7 +47,7 @@ class Foxglove(Bridge):
     """
 
     def __init__(self, address: str = "ws://127.0.0.1:8765") -> None:
-        from ._encode import encode  # here, so that the first speed does not wait for the import of rosbags
+        from ..messages.encoding import encode  # here, so that the first speed does not wait for the import of rosbags
 
         self._encode = encode
         self._subscriptions = 0

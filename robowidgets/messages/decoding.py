@@ -1,6 +1,6 @@
 """Messages from bytes: the definitions of their types, and the readers made of them.
 
-This module and `recordings.files` are the only ones that know rosbags.
+Only this module, `encoding` and `recordings.files` read and write with rosbags.
 """
 
 from __future__ import annotations

@@ -25,10 +25,10 @@ pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip insta
 
 from robowidgets.feeds import _dds_session, _threaded
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
-from robowidgets.feeds._encode import encode
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
 from robowidgets.messages.decoding import DecodeError
+from robowidgets.messages.encoding import encode
 
 from ..waiting import wait_for
 from .ears import Ears

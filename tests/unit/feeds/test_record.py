@@ -23,7 +23,8 @@ from rosbags.typesys import Stores, get_typestore
 import robowidgets
 from robowidgets import Speed, Touch, TouchMode, feeds
 from robowidgets.behaviors import Drive
-from robowidgets.feeds import Advert, Feed, FeedError, _recorder
+from robowidgets.feeds import Advert, Feed, FeedError
+from robowidgets.recordings import live_writer
 from robowidgets.repair.write import McapWriter
 from robowidgets.samples.state_span import rows_of
 
@@ -192,7 +193,7 @@ def test_speeds_that_are_sent_are_recorded_where_nobody_else_publishes_them(tmp_
 def test_what_a_program_drives_on_a_recording_is_recorded_beside_it(tmp_path: Path) -> None:
     with feeds.recording(robowidgets.SAMPLE, speed=20) as feed, feed.record(tmp_path / "run.mcap") as recorder:
         feed.program(lambda: Drive(0.125))
-        wait_for(lambda: recorder.written["/cmd_vel (your program)"], "its speed is written")
+        wait_for(lambda: recorder.written["/cmd_vel_by_program"], "its speed is written")
         wait_for(lambda: recorder.written["/bumper"], "what was recorded is written")
     messages = decoded(tmp_path / "run.mcap")
     assert {one.twist.linear.x for one in messages["/cmd_vel_by_program"]} == {0.125}
@@ -202,7 +203,7 @@ def test_what_a_program_drives_on_a_recording_is_recorded_beside_it(tmp_path: Pa
 def test_a_slow_disk_holds_up_nobody_and_what_is_dropped_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(_recorder, "MOST_WAITING", 10)
+    monkeypatch.setattr(live_writer, "MOST_WAITING", 10)
     goes_on, write = threading.Event(), McapWriter.add
     monkeypatch.setattr(McapWriter, "add", lambda *args: goes_on.wait(20) and write(*args))
     script = Scripted(SCAN)
@@ -212,7 +213,7 @@ def test_a_slow_disk_holds_up_nobody_and_what_is_dropped_is_told(
         for _ in range(50):
             script.listener.on_message("/scan", scan())
         assert time.monotonic() - began < 1
-        monkeypatch.setattr(_recorder, "CLOSE_TIMEOUT", 0.1)
+        monkeypatch.setattr(live_writer, "CLOSE_TIMEOUT", 0.1)
         recorder.close()
         assert "the disk is slow: the file is not complete yet" in caplog.text
         goes_on.set()
@@ -270,7 +271,7 @@ def test_a_path_that_cannot_be_written_is_refused_and_nothing_is_replaced(tmp_pa
 def test_even_a_single_message_is_in_the_file_before_it_is_closed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(_recorder, "FLUSH", 0.05)
+    monkeypatch.setattr(live_writer, "FLUSH", 0.05)
     script = Scripted(SCAN)
     with Feed(script) as feed:
         feed.record(tmp_path / "run.mcap")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from robowidgets.feeds._encode import encode
 from robowidgets.messages.channel import Channel
+from robowidgets.messages.encoding import encode
 from robowidgets.recordings.program_log import PROGRAM, TEXT, program_text, state_topic
 from robowidgets.repair.write import McapWriter
 

@@ -1,4 +1,4 @@
-"""Encoding messages without ROS."""
+"""Messages to bytes, without ROS."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 from rosbags.interfaces import Nodetype
 from rosbags.typesys.store import Typestore
 
-from ..messages.channel import Channel
-from ..messages.decoding import DecodeError, one_line, store_of
-from ..messages.fields import reader
+from .channel import Channel
+from .decoding import DecodeError, one_line, store_of
+from .fields import reader
 
 _IN_ROS1 = {"sec": "secs", "nanosec": "nsecs"}
 
