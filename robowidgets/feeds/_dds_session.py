@@ -17,17 +17,13 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from ..kinds import counts_every_message
 from ..messages.decoding import Decode, DecodeError
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
-from ._qos import not_coming, not_received
-from ._topics import adverts_of
+from ._ros2_common import adverts_of, not_coming, not_received, queue_depth
 from .middleware import EVENTS, Advert, FeedError, Listener
 
 _MANY = 1000
-_DEPTH = 5
-"""Length of the queue of a reader, as ROS 2 has it for sensor data."""
 _LOOK = duration(milliseconds=500)
 _NEW = ViewState.Any | SampleState.NotRead | InstanceState.Any
 _LATCHED = (Policy.Durability.TransientLocal, Policy.Durability.Transient, Policy.Durability.Persistent)
@@ -209,7 +205,7 @@ class Session:
             else (Policy.Reliability.BestEffort, Policy.Durability.Volatile)
         )
         topic = Topic(self._participant, dds_topic(wish.topic), kind)
-        depth = EVENTS if counts_every_message(wish.type) or wish.topic == NODES else _DEPTH
+        depth = EVENTS if wish.topic == NODES else queue_depth(wish.type)
         reader = DataReader(self._participant, topic, Qos(*reliability, Policy.History.KeepLast(depth), user_data))
         condition = ReadCondition(reader, _NEW)
         self._waitset.attach(condition)

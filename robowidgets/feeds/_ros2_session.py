@@ -10,20 +10,15 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from typing import Any
 
-from ..kinds import counts_every_message
-from ._qos import not_coming, not_received
-from ._topics import adverts_of
+from ._ros2_common import adverts_of, not_coming, not_received, queue_depth
 from ._twist import fill
-from .middleware import EVENTS, SEND_TIMEOUT, Advert, Listener, NotYetError
+from .middleware import SEND_TIMEOUT, Advert, Listener, NotYetError
 
 _Key = tuple[str, str, bool]
 """A topic, a type, and whether earlier messages are requested (transient local)."""
 
 DISCOVERY = 2.0
 """Seconds after which a new participant has discovered the others, at most."""
-
-_DEPTH = 5
-"""Length of the queue of a subscription, as ROS 2 has it for sensor data."""
 
 _MATCH_POLL = 0.005
 _ACK_POLL = 0.02
@@ -224,7 +219,7 @@ class Session:
         # A best-effort subscription matches reliable publishers, too; only transient local needs a reliable one.
         qos = QoSProfile(
             history=HistoryPolicy.KEEP_LAST,
-            depth=EVENTS if counts_every_message(kind) else _DEPTH,
+            depth=queue_depth(kind),
             reliability=ReliabilityPolicy.RELIABLE if kept else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
         )

@@ -78,7 +78,7 @@ class Simulated(ThreadedMiddleware):
         self._driven_at = time.monotonic()
         self._driven = (speed.linear[0], speed.angular[2], speed.linear[1])
 
-    def _run(self, listener: Listener) -> None:
+    def _run_session(self, listener: Listener) -> str:
         ways = wander_about(self._robot)
         scan = None
         due = time.monotonic()
@@ -94,6 +94,7 @@ class Simulated(ThreadedMiddleware):
                 scan = samples["/scan"] = self._robot.scan()
             for topic in self._wanted & samples.keys():
                 listener.on_message(topic, samples[topic])
+        return ""
 
     def _wake(self) -> None:
         """Nothing to do: each step looks at the wanted topics."""

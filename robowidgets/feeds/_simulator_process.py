@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from typing import IO, Any
 
 from ..simulator import Robot
-from ._reconnect_loop import ReconnectLoop
 from ._simulated import Simulated, check_driven, topics_of
+from ._threaded import ThreadedMiddleware
 from .middleware import FeedError, Listener, NotYetError
 
 SERVE = "import sys; sys.path[:] = {path!r}; from robowidgets.feeds._simulator_process import serve; serve()"
@@ -26,7 +26,7 @@ ALONE = 0.5
 """Seconds between two looks whether the other process is still there."""
 
 
-class SimulatedProcess(ReconnectLoop):
+class SimulatedProcess(ThreadedMiddleware):
     """A simulated robot as a `Middleware`: see `Simulated`. It runs in a process of its own.
 
     The robot of this process follows that one, and what is changed of it here, such as on the page, is changed there.

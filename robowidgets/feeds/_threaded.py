@@ -1,20 +1,48 @@
-"""The base of the middlewares that have a thread of their own."""
+"""The base of the middlewares: a thread that runs one session after another."""
 
 from __future__ import annotations
 
+import random
 import threading
 from abc import ABC, abstractmethod
 
 from .middleware import CLOSE_TIMEOUT, Listener
 
+FIRST = 0.5
+"""Seconds of the first pause between two sessions."""
+
+LONGEST = 8.0
+"""Seconds of the longest pause."""
+
+JITTER = 0.1
+"""Share by which a pause may be shorter, so that a hundred clients of one robot do not reconnect all at once."""
+
+
+class Backoff:
+    """The pauses between attempts: half a second, then twice as long each time, up to eight."""
+
+    def __init__(self) -> None:
+        self._pause = FIRST
+
+    def next_pause(self) -> float:
+        """Seconds to wait before the next attempt."""
+        pause, self._pause = self._pause, min(2 * self._pause, LONGEST)
+        return pause * random.uniform(1 - JITTER, 1)
+
+    def reset(self) -> None:
+        """Reset: after the next loss, the first pause is the short one again."""
+        self._pause = FIRST
+
 
 class ThreadedMiddleware(ABC):
-    """The wanted topics of a `Middleware`, and its thread, which ends when it is closed."""
+    """The wanted topics of a `Middleware`, and its thread, which runs a session, and after a pause the next one."""
 
     def __init__(self) -> None:
         self._closed = threading.Event()
         self._lock = threading.Lock()
         self._wanted: frozenset[str] = frozenset()
+        self._backoff = Backoff()
+        """Reset by a session that has reached the robot."""
         self._thread: threading.Thread | None = None
 
     def subscribe(self, topic: str) -> None:
@@ -31,9 +59,10 @@ class ThreadedMiddleware(ABC):
 
     def close(self) -> None:
         """See `Middleware`."""
-        self._closed.set()
         with self._lock:
-            self._wake()
+            if not self._closed.is_set():
+                self._closed.set()
+                self._wake()
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(CLOSE_TIMEOUT)
 
@@ -41,10 +70,18 @@ class ThreadedMiddleware(ABC):
         self._thread = threading.Thread(target=self._run, args=(listener,), name=name, daemon=True)
         self._thread.start()
 
-    @abstractmethod
     def _run(self, listener: Listener) -> None:
-        """Run until `_closed` is set."""
+        while not self._closed.is_set():
+            reason = self._run_session(listener)
+            if not self._closed.is_set():
+                pause = self._backoff.next_pause()
+                listener.on_lost(reason, pause)
+                self._closed.wait(pause)
+
+    @abstractmethod
+    def _run_session(self, listener: Listener) -> str:
+        """Run a session until `_closed` is set, or it fails; returns the reason of the failure."""
 
     @abstractmethod
     def _wake(self) -> None:
-        """Wake the thread after a change of the wanted topics, or to end it. Called with the lock held."""
+        """Wake the session after a change of the wanted topics, or to end it. Called with the lock held."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from .._core.tables import many
@@ -77,16 +77,6 @@ def topics_of(adverts: Iterable[Advert]) -> dict[str, Topic]:
     for advert in adverts:
         by_name.setdefault(advert.name, []).append(advert)
     return {name: _topic(name, same) for name, same in by_name.items()}
-
-
-def adverts_of(
-    publishers: Mapping[tuple[str, str], Collection[str]], subscribed: Collection[tuple[str, str]]
-) -> list[Advert]:
-    """Adverts of topics, by topic and type: the nodes that publish them (empty: unnamed), and those subscribed to."""
-    return [
-        Advert(*key, key in publishers, key in subscribed, tuple(sorted(filter(None, publishers.get(key, ())))))
-        for key in sorted({*publishers, *subscribed})
-    ]
 
 
 def _topic(name: str, adverts: Sequence[Advert]) -> Topic:

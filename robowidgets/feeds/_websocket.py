@@ -15,7 +15,7 @@ from typing import Any, Protocol
 from urllib.parse import urlsplit
 
 from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
-from ._backoff import Backoff
+from ._threaded import Backoff
 from .middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, FeedError
 
 Frame = str | bytes

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..messages.encoding import encode
 from ..messages.standard import TWIST_STAMPED
-from ._reconnect_loop import ReconnectLoop, checked_domain
+from ._ros2_common import checked_domain
+from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import FeedError, Listener
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from ._dds_session import Session
 
 
-class Dds(ReconnectLoop):
+class Dds(ThreadedMiddleware):
     """A `Middleware` that is a participant in a DDS domain.
 
     A thread of its own reads; `publish` writes in the thread that calls it.

@@ -72,7 +72,7 @@ class Played(ThreadedMiddleware):
     def _wake(self) -> None:
         self._changed.set()
 
-    def _run(self, listener: Listener) -> None:
+    def _run_session(self, listener: Listener) -> str:
         shown = {topic.name for topic in self._recording.topics if topic.widget}
         others = {topic.name for topic in self._recording.topics} - shown
         started = time.monotonic()
@@ -80,7 +80,7 @@ class Played(ThreadedMiddleware):
             while True:
                 self._changed.clear()
                 if self._closed.is_set():
-                    return
+                    return ""
                 names = self._wanted & shown
                 for name in self._wanted & others:
                     listener.on_trouble(name, f"{name}: a recording publishes only topics that a widget shows")

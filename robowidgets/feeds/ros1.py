@@ -11,9 +11,9 @@ from urllib.parse import urlsplit
 
 from ..messages.channel import Channel
 from ..messages.decoding import Decode, DecodeError, decoder_of, one_line
-from ._reconnect_loop import ReconnectLoop
 from ._ros1_master import Master, MasterError, State
 from ._ros1_publications import SHUT_DOWN, Publications
+from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import Advert, FeedError, Listener
 
@@ -36,7 +36,7 @@ class _Subscription(NamedTuple):
     since: float
 
 
-class Ros1(ReconnectLoop):
+class Ros1(ThreadedMiddleware):
     """A `Middleware` on the one node that a process may have, with the master that ROS_MASTER_URI names.
 
     The node is the program's own if it called `rospy.init_node`, else one of ours; it stays until the process ends.

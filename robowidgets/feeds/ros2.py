@@ -9,8 +9,9 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from ._reconnect_loop import ReconnectLoop, checked_domain
+from ._ros2_common import checked_domain
 from ._ros2_session import Session, one_line
+from ._threaded import ThreadedMiddleware
 from .feed import Feed
 from .middleware import SEND_TIMEOUT, FeedError, Listener
 
@@ -23,7 +24,7 @@ EARLY_LOOK = 0.2
 """Seconds between two queries in a new session, while the robot's topics are discovered one after another."""
 
 
-class Ros2(ReconnectLoop):
+class Ros2(ThreadedMiddleware):
     """A `Middleware` on a node and a context of its own, which no program spins or shuts down.
 
     A thread queries the topics and passes on messages; `publish` publishes in the thread that calls it.

@@ -1,6 +1,6 @@
 """Pauses between attempts."""
 
-from robowidgets.feeds._backoff import FIRST, JITTER, LONGEST, Backoff
+from robowidgets.feeds._threaded import FIRST, JITTER, LONGEST, Backoff
 
 
 def test_the_pauses_double_up_to_a_longest_one_and_are_never_longer_than_said():

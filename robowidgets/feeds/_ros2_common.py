@@ -1,0 +1,66 @@
+"""What rclpy and DDS have in common: domains, topics, queues, and texts for incompatible quality of service (QoS)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from ..kinds import counts_every_message
+from .middleware import EVENTS, Advert
+
+LAST_DOMAIN = 232
+
+_DEPTH = 5
+"""Length of the queue of a subscription, as ROS 2 has it for sensor data."""
+
+_OTHER_FIELDS = "defines the fields of its type in another way"
+_DOES = {
+    "durability": "keeps no earlier messages (durability)",
+    "deadline": "promises no rate (deadline)",
+    "ownership": "wants to be the only one (exclusive ownership)",
+    "liveliness": "promises no sign of life (liveliness)",
+    "reliability": "is best-effort",
+    "data representation": "encodes its messages in another way (XCDR2)",
+    "type consistency": _OTHER_FIELDS,
+}
+_EXPECTS = {
+    "durability": "expects earlier messages (durability)",
+    "deadline": "expects messages at a promised rate (deadline)",
+    "ownership": "expects one publisher only (exclusive ownership)",
+    "liveliness": "expects a sign of life (liveliness)",
+    "data representation": "expects messages encoded in another way (XCDR2)",
+    "type consistency": _OTHER_FIELDS,
+}
+
+
+def checked_domain(name: str, domain: object) -> int:
+    """The domain itself; TypeError or ValueError, with the name of the argument, if it is invalid."""
+    if not isinstance(domain, int) or isinstance(domain, bool):
+        raise TypeError(f"{name}: expected a whole number, as in ROS_DOMAIN_ID, got {domain!r}")
+    if not 0 <= domain <= LAST_DOMAIN:
+        raise ValueError(f"{name}: expected 0 to {LAST_DOMAIN}, as in ROS_DOMAIN_ID, got {domain}")
+    return domain
+
+
+def adverts_of(
+    publishers: Mapping[tuple[str, str], Collection[str]], subscribed: Collection[tuple[str, str]]
+) -> list[Advert]:
+    """Adverts of topics, by topic and type: the nodes that publish them (empty: unnamed), and those subscribed to."""
+    return [
+        Advert(*key, key in publishers, key in subscribed, tuple(sorted(filter(None, publishers.get(key, ())))))
+        for key in sorted({*publishers, *subscribed})
+    ]
+
+
+def queue_depth(type_name: str) -> int:
+    """The length of the queue of a subscription to messages of a type."""
+    return EVENTS if counts_every_message(type_name) else _DEPTH
+
+
+def not_coming(topic: str, policy: str) -> str:
+    """Text for a publisher whose messages do not come."""
+    return f"a publisher of {topic} {_DOES.get(policy, f'disagrees on {policy}')}, so its messages do not come"
+
+
+def not_received(topic: str, policy: str) -> str:
+    """Text for a subscriber that does not receive our messages."""
+    return f"a subscriber of {topic} {_EXPECTS.get(policy, f'disagrees on {policy}')}, so it receives nothing"
