@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import json
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
+from ._threaded import ThreadedMiddleware
 from ._topics import queue_length
-from ._websocket import LARGEST, Frame, WebSocketClient
-from .middleware import Listener
+from ._websocket import LARGEST, Frame, WebSocket, checked
+from .middleware import FeedError, Listener
 
 Read = Callable[[Any], Any]
 """Decodes a frame into a message, or raises UnreadableError."""
@@ -19,21 +23,25 @@ class UnreadableError(Exception):
     """A message or a channel that cannot be read; the text says why, for a person."""
 
 
-class Bridge:
-    """The part of a `Middleware` that is the same for every protocol. A protocol is a subclass.
+class Bridge(ThreadedMiddleware):
+    """The part of a `Middleware` that is the same for every protocol over a websocket. A protocol is a subclass.
 
-    All methods but those of `Middleware` run in the client's thread. All frames that wait in the network are received
-    first; then only the newest of each topic is decoded, but every event. The subclass calls `Listener.on_connected` as
-    soon as it can publish.
+    All methods but those of `Middleware` run in its thread. All frames that wait in the network are received first;
+    then only the newest of each topic is decoded, but every event. The subclass calls `Listener.on_connected` as soon
+    as it can publish.
 
     Raises:
         TypeError, ValueError: the address is invalid.
     """
 
     def __init__(self, address: str, subprotocols: list[str] | None = None) -> None:
-        self._client = WebSocketClient(address, self, subprotocols)
+        super().__init__()
+        self._address, self._subprotocols = checked(address), subprotocols
+        self._socket: WebSocket | None = None
+        """The newest connection."""
         self._listener: Listener
-        self._wanted: set[str] = set()
+        self._followed: frozenset[str] = frozenset()
+        """The wanted topics, as far as this thread has subscribed to them."""
         self._received: set[str] = set()
         self._pending: dict[str, deque[tuple[Read, Any]]] = {}
         self._begin()
@@ -41,48 +49,75 @@ class Bridge:
     @property
     def where(self) -> str:
         """See `Middleware`."""
-        return self._client.address
+        return self._address
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
+        try:
+            import tornado.websocket  # noqa: F401
+        except ImportError:
+            raise FeedError(
+                "websockets need the package tornado, which is not installed: pip install tornado"
+            ) from None
+        self._start_thread(f"robowidgets {self.where}", listener)
+
+    def _wake(self) -> None:
+        if self._socket is not None:
+            if self._closed.is_set():
+                self._socket.cancel()
+            else:
+                self._socket.call_soon(partial(self._follow, self._wanted))
+
+    def _follow(self, topics: frozenset[str]) -> None:
+        """Subscribe to these topics and no others. A topic that is requested anew may bring its last message again."""
+        if self._socket is not None and self._socket.is_open:
+            before, self._followed = self._followed, topics
+            for topic in before - topics:
+                self._received.discard(topic)
+                self._stop(topic)
+            for topic in topics - before:
+                self._start(topic)
+
+    def _run_session(self, listener: Listener) -> str:
         self._listener = listener
-        self._client.open()
+        with contextlib.suppress(asyncio.CancelledError):  # `close` cancels it
+            return asyncio.run(self._run_connection())
+        return ""
 
-    def close(self) -> None:
-        """See `Middleware`."""
-        self._client.close()
+    async def _run_connection(self) -> str:
+        with self._lock:
+            if self._closed.is_set():
+                return ""
+            socket = self._socket = WebSocket(self.where, self, self._subprotocols)
+        reason = await socket.run()
+        if socket.has_lasted:
+            self._backoff.reset()
+        if socket.too_big:
+            self._give_up_too_big()
+        return reason
 
-    def subscribe(self, topic: str) -> None:
-        """See `Middleware`."""
+    def _publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
+        """See `WebSocket.publish`."""
+        if self._socket is None:
+            raise FeedError(f"there is no connection to {self.where}")
+        self._socket.publish(frame, confirm)
 
-        def start() -> None:
-            self._wanted.add(topic)
-            self._start(topic)
-
-        self._client.call(start)
-
-    def unsubscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-
-        def stop() -> None:
-            self._wanted.discard(topic)
-            self._received.discard(topic)
-            self._stop(topic)
-
-        self._client.call(stop)
+    def _later(self, seconds: float, function: Callable[[], object]) -> None:
+        """Call a function after a while, unless the connection has ended by then."""
+        if self._socket is not None:
+            self._socket.later(seconds, function)
 
     def on_open(self) -> None:
-        """See `Handler`."""
-        self._received, self._pending = set(), {}
+        """The connection is established."""
+        self._followed, self._received, self._pending = frozenset(), set(), {}
         self._begin()
-        for topic in self._wanted:
-            self._start(topic)
+        self._follow(self._wanted)
 
     def deliver(self) -> None:
-        """See `Handler`."""
+        """Decode the frames that were kept, and pass them on."""
         pending, self._pending = self._pending, {}
         for topic, read, frame in [(topic, *one) for topic, waiting in pending.items() for one in waiting]:
-            if topic not in self._wanted or self._client.closed:
+            if topic not in self._wanted or self._closed.is_set():
                 continue
             try:
                 message = read(frame)
@@ -93,25 +128,11 @@ class Bridge:
                 self._listener.on_trouble(topic, self._flaw(topic, message))
                 self._listener.on_message(topic, message)
 
-    def on_lost(self, reason: str, again_in: float, too_big: bool) -> None:
-        """See `Handler`."""
-        if too_big:
-            # The topic of the message is unknown: it is one of those without a message so far.
-            suspects = self._wanted - self._received
-            self._wanted -= suspects
-            among = f", or another of {', '.join(sorted(suspects))}," if len(suspects) > 1 else ""
-            for topic in suspects:
-                reason_of = (
-                    f"{topic}{among} sent a message larger than {LARGEST // 1_000_000} MB: it is not listened to"
-                )
-                self._listener.on_trouble(topic, reason_of)
-        self._listener.on_lost(reason, again_in)
-
     async def finish(self) -> None:
-        """See `Handler`."""
+        """Return when the robot has processed what was published; cancelled when that takes too long."""
 
     def on_frame(self, frame: Frame) -> None:
-        """See `Handler`."""
+        """A frame was received: keep it in place of an older one of its topic, because more may follow at once."""
         raise NotImplementedError
 
     def _begin(self) -> None:
@@ -135,10 +156,21 @@ class Bridge:
         return ""
 
     def _write(self, operation: Mapping[str, Any]) -> None:
-        self._client.write(json.dumps(operation))
+        if self._socket is not None:
+            self._socket.write(json.dumps(operation))
+
+    def _give_up_too_big(self) -> None:
+        """End the subscription whose message was too big; it is unknown which, so all without a message so far."""
+        suspects = self._followed - self._received
+        with self._lock:
+            self._wanted -= suspects
+        among = f", or another of {', '.join(sorted(suspects))}," if len(suspects) > 1 else ""
+        for topic in suspects:
+            reason = f"{topic}{among} sent a message larger than {LARGEST // 1_000_000} MB: it is not listened to"
+            self._listener.on_trouble(topic, reason)
 
     def _report_on_all(self, reason: str) -> None:
-        for topic in self._wanted:
+        for topic in self._followed:
             self._listener.on_trouble(topic, reason)
 
 

@@ -67,7 +67,7 @@ class Simulated(ThreadedMiddleware):
         """See `Middleware`."""
         listener.on_connected()
         listener.on_topics(topics_of(self._robot))
-        self._start("robowidgets-simulator", listener)
+        self._start_thread("robowidgets-simulator", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
         """See `Middleware`. It takes every message with a speed."""

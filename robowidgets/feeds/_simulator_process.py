@@ -57,7 +57,7 @@ class SimulatedProcess(ThreadedMiddleware):
         """See `Middleware`."""
         listener.on_topics(topics_of(self._robot))
         self._robot.watch(self._on_edit)
-        self._start("robowidgets-simulator", listener)
+        self._start_thread("robowidgets-simulator", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""

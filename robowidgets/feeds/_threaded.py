@@ -66,7 +66,7 @@ class ThreadedMiddleware(ABC):
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(CLOSE_TIMEOUT)
 
-    def _start(self, name: str, listener: Listener) -> None:
+    def _start_thread(self, name: str, listener: Listener) -> None:
         self._thread = threading.Thread(target=self._run, args=(listener,), name=name, daemon=True)
         self._thread.start()
 

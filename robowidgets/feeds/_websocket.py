@@ -1,4 +1,4 @@
-"""A websocket client that reconnects by itself, in a thread of its own."""
+"""A connection over a websocket."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from .._core.platform_fixes import acknowledge_at_once, close_when_connected, report_close_code
-from ._threaded import Backoff
-from .middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, FeedError
+from .middleware import SEND_TIMEOUT, FeedError
+
+if TYPE_CHECKING:
+    from ._bridge import Bridge
 
 Frame = str | bytes
 
@@ -32,93 +34,87 @@ _OVERDUE = 0.005  # seconds for which a flood of frames may delay everything els
 _GOODBYE = 0.5
 
 
-class Handler(Protocol):
-    """The protocol that runs over a connection. The client's thread calls every method."""
+class WebSocket:
+    """A connection to an address, made in the event loop of a thread that runs it. Only that thread may use it.
 
-    def on_open(self) -> None:
-        """A connection is established."""
+    Any thread may call `publish`, `call_soon` and `cancel`.
 
-    def on_frame(self, frame: Frame) -> None:
-        """A frame was received: keep it in place of an older one of its topic, because more may follow at once."""
+    Args:
+        address: the address; see `checked`.
+        bridge: what speaks over it; `Bridge` describes the methods that are called.
+        subprotocols: names of the protocol; the robot must know one of them.
 
-    def deliver(self) -> None:
-        """Decode the frames that were kept, and pass them on."""
-
-    def on_lost(self, reason: str, again_in: float, too_big: bool) -> None:
-        """The connection ended, or could not be made; ``too_big``: because of a message larger than `LARGEST`."""
-
-    async def finish(self) -> None:
-        """Return when the robot has processed what was published; cancelled when that takes too long."""
-
-
-class WebSocketClient:
-    """A connection to an address, which is made anew, after growing pauses, whenever it ends.
-
-    Raises:
-        TypeError, ValueError: the address is invalid; the text says how to write it.
+    Attributes:
+        too_big: whether it ended because of a message larger than `LARGEST`.
+        is_cancelled: whether `cancel` was called.
     """
 
-    def __init__(self, address: str, handler: Handler, subprotocols: list[str] | None = None) -> None:
-        self.address = checked(address)
-        self._handler = handler
+    def __init__(self, address: str, bridge: Bridge, subprotocols: list[str] | None) -> None:
+        self.address = address
+        self._bridge = bridge
         self._subprotocols = subprotocols
-        self._backoff = Backoff()
-        self._closed = threading.Event()
         self._lock = threading.Lock()
-        self._thread: threading.Thread | None = None
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._task: asyncio.Task[str] | None = None
-        self._calls: deque[Callable[[], object]] = deque()
-        self._reset()
-
-    def open(self) -> None:
-        """Connect; FeedError when that can never work."""
-        try:
-            import tornado.websocket  # noqa: F401
-        except ImportError:
-            raise FeedError(
-                "websockets need the package tornado, which is not installed: pip install tornado"
-            ) from None
-        self._thread = threading.Thread(target=self._run, name=f"robowidgets {self.address}", daemon=True)
-        self._thread.start()
+        self._loop: asyncio.AbstractEventLoop | None = asyncio.get_running_loop()
+        self._task = asyncio.current_task()
+        self._connection: Any = None
+        self._stream: Any = None
+        self._early: deque[Frame | None] = deque(maxlen=1000)
+        self._written: asyncio.Future[None] | None = None
+        self._asked_at: float | None = None
+        """The time of the unanswered ping; None once anything was received."""
+        self._answered, self._ended = asyncio.Event(), asyncio.Event()
+        self._kept_since: float | None = None
+        self._opened_at = math.inf
+        self._silent = False
+        self.too_big = self.is_cancelled = False
 
     @property
-    def closed(self) -> bool:
-        """Whether it is closed for good."""
-        return self._closed.is_set()
+    def is_open(self) -> bool:
+        """Whether frames can be written."""
+        return self._connection is not None
 
-    def close(self) -> None:
-        """End the connection and the thread; called in that thread, it ends after the current call."""
-        with self._lock:
-            if not self.closed:
-                self._closed.set()
-                if self._loop is not None and self._task is not None:
-                    self._loop.call_soon_threadsafe(self._task.cancel)
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(CLOSE_TIMEOUT)
+    @property
+    def has_lasted(self) -> bool:
+        """Whether it was open for a while: a robot that accepts a connection may drop it at once."""
+        return time.monotonic() - self._opened_at > PATIENCE
 
-    def call(self, function: Callable[[], object]) -> None:
-        """Call a function in the client's thread: at once, or as soon as a connection is established."""
+    async def run(self) -> str:
+        """Connect, and run until the connection ends; returns the reason."""
+        try:
+            return await self._run_connection(await self._connect())
+        except Exception as error:  # whatever the network, tornado or the other side raise
+            return self._failure(error)
+        finally:
+            with self._lock:
+                self._loop = None
+
+    def cancel(self) -> None:
+        """End the connection, and so what runs it."""
+        if self._task is not None:
+            self.is_cancelled = True
+            self.call_soon(self._task.cancel)
+
+    def call_soon(self, function: Callable[[], object]) -> None:
+        """Call a function in the thread that runs the connection, unless that has ended."""
         with self._lock:
-            self._calls.append(function)
             if self._loop is not None:
-                self._loop.call_soon_threadsafe(self._run_calls)
+                self._loop.call_soon_threadsafe(function)
 
     def later(self, seconds: float, function: Callable[[], object]) -> None:
-        """Call a function after a while, unless the connection has ended by then. Called in the client's thread."""
+        """Call a function after a while, unless the connection has ended by then."""
         if self._loop is not None:
             self._loop.call_later(seconds, function)
 
     def write(self, frame: Frame) -> None:
-        """Send a frame, if there is a connection. Called in the client's thread."""
+        """Send a frame, unless the connection has ended."""
         with contextlib.suppress(Exception):  # the connection has ended; the reading task reports why
             self._send(frame)
 
     def publish(self, frame: Callable[[], Frame], confirm: bool) -> None:
-        """Send a frame and return when the system has taken it, or the robot has answered. Called in any other thread.
+        """Send a frame and return when the system has taken it, or the robot has answered. Called in another thread.
 
         Args:
-            frame: makes the frame, in the client's thread; it may `write` other frames that must precede it.
+            frame: makes the frame, in the thread of the connection; it may `write` other frames that must precede it.
             confirm: whether to wait for an answer of the robot after the frame. The system also takes frames for a
                 robot that is gone.
 
@@ -127,7 +123,7 @@ class WebSocketClient:
             TimeoutError, ConnectionError: the frame may have reached the robot, or may still. One to be confirmed is
                 sent as soon as this connection allows it.
         """
-        taken = threading.Lock()  # by the client's thread to send the frame, or by this one to drop it
+        taken = threading.Lock()  # by the thread of the connection to send the frame, or by this one to drop it
         with self._lock:
             if self._connection is None or self._loop is None:
                 raise FeedError(f"there is no connection to {self.address}")
@@ -143,30 +139,6 @@ class WebSocketClient:
             sending.cancel()
             raise FeedError(str(late))
         raise late
-
-    # -- in the client's thread ----------------------------------------------------------------------------------------
-
-    def _run(self) -> None:
-        while not self.closed:
-            with contextlib.suppress(asyncio.CancelledError):  # `close` cancels the task
-                reason = asyncio.run(self._session())
-                if not self.closed:
-                    pause = self._backoff.next_pause()
-                    self._handler.on_lost(reason, pause, self._too_big)
-                    self._closed.wait(pause)
-
-    async def _session(self) -> str:
-        """Connect, and run until the connection ends; returns the reason."""
-        self._reset()
-        with self._lock:
-            self._loop, self._task = asyncio.get_running_loop(), asyncio.current_task()
-        try:
-            return "" if self.closed else await self._run_connection(await self._connect())
-        except Exception as error:  # whatever the network, tornado or the other side raise
-            return self._failure(error)
-        finally:
-            with self._lock:
-                self._loop = self._task = None
 
     async def _connect(self) -> Any:
         from tornado.httpclient import HTTPRequest
@@ -195,10 +167,9 @@ class WebSocketClient:
         stream.set_nodelay(True)
         report_close_code(connection, self._on_close_code)
         connection.on_message, connection.on_pong = self._on_frame, self._on_answer
-        opened = time.monotonic()
+        self._opened_at = time.monotonic()
         try:
-            self._handler.on_open()
-            self._run_calls()
+            self._bridge.on_open()
             while self._early:
                 self._on_frame(self._early.popleft())
             await self._watch()
@@ -207,9 +178,6 @@ class WebSocketClient:
                 await self._end(connection)
             finally:
                 stream.close()
-        # A robot that accepts a connection and drops it at once also gets ever longer pauses.
-        if time.monotonic() - opened > PATIENCE:
-            self._backoff.reset()
         return self._ending(connection)
 
     async def _watch(self) -> None:
@@ -225,29 +193,17 @@ class WebSocketClient:
 
     async def _end(self, connection: Any) -> None:
         """Close a connection by the closing handshake, within a moment."""
-        if self.closed and not self._ended.is_set():
-            self._run_calls()
+        if self.is_cancelled and not self._ended.is_set():
             with contextlib.suppress(asyncio.TimeoutError):
-                await asyncio.wait_for(self._handler.finish(), _GOODBYE)
+                await asyncio.wait_for(self._bridge.finish(), _GOODBYE)
         self._connection = None
         connection.close()
         if not self._silent:
             with contextlib.suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._ended.wait(), _GOODBYE)
 
-    def _reset(self) -> None:
-        self._connection = self._stream = None
-        self._early: deque[Frame | None] = deque(maxlen=1000)
-        self._written: asyncio.Future[None] | None = None
-        self._asked_at: float | None = None
-        """The time of the unanswered ping; None once anything was received."""
-        self._answered, self._ended = asyncio.Event(), asyncio.Event()
-        self._kept_since: float | None = None
-        self._too_big = False
-        self._silent = False
-
     def _on_close_code(self, code: int | None) -> None:
-        self._too_big = self._too_big or code == 1009
+        self.too_big = self.too_big or code == 1009
 
     def _on_frame(self, frame: Frame | None) -> Any:
         """Take a frame; tornado reads the next one when the returned future, if any, is done."""
@@ -257,7 +213,7 @@ class WebSocketClient:
             self._ended.set()
         else:
             self._on_answer()
-            self._handler.on_frame(frame)
+            self._bridge.on_frame(frame)
             return self._deliver_soon()
         return None
 
@@ -288,13 +244,9 @@ class WebSocketClient:
 
     def _deliver(self) -> None:
         self._kept_since = None
-        self._handler.deliver()
+        self._bridge.deliver()
         if not self._stream.closed():
             acknowledge_at_once(self._stream.socket)
-
-    def _run_calls(self) -> None:
-        while self._connection is not None and self._calls:
-            self._calls.popleft()()
 
     def _send(self, frame: Frame) -> None:
         self._written = self._connection.write_message(frame, binary=isinstance(frame, bytes))
@@ -332,7 +284,7 @@ class WebSocketClient:
         return f"{self.address} cannot be connected to: {one_line(str(error)) or type(error).__name__}"
 
     def _ending(self, connection: Any) -> str:
-        if self._too_big:
+        if self.too_big:
             return f"a message larger than {LARGEST // 1_000_000} MB came"
         if self._silent:
             return f"the robot did not answer for {_ALIVE:g} s"

@@ -43,7 +43,7 @@ class Dds(ThreadedMiddleware):
             import cyclonedds.domain  # noqa: F401
         except ImportError as error:
             raise FeedError(f"feeds.dds needs cyclonedds: pip install 'robowidgets[dds]' ({error})") from None
-        self._start("robowidgets-dds", listener)
+        self._start_thread("robowidgets-dds", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""

@@ -79,10 +79,10 @@ class Foxglove(Bridge):
         is_json = encoding == "json"
         payload = json.dumps(message).encode() if is_json else self._encode(encoding, message_type, message)
         key = topic, message_type, encoding
-        self._client.publish(lambda: self._frame_on(key, payload), confirm=is_zero(message))
+        self._publish(lambda: self._frame_on(key, payload), confirm=is_zero(message))
 
     def on_frame(self, frame: Frame) -> None:
-        """See `Handler`."""
+        """See `Bridge`."""
         if isinstance(frame, bytes):
             # Shorter frames and other opcodes are times, answers to requests that we never send, or malformed.
             if len(frame) >= _DATA.size and frame[0] == _MESSAGE:
@@ -119,7 +119,7 @@ class Foxglove(Bridge):
         if "connectionGraph" in strings(operation.get("capabilities")):
             self._write({"op": "subscribeConnectionGraph"})
         # A server without channels sends no advertise at all.
-        self._client.later(_NO_CHANNELS, lambda: self._change(set()))
+        self._later(_NO_CHANNELS, lambda: self._change(set()))
 
     def _on_advertise(self, operation: dict[str, Any]) -> None:
         offers = operation.get("channels")
@@ -137,8 +137,8 @@ class Foxglove(Bridge):
 
     def _change(self, topics: set[str]) -> None:
         self._listener.on_topics(self._graph.adverts(self._channels.values()))
-        if topics & self._wanted:
-            self._client.later(_SETTLE, lambda: self._start_all(topics & self._wanted))
+        if topics & self._followed:
+            self._later(_SETTLE, lambda: self._start_all(topics & self._followed))
 
     def _start_all(self, topics: set[str]) -> None:
         for topic in topics:
@@ -152,7 +152,7 @@ class Foxglove(Bridge):
         text = operation.get("message")
         if operation.get("level") != _ERROR or not isinstance(text, str):
             return
-        for topic in self._wanted:
+        for topic in self._followed:
             if re.search(rf"(?<![\w/]){re.escape(topic)}(?![\w/])", text):
                 self._listener.on_trouble(topic, f"the robot's bridge says: {one_line(text)}")
 

@@ -88,7 +88,7 @@ class Ros1(ThreadedMiddleware):
         self._rospy, self._master, self._listener = rospy, Master(uri), listener
         self._publications = Publications(rospy, self._master, listener.on_unheard, self._wakeup.set)
         logging.getLogger("rospy.internal").addHandler(self._log)
-        self._start(f"robowidgets {self.where}", listener)
+        self._start_thread(f"robowidgets {self.where}", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`. FeedError also if the Python package of the type is not installed."""

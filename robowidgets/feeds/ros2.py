@@ -65,7 +65,7 @@ class Ros2(ThreadedMiddleware):
                 f"rclpy cannot be imported here ({error}): start Jupyter where `source /opt/ros/<distro>/setup.bash` "
                 "was run, with the Python of that ROS; feeds.dds() needs no ROS"
             ) from None
-        self._start("robowidgets-ros2", listener)
+        self._start_thread("robowidgets-ros2", listener)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`."""

@@ -68,10 +68,10 @@ class Rosbridge(Bridge):
                 self._write({"op": "advertise", "id": f"advertise:{topic}", "topic": topic, "type": kind})
             return frame
 
-        self._client.publish(advertised, confirm=is_zero(message))
+        self._publish(advertised, confirm=is_zero(message))
 
     async def finish(self) -> None:
-        """See `Handler`."""
+        """See `Bridge`."""
         # When the connection ends, a server drops what it has not processed. It answers in order: await an answer.
         if self._advertised:
             self._requests.clear()
@@ -79,7 +79,7 @@ class Rosbridge(Bridge):
             await self._finished.wait()
 
     def on_frame(self, frame: Frame) -> None:
-        """See `Handler`."""
+        """See `Bridge`."""
         topic = topic_of(frame)
         if topic is not None:
             self._take(topic, frame)
@@ -94,7 +94,7 @@ class Rosbridge(Bridge):
             react(operation)
 
     def _take(self, topic: str, frame: Frame | dict[str, Any]) -> None:
-        if topic in self._wanted:
+        if topic in self._followed:
             self._keep(topic, self._types.get(topic, ""), _message, frame)
 
     def _flaw(self, topic: str, message: Any) -> str:
@@ -106,7 +106,7 @@ class Rosbridge(Bridge):
         return _ONLY_NULL + ("" if self._has_cbor else "; with cbor2 installed here they can")
 
     def on_open(self) -> None:
-        """See `Handler`."""
+        """See `Bridge`."""
         super().on_open()
         self._listener.on_connected()
         self._poll()
@@ -130,7 +130,7 @@ class Rosbridge(Bridge):
         if not self._requests:
             self._call(_TOPICS)
         self._is_answered = False
-        self._client.later(_POLL, self._poll)
+        self._later(_POLL, self._poll)
 
     def _call(self, service: str, topic: str = "") -> None:
         # One at a time: a server may process all messages in one thread, where a speed waits for those before it.
@@ -167,7 +167,7 @@ class Rosbridge(Bridge):
 
     def _on_fragment(self, operation: dict[str, Any]) -> None:
         topic = topic_of(str(operation.get("data")))  # only the first fragment contains it
-        if topic in self._wanted:
+        if topic in self._followed:
             self._listener.on_trouble(
                 str(topic), f"{topic} comes in fragments, which are not read: its messages are too large"
             )
@@ -195,7 +195,7 @@ class Rosbridge(Bridge):
     def _on_topics(self, types: dict[str, str]) -> None:
         if self._has_no_rosapi:
             self._has_no_rosapi = False
-            for topic in self._wanted - self._received:
+            for topic in self._followed - self._received:
                 self._listener.on_trouble(topic, "")
         self._is_ros1 = bool(types) and not any("/msg/" in kind for kind in types.values())
         self._types = {name: full_type(kind) for name, kind in types.items()}
@@ -203,9 +203,9 @@ class Rosbridge(Bridge):
         for topic, kind in self._types.items():
             if kind in (TWIST, TWIST_STAMPED):
                 self._call(_SUBSCRIBERS, topic)
-            if kind in (TWIST, TWIST_STAMPED) or topic in self._wanted:
+            if kind in (TWIST, TWIST_STAMPED) or topic in self._followed:
                 self._call(_PUBLISHERS, topic)
-            if topic in self._wanted and self._subscribed_as.get(topic) != kind:
+            if topic in self._followed and self._subscribed_as.get(topic) != kind:
                 if topic in self._subscribed_as:  # else the server would wait for the old type for ever
                     self._stop(topic)
                 self._start(topic)
@@ -223,7 +223,7 @@ class Rosbridge(Bridge):
 
     def _without_rosapi(self) -> None:
         self._has_no_rosapi = True
-        for topic in self._wanted - self._received:
+        for topic in self._followed - self._received:
             self._start(topic)  # repeatedly, because the topic may exist by now
             self._listener.on_trouble(
                 topic, f"waiting for {topic}; which topics there are cannot be told: the robot runs no rosapi"
