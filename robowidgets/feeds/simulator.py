@@ -2,15 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+from ..messages import to_speed
+from ..messages.standard import TWIST
 from ..samples.checks import finite
 from ..shapes.drawing import DrawsShapes
 from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
-from ._simulated import Simulated
-from ._simulator_process import SimulatedProcess
+from ..simulator.real_time import RealTime
+from ..simulator.robot_process import RobotProcess
+from ._threaded import ThreadedMiddleware
 from .feed import Feed
+from .middleware import Advert, FeedError, Listener, NotYetError
+
+_TOPICS = (
+    Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
+    Advert("/odom", "nav_msgs/msg/Odometry", wanted=False),
+    Advert("/cmd_vel", TWIST, offered=False, wanted=True),
+)
+
+
+class Simulated(ThreadedMiddleware):
+    """A simulated robot as a `Middleware`: it runs in real time, in a thread of its own.
+
+    Args:
+        robot, hz, wander: as `RealTime` takes them.
+        process: whether the robot runs in a process of its own. One that has ended is started anew, with the robot as
+            it was.
+    """
+
+    def __init__(self, robot: Robot, hz: float, wander: bool, process: bool) -> None:
+        super().__init__()
+        self._robot = robot
+        self._live = RobotProcess(robot, hz, wander) if process else RealTime(robot, hz, wander)
+
+    @property
+    def where(self) -> str:
+        """See `Middleware`."""
+        return "the simulated robot"
+
+    def open(self, listener: Listener) -> None:
+        """See `Middleware`."""
+        if isinstance(self._live, RealTime):
+            listener.on_connected()  # at once: the next line of a cell may drive
+        kind = self._robot.model.touch_type
+        listener.on_topics((*_TOPICS, Advert("/bumper", kind, wanted=False)) if kind else _TOPICS)
+        self._start_thread("robowidgets-simulator", listener)
+
+    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
+        """See `Middleware`. It takes every message with a speed."""
+        if topic != "/cmd_vel":
+            raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
+        speed = to_speed(message)
+        if self._closed.is_set():
+            raise FeedError("the simulated robot is closed")
+        try:
+            self._live.drive(speed.linear[0], speed.angular[2], speed.linear[1])
+        except ConnectionRefusedError as error:
+            raise NotYetError(str(error)) from None
+        except OSError as error:
+            raise FeedError(str(error)) from None
+
+    def _run_session(self, listener: Listener) -> str:
+        if isinstance(self._live, RealTime):
+            self._live.run(listener.on_message)
+            return ""
+
+        def on_start() -> None:
+            self._backoff.reset()
+            listener.on_connected()
+
+        return self._live.run(listener.on_message, on_start)
+
+    def _wake(self) -> None:
+        if self._closed.is_set():
+            self._live.end()
+        else:
+            self._live.want(self._wanted)
 
 
 class SimulatorFeed(Feed):
@@ -25,7 +95,7 @@ class SimulatorFeed(Feed):
 
     def __init__(self, robot: Robot, hz: float, wander: bool, process: bool) -> None:
         self.robot = robot
-        super().__init__((SimulatedProcess if process else Simulated)(robot, hz, wander))
+        super().__init__(Simulated(robot, hz, wander, process))
 
     def drawn(self) -> list[dict[str, Any]]:
         """What programs draw on the laser widgets that are connected, as the page reads it."""

@@ -8,8 +8,8 @@ import time
 import pytest
 
 from robowidgets import LaserWidget, Scan, Speed, Touch, feeds
-from robowidgets.feeds import FeedError, _simulated
-from robowidgets.simulator import Robot, World
+from robowidgets.feeds import FeedError
+from robowidgets.simulator import Robot, World, real_time
 
 from ..waiting import wait_for
 
@@ -35,7 +35,7 @@ def test_it_tells_its_scans_speeds_and_bumpers_in_real_time() -> None:
 
 
 def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_simulated, "LET_GO", 0.2)
+    monkeypatch.setattr(real_time, "LET_GO", 0.2)
     robot = Robot(World([]))
     with feeds.simulator(robot, hz=100.0) as feed:
         wait_for(lambda: robot.command().linear[0] == 0.5, "it wanders")
@@ -47,7 +47,7 @@ def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(monkeypatch
 
 
 def test_it_stands_still_until_somebody_drives_if_it_is_not_to_wander(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_simulated, "LET_GO", 0.05)
+    monkeypatch.setattr(real_time, "LET_GO", 0.05)
     robot = Robot(World([]))
     with feeds.simulator(robot, hz=100.0, wander=False) as feed:
         wait_for(lambda: robot.time > 0.5, "time passes")

@@ -13,8 +13,9 @@ from pathlib import Path
 import pytest
 
 from robowidgets import feeds
-from robowidgets.feeds._simulator_process import SimulatedProcess
+from robowidgets.feeds.simulator import Simulated
 from robowidgets.simulator import World
+from robowidgets.simulator.robot_process import RobotProcess
 
 from ..waiting import wait_for
 
@@ -53,10 +54,9 @@ def test_a_robot_whose_process_is_killed_goes_on_where_it_was() -> None:
         wait_for(lambda: feed.robot.time > 0.1, "it runs")
         feed.robot.move_to(1.0, 0.5, 0.0)
         middleware = feed.connection.middleware
-        assert isinstance(middleware, SimulatedProcess)
-        assert middleware._process
-        pid = middleware._process.pid
-        os.kill(pid, signal.SIGKILL)
+        assert isinstance(middleware, Simulated)
+        assert isinstance(middleware._live, RobotProcess)
+        os.kill(middleware._live.pid, signal.SIGKILL)
         wait_for(lambda: "its process has ended, with code -9" in feed.status, "the feed says so")
         wait_for(lambda: not feed.status, "another process runs")
         before = feed.robot.time
@@ -70,7 +70,7 @@ from robowidgets import feeds
 feed = feeds.simulator(process=True)
 while not feed.robot.time: time.sleep(0.01)
 if {forks}: pid = os.fork()
-if not {forks} or pid: print(feed.connection.middleware._process.pid, flush=True)
+if not {forks} or pid: print(feed.connection.middleware._live.pid, flush=True)
 time.sleep(60 if not {forks} or pid else 5)
 """
 

@@ -1,0 +1,85 @@
+"""The robot in real time."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator
+from typing import Any
+
+from .robot import Robot
+from .wander import wander as wander_about
+
+LET_GO = 3.0
+"""Seconds without a command after which the robot wanders again."""
+
+_LATEST = 1.0
+
+
+class RealTime:
+    """Lets the time of a robot pass as real time does, in the thread that runs it.
+
+    While speeds are commanded, the robot obeys them. Else it wanders about and backs off from obstacles, or stands
+    still. Any thread may call each method.
+
+    Args:
+        robot: the robot; nothing else may use it meanwhile.
+        hz: rate of its speeds and bumpers, per second. Scans come at the rate of its scanner, or at this one if that is
+            lower.
+        wander: whether it wanders while nobody drives it.
+    """
+
+    def __init__(self, robot: Robot, hz: float, wander: bool) -> None:
+        self._robot = robot
+        self._step = 1 / hz
+        self._wanders = wander
+        self._wanted: frozenset[str] = frozenset()
+        self._driven: tuple[float, float, float] | None = None if wander else (0.0, 0.0, 0.0)
+        self._driven_at = 0.0
+        self._ended = threading.Event()
+
+    def want(self, topics: Collection[str]) -> None:
+        """Pass on the samples of these topics, out of /scan, /odom, /cmd_vel and /bumper, and of no others."""
+        self._wanted = frozenset(topics)
+
+    def drive(self, linear: float, angular: float, sideways: float) -> None:
+        """Command a speed; see `Robot.drive`."""
+        self._driven_at = time.monotonic()
+        self._driven = (linear, angular, sideways)
+
+    def end(self) -> None:
+        """Have `run` return."""
+        self._ended.set()
+
+    def run(self, on_sample: Callable[[str, Any], object]) -> None:
+        """Run until `end` is called.
+
+        Args:
+            on_sample: called with the topic of each sample, and the sample; bumpers as a message of the robot's model.
+        """
+        ways = wander_about(self._robot)
+        scan = None
+        due = time.monotonic()
+        while not self._ended.wait(max(0.0, due - time.monotonic())):
+            # Catches up with time that a busy cell took from this thread, up to `_LATEST` seconds.
+            due = max(due + self._step, time.monotonic() - _LATEST)
+            ways = self._steer(ways)
+            self._robot.step(self._step)
+            samples: dict[str, Any] = {"/odom": self._robot.speed(), "/cmd_vel": self._robot.command()}
+            if "/bumper" in self._wanted:
+                samples["/bumper"] = self._robot.model.to_message(self._robot.touch())
+            if "/scan" in self._wanted and self._robot.scan() is not scan:
+                scan = samples["/scan"] = self._robot.scan()
+            for topic in self._wanted & samples.keys():
+                on_sample(topic, samples[topic])
+
+    def _steer(self, ways: Iterator[None]) -> Iterator[None]:
+        driven = self._driven
+        if driven is None:
+            next(ways)
+            return ways
+        if not self._wanders or time.monotonic() - self._driven_at < LET_GO:
+            self._robot.drive(*driven)
+            return ways
+        self._driven = None
+        return wander_about(self._robot)
