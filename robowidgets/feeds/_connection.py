@@ -222,6 +222,12 @@ class Connection(Watched):
         """The name by which the page knows the widgets of this robot."""
         return self._table.robot
 
+    def check(self, *topics: Any) -> None:
+        """TypeError or ValueError for anything but names of topics; FeedError unless the feed is open, here."""
+        for topic in topics:
+            check_name(topic)
+        self.check_open()
+
     def check_open(self) -> None:
         """FeedError unless the feed is open, in this process."""
         if self.is_closed:

@@ -126,12 +126,16 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         shown = {}
         for choice in wanted:
             before = there.pop((choice.shown, choice.topic, choice.commanded), None)
-            shown[choice] = self._make(choice) if before is None else self._with_command(before, choice)
+            if before is None:
+                shown[choice] = choice.make()
+                self._connection.connect(choice.topic, shown[choice])
+            else:
+                shown[choice] = self._shown[before]
+            self._change_command(shown[choice], before.command if before else "", choice.command)
         for choice in there.values():
             widget = self._shown[choice]
             self._connection.disconnect(choice.topic, widget)
-            if choice.command:
-                self._connection.disconnect(choice.command, widget.command)
+            self._change_command(widget, choice.command, "")
             widget.close()
         self._shown = shown
         machine = [] if self.machine is None else [self.machine]
@@ -143,22 +147,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         for column in old:
             column.close()
 
-    def _make(self, choice: WidgetChoice) -> Any:
-        widget = choice.make()
-        self._connection.connect(choice.topic, widget)
-        if choice.command:
-            self._connection.connect(choice.command, widget.command)
-        return widget
-
-    def _with_command(self, before: WidgetChoice, choice: WidgetChoice) -> Any:
-        """The widget of a choice, which now shows the commanded speed of another choice."""
-        widget = self._shown[before]
-        if before.command != choice.command:
-            if before.command:
-                self._connection.disconnect(before.command, widget.command)
-            if choice.command:
-                self._connection.connect(choice.command, widget.command)
-        return widget
+    def _change_command(self, widget: Any, before: str, after: str) -> None:
+        """Show the commanded speed of another topic, or of none."""
+        if before != after:
+            if before:
+                self._connection.disconnect(before, widget.command)
+            if after:
+                self._connection.connect(after, widget.command)
 
     def _show_status(self) -> None:
         """Show the status of the topics without a widget; a widget shows the status of its own topic."""

@@ -4,26 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
-from ..messages.channel import Channel as RosChannel
-from ..messages.decoding import DecodeError
+from ..messages.channel import Channel
+from ..messages.decoding import DecodeError, decoder_of
 from ._bridge import UnreadableError, full_type, other_nodes, strings
 from ._websocket import one_line
 from .middleware import Advert
 
 ROS = ("cdr", "ros1")
 _OURS = "foxglove_bridge"
-
-
-class Channel(NamedTuple):
-    """A topic with one type, as a server advertises it."""
-
-    id: int
-    topic: str
-    type: str
-    encoding: str
-    definition: str
 
 
 def channel_of(offer: Any) -> Channel | None:
@@ -35,7 +25,7 @@ def channel_of(offer: Any) -> Channel | None:
     if type(number) is not int or not isinstance(topic, str) or not isinstance(encoding, str):
         return None
     kind = kind if isinstance(kind, str) else ""
-    return Channel(number, topic, full_type(kind), encoding, definition if isinstance(definition, str) else "")
+    return Channel(number, topic, full_type(kind), encoding, definition if isinstance(definition, str) else "", 0)
 
 
 def decoder(channel: Channel) -> Callable[[bytes], Any]:
@@ -51,12 +41,8 @@ def decoder(channel: Channel) -> Callable[[bytes], Any]:
             f"{channel.topic} comes as {one_line(channel.type)} in {one_line(channel.encoding)}, "
             "which is not read; what foxglove_bridge sends is (cdr, ros1, json)"
         )
-    # Imported lazily: messages in JSON need no rosbags, which takes long to import.
-    from ..messages.decoding import decoder_of
-
-    asked = RosChannel(channel.id, channel.topic, channel.type, channel.encoding, channel.definition, 0)
     try:
-        decode = decoder_of(asked)
+        decode = decoder_of(channel)
     except DecodeError:
         raise UnreadableError(
             f"{channel.topic} comes as {one_line(channel.type)}, which is not a known type, "

@@ -1,4 +1,4 @@
-"""The topics of a feed."""
+"""The topics of a feed, and reading their messages."""
 
 from __future__ import annotations
 

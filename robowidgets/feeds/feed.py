@@ -15,7 +15,7 @@ from ._callbacks import Function
 from ._connection import Connection
 from ._driving import Driving
 from ._scan_iterator import scans_of
-from ._topics import Table, Topic, check_name, table_of
+from ._topics import Table, Topic, table_of
 from .middleware import Middleware
 
 if TYPE_CHECKING:
@@ -143,10 +143,9 @@ class Feed:
             >>> for scan in feed.scans("/scan", timeout=0.5):  # doctest: +SKIP
             ...     feed.drive(0.2 if scan.distance() > 0.6 else 0.0)
         """
-        check_name(topic)
         if finite("timeout", timeout, "seconds") <= 0:
             raise ValueError(f"timeout: expected seconds above 0, got {timeout!r}")
-        self.connection.check_open()
+        self.connection.check(topic)
         return scans_of(self.connection, topic, timeout)
 
     def show(self, *topics: str) -> FeedView:
@@ -167,9 +166,7 @@ class Feed:
         """
         from ._feed_view import FeedView
 
-        for topic in topics:
-            check_name(topic)
-        self.connection.check_open()
+        self.connection.check(*topics)
         self.connection.await_topics(topics)
         return FeedView(self, topics)
 
@@ -195,9 +192,7 @@ class Feed:
         """
         from ._recorder import Recorder
 
-        for topic in topics:
-            check_name(topic)
-        self.connection.check_open()
+        self.connection.check(*topics)
         return Recorder(self.connection, path, topics)
 
     def drive(self, linear: float = 0.0, angular: float = 0.0) -> None:
@@ -273,11 +268,7 @@ class Feed:
             >>> avoid.mode
             'ended'
         """
-        if on is not None:
-            check_name(on)
-        for topic in topics.values():
-            check_name(topic)
-        self.connection.check_open()
+        self.connection.check(*topics.values(), *(() if on is None else (on,)))
         if function is not None:
             return self.connection.install(function, rate, on, topics)
         return lambda given: self.connection.install(given, rate, on, topics)

@@ -12,9 +12,11 @@ from functools import partial
 from struct import Struct
 from typing import Any, NamedTuple
 
+from ..messages.channel import Channel
+from ..messages.encoding import encode
 from ..messages.standard import TWIST_STAMPED
 from ._bridge import Bridge, Read, UnreadableError, short_type, strings
-from ._foxglove_channels import Channel, Graph, channel_of, decoder
+from ._foxglove_channels import Graph, channel_of, decoder
 from ._twist import is_zero
 from ._websocket import Frame, one_line
 from .feed import Feed
@@ -47,9 +49,6 @@ class Foxglove(Bridge):
     """
 
     def __init__(self, address: str = "ws://127.0.0.1:8765") -> None:
-        from ..messages.encoding import encode  # here, so that the first speed does not wait for the import of rosbags
-
-        self._encode = encode
         self._subscriptions = 0
         self._reactions = {
             "serverInfo": self._on_info,
@@ -77,7 +76,7 @@ class Foxglove(Bridge):
                 f"{self.where} takes messages in {taken}, of which we write none: we write cdr, ros1 and json"
             )
         is_json = encoding == "json"
-        payload = json.dumps(message).encode() if is_json else self._encode(encoding, message_type, message)
+        payload = json.dumps(message).encode() if is_json else encode(encoding, message_type, message)
         key = topic, message_type, encoding
         self._publish(lambda: self._frame_on(key, payload), confirm=is_zero(message))
 
@@ -112,7 +111,7 @@ class Foxglove(Bridge):
         is_first, encoding = self._info is None, _encoding_for(operation)
         if is_first and encoding in ("cdr", "ros1"):
             # Encoding the first message of a process takes 0.15 s, and no speed or zero should wait for it.
-            self._encode(encoding, TWIST_STAMPED, {})
+            encode(encoding, TWIST_STAMPED, {})
         self._info = operation
         if is_first:
             self._listener.on_connected()

@@ -376,7 +376,7 @@ def test_no_speed_waits_for_the_first_message_of_the_process_to_be_encoded(
     encoding: str, ears: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     encoded: list[str] = []
-    monkeypatch.setattr("robowidgets.messages.encoding.encode", lambda *given: encoded.append(given[0]))
+    monkeypatch.setattr(sys.modules[Foxglove.__module__], "encode", lambda *given: encoded.append(given[0]))
     monkeypatch.setattr(ears, "on_connected", lambda: encoded.append("connected"))
     with OldFoxglove([], capabilities=["clientPublish"], supportedEncodings=[encoding]) as server:
         middleware = opened(server.address, ears)
