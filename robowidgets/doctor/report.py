@@ -215,16 +215,17 @@ def _of_scans(scans: Scans) -> tuple[Geometry | None, tuple[str, ...], list[Prob
     frames: dict[str, None] = {}
     counts: Counter[Problem] = Counter()
     first: dict[Problem, float] = {}
+    headers: set[Problem] = set()
     seconds = scans.seconds
     for chunk in scans.chunks():
         like = chunk.like
         geometries[Geometry(like.angle_min, like.angle_increment, like.range_min, like.range_max)] += len(chunk)
         frames[like.frame_id] = None
+        headers.update(like.header_problems)
         for i, ranges in enumerate(chunk.ranges):
             for problem in (*like.header_problems, *of_ranges(ranges, like.range_min, like.range_max)):
                 counts[problem] += 1
                 first.setdefault(problem, float(seconds[chunk.start + i]))
-    headers = {problem for chunk in scans.chunks() for problem in chunk.like.header_problems}
     problems = []
     for problem, count in counts.items():
         if count == len(scans):

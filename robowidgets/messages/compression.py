@@ -6,7 +6,7 @@ import sys
 from bz2 import BZ2Decompressor
 from collections.abc import Callable, Iterator
 from io import BytesIO
-from typing import Any, NamedTuple
+from typing import Any
 
 from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 
@@ -27,15 +27,8 @@ _DECOMPRESSORS: dict[str, Callable[[], Any]] = {
 COMPRESSIONS = frozenset(_DECOMPRESSORS)
 
 
-class Inflated(NamedTuple):
-    """The decompressed data, and whether it is complete."""
-
-    raw: bytes
-    whole: bool
-
-
-def inflate(compression: str, data: bytes, limit: int = MAX_CHUNK) -> Inflated:
-    """Decompress what can be decompressed.
+def inflate(compression: str, data: bytes, limit: int = MAX_CHUNK) -> tuple[bytes, bool]:
+    """Decompress what can be decompressed; returns that, and whether it is all.
 
     Args:
         compression: "bz2", "lz4" or "zstd".
@@ -44,20 +37,28 @@ def inflate(compression: str, data: bytes, limit: int = MAX_CHUNK) -> Inflated:
     """
     out = BytesIO()
     whole = inflate_to(out.write, compression, iter((data,)), limit)
-    return Inflated(out.getvalue(), whole)
+    return out.getvalue(), whole
 
 
 def inflate_to(write: Callable[[bytes], object], compression: str, blocks: Iterator[bytes], limit: int) -> bool:
     """Decompress block by block into ``write``; True when that was all of it, in at most ``limit`` bytes."""
-    size = 0
-    try:
-        for piece in _pieces(compression, blocks):
+    size, data = 0, next(blocks, b"")
+    while data:
+        stream = _DECOMPRESSORS[compression]()
+        while not stream.eof:
+            data = data or (next(blocks, b"") if stream.needs_input else b"")
+            if stream.needs_input and not data:
+                return False
+            try:
+                piece = stream.decompress(data, _STEP)
+            except (OSError, EOFError, RuntimeError, ValueError, zstd.ZstdError):
+                return False
             write(piece[: limit - size])
             size += len(piece)
             if size > limit:
                 return False
-    except _BrokenError:
-        return False
+            data = b""
+        data = stream.unused_data or next(blocks, b"")
     return True
 
 
@@ -70,26 +71,3 @@ def plain(data: bytes) -> bytes:
         return data
     raw, whole = inflate("zstd", data)
     return raw if whole else data
-
-
-class _BrokenError(Exception):
-    """The compressed data is damaged or ends early."""
-
-
-def _pieces(compression: str, blocks: Iterator[bytes]) -> Iterator[bytes]:
-    data = next(blocks, b"")
-    while data:
-        stream = _DECOMPRESSORS[compression]()
-        while not stream.eof:
-            try:
-                piece = stream.decompress(data, _STEP)
-            except (OSError, EOFError, RuntimeError, ValueError, zstd.ZstdError):
-                raise _BrokenError from None
-            data = b""
-            if piece:
-                yield piece
-            elif stream.needs_input and not stream.eof:
-                data = next(blocks, b"")
-                if not data:
-                    raise _BrokenError
-        data = stream.unused_data or next(blocks, b"")

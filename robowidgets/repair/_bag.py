@@ -8,9 +8,8 @@ from pathlib import Path
 
 from ..messages.channel import Channel
 from ._byte_range import ByteRange, find
-from ._found_messages import Walk
-from ._record_reader import RecordReader
-from ._records import MAX_TEXT, Damage, Record
+from ._found_messages import Damage, Walk
+from ._record_reader import MAX_TEXT, Record, RecordReader
 from ._report import foreign
 from .source import RecordingError
 

@@ -25,8 +25,7 @@ from ._carmen_lines import (
     time_ns_of,
 )
 from ._clock import repaired_log
-from ._found_messages import Walk
-from ._records import Damage
+from ._found_messages import Damage, Walk
 from ._report import format_of
 from .source import RecordingError
 

@@ -5,18 +5,39 @@ from __future__ import annotations
 from array import array
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from threading import Lock
 from typing import NamedTuple
 
 from ..messages.channel import Channel
 from ..messages.compression import inflate
 from ._byte_range import FileRange
-from ._records import Damage
 from .source import RecordingError
 
+MAX_PLACES = 10_000
+"""Damaged places after which the rest of a file is not read."""
 _KEPT = 1 << 26
 _MAX_TIME = 2**63
+
+
+@dataclass
+class Damage:
+    """The damage of a file.
+
+    ``places`` counts where the walk had to search for the next record or could not use one; ``index``: lengths in the
+    index were wrong; ``cut``: data is missing at the end; ``unfinished``: only the index is missing at the end;
+    ``checksums`` counts chunks that differ from their checksum; ``compressions`` names those that cannot be read;
+    ``unnamed`` counts messages of topics that the file does not name; ``disk`` is the text of the disk's error.
+    """
+
+    places: int = 0
+    index: bool = False
+    cut: bool = False
+    unfinished: bool = False
+    checksums: int = 0
+    compressions: set[str] = field(default_factory=set)
+    unnamed: int = 0
+    disk: str = ""
 
 
 @dataclass
@@ -118,7 +139,7 @@ class FoundMessages:
             raw = self._raw.pop(number, None)
             if raw is None:
                 chunk = self._chunks[number]
-                raw = inflate(chunk.compression, self._file.read(chunk.offset, chunk.size)).raw
+                raw, _ = inflate(chunk.compression, self._file.read(chunk.offset, chunk.size))
             self._raw[number] = raw
             while len(self._raw) > 1 and sum(map(len, self._raw.values())) > _KEPT:
                 self._raw.popitem(last=False)

@@ -10,9 +10,8 @@ from typing import NamedTuple
 
 from ..messages.channel import Channel, definition_text
 from ._byte_range import ByteRange, find
-from ._found_messages import Walk
-from ._record_reader import RecordReader
-from ._records import MAX_TEXT, Damage, Record
+from ._found_messages import Damage, Walk
+from ._record_reader import MAX_TEXT, Record, RecordReader
 from ._report import foreign
 
 MAGIC = b"\x89MCAP0\r\n"

@@ -3,16 +3,33 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from .._core.progress import Progress
 from ..messages.channel import Channel
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
 from ._byte_range import ByteRange, FileRange, MemoryRange
-from ._found_messages import FoundMessages, Walk
-from ._records import MAX_PLACES, Damage, Record
+from ._found_messages import MAX_PLACES, Damage, FoundMessages, Walk
+
+MAX_TEXT = 1 << 22
+"""Most bytes of a record with names and definitions."""
+
+
+class Record(NamedTuple):
+    """The offsets of a record: ``start``, the first byte of its data (``body``), the byte after its data (``end``).
+
+    A chunk that is not compressed ends where its data starts: its records are walked as if they lay outside it, so a
+    wrong length or a missing end costs nothing. ``whole`` is False when the data ends early.
+    """
+
+    op: int
+    start: int
+    body: int
+    end: int
+    fields: Mapping[str, bytes] = {}
+    whole: bool = True
 
 
 class RecordReader(ABC):

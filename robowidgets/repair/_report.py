@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from .._core.tables import many
-from ._found_messages import Walk
-from ._records import Damage
+from ._found_messages import Damage, Walk
 from .source import RecordingError
 
 _FORMATS = {

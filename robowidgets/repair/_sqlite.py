@@ -15,8 +15,7 @@ from typing import NamedTuple
 from .._core.progress import Progress
 from ..messages.channel import Channel, definition_text
 from ._byte_range import FileRange
-from ._found_messages import Walk
-from ._records import MAX_PLACES, Damage
+from ._found_messages import MAX_PLACES, Damage, Walk
 from ._report import foreign
 from .source import RecordingError
 
