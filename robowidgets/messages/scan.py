@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sized
+from collections.abc import Callable, Iterator, Sized
 from math import degrees, inf, isfinite, nan, pi
 from typing import Any
 
@@ -76,65 +76,51 @@ def _count(ranges: Any) -> int:
     return len(ranges)
 
 
-def _about_unit(angle_min: Any) -> tuple[Problem, ...]:
-    """What is said of an angle that no scanner starts at in radians."""
+def _about_unit(angle_min: Any) -> Iterator[Problem]:
+    """An angle that no scanner starts at in radians."""
     first = to_radians("angle_min", angle_min)
-    if not isfinite(first) or is_angle(first):
-        return ()
-    return (Problem(f"angle_min is {first:g} rad", f"is it in degrees? {OF_DEGREES}"),)
+    if isfinite(first) and not is_angle(first):
+        yield Problem(f"angle_min is {first:g} rad", f"is it in degrees? {OF_DEGREES}")
 
 
-def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> tuple[Problem, ...]:
-    """The problem of an angle_max that contradicts the number of ranges."""
+def _about_angles(stated: Any, count: int, angle_min: Any, increment: Any) -> Iterator[Problem]:
+    """An angle_max that contradicts the number of ranges."""
     if stated is None or count < 2:
-        return ()
+        return
     first, step = to_radians("angle_min", angle_min), to_radians("angle_increment", increment)
     last = to_radians("angle_max", stated)
     if not all(map(isfinite, (first, step, last))) or step == 0:
-        return ()
+        return
     implied = (last - first) / step + 1
-    off = implied - count
-    if abs(off) < 0.5:
-        return ()
-    if abs(off - 1) < 0.1:
-        return (
-            Problem(
-                f"angle_max is one step too far for {count} rays",
-                "angles are counted from angle_min; programs should do so too",
-            ),
+    if abs(implied - count) < 0.5:
+        return
+    if abs(implied - count - 1) < 0.1:
+        yield Problem(
+            f"angle_max is one step too far for {count} rays",
+            "angles are counted from angle_min; programs should do so too",
         )
-    if implied < 0 and abs(implied + 2 * pi / abs(step) - count) < 1.5:
-        return ()
-    if implied < 0:
-        return (
-            Problem(
-                f"angle_max ({degrees(last):.1f}°) lies against angle_increment",
-                "angles are counted from angle_min; if left and right are swapped, the driver has a wrong sign",
-            ),
-        )
-    return (
-        Problem(
+    elif implied >= 0:
+        yield Problem(
             f"{count} rays, but the header implies {round(implied)} (angle_max {degrees(last):.1f}°)",
             "angles are counted from angle_min; check a known corner, and angle_increment in the driver",
-        ),
-    )
+        )
+    elif abs(implied + 2 * pi / abs(step) - count) >= 1.5:
+        yield Problem(
+            f"angle_max ({degrees(last):.1f}°) lies against angle_increment",
+            "angles are counted from angle_min; if left and right are swapped, the driver has a wrong sign",
+        )
 
 
-def _about_times(read: Callable[[str, Any], Any]) -> tuple[Problem, ...]:
+def _about_times(read: Callable[[str, Any], Any]) -> Iterator[Problem]:
     """Times that no scanner can have; they are not used."""
-    odd = []
     for name in ("time_increment", "scan_time"):
-        value = read(name, 0.0)
-        if value is None:
-            continue
-        seconds = number(name, value)
-        if not isfinite(seconds) or not 0 <= seconds <= LONGEST_SCAN:
-            odd.append(Problem(f"{name} is {seconds:g} s: not used", "the driver should send seconds, 0 if unknown"))
-    return tuple(odd)
+        value = read(name, None)
+        seconds = 0.0 if value is None else number(name, value)
+        if not 0 <= seconds <= LONGEST_SCAN:
+            yield Problem(f"{name} is {seconds:g} s: not used", "the driver should send seconds, 0 if unknown")
 
 
-def _about_frame(message: Any) -> tuple[Problem, ...]:
+def _about_frame(message: Any) -> Iterator[Problem]:
     """A header without the name of a coordinate frame. Numbers without a header need none."""
-    if get(message, "header.frame_id", None) != "":
-        return ()
-    return (Problem("frame_id is empty", "set it in the driver, or tf cannot tell where the scanner is"),)
+    if get(message, "header.frame_id", None) == "":
+        yield Problem("frame_id is empty", "set it in the driver, or tf cannot tell where the scanner is")

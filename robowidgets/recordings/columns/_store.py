@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..._core.progress import Progress
 from ...messages.channel import Channel
 from ...repair import Message, RecordingError, Source
+from ...samples.checks import frozen
 from ._decoders import Decoder
 from ._memory import Memory
 from .chunks import ScanChunk, compact, merged
@@ -72,9 +73,11 @@ class _Index:
     def finish(self) -> None:
         """Join the times, and collect the first rows."""
         self.starts = np.array([place.start for place in self.places], np.int64)
-        self.times, self.stamps = [_joined(self.times)], [_joined(self.stamps)]
+        for column in (self.times, self.stamps):
+            column[:] = [frozen(np.concatenate([np.empty(0, np.int64), *column]))]
 
 
+@dataclass(eq=False)
 class Store:
     """The chunks of a topic.
 
@@ -88,30 +91,23 @@ class Store:
         span: the log times of the messages, the second not included; None means no limit.
     """
 
-    def __init__(
-        self,
-        source: Source,
-        channels: Sequence[Channel],
-        decoders: Mapping[int, Decoder],
-        memory: Memory,
-        note: Callable[[Channel, int, Exception], None],
-        stop: Callable[[RecordingError], None],
-        span: tuple[int | None, int | None] = (None, None),
-    ) -> None:
-        self.topic = channels[0].topic
-        self.memory = memory
-        self._source = source
-        self._channels = channels
-        self._decoders = decoders
-        self._note = note
-        self._stop = stop
-        self._span = span
-        self._index: _Index | None = None
+    source: Source
+    channels: Sequence[Channel]
+    decoders: Mapping[int, Decoder]
+    memory: Memory
+    note: Callable[[Channel, int, Exception], None]
+    stop: Callable[[RecordingError], None]
+    span: tuple[int | None, int | None] = (None, None)
+    _index: _Index | None = field(default=None, init=False)
 
     def between(self, start_ns: int | None, stop_ns: int | None) -> Store:
         """The messages logged at ``start_ns`` or later and before ``stop_ns``, located in a pass of their own."""
-        span = (start_ns, stop_ns)
-        return Store(self._source, self._channels, self._decoders, self.memory, self._note, self._stop, span)
+        return replace(self, span=(start_ns, stop_ns))
+
+    @property
+    def topic(self) -> str:
+        """The name of the topic."""
+        return self.channels[0].topic
 
     @property
     def places(self) -> list[Place]:
@@ -164,17 +160,17 @@ class Store:
 
     def _first_pass(self) -> Iterator[Any]:
         index = _Index()
-        whole = self._span == (None, None)
-        total = sum(channel.count for channel in self._channels) if whole else None
+        whole = self.span == (None, None)
+        total = sum(channel.count for channel in self.channels) if whole else None
         with Progress(total, f"Reading {self.topic}") as bar:
             try:
-                for batch, messages in _batches(self._source.messages(self._channels, *self._span)):
+                for batch, messages in _batches(self.source.messages(self.channels, *self.span)):
                     chunks = index.add_batch(batch, self._decode(messages))
                     self.memory.put((index, len(index.batches) - 1), chunks)
                     bar.update(len(messages))
                     yield from chunks
             except RecordingError as error:
-                self._stop(error)
+                self.stop(error)
         index.finish()
         self._index = index
 
@@ -182,7 +178,7 @@ class Store:
         return self.memory.get((index, number), lambda: self._decode(self._read(index.batches[number])))
 
     def _read(self, batch: Batch) -> list[Message]:
-        messages = self._source.messages(self._channels, batch.first_ns, batch.last_ns + 1)
+        messages = self.source.messages(self.channels, batch.first_ns, batch.last_ns + 1)
         return list(islice(messages, batch.skipped, batch.skipped + batch.messages))
 
     def _decode(self, messages: Sequence[Message]) -> list[Any]:
@@ -190,7 +186,7 @@ class Store:
         for number, group in groupby(messages, key=lambda message: message[0].id):
             run = list(group)
             times, raws = [message[1] for message in run], [message[2] for message in run]
-            chunks += self._decoders[number].decode(raws, times, lambda i, error: self._note(*run[i][:2], error))  # noqa: B023  # called at once
+            chunks += self.decoders[number].decode(raws, times, lambda i, error: self.note(*run[i][:2], error))  # noqa: B023  # called at once
         return [compact(chunk) for chunk in merged(chunks)]
 
 
@@ -210,9 +206,3 @@ def _batches(messages: Iterator[Message]) -> Iterator[tuple[Batch, list[Message]
             if size >= BATCH_BYTES:
                 break
         yield Batch(first[1], batch[-1][1], len(batch), skipped), batch
-
-
-def _joined(parts: list[NDArray[np.int64]]) -> NDArray[np.int64]:
-    column = np.concatenate([np.empty(0, np.int64), *parts])
-    column.flags.writeable = False
-    return column

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -57,6 +58,30 @@ def test_messages_of_one_time_are_not_read_twice(tmp_path: Path, monkeypatch: py
     counts = [batch.messages for batch, _ in found]
     assert [batch.skipped for batch, _ in found] == np.cumsum([0, *counts[:-1]]).tolist()
     source.close()
+
+
+def test_rows_are_read_batch_by_batch_in_any_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_store, "BATCH_BYTES", 1000)
+    decode, decoded = _store.Store._decode, []
+
+    def counted(store: _store.Store, read: list[Any]) -> list[Any]:
+        decoded.append(read[0][1])
+        return decode(store, read)
+
+    monkeypatch.setattr(_store.Store, "_decode", counted)
+    with robowidgets.open(sweeps.write(tmp_path / "x", sweeps.numbered(100))) as recording:
+        recording.memory = 1  # so that nothing is kept
+        scans = recording.scans()
+        batches = len(scans._store._indexed().batches)
+        assert batches > 5
+        for rows in (np.arange(100) % 3 == 0, slice(None, None, -7), slice(20, 60)):
+            part, there = scans[rows], np.arange(100)[rows]
+            decoded.clear()
+            assert [round(moment.seconds * 10) for moment in part] == there.tolist()
+            assert len(decoded) == len(set(decoded)) <= batches
+            chunks = list(part.chunks())
+            assert [chunk.start for chunk in chunks] == np.cumsum([0, *map(len, chunks)])[:-1].tolist()
+            np.testing.assert_array_equal(np.concatenate([chunk.times_ns for chunk in chunks]), part.times_ns)
 
 
 def spoil(path: Path, what: bytes, at: int, by: bytes) -> None:
