@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from math import nan
 from typing import Any, Protocol
 
@@ -17,7 +17,7 @@ from ..poses.path import Path
 from ..recordings import RecordingData
 from ..recordings.topics import Moment
 from ..samples import Pose, Touch
-from ..speed_widget import Reading, SpeedWidget
+from ..speed_widget import Reading
 from ..touch_widget import TouchWidget, about_touch, pack_states
 from ._touch_history import TouchHistory
 
@@ -45,58 +45,45 @@ class Track(Protocol):
 
 
 class SampleFrames:
-    """A `Track` of the last sample of a topic at each time.
+    """A `Track` of the last sample of a topic at each time, and of the commanded topic that goes with it, if any.
 
     Args:
         recording: the recording.
-        choice: the topic, and its kind.
+        choice: the topics, and their kind.
         widget: packs the samples.
     """
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: Any) -> None:
-        self._recording, self._topic, self._widget = recording, choice.topic, widget
-        self._nothing = choice.shown.nothing
-        self.seek = _newest(recording, choice.topic, widget.update, self._nothing)
-
-    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
-        """See `Track`."""
-        last = self._recording.at(self._topic, start)
-        yield self._frame(last.seconds, last.sample) if last else self._frame(BEFORE, self._nothing)
-        for moment in self._recording.samples(self._topic, start, end):
-            yield self._frame(moment.seconds, moment.sample)
-
-    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
-        about, frame = self._widget.frame_of(sample)
-        return TimedFrame(seconds, about, _header(sample) + frame)
-
-
-class SpeedFrames:
-    """A `Track` of measured speeds, with those of the commanded topic, if there is one; see `SampleFrames`."""
-
-    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SpeedWidget) -> None:
         self._recording, self._topics, self._widget = recording, choice.topics, widget
         self._nothing = choice.shown.nothing
-        shows = zip(choice.topics, (widget.update, widget.command), strict=False)
-        self._seeks = [_newest(recording, topic, show, self._nothing) for topic, show in shows]
+        shows = [widget.update, *([widget.command] if choice.command else [])]
+        self._seeks = [_newest(recording, *shown, self._nothing) for shown in zip(choice.topics, shows, strict=True)]
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
         last = {name: self._recording.at(name, start) for name in self._topics}
         now = {name: moment.sample if moment else self._nothing for name, moment in last.items()}
-        yield self._frame(max(moment.seconds if moment else BEFORE for moment in last.values()), now)
+        yield self._frame(max(moment.seconds if moment else BEFORE for moment in last.values()), *now.values())
         for moment in self._recording.samples(self._topics, start, end):
             now[moment.topic] = moment.sample
-            yield self._frame(moment.seconds, now)
+            yield self._frame(moment.seconds, *now.values())
 
     def seek(self, seconds: float) -> None:
         """See `Track`."""
         for seek in self._seeks:
             seek(seconds)
 
-    def _frame(self, seconds: float, now: Mapping[str, Any]) -> TimedFrame:
-        measured, *commanded = (now[name] for name in self._topics)
-        reading = Reading(commanded=commanded[0] if commanded else None).moved(measured)
-        return TimedFrame(seconds, {"frame_id": measured.frame_id}, _header(measured) + self._widget._pack(reading))
+    def _frame(self, seconds: float, sample: Any, _commanded: Any = None) -> TimedFrame:
+        about, frame = self._widget.frame_of(sample)
+        return TimedFrame(seconds, about, _header(sample) + frame)
+
+
+class SpeedFrames(SampleFrames):
+    """A `Track` of measured and commanded speeds; see `SampleFrames`."""
+
+    def _frame(self, seconds: float, sample: Any, commanded: Any = None) -> TimedFrame:
+        reading = Reading(commanded=commanded).moved(sample)
+        return TimedFrame(seconds, {"frame_id": sample.frame_id}, _header(sample) + self._widget._pack(reading))
 
 
 class PathFrames(SampleFrames):
@@ -107,7 +94,7 @@ class PathFrames(SampleFrames):
         if not len(widget.points):
             widget.show_whole(*_path_of(recording, choice.topic))
 
-    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
+    def _frame(self, seconds: float, sample: Any, _commanded: Any = None) -> TimedFrame:
         x, y, yaw = sample.pose
         return super()._frame(seconds, PathPoint(seconds, x, y, yaw, sample.stamp_ns))
 
