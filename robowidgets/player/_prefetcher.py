@@ -280,17 +280,15 @@ class Prefetcher:
 
     def _send_one(self, tracks: Sequence[Track], index: int) -> int:
         edition = self._edition
-        packed = segment(tracks, index)
-        size = sum(len(track) for _, track in packed)
+        abouts, frames = segment(tracks, index)
+        size = sum(map(len, frames))
         with self._change:
             if edition != self._edition:
                 return 0
             self._sent[index] = size
             self._largest = max(self._largest, size)
             dropped = self._dropped()
-        self._send(
-            {"segment": index, "drop": dropped, "abouts": [abouts for abouts, _ in packed]}, [raw for _, raw in packed]
-        )
+        self._send({"segment": index, "drop": dropped, "abouts": abouts}, frames)
         with self._change:
             self._answer.notify_all()
         return size
@@ -306,7 +304,8 @@ class Prefetcher:
         return dropped
 
 
-def segment(tracks: Sequence[Track], index: int) -> list[tuple[list[dict[str, Any]], bytes]]:
-    """One segment of every track, packed for the page."""
+def segment(tracks: Sequence[Track], index: int) -> tuple[list[list[dict[str, Any]]], list[bytes]]:
+    """One segment, packed for the page: of every track the texts on its frames, and the frames."""
     start = index * SEGMENT
-    return [pack(list(track.frames(start, start + SEGMENT))) for track in tracks]
+    packed = [pack(list(track.frames(start, start + SEGMENT))) for track in tracks]
+    return [abouts for abouts, _ in packed], [frames for _, frames in packed]

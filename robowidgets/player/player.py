@@ -218,20 +218,15 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             _first=list(self._first_segments(int(seconds // SEGMENT))),
         )
 
-    def _first_segments(self, index: int) -> Iterator[dict[str, Any]]:
+    def _first_segments(self, first: int) -> Iterator[dict[str, Any]]:
         """The segments from a number on, as many as a notebook holds, in the form of the page."""
-        tracks, size, first = [view.track for view in self.views], 0, index
-        while True:
-            packed = segment(tracks, index)
-            yield {
-                "segment": index,
-                "drop": [],
-                "abouts": [abouts for abouts, _ in packed],
-                "tracks": [raw for _, raw in packed],
-            }
-            size += sum(len(raw) for _, raw in packed)
-            index += 1
-            if size >= HELD_BYTES or index * SEGMENT > self.recording.duration or index - first >= HELD_SEGMENTS:
+        tracks, size = [view.track for view in self.views], 0
+        last = int(self.recording.duration // SEGMENT)
+        for index in range(first, min(last + 1, first + HELD_SEGMENTS)):
+            abouts, frames = segment(tracks, index)
+            yield {"segment": index, "drop": [], "abouts": abouts, "tracks": frames}
+            size += sum(map(len, frames))
+            if size >= HELD_BYTES:
                 return
 
     @property

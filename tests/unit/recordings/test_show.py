@@ -245,9 +245,8 @@ def test_the_first_segments_are_in_the_state_of_the_bar(player: Player, monkeypa
     monkeypatch.setattr("robowidgets.player.player.HELD_BYTES", 0)
     (first,) = player._first_segments(0)
     assert first["segment"] == int(player.time)
-    assert [len(track) for track in first["tracks"]] == [
-        len(raw) for _, raw in segment([view.track for view in player.views], 0)
-    ]
+    _, frames = segment([view.track for view in player.views], 0)
+    assert [len(track) for track in first["tracks"]] == [len(raw) for raw in frames]
 
 
 def test_it_starts_where_what_starts_early_has_something_to_show(data: Path) -> None:
