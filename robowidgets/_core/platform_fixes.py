@@ -69,16 +69,15 @@ def call_on_interrupt(call: Callable[[], None]) -> None:
 
     IPython's own event comes after the traceback was made, and not at all where the cell catches the interrupt: a robot
     would drive on meanwhile. ipykernel sets Python's SIGINT handler anew for each cell, so each cell must call this. A
-    handler of the program stays, and so does rclpy's, which is in C: Python neither shows it nor could restore it.
-    Without the fix, only the event is left.
+    handler of the program stays. Without the fix, only the event is left.
     """
 
     def on_interrupt(number: int, frame: Any) -> None:
         call()
         signal.default_int_handler(number, frame)
 
-    if ENABLED and not _rclpy_handles_signals() and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, on_interrupt)
+    if ENABLED and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        _set_below_rclpy(signal.SIGINT, on_interrupt)
 
 
 def call_on_idle_interrupt(kernel: Any, call: Callable[[], None]) -> None:
@@ -102,20 +101,24 @@ def call_before_end(call: Callable[[], object]) -> None:
     SIGTERM comes from ``kill``, from a container or a service that is stopped, SIGHUP from a terminal that is closed. A
     kernel whose server is gone ends itself by ``os._exit``. In each case a robot would drive on. The function is called
     in a thread of its own, because the main thread may hold a lock that the function needs; then the process ends as it
-    would have. The main thread notices a signal only between two steps of Python. A handler of the program stays, and
-    so does rclpy's. Without the fix, only a process that ends in an orderly way calls the function.
+    would have. Where rclpy handles SIGTERM, it does not end: rclpy shuts down, and the program ends itself. The main
+    thread notices a signal only between two steps of Python. A handler of the program stays. Without the fix, only a
+    process that ends in an orderly way calls the function.
     """
 
-    def end(number: int) -> None:
+    def end(number: int, ends: bool) -> None:
         try:
             call()
         finally:
-            os.kill(os.getpid(), number)
+            if ends:
+                os.kill(os.getpid(), number)
 
     def on_signal(number: int, _frame: Any) -> None:
-        signal.signal(number, signal.SIG_DFL)
+        ends = _rclpy_that_handles(number) is None
+        if ends:
+            signal.signal(number, signal.SIG_DFL)
         with contextlib.suppress(RuntimeError):  # too late for a thread: the exit handlers run already
-            threading.Thread(target=end, args=(number,), name="robowidgets-end", daemon=True).start()
+            threading.Thread(target=end, args=(number, ends), name="robowidgets-end", daemon=True).start()
 
     def leave(code: int) -> None:
         try:
@@ -128,10 +131,10 @@ def call_before_end(call: Callable[[], object]) -> None:
     poller: Any = sys.modules.get("ipykernel.parentpoller")
     if poller is not None and poller.os is os:
         poller.os = SimpleNamespace(**{**vars(os), "_exit": leave})
-    if threading.current_thread() is threading.main_thread() and not _rclpy_handles_signals():
+    if threading.current_thread() is threading.main_thread():
         for number in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
             if signal.getsignal(number) is signal.SIG_DFL:
-                signal.signal(number, on_signal)
+                _set_below_rclpy(number, on_signal)
 
 
 def let_threads_print() -> None:
@@ -159,9 +162,30 @@ class _ThreadParents(dict[int, int]):
         super().__setitem__(thread, parent)
 
 
-def _rclpy_handles_signals() -> bool:
-    signals = sys.modules.get("rclpy.signals")
-    return signals is not None and signals.get_current_signal_handlers_options() != signals.SignalHandlerOptions.NO
+def _rclpy_that_handles(number: int) -> Any:
+    """The module `rclpy.signals`, if it calls its handler of a signal installed; else None.
+
+    That handler is in C, and Python does not know of it. It calls the one before it, unless that is the default, and
+    shuts down the contexts of rclpy; it does not end the process.
+    """
+    signals: Any = sys.modules.get("rclpy.signals")
+    if signals is None:
+        return None
+    options = signals.SignalHandlerOptions
+    handling = {int(signal.SIGINT): options.SIGINT, int(signal.SIGTERM): options.SIGTERM}
+    current = signals.get_current_signal_handlers_options()
+    return signals if number in handling and current in (handling[number], options.ALL) else None
+
+
+def _set_below_rclpy(number: int, handler: Callable[[int, Any], None]) -> None:
+    """Set a handler of a signal; that of rclpy, where there is one, calls it then, and `rclpy.shutdown` leaves it."""
+    rclpy = _rclpy_that_handles(number)
+    options = rclpy and rclpy.get_current_signal_handlers_options()
+    if rclpy:
+        rclpy.uninstall_signal_handlers()
+    signal.signal(number, handler)
+    if rclpy:
+        rclpy.install_signal_handlers(options)
 
 
 def acknowledge_at_once(sock: socket.socket) -> None:

@@ -3,9 +3,11 @@
 Where rclpy of Humble to Rolling differ, it is as unforgiving as any of them:
 
 - `Executor.wake` only has the wait set be rebuilt: `spin_once` waits on to its end. A task ends it.
-- Nodes of other contexts, and who publishes or subscribes there, are known `Graph.discovery` seconds after they were
-  made; what is published before is lost to them.
-- An interrupt, where a program called `rclpy.init()`, shuts down every context of the process (`Graph.interrupt`).
+- Nodes of other contexts are known `Graph.discovery` seconds after they were made, and a publisher or subscription of a
+  known node after `Graph.matching`. What is published before is lost. So is what comes after, for a best-effort
+  subscription that does not know the publisher yet.
+- An interrupt, where a program called `rclpy.init()`, shuts down every context of the process (`Graph.interrupt`);
+  `fake_signals` has the handlers that do that.
 - What is asked of a context that was shut down, or of something that was destroyed, raises.
 - A message that cannot be taken leaves its callback group waiting for the end of a callback that never began.
 """
@@ -29,6 +31,8 @@ import numpy as np
 import pytest
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
+
+from .fake_signals import SignalHandlerOptions, Signals
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 
@@ -352,18 +356,20 @@ class Endpoint:
         return [(other, kind) for other, kind in pairs if kind is not None]
 
     def matches(self) -> list[Any]:
-        return [other for other in self.others() if self.refusal(other) is None]
+        return [other for other in self.found() if self.refusal(other) is None]
 
     def others(self) -> list[Any]:
+        """Those on the other side of the topic that know, and are known."""
+        return [other for other in self.found() if other.node.knows(self)]
+
+    def found(self) -> list[Any]:
         """Those on the other side of the topic that are known."""
         publishes = isinstance(self, Publisher)
         return [
             other
             for node in list(self.node.graph.nodes)
             for other in list(node.subscriptions if publishes else node.publishers)
-            if (other.topic_name, other.topic_type) == (self.topic_name, self.topic_type)
-            and self.node.knows(other)
-            and other.node.knows(self)
+            if (other.topic_name, other.topic_type) == (self.topic_name, self.topic_type) and self.node.knows(other)
         ]
 
     def refusal(self, other: Endpoint) -> QoSPolicyKind | None:
@@ -419,7 +425,8 @@ class Publisher(Endpoint):
             raise TypeError(f"Expected {self.topic_type}, got {type(message)}")
         self.node.graph.published_by.append(threading.current_thread().name)
         for subscription in self.matches():
-            subscription.receive(message)
+            if subscription.qos_profile.reliability != ReliabilityPolicy.BEST_EFFORT or subscription.node.knows(self):
+                subscription.receive(message)
 
     def get_subscription_count(self) -> int:
         self._check()
@@ -472,8 +479,9 @@ class Node:
         other = endpoint.node.context
         if other is self.context:
             return True
-        found = max(self.made, endpoint.node.made, endpoint.made) + self.graph.discovery
-        return other.domain_id == self.context.domain_id and time.monotonic() >= found
+        found = max(self.made, endpoint.node.made) + self.graph.discovery
+        matched = endpoint.made + self.graph.matching
+        return other.domain_id == self.context.domain_id and time.monotonic() >= max(found, matched)
 
     def get_name(self) -> str:
         self._check()
@@ -582,7 +590,7 @@ class Graph:
         self.nodes: list[Node] = []
         self.contexts: list[Context] = []
         """Those of the product."""
-        self.discovery = 0.05
+        self.discovery, self.matching = 0.05, 0.03
         self.tells_refusals = True
         self.broken: set[str] = set()
         """Types whose package is half installed."""
@@ -610,7 +618,7 @@ class Graph:
 
     def next_discovery(self) -> float:
         made = [end.made for node in list(self.nodes) for end in (*node.subscriptions, *node.publishers)]
-        times = [at + self.discovery for at in (*made, *(node.made for node in list(self.nodes)))]
+        times = [at + self.matching for at in made] + [node.made + self.discovery for node in list(self.nodes)]
         return min((at for at in times if at > time.monotonic()), default=1e9)
 
 
@@ -644,24 +652,37 @@ def install(monkeypatch: pytest.MonkeyPatch, *, events: str = "event_handler") -
     """Put it in the place of rclpy, and give its graph. Before Iron, events were in `qos_event`."""
     graph = Graph()
 
-    def init(*, args: Any, context: Any, domain_id: int | None, signal_handler_options: str) -> None:
-        assert signal_handler_options == "no"
+    program = Context()
+    signals = Signals(lambda: [context.interrupt() for context in (*graph.contexts, program)], monkeypatch)
+
+    def init(
+        *, args: Any = None, context: Any = None, domain_id: int | None = None, signal_handler_options: Any = None
+    ) -> None:
+        if signal_handler_options is None:
+            signal_handler_options = SignalHandlerOptions.ALL if context is None else SignalHandlerOptions.NO
+        signals.install(signal_handler_options)
+        if context is None:
+            program.init(args or [], domain_id=domain_id)
+            return
+        assert signal_handler_options == SignalHandlerOptions.NO
         context.init(args, domain_id=domain_id)
         graph.contexts.append(context)
 
-    def create_node(name: str, *, context: Any, use_global_arguments: bool) -> Node:
-        assert (name.isidentifier(), use_global_arguments) == (True, False)
-        return Node(graph, context, name)
+    def shutdown() -> None:
+        program.try_shutdown()
+        signals.uninstall()
+
+    def create_node(name: str, *, context: Any = None, use_global_arguments: bool = True) -> Node:
+        assert name.isidentifier()
+        assert context is None or not use_global_arguments
+        return Node(graph, context or program, name)
 
     modules: dict[str, dict[str, Any]] = {
-        "rclpy": {"init": init, "create_node": create_node},
+        "rclpy": {"init": init, "create_node": create_node, "ok": program.ok, "shutdown": shutdown},
         "rclpy.context": {"Context": Context},
         "rclpy.duration": {"Duration": Duration},
         "rclpy.exceptions": {"InvalidHandle": InvalidHandle, "NameValidationException": NameValidationException},
-        "rclpy.signals": {
-            "SignalHandlerOptions": SimpleNamespace(NO="no"),
-            "get_current_signal_handlers_options": lambda: "no",
-        },
+        "rclpy.signals": vars(signals.module),
         "rclpy.executors": {
             "ExternalShutdownException": ExternalShutdownException,
             "SingleThreadedExecutor": SingleThreadedExecutor,
