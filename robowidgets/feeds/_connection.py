@@ -141,7 +141,7 @@ class Connection(Watched):
         try:
             self.programs.close()
             with contextlib.suppress(FeedError, OSError):  # the watchdog logs it
-                self.watchdog.close()
+                self.driver.close()
         finally:
             try:
                 self.functions.close()

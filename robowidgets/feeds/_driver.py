@@ -20,7 +20,7 @@ PAGE_TIMEOUT = 3.0
 """Seconds without a message from any page after which no page is there."""
 
 CONNECT_TIMEOUT = 2.0
-"""Seconds after the first `drive` on a topic in which a speed is retried while a subscriber connects."""
+"""Seconds after the first `drive` on a topic, and at the end, in which a speed waits for a subscriber to connect."""
 
 RETRY_PAUSE = 0.05
 """Seconds between two such attempts."""
@@ -113,6 +113,21 @@ class Driver:
             follows = "; zero follows when it can be sent" if self.watchdog.owes_zero else ""
             raise FeedError(f"cannot stop: {self._connection.status or error}{follows}") from None
 
+    def close(self) -> None:
+        """Send zero if one is owed, and refuse every speed from now on. A subscriber that is connecting is awaited.
+
+        Raises:
+            FeedError, OSError: zero could not be sent.
+        """
+        until = time.monotonic() + CONNECT_TIMEOUT
+        try:
+            self.watchdog.close()
+        except (FeedError, OSError):
+            if not isinstance(self.watchdog.error, NotYetError):
+                raise
+            while (self.watchdog.busy_for or not self._try_zero()) and time.monotonic() < until:
+                time.sleep(RETRY_PAUSE)
+
     def page_seen(self) -> None:
         """Record that a page shows the feed or a pad of it."""
         self._page_at = time.monotonic()
@@ -146,6 +161,14 @@ class Driver:
             if is_connecting and self.watchdog.stops == stops:
                 return False
             raise FeedError(f"cannot drive: {self._connection.status or error}") from None
+        return True
+
+    def _try_zero(self) -> bool:
+        """Send zero without the watchdog, which is closed; returns False if a subscriber is still connecting."""
+        try:
+            self._send(*ZERO)
+        except NotYetError:
+            return False
         return True
 
     def _request(self, velocity: Velocity, driver: str) -> Request:

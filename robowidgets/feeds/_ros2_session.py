@@ -21,6 +21,9 @@ DISCOVERY = 2.0
 """Seconds after which a new participant has discovered the others, at most."""
 
 _MATCH_POLL = 0.005
+_MATCH_LAG = 0.05
+"""Seconds after which a subscriber has matched a new publisher, too; a best-effort one misses what comes before."""
+
 _ACK_POLL = 0.02
 
 _UNKNOWN = ("_NODE_NAME_UNKNOWN_", "_CREATED_BY_BARE_DDS_APP_")
@@ -64,6 +67,8 @@ class Session:
         self._subscriptions: dict[_Key, tuple[Any, Any]] = {}
         self._publishers: dict[tuple[str, str], Any] = {}
         self._unmatched: set[tuple[str, str]] = set()
+        self._missed: set[tuple[str, str]] = set()
+        """Topics and types with a message that was not published, because its subscriber is not discovered again."""
         self._publishing = threading.Lock()
         self._unheard: set[str] = set()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
@@ -117,6 +122,7 @@ class Session:
             if topic in self._unheard and self._all_matched(topic, wants):
                 self._unheard.discard(topic)
                 self._listener.on_unheard(topic, "")
+        self._note_matches()
         return adverts_of(offered, wanted)
 
     def follow(self, topics: Iterable[str]) -> None:
@@ -144,7 +150,9 @@ class Session:
             if key in self._unmatched:
                 if self._await_match(publisher, key, until):
                     self._matched.add(key)
+                    time.sleep(_MATCH_LAG)
                 elif key in self._matched and self.is_young:
+                    self._missed.add(key)
                     raise NotYetError(f"the subscriber of {topic} is not discovered again since rclpy was shut down")
                 self._unmatched.discard(key)
             publisher.publish(fill(message_class(message_type)(), message))
@@ -177,14 +185,26 @@ class Session:
     def _await_match(self, publisher: Any, key: tuple[str, str], until: float) -> bool:
         """Wait for a subscriber of another node, which would miss earlier messages; returns whether there is one."""
         topic, message_type = key
-        ours = sum(wish[:2] == key for wish in list(self._subscriptions))
-        while publisher.get_subscription_count() <= ours:
+        while not self._is_matched(publisher, key):
             wanted = {info.topic_type for info in self._others(self._node.get_subscriptions_info_by_topic(topic))}
             may_come = message_type in wanted or (self.is_young and not wanted)
             if not may_come or time.monotonic() >= until:
                 return False
             time.sleep(_MATCH_POLL)
         return True
+
+    def _is_matched(self, publisher: Any, key: tuple[str, str]) -> bool:
+        """Whether a subscriber of another node is matched."""
+        ours = sum(wish[:2] == key for wish in list(self._subscriptions))
+        return bool(publisher.get_subscription_count() > ours)
+
+    def _note_matches(self) -> None:
+        """Note which publishers have been matched, and report a subscriber that was discovered too late for a zero."""
+        matched = {key for key, publisher in list(self._publishers.items()) if self._is_matched(publisher, key)}
+        self._matched |= matched
+        if self._missed & matched:
+            self._missed.clear()
+            self._listener.on_connected()
 
     def _await_acknowledgements(self) -> None:
         from rclpy.duration import Duration

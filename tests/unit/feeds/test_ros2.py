@@ -342,6 +342,13 @@ def test_the_first_message_to_a_robot_that_came_late_arrives(ros2: Ros2, graph: 
         wait_for(lambda: robot.speeds == [0.0], "the robot received it")
 
 
+def test_the_first_message_to_a_best_effort_robot_arrives(ros2: Ros2, graph: Graph, heard: Ears) -> None:
+    with Robot(graph, qos=QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)) as robot:
+        wait_for(lambda: heard.topics, "the robot is known")
+        ros2.publish("/cmd_vel", TWIST, ZERO)
+        wait_for(lambda: robot.speeds == [0.0], "the robot received it")
+
+
 def test_what_nobody_listens_to_waits_for_nobody(ros2: Ros2, graph: Graph, heard: Ears, robot: Robot) -> None:
     wait_for(lambda: heard.topics, "the robot is known")
     began = time.monotonic()
@@ -652,6 +659,40 @@ def test_a_zero_that_the_robot_cannot_have_received_is_not_called_sent(ros2: Ros
 
     wait_for(arrived, "the robot is found again")
     wait_for(lambda: robot.speeds == [0.25, 0.0], "the robot stops")
+
+
+def test_a_zero_that_was_too_early_follows_as_soon_as_the_robot_is_found_again(
+    graph: Graph, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 60.0)
+    with feeds.ros2(domain_id=7) as feed:
+        feed.drive(0.25)
+        wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
+        graph.discovery = 1.3
+        graph.contexts[0].interrupt()
+        with pytest.raises(FeedError, match=r"not discovered again .*; zero follows when it can be sent"):
+            feed.stop()
+        wait_for(lambda: robot.speeds[-1] == 0.0, "the robot stops")
+
+
+def test_a_robot_that_was_found_late_is_known_to_have_listened(ros2: Ros2, graph: Graph, robot: Robot) -> None:
+    graph.discovery = SEND_TIMEOUT + 0.2
+    ros2.publish("/cmd_vel", TWIST, FORWARD)
+    assert robot.speeds == []
+    wait_for(lambda: ros2._matched, "it is found")
+    graph.contexts[0].interrupt()
+    with pytest.raises(FeedError, match="not discovered again"):
+        ros2.publish("/cmd_vel", TWIST, ZERO)
+
+
+def test_a_feed_that_is_closed_waits_until_its_robot_is_found_again(graph: Graph, robot: Robot) -> None:
+    feed = feeds.ros2(domain_id=7)
+    feed.drive(0.25)
+    wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
+    graph.discovery = 1.3
+    graph.contexts[0].interrupt()
+    feed.close()
+    wait_for(lambda: robot.speeds[-1] == 0.0, "the robot stops")
 
 
 # -- a node of the program's -------------------------------------------------------------------------------------------
