@@ -88,8 +88,8 @@ class DriveStatus:
         self.cut = ""
         self.unheard: dict[str, str] = {}
         self._log = LogOnce(log.warning)
-        self._logged: tuple[str, Sequence[Advert] | None, str] = "", None, ""
-        """What the reasons were that were logged last: topic, adverts and cut."""
+        self._logged: tuple[str, Sequence[Advert] | None, str, str] = "", None, "", ""
+        """What the reasons were that were logged last: topic, adverts, cut and refusal."""
 
     def of(self, topic: str, adverts: Sequence[Advert]) -> str:
         """All reasons for a command topic, as text; empty if there are none."""
@@ -98,11 +98,12 @@ class DriveStatus:
 
     def log(self, where: str, topic: str, adverts: Sequence[Advert]) -> None:
         """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate."""
-        if self._logged == (topic, adverts, self.cut):
+        refusal = self.unheard.get(topic, "")
+        if self._logged == (topic, adverts, self.cut, refusal):
             return
-        self._logged = topic, adverts, self.cut
+        self._logged = topic, adverts, self.cut, refusal
         unheard, contested = _unheard(topic, adverts), _contested(topic, adverts)
-        for key, reason in ((unheard, unheard), (contested, contested), ("cut", self.cut)):
+        for key, reason in ((unheard, unheard), (refusal, refusal), (contested, contested), ("cut", self.cut)):
             if reason:
                 self._log(f"{where}: {reason}", key)
 

@@ -594,10 +594,16 @@ def test_who_else_publishes_speeds_is_named(driven: Driven, others: tuple[str, .
     assert feed.drive_status == words
 
 
-def test_who_does_not_hear_what_is_published_is_told_and_again_when_it_does(driven: Driven) -> None:
+def test_who_does_not_hear_what_is_published_is_told_and_logged_once_and_again_when_it_does(
+    driven: Driven, caplog: pytest.LogCaptureFixture
+) -> None:
     feed, script = driven(CMD_VEL)
+    feed.drive(0.1)
     script.listener.on_unheard("/cmd_vel", "a subscriber of /cmd_vel is not compatible")
     assert feed.drive_status == "a subscriber of /cmd_vel is not compatible"
+    for _ in range(2):
+        feed.drive(0.1)
+    assert [record.message for record in caplog.records] == [f"{feed.where}: {feed.drive_status}"]
     script.listener.on_unheard("/cmd_vel", "")
     assert feed.drive_status == ""
 
