@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { toBar, toCode, toMode, toNotice, toStep, toValue } from "../../robowidgets/js/program/text.ts";
+import { toCode, toMode, toNotice, toStep, toValue } from "../../robowidgets/js/program/text.ts";
 import type { Program, ProgramTold, Variable } from "../../robowidgets/js/program/traits.ts";
 
 const told = (more: object = {}) => ({ stopped: false, error: "", status: "", ...more }) as ProgramTold;
@@ -32,10 +32,4 @@ test("a slider steps by about a hundredth of its range, and shows as many decima
   assert.equal(toStep(0, 100), 1);
   assert.equal(toValue(slider), "0.50");
   assert.equal(toValue({ ...slider, low: null, high: null, value: 0.1 + 0.2 }), "0.3");
-});
-
-test("a bar begins at zero and ends at the limit", () => {
-  assert.deepEqual(toBar(0.25, 0.5), { left: 50, width: 25 });
-  assert.deepEqual(toBar(-0.25, 0.5), { left: 25, width: 25 });
-  assert.deepEqual(toBar(9, 0.5), { left: 50, width: 50 });
 });

@@ -9,7 +9,7 @@ import {
   type Note,
   StopControl,
 } from "../../robowidgets/js/shared/driving/control.ts";
-import { type Situation, toDriverText } from "../../robowidgets/js/shared/driving/text.ts";
+import { type Situation, toBar, toDriverText } from "../../robowidgets/js/shared/driving/text.ts";
 import type { Told } from "../../robowidgets/js/shared/driving/traits.ts";
 import { FakeModel } from "./models.ts";
 import { situation, told } from "./stop.ts";
@@ -201,4 +201,10 @@ test("stopped is only what Python confirmed", () => {
   assert.equal(text("", true), "nobody may drive");
   assert.equal(say({ stopped: true, speed: [0.2, 0] }).text, "stopping", "zero was not sent yet");
   assert.equal(say({ stopped: true }, { note: "refused" }).hint, "Allow came too late: press it again");
+});
+
+test("a bar begins at zero and ends at the limit", () => {
+  assert.deepEqual(toBar(0.25, 0.5), { left: "50%", width: "25%" });
+  assert.deepEqual(toBar(-0.25, 0.5), { left: "25%", width: "25%" });
+  assert.deepEqual(toBar(9, 0.5), { left: "50%", width: "50%" });
 });

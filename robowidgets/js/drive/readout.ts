@@ -1,4 +1,5 @@
 import { make, setText } from "../shared/dom.ts";
+import { toBar } from "../shared/driving/text.ts";
 import { toFixed } from "../shared/format.ts";
 
 /** A speed as a number and as a bar from zero, with its limit. The bar of a turn to the left goes left. */
@@ -25,9 +26,7 @@ export class Readout {
   update(value: number, limit: number): void {
     setText(this.#value, toFixed(value, 2));
     setText(this.#limit, `limit ±${toFixed(limit, 2)}`);
-    const share = (this.#side * Math.max(-1, Math.min(1, value / limit))) / 2;
-    this.#bar.style.left = `${50 + 100 * Math.min(0, share)}%`;
-    this.#bar.style.width = `${100 * Math.abs(share)}%`;
+    Object.assign(this.#bar.style, toBar(this.#side * value, limit));
     this.root.title = `${value} ${this.#unit}`;
   }
 }

@@ -1,4 +1,5 @@
 import type { Point } from "../shared/box.ts";
+import { pointIn } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
 import type { Drag, Layer } from "./layer.ts";
@@ -26,10 +27,7 @@ export function watchGestures(
   layers: Layer[],
   zoom: Zoom | null,
   signal: AbortSignal,
-  toPoint = (event: MouseEvent): Point => {
-    const { left, top } = element.getBoundingClientRect();
-    return { x: event.clientX - left, y: event.clientY - top };
-  },
+  toPoint = (event: MouseEvent): Point => pointIn(element, event),
 ): void {
   const fromTop = [...layers].reverse();
   const hover = (point: Point | null) => {

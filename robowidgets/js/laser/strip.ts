@@ -1,6 +1,6 @@
 import type { Point } from "../shared/box.ts";
 import { Layer as Canvas, type Surface, watchSize, write } from "../shared/canvas.ts";
-import { make } from "../shared/dom.ts";
+import { make, pointIn } from "../shared/dom.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { angleOf } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
@@ -78,15 +78,15 @@ export class Strip {
   }
 
   /** The place in the picture of the ray and the distance under the pointer. */
-  #toPicture({ clientX, clientY }: MouseEvent): Point {
-    const { left, top } = this.root.getBoundingClientRect();
+  #toPicture(event: MouseEvent): Point {
+    const { x, y } = pointIn(this.root, event);
     const { sweep, projection } = this.#host.stage;
     const axes = {
       box: plotBox(this.#size.width, this.#size.height),
       count: sweep.count,
       viewRange: projection.viewRange,
     };
-    const { index, metres } = fromStrip(axes, clientX - left, clientY - top);
+    const { index, metres } = fromStrip(axes, x, y);
     const perPixel = projection.viewRange / projection.radius;
     const rim = Math.min(sweep.maxRange, projection.viewRange);
     const [least, most] = [INNER * perPixel, rim - RIM * perPixel];

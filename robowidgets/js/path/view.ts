@@ -1,5 +1,5 @@
 import { Layer, type Surface, watchSize } from "../shared/canvas.ts";
-import { make, setText } from "../shared/dom.ts";
+import { make, pointIn, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
 import { toFixed, toMetres } from "../shared/format.ts";
@@ -98,8 +98,7 @@ export class PathView {
     const top = card.noticeHeight;
     const room = { width, height: height - top };
     const bounds = boundsOf(this.#shown, room);
-    const projection = fit(bounds, room);
-    projection.top += top;
+    const projection = fit(bounds, room, top);
     this.#projection = projection;
     const context = this.#layer.begin(this.#surface);
     drawGrid(context, projection, card.theme);
@@ -147,15 +146,13 @@ export class PathView {
 
   #onPointer(event: PointerEvent | null): void {
     if (event?.pointerType === "touch") return;
-    const { left, top } = this.#card.picture.getBoundingClientRect();
-    this.#pointer = event && { x: event.clientX - left, y: event.clientY - top };
+    this.#pointer = event && pointIn(this.#card.picture, event);
     this.#redraw();
   }
 
-  #onClick({ clientX, clientY }: MouseEvent): void {
-    const { left, top } = this.#card.picture.getBoundingClientRect();
+  #onClick(event: MouseEvent): void {
     const before = this.#pointer;
-    this.#pointer = { x: clientX - left, y: clientY - top };
+    this.#pointer = pointIn(this.#card.picture, event);
     this.#pick(this.#pointed);
     this.#pointer = before;
   }

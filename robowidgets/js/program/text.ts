@@ -43,9 +43,3 @@ export function toStep(low: number, high: number): number {
 function decimalsOf(range: number): number {
   return Math.max(0, Math.round(2 - Math.log10(range)));
 }
-
-/** The left end and width of a bar from zero to a value, in percent of a track from -limit to limit. */
-export function toBar(value: number, limit: number): { left: number; width: number } {
-  const share = Math.max(-1, Math.min(1, value / limit)) * 50;
-  return { left: 50 + Math.min(0, share), width: Math.abs(share) };
-}

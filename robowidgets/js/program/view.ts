@@ -1,13 +1,13 @@
 import { make, makeButton, mount, setLabel, setText } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
-import { toDriverText } from "../shared/driving/text.ts";
+import { toBar, toDriverText } from "../shared/driving/text.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import type { Model } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { applyTheme, watchTheme } from "../shared/theme.ts";
-import { toBar, toCode, toMode, toNotice } from "./text.ts";
+import { toCode, toMode, toNotice } from "./text.ts";
 import type { Program, ProgramTraits } from "./traits.ts";
 import { VariableRows } from "./variables.ts";
 
@@ -156,8 +156,6 @@ class Axis {
 
   update(value: number, limit: number): void {
     setText(this.#value, toFixed(value, 2));
-    const { left, width } = toBar(value, limit);
-    this.#bar.style.left = `${left}%`;
-    this.#bar.style.width = `${width}%`;
+    Object.assign(this.#bar.style, toBar(value, limit));
   }
 }

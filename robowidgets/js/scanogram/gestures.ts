@@ -1,4 +1,5 @@
 import type { Point } from "../shared/box.ts";
+import { pointIn } from "../shared/dom.ts";
 import { isPlain, on as listen } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
 
@@ -31,10 +32,7 @@ type Listen = <K extends keyof HTMLElementEventMap>(type: K, callback: (event: H
 
 export function watchGestures(element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
   const on: Listen = (type, callback) => listen(element, type, callback, signal);
-  const toPoint = (event: MouseEvent): Point => {
-    const { left, top } = element.getBoundingClientRect();
-    return { x: event.clientX - left, y: event.clientY - top };
-  };
+  const toPoint = (event: MouseEvent): Point => pointIn(element, event);
   watchDrag(on, element, toPoint, gestures);
   on("pointerleave", () => gestures.onHover(null));
   on("dblclick", () => gestures.onReset());

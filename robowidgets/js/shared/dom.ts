@@ -1,3 +1,4 @@
+import type { Point } from "./box.ts";
 import { on, onAbort } from "./events.ts";
 
 /** An element with a class and text. Text is never parsed as HTML. */
@@ -48,6 +49,12 @@ export function mount(parent: HTMLElement, element: HTMLElement, signal: AbortSi
 export function boxWithin(parent: HTMLElement, element: HTMLElement) {
   const [outer, inner] = [parent.getBoundingClientRect(), element.getBoundingClientRect()];
   return { x: inner.left - outer.left, y: inner.top - outer.top, width: inner.width, height: inner.height };
+}
+
+/** The place of a pointer or a finger in the coordinates of an element. */
+export function pointIn(element: HTMLElement, { clientX, clientY }: Pick<MouseEvent, "clientX" | "clientY">): Point {
+  const { left, top } = element.getBoundingClientRect();
+  return { x: clientX - left, y: clientY - top };
 }
 
 /** A 12 by 12 icon from path data, in the colour of the text. */

@@ -47,14 +47,14 @@ export interface Projection {
   bounds: Bounds;
 }
 
-/** The largest picture of the floor that fits, in the middle. */
-export function fit(bounds: Bounds, { width, height }: Size): Projection {
+/** The largest picture of the floor that fits, in the middle of a room that begins some pixels below the top. */
+export function fit(bounds: Bounds, { width, height }: Size, top = 0): Projection {
   const [wide, high] = [bounds.east - bounds.west, bounds.north - bounds.south];
   const scale = Math.max(1e-6, Math.min((width - 2 * MARGIN) / wide, (height - MARGIN - BELOW) / high));
   return {
     scale,
     left: (width - wide * scale) / 2,
-    top: MARGIN + (height - MARGIN - BELOW - high * scale) / 2,
+    top: top + MARGIN + (height - MARGIN - BELOW - high * scale) / 2,
     bounds,
   };
 }

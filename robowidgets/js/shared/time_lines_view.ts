@@ -1,5 +1,5 @@
 import { Layer, type Surface, watchSize, write } from "./canvas.ts";
-import { make } from "./dom.ts";
+import { make, pointIn } from "./dom.ts";
 import { on } from "./events.ts";
 import { toFixed } from "./format.ts";
 import { type Theme, textFont } from "./theme.ts";
@@ -26,7 +26,7 @@ export class TimeLinesView {
       this.#pointer = x;
       redraw();
     };
-    on(this.root, "pointermove", (event) => onMove(event.clientX - this.root.getBoundingClientRect().left), signal);
+    on(this.root, "pointermove", (event) => onMove(pointIn(this.root, event).x), signal);
     on(this.root, "pointerleave", () => onMove(null), signal);
     const onSize = (size: Surface) => {
       this.#size = size;

@@ -1,6 +1,6 @@
 import { Layer, type Surface, watchSize } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, setText } from "../shared/dom.ts";
+import { make, makeButton, pointIn, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { BELOW, drawFloor, fit, MARGIN, type Place, type Pose, type Projection, toFloor } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
@@ -112,8 +112,7 @@ export class SimulatorView {
     picture.style.aspectRatio = `${50 * wide + 2 * MARGIN} / ${50 * high + MARGIN + BELOW}`;
     const { width, height } = this.#surface;
     if (!width || !height) return;
-    const projection = fit(bounds, { width, height: height - top });
-    projection.top += top;
+    const projection = fit(bounds, { width, height: height - top }, top);
     this.#projection = projection;
     const context = this.#layer.begin(this.#surface);
     drawFloor(context, projection, theme);
@@ -179,19 +178,16 @@ export class SimulatorView {
   // Pointer
 
   #watchInput(picture: HTMLElement, signal: AbortSignal): void {
-    const toPoint = ({ clientX, clientY }: { clientX: number; clientY: number }): Place => {
-      const { left, top } = picture.getBoundingClientRect();
-      return { x: clientX - left, y: clientY - top };
-    };
-    on(picture, "pointerdown", (event) => event.button === 0 && this.#onDown(event, toPoint(event)), signal);
-    on(picture, "pointermove", (event) => this.#onMove(event, toPoint(event)), signal);
-    on(picture, "pointerup", (event) => this.#onUp(event, toPoint(event)), signal);
+    on(picture, "pointerdown", (event) => event.button === 0 && this.#onDown(event, pointIn(picture, event)), signal);
+    on(picture, "pointermove", (event) => this.#onMove(event, pointIn(picture, event)), signal);
+    on(picture, "pointerup", (event) => this.#onUp(event, pointIn(picture, event)), signal);
     on(picture, "pointercancel", () => this.#cancel(), signal);
     on(picture, "pointerleave", () => this.#onLeave(), signal);
     // A finger on a thing drags it; elsewhere it scrolls the page.
     const onTouch = (event: TouchEvent) => {
       const [touch] = event.touches;
-      if (touch && event.touches.length === 1 && this.#thingAt(toPoint(touch), true) !== null) event.preventDefault();
+      if (touch && event.touches.length === 1 && this.#thingAt(pointIn(picture, touch), true) !== null)
+        event.preventDefault();
     };
     on(picture, "touchstart", onTouch, signal, { passive: false });
     on(this.#card.root, "keydown", (event) => this.#onKey(event), signal);

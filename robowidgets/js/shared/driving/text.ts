@@ -60,6 +60,12 @@ export function isMoving({ speed: [linear, angular] }: Told): boolean {
   return linear !== 0 || angular !== 0;
 }
 
+/** Where a bar from zero to a value begins, and its width, as parts of a track from -limit to limit. */
+export function toBar(value: number, limit: number): { left: string; width: string } {
+  const share = Math.max(-1, Math.min(1, value / limit)) * 50;
+  return { left: `${50 + Math.min(0, share)}%`, width: `${Math.abs(share)}%` };
+}
+
 function toSpeed({ speed: [linear, angular] }: Told): string {
   return `${toFixed(linear, 2)}\u00A0m/s,\u00A0${toFixed(angular, 2)}\u00A0rad/s`;
 }

@@ -1,5 +1,5 @@
 import { Layer, type Surface, watchSize, write } from "../canvas.ts";
-import { make } from "../dom.ts";
+import { make, pointIn } from "../dom.ts";
 import { on } from "../events.ts";
 import { type Theme, textFont } from "../theme.ts";
 import { type TimeAxis, toTime } from "../time_axis.ts";
@@ -46,11 +46,11 @@ export class StateBand {
       redraw();
     };
     watchSize(this.root, onSize, signal);
-    const timeAt = (event: MouseEvent) => toTime(this.#axis, event.clientX - this.root.getBoundingClientRect().left);
+    const timeAt = (event: MouseEvent) => toTime(this.#axis, pointIn(this.root, event).x);
     on(this.root, "click", (event) => onPick(timeAt(event)), signal);
     const onPointer = (event: PointerEvent) => {
       const time = timeAt(event);
-      const row = this.#rows[Math.floor((event.clientY - this.root.getBoundingClientRect().top) / ROW_STEP)];
+      const row = this.#rows[Math.floor(pointIn(this.root, event).y / ROW_STEP)];
       this.root.title = toWords((row && stateAt(row, time)?.[2]) ?? "");
       if (event.pointerType !== "touch") onPoint?.(time);
     };
