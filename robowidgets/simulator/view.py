@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 import threading
-import time
 import weakref
 from collections import deque
 from collections.abc import Iterable
@@ -21,9 +20,6 @@ from .._core.traits import Flag, bytes_trait
 from ..samples import Validity
 from ..samples.checks import finite
 from .robot import Robot
-
-INTERVAL = 1 / 30
-"""Seconds between two pictures, at least."""
 
 HEADER = struct.Struct("<15d")
 """Time, robot (x, y, yaw, radius), scan (x, y, yaw, 1 or -1 for upside down, angle_min, angle_increment, range_max),
@@ -63,6 +59,8 @@ class View(NamedWidget):
 
     _esm, _css = bundle("simulator_widget")
     _unnamed = 1
+    send_interval = 1 / 30
+    """Seconds between two pictures, at least."""
 
     footer = Flag(True, help="Whether places stand below the picture.").tag(sync=True)
     _frame = bytes_trait(echo_update=False)
@@ -76,14 +74,11 @@ class View(NamedWidget):
             raise TypeError(f"View(): expected a robot of robowidgets.simulator, or its feed, got {robot!r}")
         self._robot, self._feed = simulated, weakref.ref(robot)
         self._connection = getattr(robot, "connection", None)
-        self._shown_world = simulated.world
+        self._shown_walls: Any = None
         self._send_lock = threading.RLock()
         self._path: deque[tuple[float, float, float]] = deque()
-        self._marked_at = 0.0
-        self._sent: tuple[bytes, list[Any], str] = (b"", [], "")
         super().__init__(**{"title": "simulator", **kwargs})
-        self._walls = simulated.world.walls.astype("<f4").tobytes()
-        self._frame, self._shapes, self._status = self._sent = self._pack(), self._drawn(), self._said()
+        self._sent = self._frame, self._shapes, self._status  # by `get_state`, for the first page
         self.on_msg(self._on_page)
         simulated.watch(self._on_step)
         if self._connection is not None:
@@ -118,12 +113,7 @@ class View(NamedWidget):
             path.append((robot.time, x, y))
         while path and path[0][0] < robot.time - PATH_SECONDS:
             path.popleft()
-        now = time.monotonic()
-        if now - self._marked_at >= INTERVAL:
-            self._marked_at = now
-            pacer.mark(self)
-        else:
-            pacer.mark_at(self, self._marked_at + INTERVAL)
+        pacer.mark(self)
 
     def send_newest(self) -> int:
         """Send the newest picture to the page; returns the number of bytes sent. The pacer calls it."""
@@ -147,10 +137,9 @@ class View(NamedWidget):
         return state
 
     def _update(self) -> None:
-        world = self._robot.world
-        if world.walls is not self._shown_world.walls:
-            self._walls = world.walls.astype("<f4").tobytes()
-        self._shown_world = world
+        walls = self._robot.world.walls
+        if walls is not self._shown_walls:
+            self._shown_walls, self._walls = walls, walls.astype("<f4").tobytes()
         # Without sending them, as setting the traits would.
         self._trait_values |= {"_frame": self._pack(), "_shapes": self._drawn(), "_status": self._said()}
 
