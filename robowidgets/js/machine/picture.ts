@@ -1,10 +1,9 @@
 import type { Box } from "../shared/box.ts";
-import { make, setText } from "../shared/dom.ts";
+import { make, makeSvg, setBox, setText } from "../shared/dom.ts";
 import { ANY, isTimed, type Placed, type PlacedMove, type PlacedState } from "./layout.ts";
 import { activeText, isActive, isTaken, labelOf, type Step, timeLeft, verdictOf } from "./step.ts";
 import type { Fired } from "./traits.ts";
 
-const SVG = "http://www.w3.org/2000/svg";
 const HEAD = 5;
 
 /** What can be seen of a machine beside its places. */
@@ -26,11 +25,11 @@ export class Picture {
   draw(placed: Placed): void {
     this.root.style.width = `${placed.width}px`;
     this.root.style.height = `${placed.height}px`;
-    const svg = document.createElementNS(SVG, "svg");
+    const svg = makeSvg("svg");
     svg.ariaHidden = "true";
     this.#updates = [];
-    const any = placed.any.map((box) => at(make("div", "rw-machine-any", "any state"), box));
-    const lanes = placed.lanes.map((lane) => at(make("div", "rw-machine-lane", lane.name), lane));
+    const any = placed.any.map((box) => setBox(make("div", "rw-machine-any", "any state"), box));
+    const lanes = placed.lanes.map((lane) => setBox(make("div", "rw-machine-lane", lane.name), lane));
     const states = placed.states.map((state) => this.#state(state, svg));
     const labels = placed.moves.map((move) => this.#move(move, svg));
     // Frames lie below the arrows within them.
@@ -50,7 +49,7 @@ export class Picture {
   }
 
   #state({ machine, state, isInitial, isOpen, ...box }: PlacedState, svg: SVGElement): HTMLElement {
-    const element = at(make("div", "rw-machine-state"), box);
+    const element = setBox(make("div", "rw-machine-state"), box);
     const name = make("span", "rw-machine-state-name", state.name);
     name.title = state.name;
     const isFolded = state.machines.length > 0 && !isOpen;
@@ -81,7 +80,7 @@ export class Picture {
     const arrow = add(svg, "g", {});
     add(arrow, "path", { d: `M${points.map((point) => point.join(" ")).join(" L")}`, fill: "none" });
     add(arrow, "path", { d: headOf(points), stroke: "none" });
-    const element = at(make("div", "rw-move"), label);
+    const element = setBox(make("div", "rw-move"), label);
     const name = make("span", "rw-move-name", labelOf(move));
     const numbers = make("span", "rw-move-numbers");
     if (move.event) element.append(make("i", "rw-move-dot"));
@@ -100,11 +99,6 @@ export class Picture {
     });
     return element;
   }
-}
-
-function at<E extends HTMLElement>(element: E, { x, y, width, height }: Box): E {
-  element.style.cssText = `left:${x}px;top:${y}px;width:${width}px;height:${height}px`;
-  return element;
 }
 
 /** The dot and the arrow before an initial state. */
@@ -131,8 +125,7 @@ function headOf(points: [number, number][]): string {
 }
 
 function add(parent: SVGElement, tag: string, attributes: Record<string, string | number>): SVGElement {
-  const element = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  const element = makeSvg(tag, attributes);
   parent.append(element);
   return element;
 }

@@ -1,4 +1,4 @@
-import type { Point } from "./box.ts";
+import type { Box, Point } from "./box.ts";
 import { on, onAbort } from "./events.ts";
 
 /** An element with a class and text. Text is never parsed as HTML. */
@@ -55,6 +55,19 @@ export function boxWithin(parent: HTMLElement, element: HTMLElement) {
 export function pointIn(element: HTMLElement, { clientX, clientY }: Pick<MouseEvent, "clientX" | "clientY">): Point {
   const { left, top } = element.getBoundingClientRect();
   return { x: clientX - left, y: clientY - top };
+}
+
+/** An element of SVG. */
+export function makeSvg(tag: string, attributes: Record<string, string | number> = {}): SVGElement {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  return element;
+}
+
+/** Gives an element a box in its parent, in pixels. */
+export function setBox<E extends HTMLElement>(element: E, { x, y, width, height }: Box): E {
+  Object.assign(element.style, { left: `${x}px`, top: `${y}px`, width: `${width}px`, height: `${height}px` });
+  return element;
 }
 
 /** A 12 by 12 icon from path data, in the colour of the text. */

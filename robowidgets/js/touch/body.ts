@@ -1,17 +1,12 @@
+import { makeSvg } from "../shared/dom.ts";
 import type { Sensor } from "../shared/frames/touch.ts";
 import type { Around, Lead } from "./around.ts";
 
-const SVG = "http://www.w3.org/2000/svg";
 const HALF_ARC = 0.16;
 
 /** The outline of a robot's body from above, where its sensors sit on it, and the lines to their rectangles. */
 export class Body {
-  readonly element = document.createElementNS(SVG, "svg");
-
-  constructor() {
-    this.element.classList.add("rw-body");
-    this.element.ariaHidden = "true";
-  }
+  readonly element = makeSvg("svg", { class: "rw-body", "aria-hidden": "true" });
 
   draw({ center, radius, leads, height }: Around, width: number, sensors: Sensor[]): void {
     const states = new Map(sensors.map(({ name, state }) => [name, state]));
@@ -41,9 +36,5 @@ function arc({ angle }: Lead, center: { x: number; y: number }, radius: number):
 }
 
 function shape(tag: string, className: string, attributes: Record<string, number | string>, state = ""): SVGElement {
-  const element = document.createElementNS(SVG, tag);
-  element.classList.add(className);
-  if (state) element.dataset.state = state;
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
-  return element;
+  return makeSvg(tag, { class: className, ...(state && { "data-state": state }), ...attributes });
 }

@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { make, setText } from "../shared/dom.ts";
+import { make, setBox, setText } from "../shared/dom.ts";
 import type { Sensor } from "../shared/frames/touch.ts";
 import { NARROW } from "./rows.ts";
 import { detailOf, tellAll } from "./text.ts";
@@ -18,14 +18,9 @@ export class Tile {
     this.element.append(this.#label, words);
   }
 
-  place({ x, y, width, height }: Box): void {
-    Object.assign(this.element.style, {
-      left: `${x}px`,
-      top: `${y}px`,
-      width: `${width}px`,
-      height: `${height}px`,
-    });
-    this.element.classList.toggle("rw-narrow", width < NARROW);
+  place(box: Box): void {
+    setBox(this.element, box);
+    this.element.classList.toggle("rw-narrow", box.width < NARROW);
   }
 
   update(sensor: Sensor, label: string, elapsed: number | null): void {
