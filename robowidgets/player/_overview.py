@@ -1,10 +1,12 @@
-"""The scanogram above the widgets of a player, unless it takes long to make."""
+"""What a player shows of a whole recording: the scanogram, unless it takes long to make, and which axes are used."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from itertools import islice
+
+import numpy as np
 
 from .._core.progress import without_bars
 from .._core.tables import many
@@ -23,6 +25,9 @@ FEW = 5_000_000
 """Readings that take no time worth measuring."""
 
 _LOOKED_AT = 20
+
+_OUT_OF_PLANE = slice(2, 5)
+"""Linear z, angular x and y among `AXES`."""
 
 _MEASURED = 0.2
 """Seconds for which scans are read to measure how many fit into a second."""
@@ -58,6 +63,11 @@ def whole_drive(
         if wanted:
             raise
         return None, ""
+
+
+def is_planar(recording: RecordingData, topics: Iterable[str]) -> bool:
+    """Whether the speeds of topics use no other axes than a planar widget shows. It reads all of them."""
+    return not any(np.nan_to_num(recording.speeds(topic).values[:, _OUT_OF_PLANE]).any() for topic in topics)
 
 
 def _too_long(recording: RecordingData, topic: str, span: Span) -> str:

@@ -23,8 +23,9 @@ from ..recordings import RecordingData
 from ..recordings.times import has_date, to_ns
 from ..repair import RecordingError
 from ..scanogram_widget import ScanogramWidget
+from ..speed_widget import SpeedWidget
 from ._frames import Track
-from ._overview import whole_drive
+from ._overview import is_planar, whole_drive
 
 if TYPE_CHECKING:
     from .player import Player
@@ -81,7 +82,7 @@ def page_of(player: Player, wanted: Wanted, scanogram: bool | None = None) -> It
         if picture:
             stack.callback(close_all, picture)
         seconds = _segment_seconds(tracks, start, end)
-        models = _models(player, picture, (start, end), seconds)
+        models = _models(player, recording, picture, (start, end), seconds)
         root = ipywidgets.VBox(player.arranged(picture))
         stack.callback(_close_boxes, root)
         for name in player._dom_classes:
@@ -151,13 +152,22 @@ def _drawn_here(player: Player, picture: ScanogramWidget | None) -> dict[str, An
     return {"model": picture.model_id, "track": next(lasers)}
 
 
-def _models(player: Player, picture: ScanogramWidget | None, span: tuple[float, float], seconds: float) -> Models:
+def _models(
+    player: Player,
+    recording: RecordingData,
+    picture: ScanogramWidget | None,
+    span: tuple[float, float],
+    seconds: float,
+) -> Models:
     models = Models()
     bar = player.bar
     marks = [mark for mark in bar.marks if mark[0] <= span[1] and mark[1] >= span[0]]
     time = bar.time if span[0] <= bar.time <= span[1] else span[0]
     for view in player.views:
-        models.add(view.widget, {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0})
+        changed: dict[str, Any] = {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0}
+        if picture and not player.scanogram and isinstance(view.widget, SpeedWidget):
+            changed["planar"] = view.widget.planar or is_planar(recording, view.choice.topics)
+        models.add(view.widget, changed)
     shown_at = {"time": time, "marks": marks}
     selection = _clipped(bar.selection, span)
     models.add(

@@ -34,7 +34,7 @@ from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
 from ._frames import Track
-from ._overview import whole_drive
+from ._overview import is_planar, whole_drive
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._screen import on_one_screen
 from ._to_html import Wanted, page_of
@@ -42,9 +42,6 @@ from ._to_html import Wanted, page_of
 _EARLY = 0.1
 _TINY = 1e-7
 _LOOKED_AT = 20
-
-_OUT_OF_PLANE = slice(2, 5)
-"""Linear z, angular x and y among `AXES`."""
 
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 HELD_BYTES, HELD_SEGMENTS = 200_000, 30
@@ -115,7 +112,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         if self.scanogram:  # which has read the measured speeds
             for view in self.views:
                 if isinstance(view.widget, SpeedWidget):
-                    view.widget.planar = _is_planar(recording, view.choice.topics)
+                    view.widget.planar = is_planar(recording, view.choice.topics)
         self.bar = self._make_bar(note)
         super().__init__(self.arranged(self.scanogram))
         self.add_class("rw-recording")  # the bar takes the keys of this element
@@ -323,11 +320,6 @@ def _select(scanogram: ScanogramWidget, change: Any) -> None:
 def _view(recording: RecordingData, choice: WidgetChoice) -> View:
     widget = choice.make()
     return View(widget, choice, _track(recording, choice, widget))
-
-
-def _is_planar(recording: RecordingData, topics: Iterable[str]) -> bool:
-    """Whether the speeds of topics use no other axes than a planar widget shows."""
-    return not any(np.nan_to_num(recording.speeds(topic).values[:, _OUT_OF_PLANE]).any() for topic in topics)
 
 
 def _track(recording: RecordingData, choice: WidgetChoice, widget: Any) -> Track:

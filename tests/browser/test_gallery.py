@@ -344,7 +344,7 @@ from robowidgets.simulator import Robot, View, room
 robot = feeds.simulator(Robot(room("house"), seed=1), wander=False, hz=20)
 view, machine = View(robot), MachineWidget(robot)
 view.layout.width, machine.layout.width = "430px", "414px"
-view.layout.height = machine.layout.height = "440px"
+view.layout.height = machine.layout.height = "480px"
 HBox([view, machine])
 """
 EXPLORE = """\
@@ -375,7 +375,7 @@ def test_a_moving_picture_of_a_program_edited_while_it_drives(notebook: Callable
     height = below["y"] + below["height"] + two_lines - box["y"]
     clip = FloatRect(x=below["x"], y=box["y"] - 4, width=below["width"], height=height)
     rows = nb.widget(0).locator(".rw-fired-row")
-    expect(rows).to_have_count(2, timeout=20_000)
+    expect(rows.nth(1)).to_be_attached(timeout=20_000)
     film = MovingPicture(nb.page, clip)
     film.run(0.6)
     line = cell.locator(".cm-line", has_text="def turn").bounding_box()

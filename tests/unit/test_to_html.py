@@ -54,6 +54,17 @@ def test_a_page_of_a_stretch_has_its_texts_and_segments_and_nothing_of_markup(pa
     assert hostile.encode() in page
 
 
+def test_the_axes_that_no_speed_uses_are_left_out_where_there_is_a_scanogram(path: Path, tmp_path: Path) -> None:
+    def planar(**more: bool) -> list[bytes]:
+        with robowidgets.open(path) as recording:
+            text = recording.to_html(tmp_path / "a.html", **more).read_text(encoding="utf-8")
+        (page,) = parts(text, "page")
+        return re.findall(rb'"planar":\s*(\w+)', page)
+
+    assert planar() == [b"true"]
+    assert planar(scanogram=False) == [b"false"]
+
+
 def test_its_policy_allows_no_request_and_only_the_scripts_in_it(path: Path, tmp_path: Path) -> None:
     with robowidgets.open(path) as recording:
         text = recording.to_html(tmp_path / "a.html").read_text(encoding="utf-8")
