@@ -136,6 +136,7 @@ LASER = Kind(
     ),
     has_shape=_is_scan,
     columns="robowidgets.recordings.columns.scans:Scans",
+    frames="robowidgets.player._frames:ScanFrames",
     rerun="robowidgets.in_rerun.rerun_log:ScanLog",
     # A room is much smaller than what many scanners can see.
     options={"view_range": "auto"},

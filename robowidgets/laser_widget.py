@@ -12,9 +12,9 @@ import traitlets
 from ._core.base_widget import bundle, check_given, refuse_unnamed
 from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Angle, Angles, Flag
-from .laser.footprint import HasFootprint
 from .laser.ghost import HasGhost
 from .laser.sectors import HasSectors
+from .laser.trail import HasTrail
 from .messages import to_scan
 from .messages.fields import unwrap
 from .samples import Problem, Scan, Validity
@@ -70,7 +70,7 @@ class Distances(traitlets.TraitType[Any, Any]):
         return distances
 
 
-class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
+class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
     """A laser scan, live: its detection area to scale, range arcs, labelled rays, and every ray with its number.
 
     The reader sees a gray sector from range_min to range_max over the swept angle, the robot at its centre, forward up
@@ -100,6 +100,9 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
         angle_unit: in which all angles are shown, "deg" or "rad". The view writes it too.
         formula: whether the pop-up of the pinned ray shows how its angle is worked out. The view writes it too.
         free_space: whether the ground shows what the scanner has seen to be free.
+        trail: how many scans before the one on show are behind it, the oldest palest, 0 (none) to 100: by odometry
+            where a path is in its view, else in the scanner's frame.
+        spread: over how many scans the spread of each ray is drawn, 2 to 100; 0: it is not.
         paused: whether the picture is frozen.
         history: seconds for which the page keeps samples to step back through while frozen, 0 (none) to 600.
         header, footer: whether they are there; without them the picture alone is fit for a paper.
@@ -123,7 +126,7 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
     _keywords = ("sectors", "pins")
     column = "wide"
     sample_name = "scan"
-    frame_traits = ("angle_offset", "_edition")
+    frame_traits = ("angle_offset", "_edition", "trail", "_robot")
     judges_frames = True
 
     arc_count = traitlets.Int(
@@ -225,7 +228,7 @@ class LaserWidget(HasFootprint, HasGhost, HasSectors, DrawsShapes):
         return repr(self.scan).strip("<>") if self.scan else ""
 
     def _about_sample(self, sample: Scan) -> dict[str, Any]:
-        about = about_scan(sample, self._offset)
+        about = about_scan(sample, self._offset) | self._placed(sample)
         usual = self._meter.usual if self._meter.has_sagged else 0.0
         if usual:
             sagged = (

@@ -19,6 +19,7 @@ from ._core.traits import bytes_trait
 from .messages import to_pose
 from .messages.fields import frame_id, stamp_ns, unwrap
 from .poses.path import Path
+from .poses.recent import RecentPoses
 from .samples import HasAge, Pose
 from .samples.checks import finite, to_radians
 
@@ -82,6 +83,7 @@ class PathWidget(RobotWidget[PathPoint]):
 
     def __init__(self, **kwargs: Any) -> None:
         self._track = Path()
+        self._recent = RecentPoses()
         self._began: float | None = None
         self._note = ""
         self._is_path_new = False
@@ -110,7 +112,9 @@ class PathWidget(RobotWidget[PathPoint]):
             with self._sample_lock:
                 point = self._to_point(message, fields)
                 if not self.driven_by_player:
-                    self._track.add(point.time, Pose(point.x, point.y, point.yaw))
+                    pose = Pose(point.x, point.y, point.yaw)
+                    self._track.add(point.time, pose)
+                    self._recent.add(pose, point._arrived, point.stamp_ns)
                     self._is_path_new = True
                 self._show(point, {"frame_id": point.frame_id})
         except (TypeError, ValueError) as error:
@@ -119,7 +123,7 @@ class PathWidget(RobotWidget[PathPoint]):
     def clear(self) -> None:
         """Start a new path: the poses so far go, and the next one is the first."""
         with self._sample_lock:
-            self._track, self._began, self._is_path_new = Path(), None, True
+            self._track, self._recent, self._began, self._is_path_new = Path(), RecentPoses(), None, True
         pacer.mark(self)
 
     @property
@@ -140,6 +144,11 @@ class PathWidget(RobotWidget[PathPoint]):
         """
         with self._sample_lock:
             return self._track.points
+
+    def robot_at(self, sample: HasAge) -> Pose | None:
+        """Where the robot was at the time of a sample that came just now; None while that is unknown."""
+        with self._sample_lock:
+            return self._recent.at(sample._arrived, getattr(sample, "stamp_ns", None))
 
     def show_whole(self, path: Path, note: str = "") -> None:
         """Show all of a recording's path, of which a player then shows one moment; with a note on what is missing."""

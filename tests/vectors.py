@@ -1,8 +1,8 @@
 """Frames as Python packs them, which the tests of both halves read; `docs/frames.md` describes the layout.
 
-`python -m tests.vectors` writes them anew into vectors.json. It writes what sectors hold, and the code of
-sectors, too. What stands beside them there is written by hand: scans with their classes, counts and indices, and speeds
-with their limits.
+`python -m tests.vectors` writes them anew into vectors.json. It writes what sectors hold, the code of sectors, and the
+spread of rays, too. What stands beside them there is written by hand: scans with their classes, counts and indices, and
+speeds with their limits.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from unittest.mock import patch
 import numpy as np
 
 import robowidgets
-from robowidgets import LaserWidget, Scan, ScanogramWidget, Sector, Speed, SpeedWidget, TouchWidget
+from robowidgets import LaserWidget, Scan, ScanogramWidget, Sector, Speed, SpeedWidget, TouchWidget, spread
 from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.export.segments import pack_track
@@ -106,6 +106,23 @@ def make_codes() -> list[Any]:
         [sector.start, sector.end, offset, for_scan(sector), for_message(sector, offset), for_array(sector, scan)]
         for sector, offset in cases
     ]
+
+
+SCATTERED = (
+    [1.0, 2.0, 3.0, nan, inf],
+    [1.25, nan, 3.0, 4.0, -inf],
+    [1.5, 2.5, 0.0, nan, 20.0],
+    [9.0, inf, 3.5, nan, nan],
+    [1.125, 2.25, 3.0, nan, 0.0],
+)
+"""Ranges of scans whose limits are 0.1 m and 10 m."""
+
+
+def make_spreads() -> list[list[Any]]:
+    """The ranges of the first scans, two and more, and the spread of each ray over them."""
+    scans = [Scan(ranges, 0.0, 0.1, 0.1, 10.0) for ranges in SCATTERED]
+    counts = range(2, len(scans) + 1)
+    return [_in_words([[*SCATTERED[:n]], spread(scans[:n]).tolist()]) for n in counts]
 
 
 def _laser() -> tuple[bytes, dict[str, Any]]:
@@ -231,7 +248,7 @@ def _in_words(value: Any) -> Any:
 
 def write() -> None:
     """Put the frames of this Python into the file."""
-    vectors = read() | {"frames": make(), "sectors": make_sectors(), "codes": make_codes()}
+    vectors = read() | {"frames": make(), "sectors": make_sectors(), "codes": make_codes(), "spreads": make_spreads()}
     FILE.write_text(_to_text(vectors), encoding="utf-8")
 
 

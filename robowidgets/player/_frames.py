@@ -12,8 +12,11 @@ import numpy as np
 from .._core.progress import without_bars
 from .._core.timed_frame import FRAME_HEADER, TimedFrame, table_of
 from .._widget_choice import WidgetChoice
+from ..kinds import PATH
+from ..laser_widget import LaserWidget
 from ..path_widget import PathPoint, PathWidget
 from ..poses.path import Path
+from ..poses.recent import FARTHEST, RecentPoses
 from ..recordings import RecordingData
 from ..recordings.topics import Moment
 from ..samples import Pose, Touch
@@ -76,6 +79,29 @@ class SampleFrames:
     def _frame(self, seconds: float, sample: Any, _commanded: Any = None) -> TimedFrame:
         about, frame = self._widget.frame_of(sample)
         return TimedFrame(seconds, about, _header(sample) + frame)
+
+
+class ScanFrames(SampleFrames):
+    """A `Track` of scans, each with its pose by the first topic of odometry if there is a trail; see `SampleFrames`."""
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
+        super().__init__(recording, choice, widget)
+        odometry = (topic.name for topic in recording.topics if topic.widget and topic.type in PATH.types)
+        self._odometry = min(odometry, default=None)
+        self._poses = RecentPoses(None)
+
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
+        """See `Track`."""
+        self._poses = RecentPoses(None)
+        if self._odometry and self._widget.trail:
+            for moment in self._recording.samples(self._odometry, max(0.0, start - FARTHEST), end + FARTHEST):
+                self._poses.add(moment.sample.pose, moment.seconds, moment.sample.stamp_ns)
+        return super().frames(start, end)
+
+    def _frame(self, seconds: float, sample: Any, _commanded: Any = None) -> TimedFrame:
+        timed = super()._frame(seconds, sample)
+        robot = self._poses.at(seconds, sample.stamp_ns)
+        return timed._replace(about=timed.about | self._widget._scanner_at(robot))
 
 
 class SpeedFrames(SampleFrames):

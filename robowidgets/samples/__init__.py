@@ -10,6 +10,7 @@ from .problem import Problem
 from .scan import Ray, Scan
 from .sector import Sector
 from .speed import AXES, Speed
+from .spread import spread
 from .touch import Touch, TouchMode, TouchState
 from .validity import Validity
 
@@ -26,5 +27,6 @@ __all__ = [
     "TouchMode",
     "TouchState",
     "Validity",
+    "spread",
     "yaw_of",
 ]

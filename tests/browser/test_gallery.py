@@ -125,6 +125,35 @@ def test_pictures_of_conditions(plain_page: Callable[..., PlainPage], theme: Lit
     shoot(card, f"gallery-conditions-{theme}")
 
 
+TRAIL = """
+import robowidgets
+from robowidgets import LaserWidget, PathWidget, together
+from robowidgets._core.pacer import pacer
+
+laser, path = LaserWidget(title="/scan", view_range=5, trail=60), PathWidget(title="/odom")
+view = together(laser, path)
+laser
+"""
+DRIVE = """
+for moment in robowidgets.open(robowidgets.SAMPLE).samples(("/scan", "/odom"), 18.0, 24.0):
+    (path if moment.topic == "/odom" else laser).update(moment)
+    pacer.flush()
+laser.paused = True
+"""
+
+
+@every_theme
+def test_pictures_of_a_trail(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+    nb = plain_page([TRAIL, DRIVE], scale=2, theme=theme, run=False)
+    nb.run(0)
+    nb.resize(680)
+    nb.run(1)
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-footer")).to_contain_text("by odometry")
+    expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
+    shoot(card, f"gallery-trail-{theme}")
+
+
 PAD = """
 from robowidgets import DriveWidget
 from robowidgets.simulator import Robot, World

@@ -68,6 +68,17 @@ test("steps go from frame to frame, past segments with none, and say where somet
   assert.equal(segments.neighbour(0, 3.25, 1, 3.5), 3.25);
 });
 
+test("the last frames up to a time are told across segments, each once, as far back as segments are here", () => {
+  const segments = new Segments(1);
+  segments.put(1, [track(0.5, 1, 1.5)]);
+  segments.put(2, [track(1.5)]);
+  segments.put(3, [track(1.5, 3, 3.5)]);
+  const upTo = (time: number, count: number) => segments.upTo(0, time, count).map(({ frame }) => frame.time);
+  assert.deepEqual(upTo(3.2, 2), [1.5, 3]);
+  assert.deepEqual(upTo(3.5, 9), [1, 1.5, 3, 3.5]);
+  assert.deepEqual(upTo(0.2, 9), []);
+});
+
 interface Seen {
   on: Record<string, () => void>;
   state: Record<string, unknown>;
@@ -166,6 +177,28 @@ test("what is old is told with its age, whether it is new on show or not", async
   assert.deepEqual(told(8.5), { frame_id: "laser" }, "nothing was measured yet: it has no age");
   fake.receive({ _pauses: [0] });
   assert.deepEqual(told(5.04), { frame_id: "laser" }, "what holds until a message says otherwise is never old");
+  end();
+});
+
+test("a widget that shows earlier samples gets those up to the one on show, and keeps them while it is frozen", async () => {
+  const { playback, state, on, give, end } = await play({}, [1, 2]);
+  const recent = () => (state._recent as { bytes: DataView; about: unknown }[] | undefined)?.map(({ about }) => about);
+  playback.seek(1.6);
+  assert.equal(recent(), undefined, "it did not ask for any");
+  const set = (values: Record<string, unknown>) => {
+    Object.assign(state, values);
+    for (const name of Object.keys(values)) on[`change:${name}`]?.();
+  };
+  set({ trail: 3 });
+  assert.deepEqual(recent(), [{ frame_id: "1" }, { frame_id: "1" }]);
+  assert.equal((state._recent as { bytes: DataView }[]).at(-1)?.bytes, state._frame);
+  give(0);
+  assert.equal(recent()?.length, 4, "those of an earlier segment, which came later");
+  set({ paused: true });
+  playback.seek(2.6);
+  assert.deepEqual(recent()?.at(-1), { frame_id: "1" });
+  set({ paused: false });
+  assert.deepEqual(recent()?.at(-1), { frame_id: "2" });
   end();
 });
 

@@ -1,7 +1,7 @@
 import type { Box, Point } from "../shared/box.ts";
 import { angleOf, OUTSIDE_LIMITS, READING, type Scan } from "../shared/frames/scan.ts";
 import { setTraits } from "../shared/model.ts";
-import { Popup, toSentence } from "../shared/popup.ts";
+import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
 import type { Theme } from "../shared/theme.ts";
 import { toCode } from "./code.ts";
@@ -35,13 +35,16 @@ const WALK: Record<string, string> = {
 export class PointerLayer implements Layer {
   readonly traits = ["hovered", "pinned", "formula", "angle_unit"] as const;
   readonly #host: Host;
+  readonly #moreOf: (index: number) => string;
   readonly #foot: FormulaFoot;
   readonly #pinned: Popup;
   readonly #hovered: Popup;
   readonly #copy: CopyButton;
 
-  constructor(host: Host) {
+  /** @param moreOf what else is said of a ray */
+  constructor(host: Host, moreOf: (index: number) => string) {
     this.#host = host;
+    this.#moreOf = moreOf;
     this.#foot = new FormulaFoot(host.model, host.signal);
     this.#copy = new CopyButton(
       () => this.#toCode(),
@@ -71,12 +74,11 @@ export class PointerLayer implements Layer {
     const { scan, projection, box, occupied, labels, covered } = stage;
     const others: Box[] = [...covered];
     const center = { x: projection.centerX, y: projection.centerY };
-    const unit = this.#host.model.get("angle_unit");
     const show = (popup: Popup, index: number | null) => {
       if (!scan || index === null) return popup.hide();
       const end = index < scan.count ? endOf(stage, scan, index) : center;
       others.push(
-        popup.show(describeRay(scan, index, projection.viewRange, unit), (size) =>
+        popup.show(this.#describe(scan, index, projection.viewRange), (size) =>
           placePopup(size, box, center, end, occupied, others, labels),
         ),
       );
@@ -141,7 +143,11 @@ export class PointerLayer implements Layer {
     }
     const walked = to === "none" ? -1 : Math.min(last, Math.max(0, index));
     this.#setIndex("pinned", walked);
-    card.say(walked < 0 ? [] : toSentence(describeRay(scan, walked, 1, model.get("angle_unit"))));
+    card.say(walked < 0 ? [] : toSentence(this.#describe(scan, walked, 1)));
+  }
+
+  #describe(scan: Scan, index: number, reach: number): PopupWords {
+    return describeRay(scan, index, reach, this.#host.model.get("angle_unit"), this.#moreOf(index));
   }
 
   /** The pinned ray and the one under the pointer, where that is another. */

@@ -8,8 +8,9 @@ import type { PopupWords } from "../shared/popup.ts";
  *
  * @param reach metres of the picture, which set the decimals
  * @param unit in which the angle is shown
+ * @param more what else is said of the ray
  */
-export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUnit = "deg"): PopupWords {
+export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUnit = "deg", more = ""): PopupWords {
   const expression = `ranges[${index}]`;
   if (index >= scan.count) {
     return {
@@ -40,7 +41,7 @@ export function describeRay(scan: Scan, index: number, reach = 1, unit: AngleUni
         ? `${toFixed(range, 3)} m`
         : toFixed(range, 0),
     angle: toAngle(angle, unit),
-    details: parts.join("\n"),
+    details: [...parts, ...(more ? [more] : [])].join("\n"),
     side: sideOf(angle),
   };
 }

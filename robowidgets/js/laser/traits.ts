@@ -39,6 +39,10 @@ export interface LaserTraits extends SampleTraits {
   color_by_intensity: boolean;
   index_view: boolean;
   free_space: boolean;
+  /** How many scans before the one on show are behind it. */
+  trail: number;
+  /** Over how many scans the spread of each ray is drawn; 0: it is not. */
+  spread: number;
   /** Indices of rays. */
   hovered: number | null;
   pinned: number | null;

@@ -17,6 +17,7 @@ import { GuideLayer } from "./guide_layer.ts";
 import { HighlightLayer } from "./highlight_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
 import { Legend } from "./legend.ts";
+import { Past } from "./past.ts";
 import { PinLayer } from "./pin_layer.ts";
 import { PointerLayer } from "./pointer.ts";
 import { ReadingLayer } from "./reading_layer.ts";
@@ -24,7 +25,9 @@ import { RobotLayer } from "./robot_layer.ts";
 import { Scene, SETTINGS } from "./scene.ts";
 import { SectorLayer } from "./sector_layer.ts";
 import { ShapeLayer } from "./shape_layer.ts";
+import { SpreadLayer } from "./spread_layer.ts";
 import { Strip } from "./strip.ts";
+import { TrailLayer } from "./trail_layer.ts";
 import type { LaserTraits } from "./traits.ts";
 import { decideRange, stepRange } from "./zoom.ts";
 
@@ -65,15 +68,19 @@ export class LaserView implements Host {
     this.#scene = new Scene(model, picture);
     this.#legend = new Legend(footer, model, signal);
     this.#ghost = new Ghost(model, stream, this.redraw, signal);
+    const past = new Past(model, stream);
+    const spread = new SpreadLayer(past);
     this.#layers = [
       new FreeLayer(model, stream),
       new GuideLayer(model, this.#scene.measure),
+      new TrailLayer(this, past),
       new GhostLayer(this.#ghost),
+      spread,
       new RobotLayer(this),
       new ConditionLayer(stream),
       new ReadingLayer(model),
       new ShapeLayer(this),
-      new PointerLayer(this),
+      new PointerLayer(this, spread.wordsOf),
       new HighlightLayer(model),
       new PinLayer(this),
       new SectorLayer(this),

@@ -1,5 +1,5 @@
 import type { Model } from "../shared/model.ts";
-import type { Picking, Pointing, SampleTraits, TimeTraits } from "../shared/traits.ts";
+import type { Picking, Pointing, Recent, SampleTraits, TimeTraits } from "../shared/traits.ts";
 
 /** A widget's model in its host. `set_state` acts like a message of the kernel: the kernel is sent nothing. */
 export interface Host<T> extends Pick<Model<T>, "get" | "set" | "save_changes" | "on" | "off"> {
@@ -8,8 +8,8 @@ export interface Host<T> extends Pick<Model<T>, "get" | "set" | "save_changes" |
   _state_lock?: Record<string, unknown> | null;
 }
 
-/** Only a laser has rays at which a person points. */
-export type Target = SampleTraits & Picking & { hovered?: number | null };
+/** Only a laser has rays at which a person points, and shows earlier samples, too. */
+export type Target = SampleTraits & Picking & Recent & { hovered?: number | null; trail?: number; spread?: number };
 export type Follower = Host<TimeTraits & Pointing>;
 
 /** The models that a player moves. */

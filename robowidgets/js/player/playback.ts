@@ -262,6 +262,7 @@ export class Playback {
       target.set_state(state);
     }
     if (frames && this.#steps) this.#holdFrozen(frames.map(({ frame }) => frame.bytes));
+    for (const [i, target] of this.#moved.targets.entries()) this.#giveRecent(target, i);
     this.#showRay();
     for (const follower of this.#moved.followers) {
       if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
@@ -269,15 +270,29 @@ export class Playback {
     this.#changed();
   }
 
+  /** Gives a widget that shows earlier samples, too, the last ones up to the one that it shows. */
+  #giveRecent(target: Host<Target>, of: number): void {
+    const before = target.get("_recent");
+    const count = Math.max(target.get("trail") ?? 0, (target.get("spread") ?? 0) - 1);
+    if (count <= 0 && !before) return;
+    const time = target.get("paused") ? this.#frozenAt : null;
+    const found = this.#segments.upTo(of, time ?? this.shown, count + 1);
+    const isSame = found.length === before?.length && found.every(({ frame }, i) => frame.bytes === before[i]?.bytes);
+    if (isSame) return;
+    target.set_state({
+      _recent: found.map(({ track, frame }) => ({ ...frame, at: NaN, about: track.abouts[frame.about] ?? {} })),
+    });
+  }
+
   /** Frozen widgets are at one moment, from which steps go on. */
   #watchFreezing(target: Host<Target>, signal: AbortSignal): void {
     const onPaused = () => {
       const isFrozen = this.#moved.targets.some((other) => other.get("paused"));
       this.#frozenAt = isFrozen ? (this.#frozenAt ?? this.shown) : null;
+      this.#show();
     };
     onPaused();
-    target.on("change:paused", onPaused);
-    onAbort(signal, () => target.off("change:paused", onPaused));
+    onChange(target, ["paused", "trail", "spread"], onPaused, signal);
   }
 
   /** A click on a place of the path goes to its time. */

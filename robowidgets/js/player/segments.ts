@@ -71,6 +71,18 @@ export class Segments {
     });
   }
 
+  /** The last frames of one widget up to a time, oldest first: at most so many, as far back as segments are here. */
+  upTo(of: number, time: number, count: number): { track: Track; frame: TimedFrame }[] {
+    let found: { track: Track; frame: TimedFrame }[] = [];
+    for (let index = this.indexOf(time); found.length < count; index--) {
+      const track = this.#tracks.get(index)?.[of];
+      if (!track) break;
+      const frames = track.frames.filter((frame) => frame.time >= index * this.#seconds && frame.time <= time);
+      found = [...frames.map((frame) => ({ track, frame })), ...found];
+    }
+    return found.slice(-count);
+  }
+
   /**
    * The time of the next frame of one widget, or of the one before.
    * @returns null where the segment that must hold it is not here

@@ -1,11 +1,4 @@
-import type { About } from "./traits.ts";
-
-/** A sample: its frame, arrival in milliseconds (NaN: in the state at page load), and Python's words about it. */
-export interface Moment {
-  bytes: DataView;
-  at: number;
-  about: About;
-}
+import type { About, Moment } from "./traits.ts";
 
 /** Samples kept per second of history; a faster source fills the history in less time. */
 const PER_SECOND = 20;

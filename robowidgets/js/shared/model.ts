@@ -54,7 +54,7 @@ export function setTraits<T>(model: Model<T>, values: Partial<T>): void {
 
 /** Calls back when any of the traits changes, until the signal aborts. */
 export function onChange<T>(
-  model: Model<T>,
+  model: Pick<Model<T>, "on" | "off">,
   names: readonly (keyof T & string)[],
   callback: () => void,
   signal: AbortSignal,

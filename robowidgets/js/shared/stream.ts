@@ -1,11 +1,11 @@
 import { copyOf, type Reader, toBytes } from "./bytes.ts";
 import { onAbort } from "./events.ts";
-import { History, type Moment } from "./history.ts";
+import { History } from "./history.ts";
 import { type Model, onChange, setTraits } from "./model.ts";
 import { throttle } from "./schedule.ts";
 import { firstWhere } from "./search.ts";
 import { join, type Member, othersOf } from "./together.ts";
-import type { About, SampleTraits } from "./traits.ts";
+import type { About, Moment, Recent, SampleTraits } from "./traits.ts";
 
 /** The header of a frame, as far as the page uses it. */
 export interface Frame {
@@ -95,6 +95,7 @@ export class Stream<F extends Frame> implements Member {
     onChange(model, ["paused"], () => this.#onPaused(), signal);
     onChange(model, ["_frozen_frame"], () => this.#tell(), signal);
     onChange(model, ["_about"], () => this.#onAbout(), signal);
+    onChange(model as Model<Recent>, ["_recent"], () => this.#tell(), signal);
     onAbort(signal, () => clearTimeout(this.#stale));
     join(this, signal);
   }
@@ -160,13 +161,19 @@ export class Stream<F extends Frame> implements Member {
 
   /** The samples of the history with their times of arrival, oldest first, up to the one on show. */
   get upToShown(): { at: number; frame: F }[] {
-    const { moments } = this.#history;
-    const shown = moments.slice(0, (this.place?.index ?? moments.length - 1) + 1);
-    return shown.map(({ at, bytes }) => {
+    return this.last(Infinity).map(({ at, bytes }) => {
       const frame = this.#frames.get(bytes) ?? this.#decode(bytes);
       this.#frames.set(bytes, frame);
       return { at, frame };
     });
+  }
+
+  /** The last samples up to the one on show, oldest first, at most so many: of the history, or as a player gives them. */
+  last(count: number): Moment[] {
+    const { moments } = this.#history;
+    // In a notebook that was saved there are no bytes in it.
+    const given = (this.#model as Model<Recent>).get("_recent")?.filter(({ bytes }) => bytes instanceof DataView);
+    return (given ?? moments.slice(0, (this.place?.index ?? moments.length - 1) + 1)).slice(-count);
   }
 
   /** What is said of the samples of the history, oldest first, each with its sequence number and its arrival. */

@@ -34,6 +34,13 @@ export interface SampleTraits extends FrameTraits {
 /** Something odd, in plain words, and what to do about it, which may be empty. */
 export type Problem = readonly [what: string, remedy: string];
 
+/** A sample: its frame, arrival in milliseconds (NaN: in the state at page load), and Python's words about it. */
+export interface Moment {
+  bytes: DataView;
+  at: number;
+  about: About;
+}
+
 /** What Python says about the newest sample. */
 export interface About {
   frame_id?: string;
@@ -51,6 +58,8 @@ export interface About {
   shapes?: Shape[];
   /** Numbers that the program plots, by name; null where it gave none since the sample before. */
   numbers?: Record<string, number | null>;
+  /** Where the scanner was in the frame of odometry: metres and radians. */
+  pose?: [x: number, y: number, yaw: number];
   /** Sequence number of the sample that the lamps tell of. */
   judged?: number;
 }
@@ -116,6 +125,12 @@ export interface TimeTraits {
 export interface Picking {
   /** The time that a person picked on a widget, to which a player then goes; undefined: no player is there. */
   _picked: number | null | undefined;
+}
+
+/** Traits for other widgets in the page; Python has none of this name. */
+export interface Recent {
+  /** The last samples up to the one on show, oldest first, of a widget that a player moves. */
+  _recent?: Moment[];
 }
 
 /** Traits for other widgets in the page; Python has none of this name. */

@@ -15,6 +15,7 @@ from ...repair import RecordingError
 from ...samples import Scan
 from ...samples.scan import distances, ray_distances
 from ...samples.sector import Asked
+from ...samples.spread import readings, spread_of
 from ..times import span_ns
 from ._decoders import ScanDecoder
 from .chunks import ScanChunk
@@ -104,6 +105,18 @@ class Scans(Series[Scan]):
         """
         away = self._of_rays("ray_distances", self.ray_count, lambda chunk: ray_distances(chunk.ranges, chunk.like))
         return np.ma.masked_array(away, np.isnan(away), fill_value=np.nan)
+
+    def spread(self) -> NDArray[np.float32]:
+        """How far the readings of each ray scatter over these scans: metres, shape (R,); see `samples.spread`.
+
+        Raises:
+            RecordingError: as `ranges`.
+
+        Example:
+            >>> recording.scans("/scan")[-50:].spread()  # doctest: +SKIP
+        """
+        columns = self._of_rays("spread", self.ray_count, lambda chunk: readings(chunk.ranges, chunk.like))
+        return spread_of(columns)
 
     @property
     def intensities(self) -> NDArray[np.float32]:

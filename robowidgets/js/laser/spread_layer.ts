@@ -1,0 +1,82 @@
+import { toFixed } from "../shared/format.ts";
+import { angleOf } from "../shared/frames/scan.ts";
+import type { Theme } from "../shared/theme.ts";
+import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
+import type { Past } from "./past.ts";
+import { toPixel } from "./projection.ts";
+import { type Spread, spreadAt, spreadOf } from "./spread.ts";
+
+/** How far the readings of each ray scatter: a bar along the ray, and a band in the index view. */
+export class SpreadLayer implements Layer {
+  readonly traits = ["spread"] as const;
+  readonly #past: Past;
+  #known: { scans: unknown[]; spread: Spread } | null = null;
+
+  constructor(past: Past) {
+    this.#past = past;
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    const spread = this.#spread;
+    return spread ? { ghost: (context, stage, theme) => drawBars(context, stage, spread, theme) } : {};
+  }
+
+  strip(): Partial<Record<Depth, StripPainter>> {
+    const spread = this.#spread;
+    return spread ? { ghost: (context, strip, theme) => drawBand(context, strip, spread, theme) } : {};
+  }
+
+  /** "spread ±0.012 m in 50 scans", of a ray; empty where it has none. */
+  readonly wordsOf = (index: number): string => {
+    const spread = this.#spread;
+    const metres = spread ? spreadAt(spread, index) : NaN;
+    return spread && metres >= 0 ? `spread \u00b1${toFixed(metres, 3)} m in ${spread.count} scans` : "";
+  };
+
+  /** Null unless it is asked for. */
+  get #spread(): Spread | null {
+    const count = this.#past.spread;
+    if (!count) return null;
+    const scans = this.#past.last(count).map(({ scan }) => scan);
+    const known = this.#known?.scans;
+    if (known?.length !== scans.length || scans.some((scan, i) => scan !== known[i])) {
+      this.#known = { scans, spread: spreadOf(scans) };
+    }
+    return this.#known?.spread ?? null;
+  }
+}
+
+function drawBars(context: CanvasRenderingContext2D, stage: Stage, { low, high }: Spread, theme: Theme): void {
+  const { scan, projection } = stage;
+  if (!scan) return;
+  context.beginPath();
+  for (let i = 0; i < scan.count; i++) {
+    const [near, far] = [low[i] as number, Math.min(high[i] as number, projection.viewRange)];
+    if (!(near < far)) continue;
+    for (const [to, metres] of [
+      ["moveTo", near],
+      ["lineTo", far],
+    ] as const) {
+      const { x, y } = toPixel(projection, metres, angleOf(scan, i));
+      context[to](x, y);
+    }
+  }
+  context.strokeStyle = theme.guide;
+  context.lineWidth = 1;
+  context.stroke();
+}
+
+function drawBand(context: CanvasRenderingContext2D, strip: StripStage, { low, high }: Spread, theme: Theme): void {
+  const { count, viewRange, xOf, yOf } = strip;
+  context.beginPath();
+  for (let i = 0; i < count; i++) {
+    const [near, far] = [low[i] as number, Math.min(high[i] as number, viewRange)];
+    if (!(near < far)) continue;
+    const [left, top] = [xOf(i - 0.5), yOf(far)];
+    context.rect(left, top, xOf(i + 0.5) - left, yOf(near) - top);
+  }
+  context.globalAlpha = 0.5;
+  context.fillStyle = theme.ghost;
+  context.fill();
+  context.globalAlpha = 1;
+}

@@ -1,0 +1,120 @@
+import type { Point } from "../shared/box.ts";
+import type { Size } from "../shared/canvas.ts";
+import { make, setText } from "../shared/dom.ts";
+import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
+import type { Theme } from "../shared/theme.ts";
+import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
+import type { Past, PastScan } from "./past.ts";
+import { type Projection, toPixel } from "./projection.ts";
+
+/** Opacity of the oldest and of the newest. */
+const FADED = [0.1, 0.5] as const;
+
+/** The scans before the one on show, faded behind it: by odometry, or in the scanner's frame. */
+export class TrailLayer implements Layer {
+  readonly traits = ["trail"] as const;
+  readonly #past: Past;
+  readonly #words = make("span", "");
+  #image: TrailImage | null = null;
+
+  constructor(host: Host, past: Past) {
+    this.#past = past;
+    host.card.footer.append(this.#words);
+  }
+
+  painters(): Partial<Record<Depth, Painter>> {
+    const { trail } = this.#past;
+    if (!trail) return {};
+    this.#image ??= new TrailImage();
+    const image = this.#image;
+    return {
+      ghost: (context, stage, theme) => image.draw(context, stage, placeScans(this.#past.last(trail + 1)), theme),
+    };
+  }
+
+  place(): void {
+    const { trail } = this.#past;
+    const isPlaced = trail > 0 && this.#past.last(1)[0]?.pose;
+    setText(this.#words, trail ? `trail of ${trail}, ${isPlaced ? "by odometry" : "scanner\u2019s frame"}` : "");
+  }
+}
+
+/** A scan, and where its scanner was in the frame of the scanner now: metres, and radians that it was turned. */
+export interface Placed extends Point {
+  scan: Scan;
+  turn: number;
+}
+
+/**
+ * The scans before the last one, oldest first. Where the pose of the last is known, the others are placed by theirs, and
+ * those without one are left out; else they are where the scanner is.
+ */
+export function placeScans(scans: PastScan[]): Placed[] {
+  const here = scans.at(-1)?.pose;
+  if (!here) return scans.slice(0, -1).map(({ scan }) => ({ scan, x: 0, y: 0, turn: 0 }));
+  const [cos, sin] = [Math.cos(here[2]), Math.sin(here[2])];
+  return scans.slice(0, -1).flatMap(({ scan, pose }) => {
+    if (!pose) return [];
+    const [dx, dy] = [pose[0] - here[0], pose[1] - here[1]];
+    return [{ scan, x: cos * dx + sin * dy, y: cos * dy - sin * dx, turn: pose[2] - here[2] }];
+  });
+}
+
+/**
+ * Draws scans as dots, by writing pixels: as rectangles they would take five times as long as all the rest of the picture.
+ * Of dots at one place the newest shows.
+ */
+class TrailImage {
+  readonly #canvas = new OffscreenCanvas(1, 1);
+  readonly #context = this.#canvas.getContext("2d") as OffscreenCanvasRenderingContext2D;
+  #image = new ImageData(1, 1);
+
+  draw(context: CanvasRenderingContext2D, { projection, box }: Stage, scans: Placed[], theme: Theme): void {
+    const [width, height] = [Math.ceil(box.width), Math.ceil(box.y + box.height)];
+    if (this.#image.width !== width || this.#image.height !== height) {
+      [this.#canvas.width, this.#canvas.height] = [width, height];
+      this.#image = new ImageData(width, height);
+    }
+    const pixels = new Uint32Array(this.#image.data.buffer).fill(0);
+    for (const [i, placed] of [...scans.entries()].reverse()) {
+      const share = scans.length > 1 ? i / (scans.length - 1) : 1;
+      fillDots(pixels, { width, height }, projection, placed, FADED[0] + share * (FADED[1] - FADED[0]));
+    }
+    this.#context.putImageData(this.#image, 0, 0);
+    this.#context.globalCompositeOperation = "source-in";
+    this.#context.fillStyle = theme.reading;
+    this.#context.fillRect(0, 0, width, height);
+    context.imageSmoothingEnabled = false;
+    context.drawImage(this.#canvas, 0, 0);
+  }
+}
+
+/** Fills the pixels of a scan's readings in view, as far as they are empty, with black of some opacity. */
+function fillDots(
+  pixels: Uint32Array,
+  { width, height }: Size,
+  projection: Projection,
+  { scan, x, y, turn }: Placed,
+  opacity: number,
+): void {
+  const { centerX, centerY, radius, viewRange, forward } = projection;
+  const shade = (Math.round(255 * opacity) << 24) >>> 0;
+  const origin = toPixel(projection, Math.hypot(x, y), Math.atan2(y, x));
+  for (let i = 0; i < scan.count; i++) {
+    if (scan.kinds[i] !== READING) continue;
+    const angle = angleOf(scan, i) + turn + forward;
+    const length = ((scan.ranges[i] as number) / viewRange) * radius;
+    const left = origin.x + length * Math.cos(angle);
+    const top = origin.y - length * Math.sin(angle);
+    if ((left - centerX) ** 2 + (top - centerY) ** 2 > radius ** 2) continue;
+    const column = Math.round(left) - 1;
+    const row = Math.round(top) - 1;
+    if (column < 0 || row < 0 || column > width - 2 || row > height - 2) continue;
+    const upper = row * width + column;
+    const lower = upper + width;
+    pixels[upper] ||= shade;
+    pixels[upper + 1] ||= shade;
+    pixels[lower] ||= shade;
+    pixels[lower + 1] ||= shade;
+  }
+}

@@ -1,0 +1,47 @@
+"""The last poses of a robot, and where it was at the time of another sample."""
+
+from __future__ import annotations
+
+from collections import deque
+from math import isfinite, nan
+
+import numpy as np
+
+from ..samples import Pose
+
+KEPT = 500
+FARTHEST = 1.0
+"""Seconds from a sample to the nearest pose; beyond that nobody knows where the robot was."""
+
+
+class RecentPoses:
+    """Poses of a robot, oldest first, each with the seconds at which it arrived and its stamp.
+
+    Args:
+        most: how many are kept; None: all.
+    """
+
+    def __init__(self, most: int | None = KEPT) -> None:
+        self._rows: deque[tuple[float, ...]] = deque(maxlen=most)
+
+    def add(self, pose: Pose, arrived: float, stamp_ns: int | None) -> None:
+        """Add the newest pose. One that is not finite is left out, and one whose time goes back starts anew."""
+        row = (arrived, stamp_ns / 1e9 if stamp_ns else nan, *pose)
+        if not all(map(isfinite, pose)):
+            return
+        if self._rows and (row[0] < self._rows[-1][0] or row[1] < self._rows[-1][1]):
+            self._rows.clear()
+        self._rows.append(row)
+
+    def at(self, arrived: float, stamp_ns: int | None) -> Pose | None:
+        """Where the robot was at the time of a sample, between two poses; None where no pose is near.
+
+        By stamps, where the sample and all poses have some of one clock; else by arrival.
+        """
+        if not self._rows:
+            return None
+        arrivals, stamps, x, y, yaw = np.array(self._rows).T
+        for times, time in ((stamps, stamp_ns / 1e9 if stamp_ns else nan), (arrivals, arrived)):
+            if np.isfinite(times).all() and times[0] - FARTHEST <= time <= times[-1] + FARTHEST:
+                return Pose(*(float(np.interp(time, times, column)) for column in (x, y, np.unwrap(yaw))))
+        return None
