@@ -1,4 +1,4 @@
-"""What a program needs of a robot. A feed gives it, and so does a test."""
+"""What a program needs of a robot, which a feed gives it."""
 
 from __future__ import annotations
 
