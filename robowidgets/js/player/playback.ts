@@ -304,8 +304,7 @@ export class Playback {
       if (typeof time === "number") this.seek(time);
     };
     onPicked();
-    target.on("change:_picked", onPicked);
-    onAbort(signal, () => target.off("change:_picked", onPicked));
+    onChange(target, ["_picked"], onPicked, signal);
   }
 
   /** A step of frozen widgets: all of them show the moment, and stay frozen. */
@@ -354,16 +353,10 @@ export class Playback {
       // After the other widget has sent its own change, so that Python need not correct it.
       queueMicrotask(() => setTraits(this.#model, { selection: selection && ([selection[0], selection[1]] as Span) }));
     };
-    follower.on("change:time", onTime);
-    follower.on("change:_pointed", onPoint);
-    laser?.on("change:hovered", onRay);
-    follower.on("change:selection", onSelection);
-    onAbort(signal, () => {
-      follower.off("change:time", onTime);
-      follower.off("change:_pointed", onPoint);
-      laser?.off("change:hovered", onRay);
-      follower.off("change:selection", onSelection);
-    });
+    onChange(follower, ["time"], onTime, signal);
+    onChange(follower, ["_pointed"], onPoint, signal);
+    onChange(follower, ["selection"], onSelection, signal);
+    if (laser) onChange(laser, ["hovered"], onRay, signal);
   }
 
   #within(time: number): number {
