@@ -6,6 +6,7 @@ The program runs in a real kernel, beside a function that is connected to the ro
 from __future__ import annotations
 
 import math
+import signal
 import subprocess
 import sys
 import tempfile
@@ -27,7 +28,7 @@ TIMES = 10
 WINDOW = 0.3
 """Seconds after a cause, beyond those that a speed holds, in which zero must come and nothing else be driven."""
 HOLD = 0.5
-END = "end of the kernel"
+ENDS = ("end of the kernel", "SIGTERM", "SIGHUP", "a lost server")
 
 OPEN = {
     "dds": f"feeds.dds({DOMAIN}, interface='lo')",
@@ -38,24 +39,23 @@ OPEN = {
 }
 STAND_IN = """
 import pytest, threading, time
-from tests.unit.feeds.fake_rclpy import SingleThreadedExecutor, get_message, install
+from tests.unit.feeds.fake_rclpy import get_message, install
 graph = install(pytest.MonkeyPatch())
 def note(message):
     with open({path!r}, "a") as log:
         print(time.monotonic(), message.linear.x, message.angular.z, file=log)
 def scans():
+    scan = get_message("sensor_msgs/msg/LaserScan")()
+    scan.range_max = 10.0
     while True:
-        scanner.publish(get_message("sensor_msgs/msg/LaserScan")())
+        scanner.publish(scan)
         time.sleep(0.1)
 base = graph.node("base")
-base.create_subscription(get_message("geometry_msgs/msg/Twist"), "/cmd_vel", note, 10)
+base.create_subscription(get_message("geometry_msgs/msg/Twist"), "/cmd_vel", print, 10).receive = note
 scanner = base.create_publisher(get_message("sensor_msgs/msg/LaserScan"), "/scan", 10)
-executor = SingleThreadedExecutor(context=base.context)
-executor.add_node(base)
-for task in (executor.spin, scans):
-    threading.Thread(target=task, daemon=True).start()
+threading.Thread(target=scans, daemon=True).start()
 """
-"""rclpy is in no registry: a stand-in waits and wakes as it does, with the robot in the same process."""
+"""rclpy is in no registry: a stand-in waits and wakes as it does, and logs what leaves the process."""
 SETUP = """
 import sys, time
 sys.path.append({system!r}) if {ros1} else None
@@ -63,7 +63,11 @@ from robowidgets import DriveWidget, feeds
 def opened():
     feed = {opened}
     feed.connect("/scan", hang)
-    return feed
+    for _ in range(1000):
+        if feed.functions[0].entered:
+            return feed
+        time.sleep(0.01)
+    raise RuntimeError("no scan has come to the function that hangs")
 def hang(scan):
     time.sleep(3600)
 def driving(feed):
@@ -115,8 +119,14 @@ time.sleep(0.4)
 """
 """Its speeds hold for so long that no zero of the hold hides a missing one."""
 END_PROGRAM = "go.close(); feed.driving = feeds.Driving()"
-SLOW = {"hold": HOLD, "a program loops": HOLD}
-"""Seconds that pass before zero is due: a speed holds, or a step is waited for."""
+SLOW = {"hold": HOLD, "a program loops": HOLD, "a lost server": 1.0}
+"""Seconds that pass before zero is due: a speed holds, a step is waited for, a kernel looks for its server."""
+SERVER = """
+from jupyter_client.manager import start_new_kernel
+manager, client = start_new_kernel()
+print(manager.connection_file, flush=True)
+input()
+"""
 
 
 @dataclass
@@ -134,7 +144,10 @@ class Kernel:
     def __init__(self) -> None:
         self.manager = KernelManager()
         self.manager.start_kernel()
-        self._client: BlockingKernelClient = self.manager.client()
+        self._connect(self.manager.client())
+
+    def _connect(self, client: BlockingKernelClient) -> None:
+        self._client = client
         self._client.start_channels()
         self._client.wait_for_ready(timeout=60)
 
@@ -161,6 +174,24 @@ class Kernel:
         self._client.stop_channels()
         if self.manager.is_alive():
             self.manager.shutdown_kernel(now=True)
+
+
+class ServedKernel(Kernel):
+    """A kernel that another process has started, which can be killed."""
+
+    def __init__(self) -> None:
+        self.server = subprocess.Popen(
+            [sys.executable, "-c", SERVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        assert self.server.stdout is not None
+        client = BlockingKernelClient(connection_file=self.server.stdout.readline().strip())
+        client.load_connection_file()
+        self._connect(client)
+
+    def close(self) -> None:
+        self._client.stop_channels()
+        self.server.kill()
+        self.server.communicate()
 
 
 @contextmanager
@@ -194,7 +225,7 @@ def measured(name: str, times: int = TIMES) -> list[Stopped]:
                 tries = {cause: [_try(kernel, cause, path) for _ in range(times)] for cause in TRIES}
             finally:
                 kernel.close()
-            tries[END] = [_end(setup, path) for _ in range(max(1, times // 3))]
+            tries |= {end: [_end(setup, end, path) for _ in range(max(1, times // 3))] for end in ENDS}
     return [Stopped(name, cause, seconds) for cause, seconds in tries.items()]
 
 
@@ -221,13 +252,18 @@ def _try(kernel: Kernel, cause: str, path: Path) -> float:
     return seconds
 
 
-def _end(setup: str, path: Path) -> float:
-    kernel = Kernel()
+def _end(setup: str, end: str, path: Path) -> float:
+    kernel = ServedKernel() if end == "a lost server" else Kernel()
     try:
         kernel.run(setup + "feed.driving = feeds.Driving(hold=60.0)\ndriving(feed)")
         at = time.monotonic()
-        kernel.manager.shutdown_kernel()
-        return _until_zero(path, at)
+        if isinstance(kernel, ServedKernel):
+            kernel.server.kill()
+        elif end == "end of the kernel":
+            kernel.manager.shutdown_kernel()
+        else:
+            kernel.manager.signal_kernel(signal.Signals[end])
+        return _until_zero(path, at, SLOW.get(end, 0.0))
     finally:
         kernel.close()
 
