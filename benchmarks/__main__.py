@@ -61,7 +61,7 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   (`hold`, half a second), `feed.stop()`, the release of a pad, `feed.close()`, the kernel's interrupt, its end,
   SIGTERM, SIGHUP, the death of its server, for which it looks once a second; and with a `@feed.program`, a step that
   raises, the begin of one that loops for ever, Stop, the interrupt between cells. A zero after which something moves
-  again does not count. ros2 is a stand-in that waits and wakes as rclpy does, and logs what leaves the kernel's process.
+  again does not count. ros2 is a stand-in that waits and wakes as rclpy does, and logs what leaves its process.
 - The cell of a program that steps 20 times a second runs again and again in a real kernel, and counts from the request
   until the first step of the new version. What a step costs is the CPU of the program's thread from step to step, at
   200 Hz on the simulator, for a function that asks for scan and variables, and for a machine of three levels that
