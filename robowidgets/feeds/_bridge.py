@@ -26,9 +26,9 @@ class UnreadableError(Exception):
 class Bridge(ThreadedMiddleware):
     """The part of a `Middleware` that is the same for every protocol over a websocket. A protocol is a subclass.
 
-    All methods but those of `Middleware` run in its thread. All frames that wait in the network are received first;
-    then only the newest of each topic is decoded, but every event. The subclass calls `Listener.on_connected` as soon
-    as it can publish.
+    All methods but `_publish` and those of `Middleware` run in its thread. All frames that wait in the network are
+    received first; then only the newest of each topic is decoded, but every event. The subclass calls
+    `Listener.on_connected` as soon as it can publish.
 
     Raises:
         TypeError, ValueError: the address is invalid.

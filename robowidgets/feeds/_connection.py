@@ -222,14 +222,10 @@ class Connection(Watched):
         """The name by which the page knows the widgets of this robot."""
         return self._table.robot
 
-    def check(self, *topics: Any) -> None:
-        """TypeError or ValueError for anything but names of topics; FeedError unless the feed is open, here."""
+    def check_open(self, *topics: Any) -> None:
+        """FeedError unless the feed is open, in this process; TypeError or ValueError for no names of topics."""
         for topic in topics:
             check_name(topic)
-        self.check_open()
-
-    def check_open(self) -> None:
-        """FeedError unless the feed is open, in this process."""
         if self.is_closed:
             why = "stayed with the process that was forked" if self.is_forked else "is closed"
             raise FeedError(f"the feed of {self.where} {why}: open it again")

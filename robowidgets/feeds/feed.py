@@ -145,7 +145,7 @@ class Feed:
         """
         if finite("timeout", timeout, "seconds") <= 0:
             raise ValueError(f"timeout: expected seconds above 0, got {timeout!r}")
-        self.connection.check(topic)
+        self.connection.check_open(topic)
         return scans_of(self.connection, topic, timeout)
 
     def show(self, *topics: str) -> FeedView:
@@ -166,7 +166,7 @@ class Feed:
         """
         from ._feed_view import FeedView
 
-        self.connection.check(*topics)
+        self.connection.check_open(*topics)
         self.connection.await_topics(topics)
         return FeedView(self, topics)
 
@@ -192,7 +192,7 @@ class Feed:
         """
         from ._recorder import Recorder
 
-        self.connection.check(*topics)
+        self.connection.check_open(*topics)
         return Recorder(self.connection, path, topics)
 
     def drive(self, linear: float = 0.0, angular: float = 0.0) -> None:
@@ -268,7 +268,7 @@ class Feed:
             >>> avoid.mode
             'ended'
         """
-        self.connection.check(*topics.values(), *(() if on is None else (on,)))
+        self.connection.check_open(*topics.values(), *(() if on is None else (on,)))
         if function is not None:
             return self.connection.install(function, rate, on, topics)
         return lambda given: self.connection.install(given, rate, on, topics)

@@ -41,8 +41,8 @@ def in_json(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Questions for topics follow each other quickly."""
-    monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_POLL", 0.1)
+    """Questions for topics follow each other quickly, but leave a busy machine time for the answers."""
+    monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_POLL", 0.3)
 
 
 def opened(address: str, ears: Ears, *topics: str) -> Rosbridge:
