@@ -108,7 +108,7 @@ class TestARecordingWithARepairedClock:
         frames = [without_arrival(one.frame) for some in timed for one in some[1:]]
         expected = [track._frame(moment.seconds, moment.sample).frame for moment in recording.samples(SCAN)]
         assert frames == [without_arrival(frame) for frame in expected]
-        ((_, raw),) = segment([track], 4)
+        _, (raw,) = segment([track], 4)
         assert np.frombuffer(raw, np.float64, 1)[0] == 41
 
     def test_is_searched_in_that_order(self, tmp_path: Path) -> None:
@@ -242,7 +242,7 @@ class TestALongSilence:
             f"nothing was recorded for {days + 0.1:.2f} s from 4.90 s on, or the clock jumped ahead",
         )
         assert len(list(track.frames(days + 9.0, days + 10.0))) == 11
-        ((_, raw),) = segment([track], int(days) + 9)
+        _, (raw,) = segment([track], int(days) + 9)
         assert np.frombuffer(raw, np.float64, 1)[0] == 11
 
 
