@@ -410,7 +410,9 @@ test("a step moves frozen widgets from the moment at which they are frozen, and 
   playback.step(1);
   assert.deepEqual(sent.at(-1), { step: [1.5, 1] }, "where the page lacks the next sample Python finds it");
   const before = state._frozen_frame;
-  fake.tell({ seek: 2.5 });
+  give(0);
+  assert.equal(state._frozen_frame, before, "whatever else comes first");
+  fake.tell({ seek: 2.5, step: [1.5, 1] });
   assert.equal(state._frozen_frame, before, "until its segment is there");
   give(2);
   assert.notEqual(state._frozen_frame, before);

@@ -38,8 +38,8 @@ export class Playback {
   #frozenAt: number | null = null;
   /** The newest step that the page could not take yet, because it lacks a segment; null without one. */
   #wished: Step | null = null;
-  /** Whether a step is to move frozen widgets, too, once the page has its segment. */
-  #steps = false;
+  /** Whether frozen widgets go to the time, too, once the page has its segment: it was reached by a step. */
+  #movesFrozen = false;
   /** Index of the ray that the laser shows because a person points at it on the scanogram. */
   #ray: number | null = null;
   #last = 0;
@@ -131,7 +131,12 @@ export class Playback {
   }
 
   seek(time: number): void {
+    this.#goTo(time, false);
+  }
+
+  #goTo(time: number, isStep: boolean): void {
     this.#time = this.#within(time);
+    this.#movesFrozen = isStep;
     this.#pointed = null;
     this.#wished = null;
     this.#show();
@@ -160,7 +165,6 @@ export class Playback {
   step(direction: -1 | 1): void {
     if (this.playing) setTraits(this.#model, { playing: false });
     this.#wished = [this.#frozenAt ?? this.#time, direction];
-    this.#steps = this.#frozenAt !== null;
     this.#takeStep();
     if (!this.#wished) return;
     // Across a long silence only Python knows the next sample. While it is busy, the segments may come before its answer.
@@ -171,7 +175,7 @@ export class Playback {
   /** Takes the step that is wished, where the page has what it needs. */
   #takeStep(): void {
     const to = this.#wished && this.#segments.neighbour(0, ...this.#wished, this.duration);
-    if (to !== null) this.seek(to);
+    if (to !== null) this.#goTo(to, true);
   }
 
   /** To the start of the next mark, or of the one before. */
@@ -222,7 +226,7 @@ export class Playback {
   #onMessage({ seek, step, segment = 0, drop = [], abouts = [] }: Message, buffers: DataView[]): void {
     if (seek !== undefined) {
       // A late answer to a step that was taken meanwhile, or replaced by another one, leads nowhere.
-      if (!step || step.join() === this.#wished?.join()) this.seek(seek);
+      if (!step || step.join() === this.#wished?.join()) this.#goTo(seek, Boolean(step));
       return;
     }
     const tracks = buffers.map((buffer, i): Track => {
@@ -261,7 +265,7 @@ export class Playback {
       if (about.judged !== undefined) about.judged = frame.bytes.getFloat64(0, true);
       target.set_state(state);
     }
-    if (frames && this.#steps) this.#holdFrozen(frames.map(({ frame }) => frame.bytes));
+    if (frames && this.#movesFrozen) this.#holdFrozen(frames.map(({ frame }) => frame.bytes));
     for (const [i, target] of this.#moved.targets.entries()) this.#giveRecent(target, i);
     this.#showRay();
     for (const follower of this.#moved.followers) {
@@ -309,7 +313,8 @@ export class Playback {
 
   /** A step of frozen widgets: all of them show the moment, and stay frozen. */
   #holdFrozen(frames: DataView[]): void {
-    this.#steps = false;
+    this.#movesFrozen = false;
+    if (this.#frozenAt === null) return;
     this.#frozenAt = this.#time;
     for (const [i, target] of this.#moved.targets.entries()) {
       const bytes = frames[i];
