@@ -4,10 +4,11 @@ import { markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Span } from "../shared/time_axis.ts";
-import type { About, Pointing } from "../shared/traits.ts";
+import type { Pointing } from "../shared/traits.ts";
 import type { Follower, Host, Moved, Target } from "./moved.ts";
 import { Prefetcher } from "./prefetch.ts";
-import { decodeFrames, Segments, type Track } from "./segments.ts";
+import { decodeFrames, Segments, type Shown, type Track } from "./segments.ts";
+import { Targets } from "./targets.ts";
 import type { PlayerTraits, SegmentMessage } from "./traits.ts";
 
 /** A time, and the direction of a step from there. */
@@ -28,9 +29,8 @@ export class Playback {
   readonly #listeners = new Set<() => void>();
   readonly #tell: () => void;
   readonly #nextFrame: () => void;
-  #moved: Moved = { targets: [], followers: [] };
-  #shown: unknown[] = [];
-  #ages: number[] = [];
+  #followers: Follower[] = [];
+  #targets = new Targets([]);
   #time: number;
   /** What a person points at; all widgets show its moment until the pointer leaves. */
   #pointed: Pointing["_pointed"] = null;
@@ -59,7 +59,8 @@ export class Playback {
     onMessage(model, (message: Message, buffers) => this.#onMessage(message, buffers), signal);
     for (const first of model.get("_first")) this.#onMessage(first, first.tracks);
     moved.then((found) => {
-      this.#moved = found;
+      this.#followers = found.followers;
+      this.#targets = new Targets(found.targets);
       for (const follower of found.followers) this.#follow(follower, signal);
       for (const target of found.targets) {
         this.#watchFreezing(target, signal);
@@ -189,6 +190,7 @@ export class Playback {
     if (apart === 0 || (this.playing && apart < APART * this.#model.get("speed"))) return;
     this.#time = this.#model.get("time");
     this.#wished = null;
+    this.#movesFrozen = false;
     this.#show();
   }
 
@@ -244,54 +246,20 @@ export class Playback {
     const time = this.shown;
     const frames = this.#segments.at(time);
     this.#lacks = frames === null;
-    const pauses = this.#model.get("_pauses");
-    for (const [i, { track, frame }] of (frames ?? []).entries()) {
-      const target = this.#moved.targets[i];
-      const age = frame.time < 0 ? 0 : toAge(time - frame.time, pauses[i]);
-      const isNew = this.#shown[i] !== frame;
-      if (!target || (!isNew && this.#ages[i] === age)) continue;
-      this.#shown[i] = frame;
-      this.#ages[i] = age;
-      const about: About = { ...track.abouts[frame.about], ...(age && { age }) };
-      const state: Partial<Target> = { _about: about };
-      if (isNew) {
-        const shown = toBytes(target.get("_frame"));
-        // Count up, so that a frozen widget shows the number of frames since.
-        const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
-        frame.bytes.setFloat64(0, number, true);
-        state._frame = frame.bytes;
-      }
-      // The verdicts in a history are those of its frames, which have new numbers.
-      if (about.judged !== undefined) about.judged = frame.bytes.getFloat64(0, true);
-      target.set_state(state);
-    }
-    if (frames && this.#movesFrozen) this.#holdFrozen(frames.map(({ frame }) => frame.bytes));
-    for (const [i, target] of this.#moved.targets.entries()) this.#giveRecent(target, i);
+    if (frames) this.#targets.show(frames, time, this.#model.get("_pauses"));
+    if (frames && this.#movesFrozen) this.#holdFrozen(frames);
+    this.#targets.giveRecent(this.#segments, time, this.#frozenAt);
     this.#showRay();
-    for (const follower of this.#moved.followers) {
+    for (const follower of this.#followers) {
       if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
     }
     this.#changed();
   }
 
-  /** Gives a widget that shows earlier samples, too, the last ones up to the one that it shows. */
-  #giveRecent(target: Host<Target>, of: number): void {
-    const before = target.get("_recent");
-    const count = Math.max(target.get("trail") ?? 0, (target.get("spread") ?? 0) - 1);
-    if (count <= 0 && !before) return;
-    const time = target.get("paused") ? this.#frozenAt : null;
-    const found = this.#segments.upTo(of, time ?? this.shown, count + 1);
-    const isSame = found.length === before?.length && found.every(({ frame }, i) => frame.bytes === before[i]?.bytes);
-    if (isSame) return;
-    target.set_state({
-      _recent: found.map(({ track, frame }) => ({ ...frame, at: NaN, about: track.abouts[frame.about] ?? {} })),
-    });
-  }
-
   /** Frozen widgets are at one moment, from which steps go on. */
   #watchFreezing(target: Host<Target>, signal: AbortSignal): void {
     const onPaused = () => {
-      const isFrozen = this.#moved.targets.some((other) => other.get("paused"));
+      const isFrozen = this.#targets.models.some((other) => other.get("paused"));
       this.#frozenAt = isFrozen ? (this.#frozenAt ?? this.shown) : null;
       this.#show();
     };
@@ -312,16 +280,11 @@ export class Playback {
   }
 
   /** A step of frozen widgets: all of them show the moment, and stay frozen. */
-  #holdFrozen(frames: DataView[]): void {
+  #holdFrozen(frames: Shown[]): void {
     this.#movesFrozen = false;
     if (this.#frozenAt === null) return;
     this.#frozenAt = this.#time;
-    for (const [i, target] of this.#moved.targets.entries()) {
-      const bytes = frames[i];
-      if (!bytes || !target.get("paused")) continue;
-      target.set("_frozen_frame", bytes);
-      target.save_changes();
-    }
+    this.#targets.hold(frames);
   }
 
   /** The ring on the scanogram and the ring on the laser are the same ray. */
@@ -329,7 +292,7 @@ export class Playback {
     const ray = this.#previewed?.ray ?? null;
     if (ray === this.#ray) return;
     this.#ray = ray;
-    this.#moved.targets[0]?.set_state({ hovered: ray });
+    this.#targets.models[0]?.set_state({ hovered: ray });
   }
 
   /** Follows the time and the selection that a person sets on another widget. */
@@ -347,7 +310,7 @@ export class Playback {
       clicked = isSent ? undefined : time;
       this.seek(time);
     };
-    const laser = this.#moved.targets[0];
+    const laser = this.#targets.models[0];
     const onPoint = () => this.preview(follower.get("_pointed") ?? null);
     const onRay = () => {
       const hovered = laser?.get("hovered") ?? null;
@@ -371,9 +334,4 @@ export class Playback {
   #changed(): void {
     for (const listener of this.#listeners) listener();
   }
-}
-
-/** Milliseconds since the newest sample, in tenths of a second, where that is longer than a pause; else 0. */
-function toAge(seconds: number, pause = 0): number {
-  return pause && seconds > pause ? Math.floor(seconds * 10) * 100 : 0;
 }

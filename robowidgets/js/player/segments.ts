@@ -15,6 +15,12 @@ export interface Track {
   abouts: Record<string, unknown>[];
 }
 
+/** A frame that a widget shows, with its track. */
+export interface Shown {
+  track: Track;
+  frame: TimedFrame;
+}
+
 const ROW = 3;
 /** Seconds; a time at the end of a segment belongs to the next one. */
 const JUST_BEFORE = 1e-6;
@@ -62,7 +68,7 @@ export class Segments {
   }
 
   /** What each widget shows at a time; null where that segment is not here. */
-  at(time: number): { track: Track; frame: TimedFrame }[] | null {
+  at(time: number): Shown[] | null {
     const tracks = this.#tracks.get(this.indexOf(time));
     if (!tracks) return null;
     return tracks.map((track) => {
@@ -72,8 +78,8 @@ export class Segments {
   }
 
   /** The last frames of one widget up to a time, oldest first: at most so many, as far back as segments are here. */
-  upTo(of: number, time: number, count: number): { track: Track; frame: TimedFrame }[] {
-    let found: { track: Track; frame: TimedFrame }[] = [];
+  upTo(of: number, time: number, count: number): Shown[] {
+    let found: Shown[] = [];
     for (let index = this.indexOf(time); found.length < count; index--) {
       const track = this.#tracks.get(index)?.[of];
       if (!track) break;

@@ -1,0 +1,73 @@
+import { toBytes } from "../shared/bytes.ts";
+import type { About } from "../shared/traits.ts";
+import type { Host, Target } from "./moved.ts";
+import type { Segments, Shown } from "./segments.ts";
+
+/** The models of the widgets that show frames, and what each of them shows. */
+export class Targets {
+  readonly models: Host<Target>[];
+  #shown: unknown[] = [];
+  #ages: number[] = [];
+
+  constructor(models: Host<Target>[]) {
+    this.models = models;
+  }
+
+  /**
+   * Shows a frame on each widget, where it is another one or its age has changed.
+   *
+   * @param pauses seconds after which the sample of each widget is old; 0: never
+   */
+  show(frames: Shown[], time: number, pauses: number[]): void {
+    for (const [i, { track, frame }] of frames.entries()) {
+      const target = this.models[i];
+      const age = frame.time < 0 ? 0 : toAge(time - frame.time, pauses[i]);
+      const isNew = this.#shown[i] !== frame;
+      if (!target || (!isNew && this.#ages[i] === age)) continue;
+      this.#shown[i] = frame;
+      this.#ages[i] = age;
+      const about: About = { ...track.abouts[frame.about], ...(age && { age }) };
+      const state: Partial<Target> = { _about: about };
+      if (isNew) {
+        const shown = toBytes(target.get("_frame"));
+        // Count up, so that a frozen widget shows the number of frames since.
+        const number = shown?.byteLength ? shown.getFloat64(0, true) + 1 : 1;
+        frame.bytes.setFloat64(0, number, true);
+        state._frame = frame.bytes;
+      }
+      // The verdicts in a history are those of its frames, which have new numbers.
+      if (about.judged !== undefined) about.judged = frame.bytes.getFloat64(0, true);
+      target.set_state(state);
+    }
+  }
+
+  /** Shows frames on the widgets that are frozen, which stay so. */
+  hold(frames: Shown[]): void {
+    for (const [i, target] of this.models.entries()) {
+      const bytes = frames[i]?.frame.bytes;
+      if (!bytes || !target.get("paused")) continue;
+      target.set("_frozen_frame", bytes);
+      target.save_changes();
+    }
+  }
+
+  /** Gives widgets that show earlier samples, too, the last ones up to the one that each of them shows. */
+  giveRecent(segments: Segments, time: number, frozenAt: number | null): void {
+    for (const [i, target] of this.models.entries()) {
+      const before = target.get("_recent");
+      const count = Math.max(target.get("trail") ?? 0, (target.get("spread") ?? 0) - 1);
+      if (!before && count <= 0) continue;
+      const found = segments.upTo(i, (target.get("paused") ? frozenAt : null) ?? time, count + 1);
+      const isSame = found.length === before?.length && found.every(({ frame }, j) => frame.bytes === before[j]?.bytes);
+      if (isSame) continue;
+      target.set_state({
+        _recent: found.map(({ track, frame }) => ({ ...frame, at: NaN, about: track.abouts[frame.about] ?? {} })),
+      });
+    }
+  }
+}
+
+/** Milliseconds since the newest sample, in tenths of a second, where that is longer than a pause; else 0. */
+function toAge(seconds: number, pause = 0): number {
+  return pause && seconds > pause ? Math.floor(seconds * 10) * 100 : 0;
+}
