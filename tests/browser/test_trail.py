@@ -61,6 +61,11 @@ def test_earlier_scans_fade_behind_the_one_on_show(plain_page: Callable[..., Pla
     nb.python("together(laser, path); show(1.0); laser.trail = 1; show(1.4); show(1.0, x=0.2)")
     eventually(shown, ["", "reading", "newer", ""])
     expect(footer).to_contain_text("trail of 1, by odometry")
+    # It counts the scans that are there: one, until more are placed; none where the page keeps none.
+    nb.python("laser.trail = 60")
+    expect(footer).to_contain_text("trail of 2, by odometry")
+    nb.python("laser.history = 0; laser.trail = 1; show(1.1)")
+    expect(footer).not_to_contain_text("trail")
 
 
 def test_the_spread_of_a_ray_is_drawn_and_named_as_python_has_it(plain_page: Callable[..., PlainPage]) -> None:

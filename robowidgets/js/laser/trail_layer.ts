@@ -23,19 +23,22 @@ export class TrailLayer implements Layer {
   }
 
   painters(): Partial<Record<Depth, Painter>> {
-    const { trail } = this.#past;
-    if (!trail) return {};
+    if (!this.#past.trail) return {};
     this.#image ??= new TrailImage();
     const image = this.#image;
-    return {
-      ghost: (context, stage, theme) => image.draw(context, stage, placeScans(this.#past.last(trail + 1)), theme),
-    };
+    return { ghost: (context, stage, theme) => image.draw(context, stage, this.#placed, theme) };
   }
 
   place(): void {
+    const count = this.#placed.length;
+    const where = this.#past.last(1)[0]?.pose ? "by odometry" : "scanner\u2019s frame";
+    setText(this.#words, count ? `trail of ${count}, ${where}` : "");
+  }
+
+  /** None unless a trail is asked for, and while the page keeps no scan before the one on show. */
+  get #placed(): Placed[] {
     const { trail } = this.#past;
-    const isPlaced = trail > 0 && this.#past.last(1)[0]?.pose;
-    setText(this.#words, trail ? `trail of ${trail}, ${isPlaced ? "by odometry" : "scanner\u2019s frame"}` : "");
+    return trail ? placeScans(this.#past.last(trail + 1)) : [];
   }
 }
 
