@@ -135,7 +135,7 @@ view = together(laser, path)
 laser
 """
 DRIVE = """
-for moment in robowidgets.open(robowidgets.SAMPLE).samples(("/scan", "/odom"), 18.0, 24.0):
+for moment in robowidgets.open(robowidgets.SAMPLE).samples(("/scan", "/odom"), 17.8, 24.0):
     (path if moment.topic == "/odom" else laser).update(moment)
     pacer.flush()
 laser.paused = True
@@ -149,7 +149,7 @@ def test_pictures_of_a_trail(plain_page: Callable[..., PlainPage], theme: Litera
     nb.resize(680)
     nb.run(1)
     card = nb.widget(0).locator(".rw-card")
-    expect(card.locator(".rw-footer")).to_contain_text("by odometry")
+    expect(card.locator(".rw-footer")).to_contain_text("trail of 60, by odometry")
     expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
     shoot(card, f"gallery-trail-{theme}")
 
