@@ -13,7 +13,7 @@ from .recordings.data import RecordingData
 if TYPE_CHECKING:
     from .doctor.report import Report
     from .find._instant import Instant
-    from .find.condition import Condition
+    from .find.base import Condition
     from .find.spans import Spans
     from .in_rerun.widget import RerunWidget
     from .player.player import Player

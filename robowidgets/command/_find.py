@@ -14,7 +14,7 @@ from typing import Any
 import robowidgets
 
 from ..find import conditions
-from ..find.condition import Condition
+from ..find.base import Condition
 from ..find.spans import Spans
 from ..kinds import LASER, SPEED, TOUCH
 from ..recording import Recording

@@ -29,7 +29,7 @@ from ..samples.sector import Asked, to_sector
 from ..samples.verdict import Verdict, fact
 from ._instant import NotYetError
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
-from .condition import VALUES, Condition, Function
+from .base import VALUES, Condition, Function
 
 if TYPE_CHECKING:
     from ..recordings import RecordingData

@@ -12,7 +12,7 @@ from .._core.progress import Progress, without_bars
 from ..recordings.span import Span
 from ..samples.checks import shortest
 from ._steps import NO, Steps, spans, steps
-from .condition import condition
+from .base import condition
 from .silence import mark_stale
 from .spans import Spans
 

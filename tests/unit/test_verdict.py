@@ -11,7 +11,7 @@ import pytest
 import robowidgets
 from robowidgets import Scan, Speed, Touch, TouchMode, conditions
 from robowidgets.find._instant import NotYetError
-from robowidgets.find.condition import condition
+from robowidgets.find.base import condition
 from robowidgets.kinds import KINDS
 from robowidgets.samples.verdict import Verdict, fact, judged
 

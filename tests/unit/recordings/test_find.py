@@ -15,7 +15,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 import robowidgets
 from robowidgets import RecordingError, conditions
 from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
-from robowidgets.find.condition import Function
+from robowidgets.find.base import Function
 from robowidgets.find.spans import Spans
 from robowidgets.kinds import KINDS, LASER
 from robowidgets.messages.definitions import definitions

@@ -1,4 +1,4 @@
-"""What a condition is: true, false or unknown at each time, joined with others, or a function of one moment."""
+"""The base of all conditions: true, false or unknown at each time, joined with others, or a function of one moment."""
 
 from __future__ import annotations
 
