@@ -150,6 +150,7 @@ class Session:
             if key in self._unmatched:
                 if self._await_match(publisher, key, until):
                     self._matched.add(key)
+                    self._missed.discard(key)
                     time.sleep(_MATCH_LAG)
                 elif key in self._matched and self.is_young:
                     self._missed.add(key)
@@ -203,7 +204,7 @@ class Session:
         matched = {key for key, publisher in list(self._publishers.items()) if self._is_matched(publisher, key)}
         self._matched |= matched
         if self._missed & matched:
-            self._missed.clear()
+            self._missed -= matched
             self._listener.on_connected()
 
     def _await_acknowledgements(self) -> None:

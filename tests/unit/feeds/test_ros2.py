@@ -675,6 +675,21 @@ def test_a_zero_that_was_too_early_follows_as_soon_as_the_robot_is_found_again(
         wait_for(lambda: robot.speeds[-1] == 0.0, "the robot stops")
 
 
+def test_a_speed_with_which_the_robot_was_found_again_owes_no_earlier_zero(
+    ros2: Ros2, graph: Graph, robot: Robot, heard: Ears, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules[Ros2.__module__], "EARLY_LOOK", 1.5)
+    ros2.publish("/cmd_vel", TWIST, FORWARD)
+    graph.discovery = 1.0
+    graph.contexts[0].interrupt()
+    with pytest.raises(FeedError, match="not discovered again"):
+        ros2.publish("/cmd_vel", TWIST, ZERO)
+    ros2.publish("/cmd_vel", TWIST, FORWARD)
+    connected, topics = heard.connected, heard.topics
+    wait_for(lambda: heard.topics is not topics, "it looks again")
+    assert heard.connected == connected, "else zero would follow the speed"
+
+
 def test_a_robot_that_was_found_late_is_known_to_have_listened(ros2: Ros2, graph: Graph, robot: Robot) -> None:
     graph.discovery = SEND_TIMEOUT + 0.2
     ros2.publish("/cmd_vel", TWIST, FORWARD)
