@@ -117,7 +117,7 @@ class Driver:
         """Send zero if one is owed, and refuse every speed from now on. A subscriber that is connecting is awaited.
 
         Raises:
-            FeedError, OSError: zero could not be sent.
+            FeedError, OSError: zero could not be sent, for another reason than a subscriber that is connecting.
         """
         until = time.monotonic() + CONNECT_TIMEOUT
         try:
