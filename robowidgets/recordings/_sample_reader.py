@@ -236,7 +236,8 @@ class Messages:
         """Lines on topics whose messages, as far as they were read, are of several coordinate frames."""
         for topic, channels in self._shown.items():
             kind, _ = self._kinds[topic]
-            found = [name or "(empty)" for channel in channels for name in self._decoders[channel.id].frame_ids]
+            # Copied, because another thread may be reading messages of a further frame.
+            found = [name or "(empty)" for channel in channels for name in [*self._decoders[channel.id].frame_ids]]
             names = list(dict.fromkeys(found))
             if len(names) > 1 and not kind.is_command(topic):
                 yield f"{topic}: {kind.noun} of {many(len(names), 'frame')}: {listed(names)}"
