@@ -53,13 +53,10 @@ function drawBars(context: CanvasRenderingContext2D, stage: Stage, { low, high }
   for (let i = 0; i < scan.count; i++) {
     const [near, far] = [low[i] as number, Math.min(high[i] as number, projection.viewRange)];
     if (!(near < far)) continue;
-    for (const [to, metres] of [
-      ["moveTo", near],
-      ["lineTo", far],
-    ] as const) {
-      const { x, y } = toPixel(projection, metres, angleOf(scan, i));
-      context[to](x, y);
-    }
+    const angle = angleOf(scan, i);
+    const [from, to] = [toPixel(projection, near, angle), toPixel(projection, far, angle)];
+    context.moveTo(from.x, from.y);
+    context.lineTo(to.x, to.y);
   }
   context.strokeStyle = theme.guide;
   context.lineWidth = 1;

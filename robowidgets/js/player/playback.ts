@@ -65,6 +65,7 @@ export class Playback {
       for (const target of found.targets) {
         this.#watchFreezing(target, signal);
         this.#watchPicking(target, signal);
+        onChange(target, ["trail", "spread"], () => this.#show(), signal);
       }
       // Another page may have segments; this one has none.
       model.send({ have: "nothing" });
@@ -264,7 +265,7 @@ export class Playback {
       this.#show();
     };
     onPaused();
-    onChange(target, ["paused", "trail", "spread"], onPaused, signal);
+    onChange(target, ["paused"], onPaused, signal);
   }
 
   /** A click on a place of the path goes to its time. */
