@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import cos, sin
 from typing import Any
 
 import traitlets
@@ -37,10 +36,8 @@ class HasTrail(HasFootprint, RobotWidget[Scan]):
         """
         if robot is None:
             return {}
-        forward, left, turn = self.footprint.scanner if self.footprint else (0.0, 0.0, 0.0)
-        x = robot.x + forward * cos(robot.yaw) - left * sin(robot.yaw)
-        y = robot.y + forward * sin(robot.yaw) + left * cos(robot.yaw)
-        return {"pose": [round(value, 5) for value in (x, y, robot.yaw + turn)]}
+        scanner = robot.offset(*self.footprint.scanner) if self.footprint else robot
+        return {"pose": [round(value, 5) for value in scanner]}
 
     def _placed(self, scan: Scan) -> dict[str, Any]:
         """The pose of a live scan, by the path in the laser's view; the first by name where there are several."""

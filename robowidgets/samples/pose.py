@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import cos, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,12 @@ class Pose(NamedTuple):
     x: float
     y: float
     yaw: float
+
+    def offset(self, forward: float, left: float, turn: float) -> Pose:
+        """The pose so many metres ahead of this one and to its left, turned by radians; the yaw is not wrapped."""
+        ahead_x, ahead_y = cos(self.yaw), sin(self.yaw)
+        x = self.x + forward * ahead_x - left * ahead_y
+        return Pose(x, self.y + forward * ahead_y + left * ahead_x, self.yaw + turn)
 
 
 def yaw_of(x: Any, y: Any, z: Any, w: Any) -> Any:

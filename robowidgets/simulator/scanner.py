@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, inf, nan, pi, radians, sin
+from math import inf, nan, pi, radians
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..samples import Scan
+from ..samples import Pose, Scan
 from ..samples.checks import finite, not_negative, number, to_radians
 from ..samples.scan import MAX_RAYS
 from ._raycast import cast_rays
@@ -133,8 +133,7 @@ class Scanner:
 
     def placed(self, x: float, y: float, yaw: float) -> tuple[float, float, float]:
         """The pose of the scanner on a robot at a pose; metres and radians."""
-        ahead, left, turned = self.mount
-        return x + ahead * cos(yaw) - left * sin(yaw), y + ahead * sin(yaw) + left * cos(yaw), yaw + turned
+        return Pose(x, y, yaw).offset(*self.mount)
 
     def period_ns(self, seed: Sequence[int]) -> int:
         """Nanoseconds from one scan to the next, which follow from a seed."""
