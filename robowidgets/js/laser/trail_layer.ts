@@ -33,6 +33,8 @@ export class TrailLayer implements Layer {
     const count = this.#placed.length;
     const where = this.#past.last(1)[0]?.pose ? "by odometry" : "scanner\u2019s frame";
     setText(this.#words, count ? `trail of ${count}, ${where}` : "");
+    // Empty, it would take a place in the footer.
+    this.#words.hidden = !count;
   }
 
   /** None unless a trail is asked for, and while the page keeps no scan before the one on show. */
