@@ -161,10 +161,11 @@ class PathWidget(RobotWidget[PathPoint]):
         return {"frame_id": sample.frame_id, **notes}, self._pack(sample)
 
     def _to_point(self, message: Any, fields: dict[str, Any]) -> PathPoint:
+        named = [name for name in fields if name != "time"]
+        if named:
+            check_given("update", message, named, f"or {_BY_NAME}", ("x", "y", "yaw"))
         if message is None and not {"x", "y"} <= fields.keys():
             raise TypeError(f"update() needs a message, or x and y in metres, as {_BY_NAME}")
-        named = [name for name in fields if name != "time"]
-        check_given("update", message, named, f"or {_BY_NAME}", ("x", "y", "yaw"))
         if message is None:
             x, y = (finite(name, fields[name], "metres") for name in "xy")
             pose = Pose(x, y, to_radians("yaw", fields.get("yaw", nan)))

@@ -98,6 +98,7 @@ class TestWidget:
             (None, {}, TypeError, r"needs a message, or x and y in metres, as update\(x=1.0, y=0.5"),
             (None, {"x": 1, "y": nan}, ValueError, "y: expected a finite number of metres, got nan"),
             (None, {"x": 1, "y": 1, "theta": 2}, TypeError, "has no field 'theta'; it takes a message, or update"),
+            (None, {"X": 1, "Y": 1}, TypeError, "has no field 'X', 'Y'; it takes a message"),
             (Speed(pose=Pose(0, 0, 0)), {"x": 1}, TypeError, "a message or fields, not both; got a message and x"),
             (None, {"x": 1, "y": 1, "time": 2.0}, ValueError, r"time: expected 3 s or later, got 2; clear\(\) starts"),
         ],
