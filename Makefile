@@ -20,7 +20,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes and kernels: the package is compiled for the first of them.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo setup build watch lab lint format check test test-floor test-newest test-js test-unit test-ros1 test-docs test-browser bench pictures clean
+.PHONY: demo setup build watch lab lint format check test test-floor test-newest test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -53,7 +53,7 @@ format: setup
 check: lint test-js
 	$(UNITS) -m 'not slow'
 
-test: lint test-js test-unit test-ros1 test-docs test-browser
+test: lint test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser
 
 test-js: setup
 	cd $(JS) && npm run --silent test
@@ -73,9 +73,14 @@ test-ros1: setup build
 	scripts/ros1.sh
 	$(PYTEST) --numprocesses 3 tests/ros1
 
-# The documentation, the notebooks, and the wheel, which takes longest and is built by one process.
+test-notebooks: setup build
+	$(PYTEST) --numprocesses 4 tests/test_notebooks.py
+
 test-docs: setup build
-	$(PYTEST) --numprocesses 4 --dist loadgroup tests/test_wheel.py tests/test_notebooks.py tests/test_docs.py tests/test_odd_scans.py
+	$(PYTEST) --numprocesses 3 tests/test_docs.py tests/test_odd_scans.py
+
+test-wheel: setup
+	$(PYTEST) tests/test_wheel.py
 
 test-browser: setup build $(EXPORT_MODULES)
 	scripts/chromium.sh

@@ -16,9 +16,6 @@ import pytest
 
 from .conftest import ROOT
 
-# One process builds the wheel once for all of them.
-pytestmark = pytest.mark.xdist_group("wheel")
-
 WIDGETS = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("*_widget.ts"))
 PAGES = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("export_*.ts"))
 """The scripts of pages that play without a kernel."""
