@@ -212,6 +212,7 @@ def robot(name: str, path: Path) -> Iterator[str]:
 
 def measured(name: str, times: int = TIMES) -> list[Stopped]:
     """Every cause, on one feed."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # the kernels inherit that nohup ignores it
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "heard.txt")
         path.touch()
