@@ -177,7 +177,7 @@ class TouchWidget(RobotWidget[Touch]):
         self._judged = self._states_at(self._now_ns())
         if shown is None:
             return None
-        touched = {name: _AS_BOOL[state] for name, state in self._judged.items()}
+        touched = {name: state.as_bool for name, state in self._judged.items()}
         return Touch(touched, stamp_ns=shown.stamp_ns, dialect=shown.dialect)
 
     def _bring_up_to_date(self) -> None:
@@ -248,9 +248,6 @@ class TouchWidget(RobotWidget[Touch]):
         if twice is not None:
             raise traitlets.TraitError(f"sensors: expected each name once, got {twice!r} more than once")
         return names
-
-
-_AS_BOOL = {TouchState.TOUCHED: True, TouchState.FREE: False, TouchState.UNKNOWN: None}
 
 
 def about_touch(touch: Touch) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..behaviors.robot import NotReadyError
 from ..kinds import KINDS, Kind
-from ..samples import Touch, TouchState
+from ..samples import Touch
 from ..samples.touch_tracker import TouchTracker
 from ._subscription import Target
 from ._topics import queue_length, sample_of
@@ -129,7 +129,7 @@ class _Latest:
         """The states of all sensors; one that was touched and released since the last step counts as touched."""
         assert self._touches is not None
         states = self._touches.states(time.monotonic_ns())
-        known = {name: None if one.state is TouchState.UNKNOWN else bool(one.state) for name, one in states.items()}
+        known = {name: one.state.as_bool for name, one in states.items()}
         return Touch({**known, **dict.fromkeys(touched, True)})
 
 

@@ -23,6 +23,11 @@ class TouchState(IntEnum):
     def __bool__(self) -> bool:
         return self is TouchState.TOUCHED
 
+    @property
+    def as_bool(self) -> bool | None:
+        """True, False, or None where it is unknown, as in `Touch.touched`."""
+        return None if self is TouchState.UNKNOWN else bool(self)
+
 
 class TouchMode(Enum):
     """The meaning of the messages of a source.

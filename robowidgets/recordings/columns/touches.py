@@ -18,8 +18,6 @@ from .series import Series
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-_AS_BOOL: dict[int, bool | None] = {TouchState.FREE: False, TouchState.TOUCHED: True, TouchState.UNKNOWN: None}
-
 
 class _Table(NamedTuple):
     """All states of a touch topic: the sensors (L), a row for each message and each release (N), states (N, L)."""
@@ -85,7 +83,7 @@ class Touches(Series[Touch]):
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
         """Times, and True, False or None (unknown) for each sensor by its label."""
-        values = np.array([_AS_BOOL[state] for state in sorted(_AS_BOOL)], object)
+        values = np.array([state.as_bool for state in sorted(TouchState)], object)
         return {**super().to_numpy(), **dict(zip(self.labels, values[self.states].T, strict=True))}
 
     @cached_property
@@ -103,7 +101,9 @@ class Touches(Series[Touch]):
 
     def _sample(self, row: int) -> Touch:
         table = self._table
-        touched = {label: _AS_BOOL[int(state)] for label, state in zip(table.labels, table.states[row], strict=True)}
+        touched = {
+            label: TouchState(state).as_bool for label, state in zip(table.labels, table.states[row], strict=True)
+        }
         return Touch(touched, stamp_ns=int(table.stamps_ns[row]) or None, dialect=table.dialect)
 
     def _samples(self) -> Iterator[tuple[int, Touch]]:
