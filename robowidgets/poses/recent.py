@@ -6,6 +6,7 @@ from collections import deque
 from math import isfinite, nan
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..samples import Pose
 
@@ -23,6 +24,8 @@ class RecentPoses:
 
     def __init__(self, most: int | None = KEPT) -> None:
         self._rows: deque[tuple[float, ...]] = deque(maxlen=most)
+        self._columns: NDArray[np.float64] | None = None
+        """The rows, shape (5, N), the yaw without jumps; None until they are asked for."""
 
     def add(self, pose: Pose, arrived: float, stamp_ns: int | None) -> None:
         """Add the newest pose. One that is not finite is left out, and one whose time goes back starts anew."""
@@ -32,6 +35,7 @@ class RecentPoses:
         if self._rows and (row[0] < self._rows[-1][0] or row[1] < self._rows[-1][1]):
             self._rows.clear()
         self._rows.append(row)
+        self._columns = None
 
     def at(self, arrived: float, stamp_ns: int | None) -> Pose | None:
         """Where the robot was at the time of a sample, between two poses; None where no pose is near.
@@ -40,8 +44,11 @@ class RecentPoses:
         """
         if not self._rows:
             return None
-        arrivals, stamps, x, y, yaw = np.array(self._rows).T
+        if self._columns is None:
+            self._columns = np.array(self._rows).T
+            self._columns[-1] = np.unwrap(self._columns[-1])
+        arrivals, stamps, *pose = self._columns
         for times, time in ((stamps, stamp_ns / 1e9 if stamp_ns else nan), (arrivals, arrived)):
             if np.isfinite(times).all() and times[0] - FARTHEST <= time <= times[-1] + FARTHEST:
-                return Pose(*(float(np.interp(time, times, column)) for column in (x, y, np.unwrap(yaw))))
+                return Pose(*(float(np.interp(time, times, column)) for column in pose))
         return None
