@@ -96,8 +96,10 @@ class RobotProcess:
         try:
             with self._writing:
                 pickle.dump((self._robot, *self._rest, self._edits), process.stdin)
+                # With the lock held: topics that are wanted from now on come after these, and replace them.
+                pickle.dump(("want", self._wanted), process.stdin)
+                process.stdin.flush()
                 self._pipe = process.stdin
-            self._tell("want", self._wanted)
             is_started = False
             while True:
                 for name, value in pickle.load(process.stdout):
