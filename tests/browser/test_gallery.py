@@ -135,7 +135,8 @@ view = together(laser, path)
 laser
 """
 DRIVE = """
-for moment in robowidgets.open(robowidgets.SAMPLE).samples(("/scan", "/odom"), 17.8, 24.0):
+recording = robowidgets.open(robowidgets.SAMPLE)
+for moment in recording.samples(("/scan", "/odom"), 17.8, 24.0):
     (path if moment.topic == "/odom" else laser).update(moment)
     pacer.flush()
 laser.paused = True

@@ -88,7 +88,7 @@ def test_the_spread_of_a_ray_is_drawn_and_named_as_python_has_it(plain_page: Cal
 
 
 def test_a_player_has_the_scans_before_its_moment(plain_page: Callable[..., PlainPage]) -> None:
-    show = "player = robowidgets.open(robowidgets.SAMPLE).show('/scan', scanogram=False)"
+    show = "recording = robowidgets.open(robowidgets.SAMPLE)\nplayer = recording.show('/scan', scanogram=False)"
     nb = plain_page([f"import robowidgets\n{show}\nplayer.seek(12.05)\nplayer"])
     card = nb.widget(0).locator(".rw-laser")
     expect(card.locator(".rw-footer")).to_contain_text("readings")
