@@ -9,7 +9,7 @@ from pathlib import Path
 
 import robowidgets
 
-from .._core.tables import megabytes
+from .._core.text import megabytes
 from ._find import QuestionError
 
 _MEGA = 1_000_000

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-from .._core.tables import many, megabytes
+from .._core.text import many, megabytes
 from ..recordings.files import open_source
 from ..repair.write import write
 from ._find import QuestionError

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import tables
-from .._core.tables import listed, often
+from .._core.tables import Table
+from .._core.text import listed, often
 from ..kinds import KINDS
 from ..recordings.columns.scans import Scans
 from ..recordings.columns.series import Series
@@ -88,18 +88,15 @@ class Report:
         }
 
     def __repr__(self) -> str:
-        lines = map(str, self.problems)
-        return "\n".join((tables.as_text(self.head, _HEADS, self._rows(), _RIGHT, lines), *self._all_well()))
+        return self._table().to_text()
 
     def _repr_html_(self) -> str:
-        shown = tables.as_html(self.head, _HEADS, self._rows(), _RIGHT, map(str, self.problems))
-        return shown + "".join(f"<div>{line}</div>" for line in self._all_well())
+        return self._table().to_html()
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        return [_cells(topic) for topic in self.topics]
-
-    def _all_well(self) -> list[str]:
-        return [] if self.problems else ["no problems found"]
+    def _table(self) -> Table:
+        rows = [_cells(topic) for topic in self.topics]
+        notes = () if self.problems else ("no problems found",)
+        return Table(self.head, _HEADS, rows, right=_RIGHT, notes=notes, problems=[*map(str, self.problems)])
 
 
 def examine(

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from .._core.base_widget import STATIC, built_file
 from .._core.output_file import whole_file
-from .._core.tables import megabytes
+from .._core.text import megabytes
 from .segments import compressed
 
 SUFFIXES = (".html", ".htm")

@@ -13,7 +13,7 @@ from typing import Any
 import ipywidgets
 
 from .._core.cells import close_all
-from .._core.tables import as_date, many
+from .._core.text import as_date, many
 from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from ..player_widget import PlayerWidget
 from .html import Heading, Page

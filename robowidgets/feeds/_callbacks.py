@@ -14,10 +14,11 @@ from typing import Any
 from .._core.cells import running_cell
 from .._core.log_once import LogOnce
 from .._core.pacer import pacer
-from .._core.tables import many
+from .._core.tables import Table
+from .._core.text import many
 from .._core.user_function import line_of, name_of
 from .._core.user_threads import UserThread, frames_of
-from ._topics import Table, Topic, queue_length, sample_of
+from ._topics import Topic, queue_length, sample_of
 
 log = logging.getLogger("robowidgets")
 
@@ -84,11 +85,11 @@ class FunctionCaller:
         return tuple(self._functions)
 
     def table(self) -> Table:
-        """The arguments of `text.as_text`: each function with its topic, its number of runs, and its last error."""
-        rows: list[tuple[str, ...]] = [(f.name, f.topic, str(f.runs), f.error) for f in self._functions]
+        """Each function with its topic, its number of runs, and its last error."""
+        rows = [(f.name, f.topic, str(f.runs), f.error) for f in self._functions]
         slow = [status for f in self._functions if (status := self._status(f)) and status != f.error]
         heads = ("function", "topic", "runs", "last error")
-        return many(len(rows), "connected function"), heads, rows, (2,), slow
+        return Table(many(len(rows), "connected function"), heads, rows, right=(2,), problems=slow)
 
     def connect(self, topic: str, calls: Iterable[Callable[[Any], object]], raw: bool) -> None:
         """Call functions with the messages of a topic; they replace those that `Function.replaces` names."""

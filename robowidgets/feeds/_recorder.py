@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .._core.cells import take_the_place
 from .._core.coalesced_call import CoalescedCall
 from .._core.output_file import checked_output
-from .._core.tables import many
+from .._core.text import many
 from ..behaviors.machine import Machine
 from ..behaviors.program import ENDED, Version
 from ..kinds import is_undecided

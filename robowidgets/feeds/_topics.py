@@ -6,7 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from .._core.tables import many
+from .._core.tables import Table
+from .._core.text import many
 from ..kinds import KINDS, counts_every_message, is_standard, is_undecided, kind_of_message, kind_of_type, widgets_of
 from .middleware import EVENTS, Advert
 
@@ -15,8 +16,6 @@ _MANY = 12
 
 YOURS = " (your program)"
 """Suffix of the topic on which a program drives a recording."""
-
-Table = tuple[str, Sequence[str], list[tuple[str, ...]], tuple[int, ...], list[str]]
 
 
 class Topic(NamedTuple):
@@ -94,8 +93,9 @@ def _topic(name: str, adverts: Sequence[Advert]) -> Topic:
 
 
 def table_of(where: str, topics: Sequence[Topic], status: str) -> Table:
-    """The arguments of `text.as_text` for the topics of a feed, with the status of the connection if it has one."""
-    return f"{where}: {many(len(topics), 'topic')}", _HEADS, [_cells(t) for t in topics], (), [status] * bool(status)
+    """The topics of a feed, a row for each, with the status of the connection if it has one."""
+    heading = f"{where}: {many(len(topics), 'topic')}"
+    return Table(heading, _HEADS, [_cells(topic) for topic in topics], problems=[status] if status else ())
 
 
 def _cells(topic: Topic) -> tuple[str, ...]:

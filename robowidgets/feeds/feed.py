@@ -7,7 +7,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from .._core.tables import as_html, as_text
+from .._core.tables import Table
 from ..behaviors.variables import Variables
 from ..samples import Scan
 from ..samples.checks import finite
@@ -15,7 +15,7 @@ from ._callbacks import Function
 from ._connection import Connection
 from ._driving import Driving
 from ._scan_iterator import scans_of
-from ._topics import Table, Topic, table_of
+from ._topics import Topic, table_of
 from .middleware import Middleware
 
 if TYPE_CHECKING:
@@ -287,10 +287,10 @@ class Feed:
         self.close()
 
     def __repr__(self) -> str:
-        return "\n".join(as_text(*table) for table in self._tables())
+        return "\n".join(table.to_text() for table in self._tables())
 
     def _repr_html_(self) -> str:
-        return "".join(as_html(*table) for table in self._tables())
+        return "".join(table.to_html() for table in self._tables())
 
     def _tables(self) -> list[Table]:
         tables = [table_of(self.where, self.topics, self.status)]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from html import escape
 from typing import Any, overload
 
-from .._core.tables import as_html, as_text, degrees_of, often
+from .._core.tables import Table
+from .._core.text import degrees_of, often
 from ..recordings.columns.tables import library
 from ..recordings.span import Span
 
@@ -72,26 +72,24 @@ class Spans(Sequence[Span]):
         return iter(self._spans)
 
     def __repr__(self) -> str:
-        return "\n".join((as_text(*self._table()), *self._notes()))
+        return self._table().to_text()
 
     def _repr_html_(self) -> str:
-        return as_html(*self._table()) + "".join(f"<div>{escape(line.strip())}</div>" for line in self._notes())
+        return self._table().to_html()
 
-    def _table(self) -> tuple[str, tuple[str, ...], list[tuple[str, ...]], range, tuple[str, ...]]:
-        """The arguments of `tables.as_text` and `tables.as_html`, for the first spans."""
+    def _table(self) -> Table:
+        """The first spans, a row for each."""
         heads = self.heads
         rows = [tuple(_cell(getattr(span, head), head) for head in heads) for span in self._spans[:_SHOWN]]
-        return self._heading(), heads, rows, range(len(heads)), ()
+        more = [f"  ... and {len(self) - _SHOWN:,} more"] if len(self) > _SHOWN else []
+        stopped = [] if self.is_complete else [f"stopped at {self.until:.2f} s: nothing after that was looked at"]
+        problems = [*stopped, *self.problems]
+        return Table(self._heading(), heads, rows, right=range(len(heads)), notes=more, problems=problems)
 
     def _heading(self) -> str:
         if not self._spans:
             return f"{self.condition}: never"
         return f"{self.condition}: {often(len(self))}, {self.seconds:.2f} s together"
-
-    def _notes(self) -> list[str]:
-        more = [f"  ... and {len(self) - _SHOWN:,} more"] if len(self) > _SHOWN else []
-        stopped = [] if self.is_complete else [f"! stopped at {self.until:.2f} s: nothing after that was looked at"]
-        return [*more, *stopped, *(f"! {line}" for line in self.problems)]
 
 
 def _cell(value: Any, head: str) -> str:

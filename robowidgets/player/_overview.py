@@ -9,7 +9,7 @@ from itertools import islice
 import numpy as np
 
 from .._core.progress import without_bars
-from .._core.tables import many
+from .._core.text import many
 from ..recordings import RecordingData
 from ..repair import RecordingError
 from ..samples import Scan

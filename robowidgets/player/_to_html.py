@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import ipywidgets
 
 from .._core.cells import close_all
-from .._core.tables import as_date
+from .._core.text import as_date
 from .._core.timed_frame import TimedFrame
 from ..export.html import Heading, Page
 from ..export.models import Models, shown

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
-from .._core.tables import as_date, many
+from .._core.tables import Table
+from .._core.text import as_date, many
 from ..kinds import widgets_of
 from .program_log import PROGRAM
 from .times import has_date
@@ -27,11 +28,9 @@ def heading(path: str, topics: Sequence[Topic], duration: float, start_ns: int |
     return f"{path}: {', '.join(parts)}"
 
 
-def table(
-    head: str, topics: Sequence[Topic], problems: Iterable[str]
-) -> tuple[str, tuple[str, ...], list[tuple[str, ...]], tuple[int, ...], Iterable[str]]:
-    """The arguments of `tables.as_text` and `tables.as_html`."""
-    return head, _HEADS, [_cells(topic) for topic in topics], _RIGHT, problems
+def table_of(head: str, topics: Sequence[Topic], problems: Sequence[str]) -> Table:
+    """The topics of a recording, a row for each, with what is wrong with it."""
+    return Table(head, _HEADS, [_cells(topic) for topic in topics], right=_RIGHT, problems=problems)
 
 
 def _cells(topic: Topic) -> tuple[str, ...]:

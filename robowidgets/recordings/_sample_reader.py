@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
 from .._core.progress import Progress
-from .._core.tables import listed, many
+from .._core.text import listed, many
 from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, decoder_of, one_line, shape_of

@@ -9,12 +9,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .._core.tables import as_html, as_text
+from .._core.tables import Table
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..repair import RecordingError
 from ..samples import Problem
 from ..samples.state_span import StateSpan
-from ._info import heading, table
+from ._info import heading, table_of
 from ._sample_reader import Messages
 from .columns._clock_problems import Clock, about_clocks, clock_of
 from .columns._memory import Memory
@@ -244,7 +244,7 @@ class RecordingData:
 
     def info(self) -> str:
         """The table of the topics, as text."""
-        return as_text(*self._table())
+        return self._table().to_text()
 
     def close(self) -> None:
         """Close the file; doing it again does nothing."""
@@ -272,10 +272,10 @@ class RecordingData:
         return self.info()
 
     def _repr_html_(self) -> str:
-        return as_html(*self._table())
+        return self._table().to_html()
 
-    def _table(self) -> Any:
-        return table(self._heading(), self.topics, self.problems)
+    def _table(self) -> Table:
+        return table_of(self._heading(), self.topics, self.problems)
 
     def _heading(self) -> str:
         return heading(str(self.path), self.topics, self.duration, self.start_ns)

@@ -12,7 +12,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from .._core.tables import many
+from .._core.text import many
 from ..messages import standard
 from ..messages.channel import Channel
 from ..messages.encoding import encode

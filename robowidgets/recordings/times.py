@@ -8,7 +8,7 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
-from .._core.tables import as_date
+from .._core.text import as_date
 from ..repair import REAL_FROM_NS, RecordingError
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.tables import often
+from .._core.text import often
 
 Times = NDArray[np.int64]
 

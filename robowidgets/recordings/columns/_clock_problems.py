@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..._core.tables import listed, often
+from ..._core.text import listed, often
 
 _STILL_SHARE = 0.5
 _STILL_LEAST = 10

@@ -9,7 +9,7 @@ from operator import index
 from threading import Lock
 from typing import Any
 
-from ..._core.tables import megabytes
+from ..._core.text import megabytes
 from ...repair import RecordingError
 
 DEFAULT = 1 << 30

@@ -8,7 +8,7 @@ from contextlib import ExitStack, closing, suppress
 from itertools import pairwise
 from pathlib import Path, PurePath
 
-from ..._core.tables import listed, many
+from ..._core.text import listed, many
 from ...repair import LEAP_NS, RESET_NS, RecordingError, Source, find_files, has_clock_step, open_repaired
 from . import _rosbags
 from ._chain import Chain

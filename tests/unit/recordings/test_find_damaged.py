@@ -29,7 +29,7 @@ def test_what_is_found_tells_what_was_wrong(damaged: Path) -> None:
         (problem,) = spans.problems
     assert problem.startswith("the recording was cut off: read ")
     assert repr(spans).splitlines() == ["nearest below 0.5 m: never", f"! {problem}"]
-    assert f"<div>! {problem}</div>" in spans._repr_html_()
+    assert f"<div>⚠ {problem}</div>" in spans._repr_html_()
     assert spans[:0].problems == spans.problems
 
 

@@ -12,10 +12,9 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from robowidgets import Scan, Speed, Touch
-from robowidgets._core.tables import as_html, as_text
 from robowidgets.recording import Recording, open
 from robowidgets.recordings import Moment, RecordingError, Topic, UnknownTopicError
-from robowidgets.recordings._info import heading, table
+from robowidgets.recordings._info import heading, table_of
 from robowidgets.recordings.topics import check
 
 from . import robot
@@ -211,13 +210,13 @@ class TestItsTable:
         assert names.split() == ["topic", "type", "messages", "Hz", "widget"]
         assert rows[2].split() == ["/cmd_vel", "geometry_msgs/msg/Twist", "50", "10.0", "speed", "(commanded)"]
         assert rows[4].split() == ["/log", "std_msgs/msg/String", "1"]
-        slow = as_text(*table("drive", (Topic("/map", "my_msgs/msg/Map", 2, 0.03, None, False, ""),), ()))
+        slow = table_of("drive", (Topic("/map", "my_msgs/msg/Map", 2, 0.03, None, False, ""),), ()).to_text()
         assert slow.splitlines()[2].split() == ["/map", "my_msgs/msg/Map", "2", "<0.1"]
         assert recording.info() == repr(recording)
 
     def test_tells_what_is_wrong(self) -> None:
         topic = Topic("/odd", "my_msgs/msg/Odd", 1200, None, None, False, "no definition")
-        text = as_text(*table("drive", (topic,), ("/odd: no definition",)))
+        text = table_of("drive", (topic,), ("/odd: no definition",)).to_text()
         assert text.splitlines()[2:] == [
             "  /odd   my_msgs/msg/Odd     1,200      unreadable",
             "! /odd: no definition",
@@ -238,7 +237,7 @@ class TestItsTable:
         assert '<td style="text-align:left">/scan</td>' in html
         evil = "<script>alert('x')</script>&"
         topic = Topic(evil, evil, 1, None, None, False, evil)
-        html = as_html(*table(heading(evil, (topic,), 1.0, None), (topic,), (evil,)))
+        html = table_of(heading(evil, (topic,), 1.0, None), (topic,), (evil,)).to_html()
         assert "<script" not in html
         assert html.count("&lt;script&gt;alert(&#x27;x&#x27;)&lt;/script&gt;&amp;") == 4
 

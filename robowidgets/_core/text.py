@@ -1,0 +1,39 @@
+"""Counts, sizes, dates and angles as a person reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime, timedelta, timezone
+from math import degrees
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+
+
+def many(count: int, word: str) -> str:
+    """A number of things: ``1 topic``, ``1,200 messages``."""
+    return f"{count:,} {word}{'' if count == 1 else 's'}"
+
+
+def often(count: int) -> str:
+    """A number of times: ``once``, ``12 times``."""
+    return "once" if count == 1 else f"{count:,} times"
+
+
+def megabytes(size: int) -> str:
+    """A number of bytes: ``12.3 MB``, ``1.5 GB``."""
+    return f"{size / 1e6:,.1f} MB" if size < 1e9 else f"{size / 1e9:,.1f} GB"
+
+
+def listed(names: Sequence[str], most: int = 3) -> str:
+    """The first names, and the number of the others."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most:,} more" if len(names) > most else "")
+
+
+def as_date(time_ns: int) -> str:
+    """Nanoseconds since the epoch as date and time of day: ``2024-05-03 14:32:05 UTC``."""
+    return f"{_EPOCH + timedelta(seconds=time_ns // 10**9):%Y-%m-%d %H:%M:%S} UTC"
+
+
+def degrees_of(angle: float) -> str:
+    """An angle in radians as degrees: ``−31.2°``."""
+    return f"{degrees(angle):.1f}°".replace("-", "\N{MINUS SIGN}")
