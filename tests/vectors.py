@@ -21,7 +21,7 @@ import robowidgets
 from robowidgets import LaserWidget, Scan, ScanogramWidget, Sector, Speed, SpeedWidget, TouchWidget, spread
 from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
-from robowidgets.export.segments import pack_track
+from robowidgets.export.segments import pack_tracks
 from robowidgets.player._frames import pack
 from robowidgets.samples.rays import sector_of, stretches
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
@@ -228,9 +228,8 @@ def _packed_tracks() -> dict[str, tuple[bytes, dict[str, Any]]]:
         for i, sample in enumerate(samples):
             widget.update(sample)
             frames.append(TimedFrame(i / 8, {"notes": ["odd"] if i else []}, widget.get_state()["_frame"]))
-        facts, parts = pack_track(frames, widget.arrays_of)
-        abouts, track = pack(frames)
-        assert facts["abouts"] == abouts
+        facts, parts = pack_tracks([(frames, widget.arrays_of)])
+        _, track = pack(frames)
         made[name] = b"".join(parts), {"facts": facts, "track": base64.b64encode(track).decode()}
     for widget in (laser, speed, touch):
         widget.close()

@@ -46,14 +46,18 @@ def pack_floats(values: NDArray[np.float32]) -> tuple[dict[str, Any], list[bytes
     for number, known in enumerate(CLASSES, start=1):
         classes[bits == known] = number
     classes[(classes == OTHER) & _fits(values, whole, step)] = 0
-    changes = np.diff(whole[classes == 0], prepend=0)
-    # 0, -1, 1, -2, 2 ... become 0, 1, 2, 3, 4 ...
-    folded = np.where(changes < 0, -2 * changes - 1, 2 * changes).astype(np.uint32)
+    folded = folded_changes(whole[classes == 0]).astype(np.uint32)
     is_large = folded >= ESCAPE
     large, other = folded[is_large], bits[classes == OTHER]
     small = np.where(is_large, ESCAPE, folded).astype(np.uint8)
     facts = {"step": step, "count": len(bits), "small": len(small), "large": len(large), "other": len(other)}
     return facts, [classes.tobytes(), small.tobytes(), planes(large), planes(other)]
+
+
+def folded_changes(whole: NDArray[np.int64]) -> NDArray[np.int64]:
+    """How whole numbers change, the first one from 0: 0, -1, 1, -2, 2 ... as 0, 1, 2, 3, 4 ..."""
+    changes = np.diff(whole, prepend=0)
+    return np.where(changes < 0, -2 * changes - 1, 2 * changes)
 
 
 def planes(values: NDArray[Any]) -> bytes:

@@ -11,7 +11,7 @@ from .._core.base_widget import bundle
 from .html import Program, inlined, static
 from .segments import compressed
 
-_BUILT_IN = ("laser_widget", "player_widget", "scanogram_widget", "speed_widget", "touch_widget")
+_BUILT_IN = ("laser_widget", "path_widget", "player_widget", "scanogram_widget", "speed_widget", "touch_widget")
 """The widgets in the script of each page."""
 
 _OF_HOST = ("layout", "tabbable", "tooltip", "_anywidget_id", "_css", "_esm")

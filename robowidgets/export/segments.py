@@ -13,11 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.timed_frame import TimedFrame, table_of
-from ._floats import pack_floats, planes
+from ._floats import folded_changes, pack_floats, planes
 
 _LENGTH = struct.Struct("<I")
 _COLUMN = 8
 
+_SCALES = (10**6, 10**9)
+"""Steps of numbers with six decimals, and of times in seconds, as their inverse."""
+
+_EXACT = 2.0**53
+"""Whole numbers below it are exact as float64."""
 
 ArraysOf = Callable[[bytes], tuple[int, int]]
 """`RobotWidget.arrays_of`."""
@@ -30,15 +35,10 @@ def segment(number: int, tracks: Iterable[tuple[Sequence[TimedFrame], ArraysOf]]
         number: of the segment.
         tracks: for each widget its frames, and its `RobotWidget.arrays_of`.
     """
-    facts: list[dict[str, Any]] = []
-    parts: list[bytes] = []
-    for frames, arrays_of in tracks:
-        described, packed = pack_track(frames, arrays_of)
-        facts.append(described)
-        parts += packed
+    facts, parts = pack_tracks(tracks)
     # Noise takes long to pack as small as it gets, and gets no smaller.
-    is_noise = any(not array["step"] for track in facts for array in track.get("floats", ()))
-    return compressed({"segment": number, "tracks": facts}, parts, level=6 if is_noise else 9)
+    is_noise = any(not array["step"] for track in facts["tracks"] for array in track.get("floats", ()))
+    return compressed({"segment": number, **facts}, parts, level=6 if is_noise else 9)
 
 
 def compressed(facts: dict[str, Any], parts: Iterable[bytes], level: int = 9) -> bytes:
@@ -54,25 +54,46 @@ def in_text(data: bytes) -> bytes:
     return base64.b85encode(data).replace(b"<", b",")
 
 
-def pack_track(frames: Sequence[TimedFrame], arrays_of: ArraysOf) -> tuple[dict[str, Any], list[bytes]]:
-    """Facts and parts, of which the page makes the frames of a track again (js/export/tracks.ts)."""
-    abouts, rows = table_of(frames)
-    end = sum(len(timed.frame) for timed in frames)
-    facts: dict[str, Any] = {"count": len(frames), "bytes": end, "abouts": abouts}
-    parts = [planes(rows)]
-    whole = [timed.frame for timed in frames]
-    layouts = [arrays_of(frame) for frame in whole]
-    heads, counts = {head for head, _ in layouts}, {count for _, count in layouts if count}
-    if len(heads) == len(counts) == 1:
-        head, count = heads.pop(), counts.pop()
-        columns, start = _columns(b"".join(frame[:head] for frame in whole), len(frames))
-        arrays = [pack_floats(_array(whole, head, count, number)) for number in range(count)]
-        packed = [part for _, parts_of in arrays for part in parts_of]
-        return {**facts, "columns": columns, "floats": [fact for fact, _ in arrays]}, [*parts, start, *packed]
-    if len({len(frame) for frame in whole}) == 1 and end % (_COLUMN * len(frames)) == 0:
-        columns, rows_of = _columns(b"".join(whole), len(frames))
-        return {**facts, "columns": columns}, [*parts, rows_of]
-    return facts, [*parts, *whole]
+def pack_tracks(tracks: Iterable[tuple[Sequence[TimedFrame], ArraysOf]]) -> tuple[dict[str, Any], list[bytes]]:
+    """Facts and parts, of which the page makes the frames of tracks again (js/export/tracks.ts)."""
+    columns: dict[bytes, int] = {}
+    facts: list[dict[str, Any]] = []
+    parts: list[bytes] = []
+    for frames, arrays_of in tracks:
+        abouts, table = table_of(frames)
+        whole = [timed.frame for timed in frames]
+        size = sum(map(len, whole))
+        times = _places(table.tobytes(), frames, columns)
+        fact: dict[str, Any] = {"count": len(frames), "bytes": size, "abouts": abouts, "table": times}
+        facts.append(fact)
+        layouts = [arrays_of(frame) for frame in whole]
+        heads, counts = {head for head, _ in layouts}, {count for _, count in layouts if count}
+        if len(heads) == len(counts) == 1:
+            head, count = heads.pop(), counts.pop()
+            fact["columns"] = _places(b"".join(frame[:head] for frame in whole), frames, columns)
+            arrays = [pack_floats(_array(whole, head, count, number)) for number in range(count)]
+            fact["floats"] = [packed for packed, _ in arrays]
+            parts += [part for _, packed in arrays for part in packed]
+        elif len({len(frame) for frame in whole}) == 1 and size % (_COLUMN * len(frames)) == 0:
+            fact["columns"] = _places(b"".join(whole), frames, columns)
+        else:
+            parts += whole
+    shared = [_pack_column(np.frombuffer(column)) for column in columns]
+    described = [[len(column) // _COLUMN, scale] for column, (scale, _) in zip(columns, shared, strict=True)]
+    return {"columns": described, "tracks": facts}, [*(packed for _, packed in shared), *parts]
+
+
+def _pack_column(values: NDArray[np.float64]) -> tuple[int, bytes]:
+    """Sorted by bytes: the changes of the numbers multiplied by a scale, where all are whole; else, with 0, their bits.
+
+    Times are whole nanoseconds, of which float64 hides the pattern, and logs have numbers with few decimals.
+    """
+    for scale in _SCALES:
+        with np.errstate(invalid="ignore", over="ignore"):
+            whole = np.rint(values * scale)
+        if np.all(np.abs(whole) < _EXACT) and np.array_equal((whole / scale).view("<u8"), values.view("<u8")):
+            return scale, planes(folded_changes(whole.astype(np.int64)))
+    return 0, planes(values)
 
 
 def _array(frames: Sequence[bytes], head: int, count: int, number: int) -> NDArray[np.float32]:
@@ -81,12 +102,11 @@ def _array(frames: Sequence[bytes], head: int, count: int, number: int) -> NDArr
     return np.concatenate([of[number * (len(of) // count) : (number + 1) * (len(of) // count)] for of in numbers])
 
 
-def _columns(rows: bytes, count: int) -> tuple[list[int], bytes]:
-    """Rows of 8-byte numbers by columns, each column once, its bytes sorted by their places; and which column is where.
+def _places(rows: bytes, frames: Sequence[TimedFrame], columns: dict[bytes, int]) -> list[int]:
+    """Which columns hold the 8-byte numbers of rows, one row for each frame; adds those that are not there yet.
 
-    The page rarely needs all: what was not commanded is the same in each row, and an extreme is often the value itself.
+    Many are equal: odometry has speeds and poses at the same times, what was not commanded is the same in each row, and
+    an extreme is often the value itself.
     """
-    numbers = np.frombuffer(rows, "<u8").reshape(count, -1).T
-    kept: dict[bytes, int] = {}
-    places = [kept.setdefault(column.tobytes(), len(kept)) for column in numbers]
-    return places, b"".join(planes(np.frombuffer(column, "<u8")) for column in kept)
+    numbers = np.frombuffer(rows, "<u8").reshape(len(frames), -1).T
+    return [columns.setdefault(column.tobytes(), len(columns)) for column in numbers]

@@ -1,6 +1,7 @@
 import { start } from "./export/page.ts";
 import { explain } from "./export/parts.ts";
 import laser from "./laser_widget.ts";
+import path from "./path_widget.ts";
 import player from "./player_widget.ts";
 import scanogram from "./scanogram_widget.ts";
 import speed from "./speed_widget.ts";
@@ -9,6 +10,7 @@ import touch from "./touch_widget.ts";
 /** The script of a page in a file: the widgets of robowidgets, and what does Python's part. By their modules. */
 const WIDGETS = {
   laser_widget: laser,
+  path_widget: path,
   player_widget: player,
   scanogram_widget: scanogram,
   speed_widget: speed,

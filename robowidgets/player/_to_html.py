@@ -14,7 +14,7 @@ import ipywidgets
 
 from .._core.cells import close_all
 from .._core.text import as_date
-from .._core.timed_frame import TimedFrame
+from .._core.timed_frame import FRAME_HEADER, TimedFrame
 from ..export.html import Heading, Page
 from ..export.models import Models, shown
 from ..export.segments import segment
@@ -222,9 +222,16 @@ def _segment(
     end = (number + 1) * seconds if span[1] == player.duration else min(span[1], (number + 1) * seconds)
     packed = []
     for (widget, track), view in zip(tracks, player.views, strict=True):
-        frames = list(track.frames(start, max(start, end)))
+        frames = [_without_arrival(timed) for timed in track.frames(start, max(start, end))]
         packed.append((_thinned(frames, every) if view.choice.kind.name == LASER.name else frames, widget.arrays_of))
     return segment(number, packed)
+
+
+def _without_arrival(timed: TimedFrame) -> TimedFrame:
+    """A frame without the time at which its sample was read here, which tells a page nothing."""
+    sequence, rate, stamp_ns, _ = FRAME_HEADER.unpack_from(timed.frame)
+    head = FRAME_HEADER.pack(sequence, rate, stamp_ns, 0.0)
+    return timed._replace(frame=head + timed.frame[FRAME_HEADER.size :])
 
 
 def _thinned(frames: list[TimedFrame], every: int) -> list[TimedFrame]:

@@ -5,7 +5,7 @@ import { Feed, Segments } from "../../robowidgets/js/export/feed.ts";
 import { PageModel } from "../../robowidgets/js/export/model.ts";
 import { readPart } from "../../robowidgets/js/export/parts.ts";
 import { Taker } from "../../robowidgets/js/export/taker.ts";
-import { unpackTrack } from "../../robowidgets/js/export/tracks.ts";
+import { unpackTracks } from "../../robowidgets/js/export/tracks.ts";
 import { decodeFrames } from "../../robowidgets/js/player/segments.ts";
 import { frameOf, readsOf, vectors } from "./vectors.ts";
 
@@ -16,8 +16,8 @@ for (const name of NAMES) {
     const { facts, track } = readsOf(name);
     const packed = frameOf(name, 0);
     const bytes = new Uint8Array(packed.buffer.slice(0, packed.byteLength) as ArrayBuffer);
-    const made = unpackTrack(facts, new Taker(bytes));
-    assert.equal(Buffer.from(made.buffer).toString("base64"), track);
+    const [made] = unpackTracks(facts, new Taker(bytes));
+    assert.equal(Buffer.from((made as DataView).buffer).toString("base64"), track);
   });
 }
 
@@ -35,10 +35,16 @@ function toBase85(bytes: Uint8Array): string {
 
 /** An element of a page with a packed segment, as Python writes it. */
 async function partOf(number: number, times: number[], size = 8): Promise<HTMLElement> {
-  const rows = times.map((time, i) => new Uint8Array(new Float64Array([time, 0, size * (i + 1)]).buffer));
-  const sorted = Array.from({ length: 24 }, (_, place) => rows.map((row) => row[place] as number)).flat();
-  const tracks = [{ count: times.length, bytes: size * times.length, abouts: [{}] }];
-  const text = new TextEncoder().encode(JSON.stringify({ segment: number, tracks }));
+  const table = [times, times.map(() => 0), times.map((_, i) => size * (i + 1))];
+  const sorted = table.flatMap((column) => {
+    const rows = column.map((value) => new Uint8Array(new Float64Array([value]).buffer));
+    return Array.from({ length: 8 }, (_, place) => rows.map((row) => row[place] as number)).flat();
+  });
+  const count = times.length;
+  const tracks = [{ count, bytes: size * count, abouts: [{}], table: [0, 1, 2] }];
+  const text = new TextEncoder().encode(
+    JSON.stringify({ segment: number, columns: table.map(() => [count, 0]), tracks }),
+  );
   const all = [new Uint8Array(new Uint32Array([text.length]).buffer), text, Uint8Array.from(sorted)];
   const blob = new Blob([...all, new Uint8Array(size * times.length)]);
   const packed = await new Response(blob.stream().pipeThrough(new CompressionStream("deflate"))).arrayBuffer();

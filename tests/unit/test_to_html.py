@@ -90,10 +90,7 @@ class Part:
 
 @pytest.mark.slow
 def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> None:
-    """At most 0.6 times their topics as MCAP with zstd and 170 kB, but for readings that are noise to the last bit.
-
-    A log that is odometry for the most part takes 0.8 times as much: its page shows speeds and path.
-    """
+    """At most 0.6 times their topics as MCAP with zstd and 150 kB, but for readings that are noise to the last bit."""
     for name in ("hokuyo_people.bag", "tilt_laser.bag", "urg_681.bag", "neato_fsm_zstd.mcap", "edmonton.log.gz"):
         file = data / "good" / name
         with robowidgets.open(file) as recording:
@@ -101,7 +98,7 @@ def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> N
             size = recording.to_html(tmp_path / "a.html").stat().st_size
         with closing(open_source(file)) as source:
             mcap = write(Part(source, topics), tmp_path / "a.mcap").size
-        assert size <= (0.8 if name == "edmonton.log.gz" else 0.6) * mcap + 170_000, name
+        assert size <= 0.6 * mcap + 150_000, name
 
 
 def test_every_second_scan_makes_it_smaller_and_is_said(tmp_path: Path) -> None:

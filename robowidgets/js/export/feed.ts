@@ -3,17 +3,12 @@ import type { SegmentMessage } from "../player/traits.ts";
 import type { PageModel } from "./model.ts";
 import { readPart } from "./parts.ts";
 import { Taker } from "./taker.ts";
-import { type PackedTrack, unpackTrack } from "./tracks.ts";
+import { type PackedTracks, unpackTracks } from "./tracks.ts";
 
 /** Most bytes of segments that a player keeps; those farthest from the time on show are dropped first. */
 const KEPT_BYTES = 256e6;
 /** Factor on the distance of segments that lie before the time on show: playing moves away from them. */
 const BEHIND = 3;
-
-interface PackedSegment {
-  segment: number;
-  tracks: PackedTrack[];
-}
 
 /** The segments that are in the page, packed. */
 export class Segments {
@@ -55,9 +50,8 @@ export class Segments {
   async read(number: number): Promise<SegmentMessage> {
     const element = this.#elements[number - this.#first];
     if (!element) throw new Error(`segment ${number} is not in this page`);
-    const { facts, bytes } = await readPart<PackedSegment>(element);
-    const taker = new Taker(bytes);
-    const tracks = facts.tracks.map((track) => unpackTrack(track, taker));
+    const { facts, bytes } = await readPart<PackedTracks & { segment: number }>(element);
+    const tracks = unpackTracks(facts, new Taker(bytes));
     const abouts = facts.tracks.map((track) => track.abouts);
     const message: SegmentMessage = { segment: facts.segment, drop: [], abouts, tracks };
     for (const listener of this.#listeners) listener(message);

@@ -21,16 +21,4 @@ export class Taker {
     }
     return rows;
   }
-
-  /** Rows of 8-byte numbers, of which Python has left out repeated columns. */
-  columns(count: number, places: number[]): Uint8Array<ArrayBuffer> {
-    const kept = 1 + Math.max(-1, ...places);
-    const columns = Array.from({ length: kept }, () => new BigUint64Array(this.rows(count, 8).buffer));
-    const rows = new BigUint64Array(count * places.length);
-    for (const [place, index] of places.entries()) {
-      const column = columns[index] as BigUint64Array;
-      for (let row = 0; row < count; row++) rows[row * places.length + place] = column[row] as bigint;
-    }
-    return new Uint8Array(rows.buffer);
-  }
 }
