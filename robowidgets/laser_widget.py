@@ -203,7 +203,7 @@ class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
         except (TypeError, ValueError) as error:
             self._refuse(error)
         else:
-            with self._sample_lock:
+            with self._newest.lock:
                 self._show(scan.turned(self._offset) if self._offset else scan)
 
     @property
@@ -229,7 +229,8 @@ class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
 
     def _about_sample(self, sample: Scan) -> dict[str, Any]:
         about = about_scan(sample, self._offset) | self._placed(sample)
-        usual = self._meter.usual if self._meter.has_sagged else 0.0
+        meter = self._newest.meter
+        usual = meter.usual if meter.has_sagged else 0.0
         if usual:
             sagged = (
                 f"scans come at less than half of their usual {usual:.2g} Hz",
@@ -273,10 +274,11 @@ class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
     @traitlets.observe("angle_offset")
     def _turn(self, change: Any) -> None:
         """Turn the scan on show too: it may be the only one that comes."""
-        with self._sample_lock:
+        with self._newest.lock:
             self._offset = change["new"]
-            if self._newest is not None:
-                self._show(self._newest.turned(change["new"] - change["old"]), self._newest_about, counts=False)
+            newest = self._newest.sample
+            if newest is not None:
+                self._show(newest.turned(change["new"] - change["old"]), self._newest.about, counts=False)
 
 
 def about_scan(scan: Scan, offset: float = 0.0) -> dict[str, Any]:

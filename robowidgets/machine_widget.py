@@ -107,7 +107,7 @@ class MachineWidget(RobotWidget[MachineStep]):
         machine = program.version.function
         if isinstance(machine, Machine):
             self._origin = program.origin or 0.0
-            self._show(machine.last_step, counts=machine.last_step is not self._newest)
+            self._show(machine.last_step, counts=machine.last_step is not self._newest.sample)
 
     def _follow(self, program: Program) -> None:
         """Show another version."""
@@ -119,8 +119,8 @@ class MachineWidget(RobotWidget[MachineStep]):
             self._outline = {"key": key, "name": machine.name, "machines": machine.describe()}
         else:
             status = f"{program.name} drives now, which is no state machine"
-            if self._newest is not None:
-                self._show(self._newest, counts=False)
+            if self._newest.sample is not None:
+                self._show(self._newest.sample, counts=False)
         self._source = {"robot": self._robot, "status": status}
 
     def _about_sample(self, sample: MachineStep) -> dict[str, Any]:

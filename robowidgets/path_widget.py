@@ -109,7 +109,7 @@ class PathWidget(RobotWidget[PathPoint]):
         """
         try:
             refuse_unnamed("update", unnamed, _BY_NAME)
-            with self._sample_lock:
+            with self._newest.lock:
                 point = self._to_point(message, fields)
                 if not self.driven_by_player:
                     pose = Pose(point.x, point.y, point.yaw)
@@ -122,7 +122,7 @@ class PathWidget(RobotWidget[PathPoint]):
 
     def clear(self) -> None:
         """Start a new path: the poses so far go, and the next one is the first."""
-        with self._sample_lock:
+        with self._newest.lock:
             self._track, self._recent, self._began, self._is_path_new = Path(), RecentPoses(), None, True
         pacer.mark(self)
 
@@ -142,12 +142,12 @@ class PathWidget(RobotWidget[PathPoint]):
 
         In the player of a recording it is that of the whole recording.
         """
-        with self._sample_lock:
+        with self._newest.lock:
             return self._track.points
 
     def robot_at(self, sample: HasAge) -> Pose | None:
         """Where the robot was at the time of a sample that came just now; None while that is unknown."""
-        with self._sample_lock:
+        with self._newest.lock:
             return self._recent.at(sample._arrived, getattr(sample, "stamp_ns", None))
 
     def show_whole(self, path: Path, note: str = "") -> None:
@@ -195,7 +195,7 @@ class PathWidget(RobotWidget[PathPoint]):
     def _bring_up_to_date(self) -> None:
         """Have the path sent with the newest pose, unless it was sent just now."""
         super()._bring_up_to_date()
-        with self._sample_lock:
+        with self._newest.lock:
             if not self._is_path_new:
                 return
             now = time.monotonic()

@@ -221,7 +221,7 @@ class SpeedWidget(RobotWidget[Reading]):
             self._errors[method] = f"{error}."
             self._refuse(error)
             return
-        with self._sample_lock:
+        with self._newest.lock:
             self._errors.pop(method, None)
             if method == "update":
                 self._reading = self._reading.moved(speed)
@@ -239,7 +239,7 @@ class SpeedWidget(RobotWidget[Reading]):
 
     @traitlets.observe("_resets")
     def _reset(self, _change: Any) -> None:
-        with self._sample_lock:
+        with self._newest.lock:
             self._reading = self._reading.reset(self._resets)
             if self._reading.measured or self._reading.commanded:
                 self._put_up(counts=False)

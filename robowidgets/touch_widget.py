@@ -131,7 +131,7 @@ class TouchWidget(RobotWidget[Touch]):
         with self._tracking:
             self._tracker, self._still_ns = tracker, now_ns
         newest = tracker.newest or Touch({})
-        is_another = tracker.newest is not None and tracker.newest is not self._newest
+        is_another = tracker.newest is not None and tracker.newest is not self._newest.sample
         self._show(newest, {**about_touch(newest), "still": True}, counts=is_another)
 
     @property
@@ -158,7 +158,7 @@ class TouchWidget(RobotWidget[Touch]):
     def send_newest(self) -> int:
         """Send the states to the page, as they are now; the pacer's call. Returns the bytes sent."""
         with self._send_lock:
-            self._changed = True
+            self._newest.changed = True
             size = super().send_newest()
             with self._tracking:
                 changes = self.comm is not None and self._still_ns is None
@@ -169,7 +169,7 @@ class TouchWidget(RobotWidget[Touch]):
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
         """The synced state, with the states and durations of now in it."""
         if key is None:
-            self._changed = True
+            self._newest.changed = True
         return super().get_state(key, drop_defaults)
 
     def _to_judge(self, shown: Touch | None) -> Touch | None:
@@ -185,9 +185,8 @@ class TouchWidget(RobotWidget[Touch]):
         with self._send_lock:
             self._packed_ns = self._now_ns()
             if self._judge and self._states_at(self._packed_ns) != self._judged:
-                with self._sample_arrived:
-                    self._version += 1
-                    self._sample_arrived.notify_all()
+                with self._newest.lock:
+                    self._newest.renew()
             super()._bring_up_to_date()
             self._packed_ns = None
 
@@ -197,7 +196,8 @@ class TouchWidget(RobotWidget[Touch]):
 
     def _longest_silence(self) -> float:
         """Events come when something happens, not at a rate."""
-        is_events = self._newest is not None and self._newest.mode is TouchMode.EVENT
+        newest = self._newest.sample
+        is_events = newest is not None and newest.mode is TouchMode.EVENT
         return LONGEST_SILENCE if is_events else super()._longest_silence()
 
     def _pack(self, sample: Touch) -> bytes:  # noqa: ARG002  # the tracker contains its states
@@ -217,7 +217,7 @@ class TouchWidget(RobotWidget[Touch]):
         return {name: known.get(name, TouchSensor()) for name in self.sensors or known}
 
     def _send_again(self) -> None:
-        if self._newest is not None:
+        if self._newest.sample is not None:
             pacer.mark(self)
 
     @traitlets.validate("hold", "timeout")

@@ -5,9 +5,10 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 from .log_once import LogOnce
+from .newest_sample import NewestSample, Shot
 from .pacer import Sender, pacer
 from .user_function import line_of
 from .user_threads import frames_of
@@ -22,27 +23,12 @@ SLOW = 1.0
 """Seconds after which a function that has not returned is named on its lamp."""
 
 
-class Shot(NamedTuple):
-    """What a widget has to show at one time: its sample with the texts on it. Each has a higher version."""
-
-    version: int
-    sequence: int
-    arrived: float
-    sample: Any
-    about: dict[str, Any]
-
-
 class Judged(Sender, Protocol):
     """A widget whose samples are judged."""
 
     title: str
-    _sample_arrived: threading.Condition
-    _waiting: int
-    _version: int
-    _changed: bool
+    _newest: NewestSample[Any]
     _packs_now: bool
-
-    def _newest_shot(self) -> Shot: ...
 
     def _to_judge(self, shown: Any) -> Any: ...
 
@@ -60,6 +46,7 @@ class Judge:
 
     def __init__(self, widget: Judged) -> None:
         self._widget = widget
+        self._newest = widget._newest
         self.watches: dict[str, Watch] = {}
         self._thread: threading.Thread | None = None
         self._seen = self._done = 0
@@ -73,7 +60,7 @@ class Judge:
 
     def put(self, watch: Watch) -> None:
         """Add a watch; it replaces the one of its name."""
-        with self._widget._sample_arrived:
+        with self._newest.lock:
             before = self.watches.get(watch.name)
             self.watches[watch.name] = watch
             self._restart(before)
@@ -82,7 +69,7 @@ class Judge:
 
     def remove(self, name: str) -> None:
         """Remove a watch."""
-        with self._widget._sample_arrived:
+        with self._newest.lock:
             gone = self.watches.pop(name)
             self._restart(gone)
             if not self.watches:
@@ -92,29 +79,29 @@ class Judge:
 
     def close(self) -> None:
         """End the thread, and whatever waits for a watch."""
-        with self._widget._sample_arrived:
+        with self._newest.lock:
             self._thread = None
-            self._widget._sample_arrived.notify_all()
+            self._newest.wake()
         for watch in self.watches.values():
             watch.end("its widget is closed")
 
-    def choose(self, newest: Shot, sent: int) -> tuple[Shot | None, list[dict[str, Any]]]:
+    def choose(self, packed: int) -> tuple[Shot | None, list[dict[str, Any]]]:
         """What to send to the page, with its lamps; None while the verdicts are due in a moment.
 
         Called with the lock of the samples. At the end of a cell, in the main thread, it waits for that moment, so that
         a notebook is saved with the last sample.
 
         Args:
-            newest: the newest there is.
-            sent: the version that was sent last.
+            packed: the version that was packed last.
         """
+        newest = self._newest.shot()
         if not self.watches:
             return newest, []
         if self._done != newest.version and threading.current_thread() is threading.main_thread():
-            self._widget._sample_arrived.wait_for(lambda: self._done == newest.version, PATIENCE)
+            self._newest.wait_for(lambda: self._done == newest.version, PATIENCE)
         if self._done == newest.version:
             return newest, self._lamps
-        if self._shot is not None and self._shot.version > sent and not self._widget._packs_now:
+        if self._shot is not None and self._shot.version > packed and not self._widget._packs_now:
             return self._shot, self._lamps
         is_late = self.is_late
         pacer.mark_at(self._widget, time.monotonic() + (SLOW if is_late else PATIENCE))
@@ -122,9 +109,9 @@ class Judge:
             return None, []
         return newest, [self._unknown(watch) for watch in self.watches.values()]
 
-    def will_mark(self, version: int) -> bool:
-        """Whether it marks the widget in a moment, when the verdicts on its newest version are there."""
-        return bool(self.watches) and self._done != version and not self.is_late
+    def will_mark(self) -> bool:
+        """Whether it marks the widget in a moment, when the verdicts on the newest version are there."""
+        return bool(self.watches) and self._done != self._newest.version and not self.is_late
 
     @property
     def is_late(self) -> bool:
@@ -136,12 +123,12 @@ class Judge:
         """Judge the newest sample again, in another thread if this one is in a function that is not wanted any more."""
         self._seen = self._done = 0
         self._shot = None
-        self._widget._changed = True
+        self._newest.changed = True
         if self._thread is None or (gone is not None and self._current is gone):
             self._current = self._entered = None
             self._thread = threading.Thread(target=self._run, name="robowidgets-judge", daemon=True)
             self._thread.start()
-        self._widget._sample_arrived.notify_all()
+        self._newest.wake()
 
     def _run(self) -> None:
         me = threading.current_thread()
@@ -155,35 +142,30 @@ class Judge:
                     return
                 if watch.error:
                     self._log(f"{self._widget.title} {watch.name}: {watch.error}".strip(), watch.error)
-            with self._widget._sample_arrived:
+            with self._newest.lock:
                 if self._thread is not me:
                     return
                 self._current = self._entered = None
                 if self._seen == shot.version:  # else another watch was added meanwhile
                     self._done, self._shot = shot.version, shot
                     self._lamps = [watch.lamp() for watch in watches]
-                self._widget._sample_arrived.notify_all()
+                self._newest.wake()
             pacer.mark(self._widget)
 
     def _next(self, me: threading.Thread) -> Shot | None:
         """The newest version that was not judged yet, as soon as there is one; None when the thread is to end."""
-        widget = self._widget
-        with widget._sample_arrived:
-            widget._waiting += 1
-            try:
-                while self._thread is me and self._seen == widget._version:
-                    widget._sample_arrived.wait()
-            finally:
-                widget._waiting -= 1
+        newest = self._newest
+        with newest.lock:
+            newest.wait_for(lambda: self._thread is not me or self._seen != newest.version)
             if self._thread is not me:
                 return None
-            self._seen = widget._version
+            self._seen = newest.version
             now = self._entered = time.monotonic()
             if now - self._checked > SLOW:
                 # Should a function not return, with no sample after this one, the picture is still to be shown.
                 self._checked = now
-                pacer.mark_at(widget, now + SLOW)
-            return widget._newest_shot()
+                pacer.mark_at(self._widget, now + SLOW)
+            return newest.shot()
 
     def _unknown(self, watch: Watch) -> dict[str, Any]:
         """The lamp of a watch whose verdict is not there yet."""

@@ -1,11 +1,8 @@
-"""The base of the widgets that show samples: storing them, sending them to the page, and errors."""
+"""The base of the widgets that show samples: storing and packing them, waiting for them, and errors."""
 
 from __future__ import annotations
 
-import os
 import threading
-import time
-import weakref
 from collections.abc import Iterable
 from typing import Any, Generic, TypeVar
 
@@ -13,28 +10,17 @@ import traitlets
 
 from ..samples.checks import not_negative
 from .error_routing import called_from_cell
-from .freezing import FreezableWidget
-from .judge import Shot
 from .numbers import Numbers
+from .paced_widget import PacedWidget
 from .pacer import pacer
-from .page_file import SentFrames, WritesPage
-from .platform_fixes import message_padding
 from .png import SavesPng
-from .rate import RateMeter
-from .timed_frame import FRAME_HEADER, TimedFrame
-from .traits import Flag, HistorySeconds
+from .timed_frame import FRAME_HEADER
+from .traits import Flag
 from .watching import JudgesConditions
 
 SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
 """Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
 where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
-
-RESYNC_TRAITS = ("title", "_about", "_source")
-"""Traits that only Python writes, which are sent again with a frame at intervals: a server that is flooded with prints
-silently drops messages, and a page may overwrite new traits with an older state that it requested before."""
-
-RESYNC_S = 5.0
-"""Seconds between two such frames."""
 
 NO_TEXTS: dict[str, Any] = {}
 """No texts on a sample; never changed."""
@@ -42,21 +28,14 @@ NO_TEXTS: dict[str, Any] = {}
 S = TypeVar("S")
 
 
-class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Generic[S]):
+class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
     """A widget that shows the newest sample of type S.
 
     Subclasses pack samples to bytes and back, and pass new ones to `_show`. The calling thread only stores a sample,
-    and the pacer packs and sends it, so any thread may update a widget at any rate. The pacer also sends the traits
-    that a program sets, because a loop may set them at any rate, too.
+    and the pacer packs and sends it, so any thread may update a widget at any rate.
     """
 
     footer = Flag(True, help="Whether counts stand below the picture.").tag(sync=True)
-    history = HistorySeconds(
-        30.0,
-        why="; the page keeps 20 samples for each of them",
-        help="Seconds for which the page keeps samples to step back through, 0 (none) to 600; 20 a second and 8 MB at "
-        "most.",
-    ).tag(sync=True)
 
     has_rate = True
     """Whether samples come as they are measured, at a rate; False for samples that are picked from a recording."""
@@ -83,35 +62,10 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
     )
 
     def __init__(self, **kwargs: Any) -> None:
-        self._process = os.getpid()
-        self._newest: S | None = None
-        self._newest_about: dict[str, Any] = {}
         self._png_error = ""
-        self._sequence = 0
-        self._version = 1
-        """Of what there is to show; each sample, and each text on it, has a higher one."""
-        self._sent_version = 0
-        self._arrived = 0.0
-        self._meter = RateMeter()
+        self._packed_version = 0
         self._plotted = Numbers()
-        self._changed = False
-        self._waiting = 0
-        self._sent: tuple[bytes, dict[str, Any]] = (b"", {})
-        """`_frame` and `_about` as they were sent last; only the pacer sends them."""
-        self._sent_frames = SentFrames()
-        self._unsent: set[str] = set()
-        self._resync_at = time.monotonic() + RESYNC_S
-        self._make_locks()
-        _made.add(self)
         super().__init__(**kwargs)
-
-    def _make_locks(self) -> None:
-        """Make free locks; again in a forked process, which has no threads that could release the old ones."""
-        self._sample_lock = threading.RLock()
-        self._send_lock = threading.RLock()
-        self._sample_arrived = threading.Condition(self._sample_lock)
-        self._given = threading.local()
-        """By thread, the sequence number of the sample that `wait` returned last."""
 
     # -- what a person uses --------------------------------------------------------------------------------------------
 
@@ -133,22 +87,17 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
         """
         limit = self._longest_silence()
         seconds = limit if timeout is None else not_negative("timeout", timeout, "seconds")
-        given = getattr(self._given, "sequence", 0)
+        newest = self._newest
 
         def has_next() -> bool:
             if self._newest_sample() is None:
                 return False
-            return not self.has_rate or (self._sequence > given and time.monotonic() - self._arrived <= limit)
+            return not self.has_rate or (newest.is_new() and newest.age <= limit)
 
-        with self._sample_arrived:
-            self._waiting += 1
-            try:
-                came = self._sample_arrived.wait_for(has_next, min(seconds, threading.TIMEOUT_MAX))
-            finally:
-                self._waiting -= 1
-            if not came:
+        with newest.lock:
+            if not newest.wait_for(has_next, min(seconds, threading.TIMEOUT_MAX)):
                 raise TimeoutError(self._why_none(seconds))
-            self._given.sequence = self._sequence
+            newest.take()
             return self._newest_sample()
 
     def _summary(self) -> str:
@@ -174,11 +123,11 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
         """The sample on show: the frozen one while paused, else the newest; None before the first."""
         if self.paused:
             return self._unpack(self._frozen_frame) if self._frozen_frame else None
-        return self._newest
+        return self._newest.sample
 
     def _newest_sample(self) -> Any:
         """The sample that `wait` returns; None before the first one."""
-        return self._newest
+        return self._newest.sample
 
     def _longest_silence(self) -> float:
         """Seconds without a sample after which the source is silent."""
@@ -194,22 +143,13 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
 
         With ``counts=False`` it is an improved version of the previous sample, not a new one.
         """
-        with self._sample_lock:
-            # Bypasses __setattr__, which would take longer than everything else here.
-            mine = self.__dict__
-            mine["_newest"], mine["_newest_about"], mine["_changed"] = sample, about, True
-            mine["_version"] += 1
-            if counts:
-                mine["_sequence"] += 1
-                mine["_arrived"] = time.monotonic()
-            if mine["_waiting"]:
-                mine["_sample_arrived"].notify_all()
+        self._newest.put(sample, about, counts=counts)
         self._mark()
 
     def _say_more(self) -> None:
         """Have the newest sample sent with what was said of it later."""
-        with self._sample_lock:
-            self._changed = True
+        with self._newest.lock:
+            self._newest.changed = True
         self._mark()
 
     def _mark(self) -> None:
@@ -218,22 +158,23 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
         To send before that would send nothing, and the next send would wait for the interval between two.
         """
         judge = self._judge
-        if judge is None or not judge.will_mark(self._version):
+        if judge is None or not judge.will_mark():
             pacer.mark(self)
 
     def _refuse(self, error: Exception) -> None:
         """Show why a message could not be shown; then raise the error in a cell, and log it in a callback."""
         text = str(error)
-        with self._sample_lock:
-            self._newest_about = {**self._newest_about, "error": text if text.endswith((".", "?")) else f"{text}."}
-            self._changed = True
+        newest = self._newest
+        with newest.lock:
+            newest.about = {**newest.about, "error": text if text.endswith((".", "?")) else f"{text}."}
+            newest.changed = True
         pacer.mark(self)
         if called_from_cell():
             raise error from None
         self._log_once(f"a message could not be shown: {text}")
 
     def _why_none(self, seconds: float) -> str:
-        error = self._newest_about.get("error", "")
+        error = self._newest.about.get("error", "")
         reasons = [self._source.get("status", ""), f"what came could not be shown: {error}" if error else ""]
         sample = self._newest_sample()
         if not self._source and not error and sample is None:
@@ -241,7 +182,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
         why = "; ".join(filter(None, reasons))
         none = f"nothing to show in {seconds:g} s"
         if sample is not None:
-            age = time.monotonic() - self._arrived
+            age = self._newest.age
             none = f"no new {type(sample).__name__.lower()} for {age:.{'1f' if age >= 1 else '2g'}} s"
         return f"{type(self).__name__} {self.title}".rstrip() + f" had {none}" + f": {why}" * bool(why)
 
@@ -269,73 +210,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
     @property
     def rate(self) -> float:
         """Samples per second over the last seconds in which some came; NaN while it is unknown."""
-        if not self.has_rate:
-            return float("nan")
-        with self._sample_lock:
-            return self._meter.rate(self._sequence, self._arrived)
-
-    def send_newest(self) -> int:
-        """Send the newest sample to the page; returns the number of bytes sent. The pacer calls it."""
-        if os.getpid() != self._process:
-            self._log_once(
-                "nothing reaches the page from a forked process; hand messages to the notebook's own, "
-                "through a multiprocessing.Queue, and update there"
-            )
-            return 0
-        with self._send_lock:
-            # Bypasses the descriptors of the traits, which would take longer than everything else here.
-            values = self._trait_values
-            comm = values.get("comm")
-            if comm is None:
-                return 0
-            self._bring_up_to_date()
-            frame, about = newest = values["_frame"], values["_about"]
-            keys = []
-            if not self.driven_by_player:
-                keys += ["_frame"] if frame != self._sent[0] else []
-                keys += ["_about"] if about != self._sent[1] else []
-            unsent: tuple[str, ...] = ()
-            if self._unsent:
-                with self._sample_lock:
-                    unsent = tuple(self._unsent)
-                    self._unsent.clear()
-                keys += unsent
-            if keys and time.monotonic() >= self._resync_at:
-                keys = [*dict.fromkeys((*keys, *RESYNC_TRAITS))]
-                self._resync_at = time.monotonic() + RESYNC_S
-            try:
-                if keys in (["_frame"], ["_frame", "_about"]):
-                    # The message that ipywidgets would build, without its cost.
-                    state = {"_about": about} if "_about" in keys else {}
-                    update = {"method": "update", "state": state, "buffer_paths": [["_frame"]], **message_padding()}
-                    comm.send(data=update, buffers=[frame])
-                elif keys:
-                    super().send_state(keys)
-            except BaseException:
-                with self._sample_lock:
-                    self._unsent.update(unsent)
-                raise
-            if "_frame" in keys:
-                self._sent_frames.add(TimedFrame(self._arrived, about, frame), self.history)
-            self._sent = newest
-            return len(frame) if "_frame" in keys else 0
-
-    def sent_frames(self) -> list[TimedFrame]:
-        """See `WritesPage`."""
-        with self._send_lock:
-            self._bring_up_to_date()
-            newest = TimedFrame(self._arrived, self._about, self._frame)
-            kept = [sent for sent in self._sent_frames if sent.frame != newest.frame]
-        return [*kept, newest] if newest.frame else kept
-
-    def send_state(self, key: str | Iterable[str] | None = None) -> None:
-        """Send traits to the page with the next sample; without names, when a page requests all of them, at once."""
-        if key is None or self.comm is None:
-            super().send_state(key)
-            return
-        with self._sample_lock:
-            self._unsent.update((key,) if isinstance(key, str) else key)
-        pacer.mark(self)
+        return self._newest.rate if self.has_rate else float("nan")
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:  # noqa: ARG002
         """The synced state with the newest sample, for a new view, a reloaded page and a saved notebook.
@@ -345,9 +220,9 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
         if key is None:
             self._bring_up_to_date()
         state: dict[str, Any] = super().get_state(key)
-        if key is None and self._sequence and (self.rate > 0 or self._source):
+        if key is None and self._newest.sequence and (self.rate > 0 or self._source):
             # A page that loads the state has not seen the sample arrive and cannot know its age.
-            state["_silence"] = time.monotonic() - self._arrived
+            state["_silence"] = self._newest.age
         return state
 
     def _get_embed_state(self, drop_defaults: bool = False) -> dict[str, Any]:
@@ -360,23 +235,19 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
         """Remove the widget from the page."""
         if self._judge:
             self._judge.close()
-        with self._send_lock:
-            super().close()
-            pacer.forget(self)
+        super().close()
 
     def _bring_up_to_date(self) -> None:
         """See `FreezableWidget`."""
         with self._send_lock:
-            with self._sample_lock:
-                if not self._changed:
+            newest = self._newest
+            with newest.lock:
+                if not newest.changed:
                     return
-                shot: Shot | None = self._newest_shot()
-                lamps: list[dict[str, Any]] = []
-                if self._judge and shot:
-                    shot, lamps = self._judge.choose(shot, self._sent_version)
+                shot, lamps = self._judge.choose(self._packed_version) if self._judge else (newest.shot(), [])
                 if shot is None:
                     return
-                self._changed, self._sent_version = shot.version != self._version, shot.version
+                newest.changed, self._packed_version = shot.version != newest.version, shot.version
                 _, sequence, arrived, sample, about = shot
                 rate = self.rate
                 if sample is not None:
@@ -397,9 +268,6 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
         """What else the page is told with the newest sample. Called with the lock of the samples."""
         return {}
 
-    def _newest_shot(self) -> Shot:
-        return Shot(self._version, self._sequence, self._arrived, self._newest, self._newest_about)
-
     def _to_judge(self, shown: Any) -> Any:
         """What conditions are judged on, of a sample as it is shown; None before the first."""
         return shown
@@ -407,19 +275,7 @@ class RobotWidget(SavesPng, WritesPage, JudgesConditions, FreezableWidget, Gener
     def _why_unknown(self) -> str:
         if self._newest_sample() is None:
             return f"no {self.sample_name} came"
-        age = time.monotonic() - self._arrived
+        age = self._newest.age
         if self.goes_stale and self.has_rate and age > self._longest_silence():
             return self._source.get("status", "") or f"no new {self.sample_name} for {age:.1f} s"
         return ""
-
-
-_made: weakref.WeakSet[RobotWidget[Any]] = weakref.WeakSet()
-
-
-def _after_fork() -> None:
-    for widget in _made:
-        widget._make_locks()
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_after_fork)

@@ -10,6 +10,7 @@ from typing import Any, overload
 
 from ..samples.checks import number
 from .judge import Judge
+from .newest_sample import NewestSample
 from .numbers import Numbers
 from .user_function import name_of
 from .watch import Watch
@@ -30,9 +31,8 @@ class JudgesConditions:
 
     _edition: int
     _judge: Judge | None = None
+    _newest: NewestSample[Any]
     _plotted: Numbers
-    _sample_lock: Any
-    _sequence: int
 
     @overload
     def watch(self, name: str, value: float, /) -> float: ...
@@ -97,7 +97,7 @@ class JudgesConditions:
             KeyError: there is no watch of that name.
         """
         if name in self._plotted:
-            with self._sample_lock:
+            with self._newest.lock:
                 self._plotted.remove(name)
             self._say_more()
             return
@@ -130,8 +130,8 @@ class JudgesConditions:
         _check_name(name)
         if name in self.watched:
             raise ValueError(f"watch({name!r}): a condition has this name; unwatch({name!r}) removes it")
-        with self._sample_lock:
-            self._plotted.put(name, shown, self._sequence)
+        with self._newest.lock:
+            self._plotted.put(name, shown, self._newest.sequence)
         self._say_more()
         return shown
 

@@ -64,6 +64,7 @@ class HasGhost(traitlets.HasTraits):
     def _frame_to_keep(self, scan: Scan) -> bytes:
         """A frame of a scan; with the number of the newest one if it is that, so that the page knows its age."""
         widget: Any = self
-        number = float(widget._sequence) if scan is widget._newest else 0.0
+        newest = widget._newest
+        number = float(newest.sequence) if scan is newest.sample else 0.0
         head = FRAME_HEADER.pack(number, float("nan"), scan.stamp_ns or 0, scan._arrived)
         return head + bytes(widget._pack(scan))

@@ -105,7 +105,7 @@ class DrawsShapes(RobotWidget[Scan]):
         """
         try:
             drawn = self._to_draw(name, shape, color, lifetime)
-            with self._sample_lock:
+            with self._newest.lock:
                 self._keep(name, drawn)
         except (TypeError, ValueError) as error:
             if called_from_cell():
@@ -119,13 +119,13 @@ class DrawsShapes(RobotWidget[Scan]):
     @property
     def drawn(self) -> Mapping[str, Any]:
         """What is drawn now, by name: a tuple of shapes, or a function."""
-        with self._sample_lock:
+        with self._newest.lock:
             self._drop(time.monotonic())
             return MappingProxyType({name: one.function or one.shapes for name, one in self._drawn.items()})
 
     def forms(self) -> list[dict[str, Any]]:
         """What is drawn now, as the page reads it, without the seconds that it has left."""
-        with self._sample_lock:
+        with self._newest.lock:
             forms = self._forms(time.monotonic())
         return [{key: value for key, value in form.items() if key != "left"} for form in forms]
 
@@ -140,7 +140,7 @@ class DrawsShapes(RobotWidget[Scan]):
         """The texts on a scan of a recording: the shapes, and what was wrong with functions that make some."""
         forms: list[dict[str, Any]] = []
         notes: list[str] = []
-        with self._sample_lock:
+        with self._newest.lock:
             now = time.monotonic()
             self._drop(now)
             drawn = dict(self._drawn)
@@ -189,7 +189,7 @@ class DrawsShapes(RobotWidget[Scan]):
             self._drawn[name], self._places = drawn, places
         elif before is not None:
             self._forget(name)
-        self._changed = True
+        self._newest.changed = True
         if (drawn and drawn.ends) or (before and before.ends):
             self._expiry.plan(one.ends for one in self._drawn.values())
 
@@ -201,7 +201,7 @@ class DrawsShapes(RobotWidget[Scan]):
         """Forget shapes whose time is over."""
         for name in [name for name, one in self._drawn.items() if one.ends is not None and one.ends <= now]:
             self._forget(name)
-            self._changed = True
+            self._newest.changed = True
 
     def _forget(self, name: str) -> None:
         self._places -= self._drawn.pop(name).places
@@ -224,7 +224,7 @@ class _Expiry:
     def send_newest(self) -> int:
         """The pacer calls it."""
         widget = self._widget
-        with widget._sample_lock:
+        with widget._newest.lock:
             widget._drop(time.monotonic())
             self.plan(one.ends for one in widget._drawn.values())
         pacer.mark(widget)

@@ -353,13 +353,13 @@ class TestUpdate:
     def test_a_rate_that_falls_below_half_is_said_and_goes_when_it_recovers(
         self, laser: LaserWidget, page: Page
     ) -> None:
-        laser._meter._rates.extend([10.0] * 20 + [4.0] * 3)
+        laser._newest.meter._rates.extend([10.0] * 20 + [4.0] * 3)
         laser.update(**MESSAGE)
         pacer.flush()
         ((what, remedy),) = page.state["_about"]["problems"]
         assert what == "scans come at less than half of their usual 10 Hz"
         assert remedy.startswith("is the network slow")
-        laser._meter._rates.append(9.0)
+        laser._newest.meter._rates.append(9.0)
         laser.update(**MESSAGE)
         pacer.flush()
         assert "problems" not in page.state["_about"]

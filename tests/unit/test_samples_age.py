@@ -12,7 +12,7 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, Scan, Speed, SpeedWidget, Touch
-from robowidgets._core import robot_widget as _widget
+from robowidgets._core import newest_sample
 from robowidgets.samples import _age
 from robowidgets.samples import scan as scan_module
 
@@ -33,7 +33,7 @@ class Clock(SimpleNamespace):
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     made = Clock()
-    for module in (_age, scan_module, _widget):
+    for module in (_age, scan_module, newest_sample):
         monkeypatch.setattr(module, "time", made)
     return made
 

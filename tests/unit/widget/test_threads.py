@@ -82,8 +82,8 @@ class TestThreads:
         thread.start()
         wait_for(lambda: len(page.messages) >= 3, "the flood was on the page")
         widget.close()
-        sent, came = len(page.messages), widget._sequence
-        wait_for(lambda: widget._sequence > came + 20_000, "many more came")
+        sent, came = len(page.messages), widget._newest.sequence
+        wait_for(lambda: widget._newest.sequence > came + 20_000, "many more came")
         stop.set()
         thread.join()
         pacer.flush()

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, Touch, TouchMode, TouchWidget
-from robowidgets._core import robot_widget as _widget
+from robowidgets._core import newest_sample
 from robowidgets.feeds import Feed
 
 from ..feeds.scripted import ODOM, SCAN, Scripted, scan, twist
@@ -32,7 +32,7 @@ class Clock(SimpleNamespace):
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     made = Clock()
-    monkeypatch.setattr(_widget, "time", made)
+    monkeypatch.setattr(newest_sample, "time", made)
     return made
 
 
@@ -135,7 +135,7 @@ class TestTheTimeout:
     def test_is_three_periods_from_one_second_to_ten(
         self, widget: NumberWidget, clock: Clock, rate: float, seconds: float
     ) -> None:
-        widget._sample_arrived = waits = Waits(widget._sample_lock)
+        widget._newest._renewed = waits = Waits(widget._newest.lock)
         feed_at(rate, clock, lambda: (widget.update(1), widget.wait()))
         with pytest.raises(TimeoutError):
             widget.wait()
@@ -143,14 +143,14 @@ class TestTheTimeout:
         assert waits.timeouts[-1] == pytest.approx(seconds)
 
     def test_is_ten_seconds_before_the_first(self, widget: NumberWidget) -> None:
-        widget._sample_arrived = waits = Waits(widget._sample_lock)
+        widget._newest._renewed = waits = Waits(widget._newest.lock)
         with pytest.raises(TimeoutError, match=r"^NumberWidget had nothing to show in 10 s: no feed is connected"):
             widget.wait()
         assert waits.timeouts == [10]
 
     def test_is_ten_seconds_where_a_source_speaks_in_events(self, clock: Clock) -> None:
         touch = TouchWidget()
-        touch._sample_arrived = waits = Waits(touch._sample_lock)
+        touch._newest._renewed = waits = Waits(touch._newest.lock)
         for mode, seconds in ((TouchMode.EVENT, 10), (TouchMode.LEVEL, 1)):
             feed_at(10, clock, lambda mode=mode: (touch.update(Touch({"left": True}, mode)), touch.wait()))
             with pytest.raises(TimeoutError):
@@ -158,7 +158,7 @@ class TestTheTimeout:
             assert waits.timeouts[-1] == seconds
 
     def test_is_what_it_is_told(self, widget: NumberWidget, clock: Clock) -> None:
-        widget._sample_arrived = waits = Waits(widget._sample_lock)
+        widget._newest._renewed = waits = Waits(widget._newest.lock)
         feed_at(40, clock, lambda: (widget.update(1), widget.wait(7)))
         for seconds in (0, 0.25, 30, 1e300):
             with pytest.raises(TimeoutError):
@@ -187,7 +187,7 @@ class TestTheTimeout:
         main = threading.main_thread().ident
 
         def interrupt() -> None:
-            wait_for(lambda: widget._waiting, "it waits")
+            wait_for(lambda: widget._newest.waiting, "it waits")
             signal.pthread_kill(main, signal.SIGINT)
 
         thread = threading.Thread(target=interrupt)
@@ -196,7 +196,7 @@ class TestTheTimeout:
         with pytest.raises(KeyboardInterrupt):
             widget.wait(20.0)
         assert time.monotonic() - began < 5.0
-        assert widget._waiting == 0
+        assert widget._newest.waiting == 0
         thread.join()
 
     @pytest.mark.parametrize(
@@ -227,13 +227,13 @@ def test_all_who_wait_get_the_first_one_and_nobody_spins_meanwhile(widget: Numbe
     threads = [threading.Thread(target=wait) for _ in range(3)]
     for thread in threads:
         thread.start()
-    wait_for(lambda: widget._waiting == 3, "all wait")
+    wait_for(lambda: widget._newest.waiting == 3, "all wait")
     in_a_thread(widget.update, 7)
     for thread in threads:
         thread.join(20.0)
     assert [number.value for number in got] == [7, 7, 7]
     assert max(busy) < 0.05
-    assert widget._waiting == 0
+    assert widget._newest.waiting == 0
 
 
 def test_a_busy_main_thread_gets_the_first_scan_of_a_feed() -> None:
@@ -303,7 +303,7 @@ def test_a_function_that_is_connected_may_wait_for_what_comes_next() -> None:
         feed.connect("/scan", laser)
         feed.connect("/scan", lambda _: got or got.append([laser.wait().ranges[0] for _ in range(2)]))
         script.listener.on_message("/scan", scan(1.5))
-        wait_for(lambda: laser._waiting, "the function waits for the next one")
+        wait_for(lambda: laser._newest.waiting, "the function waits for the next one")
         script.listener.on_message("/scan", scan(2.5))
         wait_for(lambda: got and got[0] == [1.5, 2.5], "it was given both")
 

@@ -19,11 +19,11 @@ from ipywidgets.embed import dependency_state
 
 from robowidgets import LaserWidget
 from robowidgets._core import base_widget as _named_widget
-from robowidgets._core import robot_widget as _widget
+from robowidgets._core import newest_sample, paced_widget
 from robowidgets._core.base_widget import bundle
 from robowidgets._core.log_once import MOST_LOGGED
+from robowidgets._core.paced_widget import RESYNC_S, RESYNC_TRAITS
 from robowidgets._core.pacer import pacer
-from robowidgets._core.robot_widget import RESYNC_S, RESYNC_TRAITS
 
 from ..pages import Page
 from ..waiting import wait_for
@@ -120,7 +120,7 @@ class TestToThePage:
         self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         now = SimpleNamespace(monotonic=lambda: 100.0)
-        monkeypatch.setattr(_widget, "time", now)
+        monkeypatch.setattr(newest_sample, "time", now)
         widget._show(Number(1, stamp_ns=5), {})
         sequence, rate, stamp, arrived = head_of(widget.get_state()["_frame"])
         assert (sequence, stamp, arrived) == (1, 5, 100.0)
@@ -147,7 +147,7 @@ class TestToThePage:
         self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         now = SimpleNamespace(monotonic=lambda: 100.0)
-        monkeypatch.setattr(_widget, "time", now)
+        monkeypatch.setattr(newest_sample, "time", now)
         widget._source = {"topic": "/number"}
         assert widget.get_state()["_silence"] == 0
         widget.update(1)
@@ -187,7 +187,7 @@ class TestToThePage:
         pacer.flush()
         assert page.sent("title") == ["/number"]
         later = time.monotonic() + RESYNC_S
-        monkeypatch.setattr(_widget, "time", SimpleNamespace(monotonic=lambda: later))
+        monkeypatch.setattr(paced_widget, "time", SimpleNamespace(monotonic=lambda: later))
         widget._show(Number(3), {"value": 2})
         pacer.flush()
         assert page.messages[-1].keys() == {"_frame", *RESYNC_TRAITS}
@@ -253,7 +253,7 @@ class TestToThePage:
         holds, leave = threading.Event(), threading.Event()
 
         def hold() -> None:
-            with widget._sample_lock, widget._send_lock:
+            with widget._newest.lock, widget._send_lock:
                 holds.set()
                 leave.wait(20)
 
@@ -355,7 +355,7 @@ class TestRate:
 
     def test_is_that_of_the_last_ones(self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch) -> None:
         clock = SimpleNamespace(now=0.0)
-        monkeypatch.setattr(_widget, "time", SimpleNamespace(monotonic=lambda: clock.now))
+        monkeypatch.setattr(newest_sample, "time", SimpleNamespace(monotonic=lambda: clock.now))
         for seconds in [1.0] * 100 + [0.1] * 40:
             clock.now += seconds
             widget.update(1)
@@ -365,7 +365,7 @@ class TestRate:
     def test_is_unknown_where_the_clock_stood_still(
         self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr(_widget, "time", SimpleNamespace(monotonic=lambda: 5.0))
+        monkeypatch.setattr(newest_sample, "time", SimpleNamespace(monotonic=lambda: 5.0))
         for _ in range(3):
             widget.update(1)
         assert isnan(widget.rate)

@@ -1,0 +1,102 @@
+"""The newest sample of a widget, and the threads that wait for the next one."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from .rate import RateMeter
+
+S = TypeVar("S")
+
+
+class Shot(NamedTuple):
+    """What a widget has to show at one time: its sample with the texts on it. Each has a higher version."""
+
+    version: int
+    sequence: int
+    arrived: float
+    sample: Any
+    about: dict[str, Any]
+
+
+class NewestSample(Generic[S]):
+    """The newest sample of a widget, with the texts on it that are known.
+
+    Any thread may store one at any rate. Who reads several attributes, or waits, holds `lock`.
+    """
+
+    def __init__(self) -> None:
+        self.sample: S | None = None
+        """None before the first one."""
+        self.about: dict[str, Any] = {}
+        self.sequence = 0
+        """The number of samples so far."""
+        self.version = 1
+        """Of what there is to judge; each sample, and each improvement of one, has a higher one."""
+        self.arrived = 0.0
+        """When the sample came, by the monotonic clock."""
+        self.changed = False
+        """Whether there is more to show than was packed last."""
+        self.meter = RateMeter()
+        self.waiting = 0
+        """The number of threads that wait."""
+        self.make_locks()
+
+    def make_locks(self) -> None:
+        """Make free locks; again in a forked process, which has no threads that could release the old ones."""
+        self.lock = threading.RLock()
+        self._renewed = threading.Condition(self.lock)
+        self._taken = threading.local()
+
+    def put(self, sample: S, about: dict[str, Any], *, counts: bool) -> None:
+        """Store a sample with its texts; with ``counts=False`` an improved version of the one before."""
+        with self.lock:
+            self.sample, self.about, self.changed = sample, about, True
+            if counts:
+                self.sequence += 1
+                self.arrived = time.monotonic()
+            self.renew()
+
+    def renew(self) -> None:
+        """Have the sample judged again, and wake the threads that wait. Called with the lock."""
+        self.version += 1
+        if self.waiting:
+            self.wake()
+
+    def wake(self) -> None:
+        """Have the threads that wait look again. Called with the lock."""
+        self._renewed.notify_all()
+
+    def wait_for(self, is_there: Callable[[], bool], timeout: float | None = None) -> bool:
+        """Wait until something is true, for some seconds or for ever; returns whether it is. Called with the lock."""
+        self.waiting += 1
+        try:
+            return self._renewed.wait_for(is_there, timeout)
+        finally:
+            self.waiting -= 1
+
+    def is_new(self) -> bool:
+        """Whether the calling thread has not taken this sample yet."""
+        return self.sequence > getattr(self._taken, "sequence", 0)
+
+    def take(self) -> None:
+        """Note that the calling thread has this sample."""
+        self._taken.sequence = self.sequence
+
+    @property
+    def age(self) -> float:
+        """Seconds since the sample came."""
+        return time.monotonic() - self.arrived
+
+    @property
+    def rate(self) -> float:
+        """Samples per second over the last seconds in which some came; NaN while it is unknown."""
+        with self.lock:
+            return self.meter.rate(self.sequence, self.arrived)
+
+    def shot(self) -> Shot:
+        """What there is to show. Called with the lock."""
+        return Shot(self.version, self.sequence, self.arrived, self.sample, self.about)
