@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 import time
 from dataclasses import dataclass
-from math import nan
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -85,7 +85,7 @@ class PathWidget(RobotWidget[PathPoint]):
         self._track = Path()
         self._recent = RecentPoses()
         self._began: float | None = None
-        self._note = ""
+        self._complete_until = inf
         self._is_path_new = False
         self._path_due = 0.0
         super().__init__(**kwargs)
@@ -150,15 +150,17 @@ class PathWidget(RobotWidget[PathPoint]):
         with self._newest.lock:
             return self._recent.at(sample._arrived, getattr(sample, "stamp_ns", None))
 
-    def show_whole(self, path: Path, note: str = "") -> None:
-        """Show all of a recording's path, of which a player then shows one moment; with a note on what is missing."""
-        self._track, self._note = path, note
+    def show_whole(self, path: Path, until: float = inf) -> None:
+        """Show a recording's path, of which a player then shows one moment; complete up to a time in seconds."""
+        self._track, self._complete_until = path, until
         self._path = path.points.tobytes()
 
     def frame_of(self, sample: PathPoint) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
-        notes = {"notes": [self._note]} if self._note else {}
-        return {"frame_id": sample.frame_id, **notes}, self._pack(sample)
+        about: dict[str, Any] = {"frame_id": sample.frame_id}
+        if sample.time > self._complete_until:
+            about["notes"] = [f"no path after {self._complete_until:.0f} s: reading all of it takes long"]
+        return about, self._pack(sample)
 
     def _to_point(self, message: Any, fields: dict[str, Any]) -> PathPoint:
         named = [name for name in fields if name != "time"]

@@ -250,7 +250,8 @@ class ScanogramWidget(SavesPng, NamedWidget):
     ) -> None:
         """Show scans, in memory or in a file."""
         clock = Clock(scans.times_ns, start_ns)
-        end = max(duration, float(clock.ends[-1]))
+        # The last scan lasts to the end of the recording, and a while where it is the last of all.
+        end = duration if duration > clock.starts[-1] else float(clock.ends[-1])
         self._draw(Picture(Levels(scans, sweep, budget), clock, start_ns, end, begin), (*notes, *clock.notes))
 
     def _draw(self, picture: Picture, notes: Sequence[str] | None = None) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from math import nan
+from math import inf, nan
 from typing import Any, Protocol
 
 import numpy as np
@@ -26,6 +26,9 @@ from ._touch_history import TouchHistory
 
 TICK = 0.1
 """Most seconds between two frames of touches: their durations grow without a message."""
+
+_LEAST = 1e-3
+"""Least seconds between them."""
 
 BEFORE = -1.0
 """The ``seconds`` of a frame that shows that nothing was measured yet."""
@@ -137,7 +140,7 @@ class TouchFrames:
         """See `Track`."""
         moments: list[Moment | None] = [*self._recording.samples(self._topic, start, end), None]
         tracker = self._history.at(self._time_ns(start) - 1)
-        seconds = start
+        seconds, end = start, max(end, start + _LEAST)  # so that there is a frame
         for moment in moments:
             until = end if moment is None else moment.seconds
             while seconds < until:
@@ -147,7 +150,7 @@ class TouchFrames:
                 yield TimedFrame(seconds, {**about_touch(newest), "still": True}, frame)
                 change_ns = tracker.next_change_ns(now_ns)
                 change = until if change_ns is None else (change_ns - self._start_ns) / 1e9
-                seconds = min(seconds + TICK, max(change, seconds + 1e-3), until)
+                seconds = min(seconds + TICK, max(change, seconds + _LEAST), until)
             if moment is not None and isinstance(moment.sample, Touch):
                 tracker.apply(moment.sample, moment.time_ns)
 
@@ -166,8 +169,8 @@ def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:
     return abouts, b"".join([np.float64(len(frames)).tobytes(), rows.tobytes(), *(timed.frame for timed in frames)])
 
 
-def _path_of(recording: RecordingData, topic: str) -> tuple[Path, str]:
-    """The path of a topic of odometry, and a line that says where it ends early, because reading it took long."""
+def _path_of(recording: RecordingData, topic: str) -> tuple[Path, float]:
+    """The path of a topic of odometry, and the time up to which it is complete: not to the end if that takes long."""
     path, began = Path(), time.monotonic()
     start_ns = recording.start_ns or 0
     with without_bars():
@@ -175,8 +178,8 @@ def _path_of(recording: RecordingData, topic: str) -> tuple[Path, str]:
             for time_ns, pose in zip(chunk.times_ns.tolist(), chunk.poses.tolist(), strict=True):
                 path.add((time_ns - start_ns) / 1e9, Pose(*pose))
             if time.monotonic() - began > LONGEST_PATH:
-                return path, f"the path ends at {path.points[-1, 0]:.0f} s: reading all of it takes long"
-    return path, ""
+                return path, (int(chunk.times_ns[-1]) - start_ns) / 1e9
+    return path, inf
 
 
 def _newest(recording: RecordingData, topic: str, show: Callable[[Any], None], nothing: Any) -> Seek:

@@ -19,6 +19,7 @@ from ..export.html import Heading, Page
 from ..export.models import Models, shown
 from ..export.segments import segment
 from ..kinds import LASER
+from ..path_widget import PathWidget
 from ..recordings import RecordingData
 from ..recordings.times import has_date, to_ns
 from ..repair import RecordingError
@@ -167,6 +168,9 @@ def _models(
         changed: dict[str, Any] = {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0}
         if picture and not player.scanogram and isinstance(view.widget, SpeedWidget):
             changed["planar"] = view.widget.planar or is_planar(recording, view.choice.topics)
+        if isinstance(view.widget, PathWidget):
+            points = view.widget.points
+            changed["_path"] = points[(points[:, 0] >= span[0]) & (points[:, 0] <= span[1])].tobytes()
         models.add(view.widget, changed)
     shown_at = {"time": time, "marks": marks}
     selection = _clipped(bar.selection, span)

@@ -173,11 +173,17 @@ def path_at(seconds: float) -> tuple[float, float]:
         return x, y
 
 
-def test_reading_a_path_that_takes_long_ends_early_and_a_note_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reading_a_path_that_takes_long_ends_early_and_a_note_says_so_from_there_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("robowidgets.player._frames.LONGEST_PATH", -1.0)
+    monkeypatch.setattr("robowidgets.recordings.columns._store.BATCH_BYTES", 100_000)
     with open(SAMPLE) as recording:
         player = recording.show("/odom")
     view = next(view for view in player.views if isinstance(view.widget, PathWidget))
-    note = next(view.track.frames(0.0, 0.1)).about["notes"]
-    assert note[0].startswith("the path ends at ")
+    end = view.widget.points[-1, 0]
+    assert end < 30
+    first, *_, last = view.track.frames(end - 1, end + 1)
+    assert "notes" not in first.about
+    assert last.about["notes"] == [f"no path after {end:.0f} s: reading all of it takes long"]
     player.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import re
 import zlib
@@ -194,6 +195,27 @@ def test_a_recording_that_no_widget_shows_makes_no_page(data: Path, tmp_path: Pa
     with robowidgets.open(data / "odd" / "jazzy_mcap_no_laser") as recording, pytest.raises(RecordingError, match=text):
         recording.to_html(tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_path_and_the_picture_are_those_of_the_stretch(tmp_path: Path) -> None:
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        text = recording.to_html(tmp_path / "a.html", start=10, end=14).read_text(encoding="utf-8")
+    facts, rest = split(parts(text, "page")[0])
+    buffers = {}
+    for model, trait, size in facts["buffers"]:
+        buffers[model, trait], rest = rest[:size], rest[size:]
+    path = next(value for (_, trait), value in buffers.items() if trait == "_path")
+    times = np.frombuffer(path).reshape(-1, 5)[:, 0]
+    assert len(times) > 5
+    assert 10 <= times[0] < times[-1] <= 14
+    picture, _ = split(buffers[facts["scanogram"]["model"], "_frame"])
+    assert (picture["begin"], picture["duration"]) == (10, 14)
+
+
+def split(part: bytes) -> tuple[dict[str, Any], bytes]:
+    """The facts of a part, and the bytes after them."""
+    end = 4 + int.from_bytes(part[:4], "little")
+    return json.loads(part[4:end]), part[end:]
 
 
 def test_scans_with_other_rays_now_and_then_make_a_page(tmp_path: Path) -> None:
