@@ -263,7 +263,8 @@ class Machine:
         trace = Trace()
         result = self._call(event, since, trace.of)
         if isinstance(result, (bool, np.bool_)) or result is None:
-            return Judged(None if result is None else bool(result), trace)
+            # True moves the machine, whatever it rests on. A False of unknown distances is shown as unknown.
+            return Judged(bool(result) or trace.value(result), trace)
         raise TypeError(f"the event {name} returned {result!r}: expected True or False")
 
     def _seconds_of(self, machine: Outline, move: Move, after: str) -> float:

@@ -139,6 +139,23 @@ def test_a_condition_may_be_an_event() -> None:
     assert (said.value, said.text) == (True, "0.40 < 0.50 m")
 
 
+def test_an_event_without_a_distance_is_unknown_unless_it_moves_the_machine() -> None:
+    class Walker:
+        def near(scan):
+            return scan.distance() < 0.5
+
+        def not_free(scan):
+            return not scan.distance() > 0.5
+
+        forward = stop = None
+        moves = "forward -> stop on near", "forward -> stop on not_free"
+
+    run = Run(Walker)
+    assert run.at(0.0, scan=Scan([float("nan")], 0.0, 0.1, 0.1, 9.0)) == ("stop",)
+    said = run.machine.last_step.judged
+    assert (said["Walker", "near"].value, said["Walker", "not_free"].value) == (None, True)
+
+
 def test_a_new_version_keeps_what_is_active_and_still_exists() -> None:
     class Walker:
         forward = None
