@@ -82,7 +82,7 @@ class PacedWidget(WritesPage, FreezableWidget):
                     unsent = tuple(self._unsent)
                     self._unsent.clear()
                 keys += unsent
-            if keys and time.monotonic() >= self._resync_at:
+            if keys and not self.driven_by_player and time.monotonic() >= self._resync_at:
                 keys = [*dict.fromkeys((*keys, *RESYNC_TRAITS))]
                 self._resync_at = time.monotonic() + RESYNC_S
             try:

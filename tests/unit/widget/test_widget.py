@@ -196,6 +196,16 @@ class TestToThePage:
         pacer.flush()
         assert page.sent("title") == ["/number", "/number"]
 
+    def test_a_player_has_its_own_words_of_what_it_shows(
+        self, widget: NumberWidget, page: Page, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        widget.driven_by_player = True
+        later = time.monotonic() + RESYNC_S
+        monkeypatch.setattr(paced_widget, "time", SimpleNamespace(monotonic=lambda: later))
+        widget.history = 7
+        pacer.flush()
+        assert page.messages[-1].keys() == {"history"}
+
     def test_no_message_is_as_long_as_the_one_before_which_would_hold_up_the_next(
         self, widget: NumberWidget, page: Page
     ) -> None:
