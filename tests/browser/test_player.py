@@ -353,7 +353,7 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
 
 
 def test_two_scanners_and_four_sensors_stand_whole_on_one_screen(plain_page: Open, data: Path) -> None:
-    nb = opened(plain_page, data / "good" / "neato_fsm", "recording.show()", height=720)
+    nb = opened(plain_page, data / "good" / "neato_fsm", "(player := recording.show())", height=720)
     card, scans = nb.output(1).locator(".rw-touch"), nb.output(1).locator(".rw-laser")
     for width in (1112, 900):
         nb.resize(width, 720)
@@ -370,6 +370,10 @@ def test_two_scanners_and_four_sensors_stand_whole_on_one_screen(plain_page: Ope
         for scan in scans.all():
             assert (scan.locator(".rw-picture").bounding_box() or {"height": 0})["height"] > 200
         shoot(nb.output(1), f"recording-four-sensors-{width}")
+    nb.python("for view in player.views:\n    if view.widget.sample_name == 'scan': view.widget.index_view = True")
+    expect(scans.locator(".rw-strip")).to_have_count(2)
+    for picture in scans.locator(".rw-picture").all():
+        assert (picture.bounding_box() or {"height": 0})["height"] >= 200
     nb.resize(400, 720)
     expect(scans.locator(".rw-footer:visible")).to_have_count(2)
 
