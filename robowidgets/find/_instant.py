@@ -157,9 +157,7 @@ def together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[in
 
 
 def samples_of(recording: RecordingData, topic: str) -> Iterator[tuple[int, Make]]:
-    """The times of a topic, none before the previous one, each with the function that makes its sample."""
-    latest = 0
+    """The times of a topic, each with the function that makes its sample."""
     for chunk in recording.series(topic).chunks():
         for i, time_ns in enumerate(chunk.times_ns.tolist()):
-            latest = max(latest, time_ns)
-            yield latest, partial(chunk.sample, i)
+            yield time_ns, partial(chunk.sample, i)

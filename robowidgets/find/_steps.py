@@ -37,9 +37,8 @@ class Steps(NamedTuple):
 
 
 def steps(times: ArrayLike, values: ArrayLike) -> Steps:
-    """Steps from times in the order of arrival: a time that goes back counts as the latest before it."""
-    arrived = np.asarray(times, np.int64)
-    return Steps(np.maximum.accumulate(arrived) if arrived.size else arrived, np.asarray(values, np.int8))
+    """Steps from sequences of times, ascending, and values."""
+    return Steps(np.asarray(times, np.int64), np.asarray(values, np.int8))
 
 
 def combined(parts: Sequence[Steps], how: Callable[..., Any]) -> Steps:

@@ -79,6 +79,9 @@ class Condition(ABC):
     def __invert__(self) -> Condition:
         return _Not(self)
 
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     def __bool__(self) -> bool:
         raise TypeError(
             "a condition is neither true nor false by itself: join conditions with &, | and ~ (in brackets)"

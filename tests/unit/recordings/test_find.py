@@ -54,11 +54,6 @@ class TestSteps:
         assert spans(held, end_ns=9) == [(0, 2), (4, 9)]
         assert spans(steps([], []), end_ns=9) == []
 
-    def test_a_time_that_goes_back_counts_as_the_latest_before(self) -> None:
-        held = steps([0, 10, 5, 20], [NO, NO, YES, NO])
-        assert held.times.tolist() == [0, 10, 10, 20]
-        assert spans(held, end_ns=20) == [(10, 20)]
-
 
 class TestReadyMade:
     def test_touched(self, drive: robowidgets.Recording) -> None:
