@@ -234,7 +234,7 @@ class HasSectors(traitlets.HasTraits):
         return to_sector(sector)
 
     def _forget_selection(self) -> None:
-        if self._selection.get("name", next(iter(self._sectors), "")) not in self._sectors:
+        if "name" in self._selection and self._selection["name"] not in self._sectors:
             self._selection = {}
 
 
@@ -323,11 +323,12 @@ def _plain(sector: Sector) -> dict[str, float]:
 def _to_indices(rays: Any, count: int) -> NDArray[np.intp]:
     if isinstance(rays, str):
         return parse(rays, count)
+    listed = rays
     if isinstance(rays, slice):
-        rays = range(count)[rays]
+        listed = range(count)[rays]
     elif isinstance(rays, (int, np.integer)) and not isinstance(rays, bool):
-        rays = [rays]
-    array = np.asarray(rays if isinstance(rays, np.ndarray) or not isinstance(rays, Iterable) else list(rays))
+        listed = [rays]
+    array = np.asarray(list(listed) if isinstance(listed, Iterable) else listed)
     if array.dtype == bool and array.shape == (count,):
         array = np.flatnonzero(array)
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):

@@ -195,6 +195,11 @@ class TestWidget:
         assert (picked.slice, picked.expression) == (None, "ranges[358:] + ranges[:3]")
         assert (picked.distance, picked.nearest.index) == (1.0, 0)  # type: ignore[union-attr]
         assert laser.code() == 'scan.distance(("-2deg", "2deg"))'
+        laser.sectors = {}
+        assert laser.selection is None
+        laser.selection = ("20deg", "30deg")
+        laser.sectors = {}
+        assert laser.selection is not None  # it is no kept one
         laser.selection = None
         laser.pinned = 30
         assert laser.code() == 'scan.distance(("29.9deg", "30.1deg"))'
