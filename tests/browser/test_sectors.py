@@ -245,6 +245,14 @@ def ring(middle: tuple[float, float]) -> tuple[float, float]:
     return middle[0] - 6, middle[1]
 
 
+def test_an_empty_scan_leaves_the_scanner_in_the_middle(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, place = opened(plain_page)
+    listen(card)
+    nb.python("laser.sectors['ahead'] = ('-10deg', '10deg'); laser.update(**fan(ranges=[]))")
+    expect(card.locator(".rw-empty")).to_contain_text("the scan has no rays")
+    eventually(lambda: [abs(x - place.x) < 30 for word, x, _ in placed_words(card) if word == "ahead"], [True])
+
+
 def test_code_is_copied_by_hand_where_there_is_no_clipboard(plain_page: Callable[..., PlainPage]) -> None:
     nb, card, place = opened(plain_page, width=400)
     nb.page.evaluate(NO_CLIPBOARD)
@@ -262,6 +270,14 @@ def test_code_is_copied_by_hand_where_there_is_no_clipboard(plain_page: Callable
     card.locator(".rw-popup .rw-copy").first.click()
     eventually(lambda: nb.page.evaluate("() => copied"), ['scan.distance(("-50.1deg", "-49.9deg"))'])
     assert nb.python("laser.code(4)") == repr('scan.distance(("-50.1deg", "-49.9deg"))')
+    for form in ("message", "slice"):
+        card.locator(".rw-popup select").first.select_option(form)
+        card.locator(".rw-popup .rw-copy").first.click()
+        eventually(lambda: len(nb.page.evaluate("() => copied")), 2)
+        assert nb.python(f"print(laser.code(4, form={form!r}), end='')") == nb.page.evaluate("() => copied.pop()")
+    nb.python("laser.pinned = 400")
+    expect(card.locator(".rw-popup").first).to_contain_text("this scan has 19 rays")
+    expect(card.locator(".rw-popup .rw-copy").first).to_be_hidden()
 
 
 def test_a_finger_drags_from_the_rim_and_scrolls_the_page_elsewhere(plain_page: Callable[..., PlainPage]) -> None:

@@ -2,8 +2,8 @@ import type { Point } from "../shared/box.ts";
 import type { Size } from "../shared/canvas.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
-import { FORMS, type Form } from "./code.ts";
-import { CopyButton } from "./copy.ts";
+import type { Form } from "./code.ts";
+import { CopyCode } from "./copy.ts";
 
 /** The texts of a chip. */
 export interface ChipTexts {
@@ -40,11 +40,9 @@ export class Chip {
   readonly #expression = makeField("rw-chip-expression", "rays as a slice, such as ranges[240:300]");
   readonly #error = make("div", "rw-chip-error");
   readonly #texts: HTMLElement[] = [];
-  readonly #copy: CopyButton;
-  readonly #form = make("select", "rw-button rw-chip-form");
+  readonly #copy: CopyCode;
   readonly #name: HTMLButtonElement;
   readonly #remove: HTMLButtonElement;
-  readonly #buttons = make("div", "rw-chip-row rw-chip-actions");
   readonly #naming = make("div", "rw-chip-row rw-chip-actions");
   readonly #nameField = makeField("rw-chip-name", "name of the sector");
   readonly #picture: HTMLElement;
@@ -70,13 +68,10 @@ export class Chip {
       this.#texts.push(...(row.children as Iterable<HTMLElement>));
       this.element.append(row);
     }
-    this.#copy = new CopyButton(() => actions.toCode(this.#form.value as Form), actions.say, signal);
-    for (const form of FORMS) this.#form.append(new Option(form));
-    this.#form.title = "for a Scan of robowidgets, for a ROS message without it, or the plain slice";
-    this.#form.ariaLabel = "form of the code";
+    this.#copy = new CopyCode(actions.toCode, actions.say, signal);
     this.#name = makeButton("", "Keep it under a name (Enter)", () => this.askName(), signal, "Name");
     this.#remove = makeButton("", "Remove it (Delete)", actions.onRemove, signal, "Remove");
-    this.#buttons.append(this.#copy.button, this.#form, this.#name, this.#remove);
+    this.#copy.row.append(this.#name, this.#remove);
     const keep = () => {
       const name = this.#nameField.value.trim();
       const error = name && actions.onName(name);
@@ -86,7 +81,7 @@ export class Chip {
     this.#naming.append(this.#nameField, makeButton("", "Keep it", keep, signal, "Keep"));
     this.#nameField.maxLength = LONGEST_NAME;
     this.#naming.hidden = true;
-    this.element.append(this.#buttons, this.#naming, this.#copy.field);
+    this.element.append(this.#copy.row, this.#naming, this.#copy.field);
     // Keys in a field belong to it alone; those on buttons are the picture's too.
     const keepKeys = (event: KeyboardEvent) => {
       if (!(event.target instanceof HTMLButtonElement)) event.stopPropagation();
@@ -144,7 +139,7 @@ export class Chip {
 
   /** Asks for a name in a text field. */
   askName(proposal = this.#kept): void {
-    this.#buttons.hidden = true;
+    this.#copy.row.hidden = true;
     this.#naming.hidden = false;
     this.#nameField.value = proposal;
     this.#nameField.focus({ preventScroll: true });
@@ -166,7 +161,7 @@ export class Chip {
     if (this.#naming.hidden) return;
     setText(this.#error, "");
     this.#naming.hidden = true;
-    this.#buttons.hidden = false;
+    this.#copy.row.hidden = false;
     this.#leave(this.#nameField);
   }
 

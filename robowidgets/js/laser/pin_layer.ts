@@ -29,7 +29,8 @@ export class PinLayer implements Layer {
     };
     return {
       rings: (context, stage, theme) => draw((pin) => drawRing(context, pin, theme), stage),
-      names: (context, stage, theme) => draw((pin, name) => drawName(context, stage, pin.at, name, theme), stage),
+      // After the labels of the rim and the arcs, which a name gives way to.
+      words: (context, stage, theme) => draw((pin, name) => drawName(context, stage, pin.at, name, theme), stage),
     };
   }
 

@@ -4,8 +4,8 @@ import { setTraits } from "../shared/model.ts";
 import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
 import type { Theme } from "../shared/theme.ts";
-import { toCode } from "./code.ts";
-import { CopyButton } from "./copy.ts";
+import { type Form, toCode } from "./code.ts";
+import { CopyCode } from "./copy.ts";
 import { drawLine, drawRobot } from "./draw_area.ts";
 import { drawStripPointer } from "./draw_strip.ts";
 import { FormulaFoot } from "./formula_foot.ts";
@@ -39,20 +39,17 @@ export class PointerLayer implements Layer {
   readonly #foot: FormulaFoot;
   readonly #pinned: Popup;
   readonly #hovered: Popup;
-  readonly #copy: CopyButton;
+  readonly #copy: CopyCode;
 
   /** @param moreOf what else is said of a ray */
   constructor(host: Host, moreOf: (index: number) => string) {
     this.#host = host;
     this.#moreOf = moreOf;
     this.#foot = new FormulaFoot(host.model, host.signal);
-    this.#copy = new CopyButton(
-      () => this.#toCode(),
-      (words) => host.card.say(words),
-      host.signal,
-    );
-    for (const element of [this.#copy.button, this.#copy.field]) element.classList.add("rw-over");
-    this.#pinned = new Popup(host.card.picture, this.#foot.element, this.#copy.button, this.#copy.field);
+    const say = (words: string[]) => host.card.say(words);
+    this.#copy = new CopyCode((form) => this.#toCode(form), say, host.signal);
+    for (const element of [this.#copy.row, this.#copy.field]) element.classList.add("rw-over");
+    this.#pinned = new Popup(host.card.picture, this.#foot.element, this.#copy.row, this.#copy.field);
     this.#hovered = new Popup(host.card.picture);
   }
 
@@ -84,7 +81,10 @@ export class PointerLayer implements Layer {
       );
     };
     const [pinned, hovered] = this.#indices;
-    if (scan && pinned !== null) this.#foot.update(scan, pinned, this.#host.stream.about.angle_offset ?? 0);
+    if (scan && pinned !== null) {
+      this.#foot.update(scan, pinned, this.#host.stream.about.angle_offset ?? 0);
+      this.#copy.row.hidden = pinned >= scan.count;
+    }
     show(this.#pinned, pinned);
     show(this.#hovered, hovered);
   }
@@ -113,11 +113,12 @@ export class PointerLayer implements Layer {
     return true;
   }
 
-  /** The distance of the pinned ray, by its angle. */
-  #toCode(): string {
-    const { sweep } = this.#host.stage;
-    const index = this.#host.model.get("pinned") ?? 0;
-    return toCode(sectorOf(sweep, index, index), "scan", sweep);
+  /** The distance of the pinned ray, by its angle; as a part of the array by its index. */
+  #toCode(form: Form): string {
+    const { model, stage } = this.#host;
+    const index = model.get("pinned") ?? 0;
+    if (form === "slice") return `ranges[${index}]`;
+    return toCode(sectorOf(stage.sweep, index, index), form, stage.sweep, model.get("angle_offset"));
   }
 
   #walk(to: string): void {

@@ -74,7 +74,8 @@ export class Scene {
     let { projection } = this.stage;
     if (!isSame) {
       const labels = scan ? layers.flatMap((one) => one.rim?.(sweep, forward, theme) ?? []) : [];
-      const rim = [...sweepRim(sweep, forward), ...labels];
+      // A scan without rays leaves the scanner where the next one will show it.
+      const rim = [...sweepRim(count ? sweep : PLACEHOLDER, forward), ...labels];
       projection = { ...fit(rim, box), viewRange, forward };
       this.#lowerKey = key;
     }

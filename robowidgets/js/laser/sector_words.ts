@@ -36,7 +36,7 @@ export function describeSector(
     state: state === "free" ? "" : state,
     angles: `${toAngle(sector.start, unit)} to ${toAngle(sector.end, unit)}`,
     distance: toDistance(measured, reach),
-    nearest: nearest < 0 || scan.kinds[nearest] === READING ? "nearest" : "at",
+    nearest: nearest < 0 ? "" : scan.kinds[nearest] === READING ? "nearest" : "at",
     index: nearest < 0 ? "" : `[${nearest}]`,
     median: `median ${Number.isNaN(median) ? "\u2014" : toMetres(median, reach)}`,
     valid: `${valid} of ${count} valid`,
@@ -46,7 +46,7 @@ export function describeSector(
 /** What a screen reader says of a sector. */
 export function sayOf(texts: ChipTexts): string[] {
   const { name, state, expression, distance, nearest, index, valid } = texts;
-  return [name, state, expression, `${nearest} ${index} ${distance}`, valid];
+  return [name, state, expression, `${nearest} ${index} ${distance}`.trim(), valid];
 }
 
 /** The sector of the rays that a text names, or what is wrong with it. */

@@ -20,7 +20,7 @@ interface StripAxes {
 /** The plot within a strip of some size: room at the left for metres, below for indices, above for what has no metres. */
 export function plotBox(width: number, height: number): Box {
   const isNarrow = width < NARROW;
-  const [left, right, top, bottom] = isNarrow ? [36, 16, 20, 32] : [46, 22, 24, 36];
+  const [left, right, top, bottom] = isNarrow ? [42, 16, 20, 32] : [46, 22, 24, 36];
   return { x: left, y: top, width: Math.max(1, width - left - right), height: Math.max(1, height - top - bottom) };
 }
 

@@ -16,6 +16,8 @@ export class TrailLayer implements Layer {
   readonly #past: Past;
   readonly #words = make("span", "");
   #image: TrailImage | null = null;
+  /** None unless a trail is asked for, and while the page keeps no scan before the one on show. */
+  #placed: Placed[] = [];
 
   constructor(host: Host, past: Past) {
     this.#past = past;
@@ -23,7 +25,9 @@ export class TrailLayer implements Layer {
   }
 
   painters(): Partial<Record<Depth, Painter>> {
-    if (!this.#past.trail) return {};
+    const { trail } = this.#past;
+    this.#placed = trail ? placeScans(this.#past.last(trail + 1)) : [];
+    if (!this.#placed.length) return {};
     this.#image ??= new TrailImage();
     const image = this.#image;
     return { ghost: (context, stage, theme) => image.draw(context, stage, this.#placed, theme) };
@@ -35,12 +39,6 @@ export class TrailLayer implements Layer {
     setText(this.#words, count ? `trail of ${count}, ${where}` : "");
     // Empty, it would take a place in the footer.
     this.#words.hidden = !count;
-  }
-
-  /** None unless a trail is asked for, and while the page keeps no scan before the one on show. */
-  get #placed(): Placed[] {
-    const { trail } = this.#past;
-    return trail ? placeScans(this.#past.last(trail + 1)) : [];
   }
 }
 
