@@ -53,7 +53,10 @@ format: setup
 check: lint test-js
 	$(UNITS) -m 'not slow'
 
-test: lint test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser
+# What leaves a core idle runs beside something else.
+test: setup build
+	scripts/side_by_side.sh '$(MAKE) lint test-js test-wheel test-ros1' '$(MAKE) test-notebooks test-docs'
+	$(MAKE) test-unit test-browser
 
 test-js: setup
 	cd $(JS) && npm run --silent test
@@ -107,14 +110,14 @@ clean:
 	rm -rf .venv .venv-floor .venv-newest $(JS)/node_modules tests/browser/node_modules robowidgets/static
 	rm -rf tests/screenshots benchmarks/results .pytest_cache .mypy_cache .ruff_cache dist
 
-# What the demo needs, Node for the front end included, and no more.
+# What the demo needs, Node for the front end included, and no more. Not compiled: only a small part is ever imported.
 $(RUNNABLE): pyproject.toml scripts/venv.sh scripts/apt.sh
 	scripts/venv.sh $(PYTHON)
-	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --group js --editable '.[lab]'
+	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --no-compile --group js --editable '.[lab]'
 	touch $@
 
 $(INSTALLED): $(RUNNABLE)
-	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --group dev --editable '.[lab]'
+	SKIP_JUPYTER_BUILDER=1 .venv/bin/pip install --quiet --no-compile --group dev --editable '.[lab]'
 	touch $@
 
 $(MODULES): $(JS)/package.json $(JS)/package-lock.json $(RUNNABLE)

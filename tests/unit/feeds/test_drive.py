@@ -429,9 +429,12 @@ def test_a_latched_stop_ends_the_attempts(driven: Driven, monkeypatch: pytest.Mo
     tried = connects_after(1000, script, monkeypatch)
     latch = threading.Thread(target=lambda: (wait_for(lambda: tried, "it is tried"), setattr(feed, "stopped", True)))
     latch.start()
+    begun = time.monotonic()
     with pytest.raises(FeedError, match=r"has not connected|stop is latched"):
         feed.drive(0.3)
+    assert time.monotonic() - begun < 10.0
     latch.join()
+    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 0.1)  # closing would wait as long for the robot
 
 
 def test_words_for_what_cannot_be_driven(driven: Driven) -> None:
