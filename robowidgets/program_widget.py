@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any
 
 from ._core.base_widget import bundle
@@ -105,7 +106,10 @@ class ProgramWidget(DrivingWidget):
         }
 
     def _variables(self) -> list[dict[str, Any]]:
-        return [{"name": name, **vars(one)} for name, one in self._programs.variables.table.items()]
+        table = self._programs.variables.table
+        return [
+            {"name": name, **{key: _plain(one) for key, one in vars(known).items()}} for name, known in table.items()
+        ]
 
     def _on_page(self, widget: Any, content: Any, buffers: Any) -> None:
         """Handle a message of the page, in the main thread or a subshell's. It does not wait."""
@@ -128,3 +132,8 @@ class ProgramWidget(DrivingWidget):
             self._programs.variables.set(name, value)
         except (KeyError, TypeError, ValueError) as error:
             self._log_once(f"the page could not set a variable: {type(error).__name__}: {error}")
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it: inf and NaN as texts."""
+    return str(value) if isinstance(value, float) and not isfinite(value) else value

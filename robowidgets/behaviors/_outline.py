@@ -6,6 +6,7 @@ import difflib
 import inspect
 import re
 import sys
+from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -71,7 +72,7 @@ class Outline:
         for scope in self.scopes:
             if name in scope:
                 return _plain(scope[name])
-        raise LookupError(name)
+        raise LookupError(f"no {name!r} in class {self.path}, around it, or in the notebook")
 
     def is_last(self, state: str) -> bool:
         """Whether no move leaves a state, other than those from any state."""
@@ -115,22 +116,24 @@ def _node(name: str, value: Any, path: str, scopes: tuple[Mapping[str, Any], ...
         if not callable(value):
             raise TypeError(f"state {path}: expected a function, a class or None, got {value!r}")
         return Node(name, path, {"running": value})
-    body = vars(value)
+    body = _body(value)
     actions = {action: _plain(body[action]) for action in ACTIONS if action in body}
     if "moves" in body:
         return Node(name, path, actions, (_machine(value, path, scopes),))
     inner = {key: part for key, part in body.items() if isinstance(part, type)}
     for key, part in inner.items():
-        if "moves" not in vars(part):
+        if "moves" not in _body(part):
             raise TypeError(f"class {path}.{key}: expected moves, as in each of several machines side by side")
-    if not actions and not inner:
-        raise TypeError(f"class {path}: expected entry, running, exit, or states and moves")
+    others = [key for key in body if not (key.startswith("_") or key in ACTIONS)]
+    if not inner and (others or not actions):
+        got = f"; got {others[0]!r}" if others else ""
+        raise TypeError(f"class {path}: expected entry, running, exit, or states and moves{got}")
     machines = tuple(_machine(part, f"{path}.{key}", (body, *scopes)) for key, part in inner.items())
     return Node(name, path, actions, machines)
 
 
 def _machine(cls: type, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Outline:
-    body = vars(cls)
+    body = _body(cls)
     given = body["moves"]
     lines = given.split("\n") if isinstance(given, str) else list(given)
     moves = [_move(line, path) for line in lines if line.split("#")[0].strip()]
@@ -168,14 +171,18 @@ def _check(outline: Outline, move: Move) -> None:
         return
     try:
         event = outline.look_up(move.event)
-    except LookupError:
-        where = f"in class {outline.path}, around it, or in the notebook"
-        raise TypeError(f"{move}: no event {move.event!r} {where}") from None
+    except LookupError as error:
+        raise TypeError(f"{move}: {error}") from None
     if not callable(event) and not hasattr(event, "judge"):
         raise TypeError(
             f"{move}: expected a function or a condition as event, got {event!r}; "
             "a function is, for example, lambda scan: scan.distance() < 0.5"
         )
+
+
+def _body(cls: type) -> Mapping[str, Any]:
+    """The members of a class, those that it inherits first, as they are now."""
+    return ChainMap(*(vars(base) for base in cls.__mro__[:-1]))  # type: ignore[arg-type]  # nobody writes to it
 
 
 def _plain(value: Any) -> Any:

@@ -11,6 +11,12 @@ from ..kinds import KINDS
 from .robot import GIVEN
 
 
+def program_name(function: Callable[..., Any]) -> str:
+    """The name of a program: that of its function, or of the class of an object that is called."""
+    function = getattr(function, "func", function)  # a functools.partial has the function in `func`
+    return str(getattr(function, "name", "") or getattr(function, "__name__", type(function).__name__))
+
+
 def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, str]) -> tuple[str, ...]:
     """The names of the parameters of a function that a program fills.
 

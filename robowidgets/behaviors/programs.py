@@ -8,10 +8,10 @@ from typing import Any
 from weakref import WeakSet
 
 from .._core.cells import on_interrupt
-from .._core.user_function import calling_text, name_of
+from .._core.user_function import calling_text
 from .._core.watched import Watched
 from ..samples.checks import finite
-from ._parameters import parameters_of
+from ._parameters import parameters_of, program_name
 from .machine import Machine
 from .program import ENDED, RATE, Program, Version
 from .robot import Robot
@@ -52,7 +52,7 @@ class Programs(Watched):
             raise ValueError(f"rate: expected steps a second, above 0 and at most {FASTEST:g}, got {rate!r}")
         if isinstance(function, type):
             function = Machine(function)
-        name = str(getattr(function, "name", "")) or name_of(function).rpartition(".")[2]
+        name = program_name(function)
         asks_for = parameters_of(function, name, topics)
         program, before = self._known.get(name), self.current
         note = ""

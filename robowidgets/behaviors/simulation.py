@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from ..samples.checks import finite
 from ..simulator import Robot
-from ._parameters import parameters_of
+from ._parameters import parameters_of, program_name
 from .drive import STANDSTILL, Drive
 from .machine import Machine
 from .program import RATE, Program, drive_of
@@ -64,8 +64,7 @@ def simulate(
         0.2
     """
     function = function_of(program)
-    name = getattr(function, "name", "") or getattr(function, "__name__", "program")
-    asks_for = parameters_of(function, name, {})
+    asks_for = parameters_of(function, program_name(function), {})
     period = 1 / finite("rate", rate, "steps a second")
     own = {"state": State(), "variables": Variables() if variables is None else variables}
     start, drive = robot.time, STANDSTILL

@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from .._core.watched import Watched
-from ..samples.checks import finite
+from ..samples.checks import finite, number
 
 
 class State(dict[str, Any]):
@@ -21,6 +23,8 @@ class State(dict[str, Any]):
             raise AttributeError(f"the state has no {name!r} yet: {hint}") from None
 
     def __setattr__(self, name: str, value: Any) -> None:
+        if hasattr(dict, name):
+            raise AttributeError(f"state.{name} is a method of a dictionary; write state[{name!r}], or choose a name")
         self[name] = value
 
     def __delattr__(self, name: str) -> None:
@@ -46,7 +50,7 @@ class Variable:
 class Variables(Watched):
     """The variables of a robot's programs: seen live on the page, and set there by hand while a program runs.
 
-    Numbers, switches (True and False) and texts. Any thread may read and set them.
+    Numbers (a distance may be inf or NaN), switches (True and False) and texts. Any thread may read and set them.
 
     Example:
         >>> variables = Variables()
@@ -97,14 +101,13 @@ class Variables(Watched):
         Raises:
             KeyError: there is none of that name. TypeError, ValueError: no value for it.
         """
-        known = self._table[name]
-        if isinstance(known.value, bool) != isinstance(value, bool):
-            raise TypeError(f"{name}: expected {'True or False' if isinstance(known.value, bool) else 'a number'}")
-        checked = _checked(name, value)
-        if isinstance(known.value, str) != isinstance(checked, str):
-            raise TypeError(f"{name}: expected {'a text' if isinstance(known.value, str) else 'a number'}")
-        if known.low is not None and known.high is not None and not isinstance(checked, str):
-            checked = min(max(float(checked), known.low), known.high)
+        known, checked = self._table[name], _checked(name, value)
+        if type(checked) is not type(known.value):
+            raise TypeError(f"{name}: expected {_KINDS[type(known.value)]}, got {value!r}")
+        if isinstance(checked, float):
+            checked = finite(name, checked, known.unit or "any unit")
+            if known.low is not None and known.high is not None:
+                checked = min(max(checked, known.low), known.high)
         self._put(name, replace(known, value=checked))
 
     def begin_version(self) -> None:
@@ -151,8 +154,11 @@ class Variables(Watched):
         self._call_watchers()
 
 
+_KINDS = {bool: "True or False", float: "a number", str: "a text"}
+
+
 def _checked(name: str, value: Any) -> bool | float | str:
     """A value that a variable may have."""
-    if isinstance(value, (bool, str)):
-        return value
-    return finite(name, value, "any unit")
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    return str(value) if isinstance(value, str) else number(name, value)

@@ -20,7 +20,7 @@ from .middleware import Advert, FeedError, Listener, NotYetError
 _TOPICS = (
     Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
     Advert("/odom", "nav_msgs/msg/Odometry", wanted=False),
-    Advert("/cmd_vel", TWIST, offered=False, wanted=True),
+    Advert("/cmd_vel", TWIST, wanted=True),
 )
 
 
@@ -45,6 +45,7 @@ class Simulated(ThreadedMiddleware):
 
     def open(self, listener: Listener) -> None:
         """See `Middleware`."""
+        self._listener = listener
         if isinstance(self._live, RealTime):
             listener.on_connected()  # at once: the next line of a cell may drive
         kind = self._robot.model.touch_type
@@ -64,6 +65,7 @@ class Simulated(ThreadedMiddleware):
             raise NotYetError(str(error)) from None
         except OSError as error:
             raise FeedError(str(error)) from None
+        self._listener.on_message(topic, speed)
 
     def _run_session(self, listener: Listener) -> str:
         if isinstance(self._live, RealTime):

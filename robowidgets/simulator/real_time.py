@@ -13,6 +13,9 @@ from .wander import wander as wander_about
 LET_GO = 3.0
 """Seconds without a command after which the robot wanders again."""
 
+QUIET = 0.5
+"""Seconds after a command in which the commanded speed is not passed on: it is that of who sent the command."""
+
 _LATEST = 1.0
 
 
@@ -65,7 +68,9 @@ class RealTime:
             due = max(due + self._step, time.monotonic() - _LATEST)
             ways = self._steer(ways)
             self._robot.step(self._step)
-            samples: dict[str, Any] = {"/odom": self._robot.speed(), "/cmd_vel": self._robot.command()}
+            samples: dict[str, Any] = {"/odom": self._robot.speed()}
+            if time.monotonic() - self._driven_at > QUIET:
+                samples["/cmd_vel"] = self._robot.command()
             if "/bumper" in self._wanted:
                 samples["/bumper"] = self._robot.model.to_message(self._robot.touch())
             if "/scan" in self._wanted and self._robot.scan() is not scan:

@@ -79,7 +79,7 @@ def test_robot_and_obstacles_are_moved_by_pointer_and_keys(plain_page: Callable[
     nb.page.mouse.move(*house.at(-2.0, 1.5))
     expect(widget.locator(".rw-footer")).to_contain_text("x \u22122.00 y 1.50 m")
 
-    house.drag((0, 0), (-1.5, 0.5))
+    house.drag((0.1, 0), (-1.4, 0.5))
     wait_for(lambda: house.is_at("robot.pose[:2]", -1.5, 0.5), "the robot has been dragged")
     expect(widget.locator(".rw-footer")).to_contain_text("x \u22121.50 y 0.50 m")
     reach = 0.18 + 11 / house.scale
@@ -130,7 +130,7 @@ def test_a_finger_drags_the_robot_and_scrolls_elsewhere(plain_page: Callable[...
             session.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": [{"x": x, "y": y}]})
         session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
 
-    swipe((0.05, 0.05), (-1.45, -0.95))
+    swipe((0.05, 0.05), (-1.4, -0.9))
     wait_for(lambda: house.is_at("robot.pose[:2]", -1.45, -0.95), "the finger has dragged it")
     assert nb.page.evaluate("scrollY") == 0
     swipe((1.0, -0.5), (1.0, 1.0))

@@ -100,8 +100,8 @@ test("the nearest thing within the slop is grabbed", () => {
 
 test("a thing is dragged, turned and moved by keys", () => {
   const pose = poseOf(scene(), "robot");
-  assert.deepEqual(draggedTo(pose, "robot", { x: 1, y: 0.5 }), { x: 1, y: 0.5, yaw: Math.PI / 2 });
-  assert.deepEqual(draggedTo(pose, "heading", { x: 1, y: 0 }), { x: 0, y: 0, yaw: 0 });
+  assert.deepEqual(draggedTo(pose, "robot", { x: 0.1, y: 0 }, { x: 1.1, y: 0.5 }), { x: 1, y: 0.5, yaw: Math.PI / 2 });
+  assert.deepEqual(draggedTo(pose, "heading", { x: 0.3, y: 0 }, { x: 1, y: 0 }), { x: 0, y: 0, yaw: 0 });
   assert.deepEqual(movedBy("ArrowUp", true, { x: 0, y: 0, yaw: 0 }), { x: 0, y: 0.5, yaw: 0 });
   assert.equal(movedBy("[", false, { x: 0, y: 0, yaw: 0 })?.yaw, Math.PI / 12);
   assert.equal(movedBy("x", false, pose), null);

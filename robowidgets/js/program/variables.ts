@@ -118,7 +118,11 @@ class Row {
     this.#setAt = performance.now();
     const input = this.#input;
     const value = this.kind === "checkbox" ? input.checked : input.valueAsNumber;
-    setText(this.#value, this.kind === "number" ? this.#value.textContent : String(value));
-    if (typeof value === "boolean" || Number.isFinite(value)) this.#set(value);
+    if (Number.isNaN(value)) {
+      input.value = this.#value.textContent; // an empty field
+      return;
+    }
+    setText(this.#value, String(value));
+    this.#set(value);
   }
 }

@@ -149,10 +149,10 @@ export function poseOf({ robot, obstacles }: Scene, thing: Thing): Pose {
   return disc ? { x: disc.x, y: disc.y, yaw: 0 } : { x: robot.x, y: robot.y, yaw: robot.yaw };
 }
 
-/** The pose of a thing that is dragged to a place of the floor: heading there, or standing there. */
-export function draggedTo(pose: Pose, thing: Thing, place: Place): Pose {
-  if (thing === "heading") return { ...pose, yaw: Math.atan2(place.y - pose.y, place.x - pose.x) };
-  return { ...pose, ...place };
+/** The pose of a thing that is dragged from a place of the floor to another: heading there, or moved as far. */
+export function draggedTo(pose: Pose, thing: Thing, from: Place, to: Place): Pose {
+  if (thing === "heading") return { ...pose, yaw: Math.atan2(to.y - pose.y, to.x - pose.x) };
+  return { ...pose, x: pose.x + to.x - from.x, y: pose.y + to.y - from.y };
 }
 
 const STEP = 0.1;

@@ -24,6 +24,8 @@ const HINT = "drag the robot or an obstacle \u00B7 press o for another";
 interface Drag {
   thing: Thing;
   pointer: number;
+  /** Where it was grabbed, on the floor. */
+  from: Place;
   before: Pose;
   hasMoved: boolean;
 }
@@ -211,7 +213,8 @@ export class SimulatorView {
     const thing = this.#thingAt(point, event.pointerType === "touch");
     if (thing === null) return;
     this.#select(thing === "heading" ? "robot" : thing);
-    this.#drag = { thing, pointer: event.pointerId, before: poseOf(scene, thing), hasMoved: false };
+    const from = toFloor(this.#projection, point);
+    this.#drag = { thing, pointer: event.pointerId, from, before: poseOf(scene, thing), hasMoved: false };
     this.#card.picture.setPointerCapture(event.pointerId);
     this.#card.picture.dataset.cursor = "grabbing";
   }
@@ -222,7 +225,7 @@ export class SimulatorView {
     const drag = this.#drag;
     if (drag && pointerId === drag.pointer) {
       drag.hasMoved = true;
-      this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, this.#pointer), true);
+      this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, drag.from, this.#pointer), true);
     } else if (pointerType !== "touch" && !this.#isPutting) {
       this.#card.picture.dataset.cursor = this.#thingAt(point, false) === null ? "" : "grab";
     }
@@ -235,8 +238,10 @@ export class SimulatorView {
     this.#drag = null;
     this.#card.picture.dataset.cursor = "";
     // A click selects, and moves nothing.
-    if (drag.hasMoved)
-      this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, toFloor(this.#projection, point)));
+    if (drag.hasMoved) {
+      const to = toFloor(this.#projection, point);
+      this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, drag.from, to));
+    }
     this.#redraw();
   }
 

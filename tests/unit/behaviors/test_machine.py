@@ -228,6 +228,42 @@ def test_after_an_error_it_goes_on_in_its_states() -> None:
     assert run.at(2.1) == ("b", "b.d")
 
 
+def test_a_machine_may_inherit_from_another() -> None:
+    class Walker:
+        def a():  # type: ignore[no-untyped-def, misc]
+            return Drive(0.1)
+
+        b = None
+        moves = "a -> b after 1"
+
+    class Faster(Walker):
+        def a():  # type: ignore[no-untyped-def, misc]
+            return Drive(0.2)
+
+    run = Run(Faster)
+    assert (run.at(0.0), run.drive) == (("a",), Drive(0.2))
+    assert run.at(1.0) == ("b",)
+
+
+def test_a_time_that_is_nowhere_is_named() -> None:
+    class Walker:
+        a = b = None
+        moves = "a -> b after pause"
+
+    with pytest.raises(LookupError, match="no 'pause' in class Walker, around it, or in the notebook"):
+        Run(Walker).at(0.0)
+
+
+class Leaf:
+    """A state with a misspelt action."""
+
+    def entri() -> None:  # type: ignore[misc]
+        """Never called."""
+
+    def running() -> None:  # type: ignore[misc]
+        """Called at each step."""
+
+
 @pytest.mark.parametrize(
     ("members", "error", "words"),
     [
@@ -238,10 +274,15 @@ def test_after_an_error_it_goes_on_in_its_states() -> None:
         ),
         ({"a": None, "moves": "a -> b"}, ValueError, "got 'a -> b'"),
         ({"a": None, "turn": None, "moves": "a -> trun after 1"}, TypeError, "no state 'trun' .*did you mean turn?"),
-        ({"a": None, "b": None, "moves": "a -> b on near"}, TypeError, "no event 'near' in class Walker, around it"),
+        ({"a": None, "b": None, "moves": "a -> b on near"}, TypeError, "no 'near' in class Walker, around it"),
         ({"a": 3, "b": None, "moves": "a -> b after 1"}, TypeError, "state Walker.a: expected a function, a class"),
         ({"a": None, "b": None, "x": 1, "moves": "a -> b on x"}, TypeError, "expected a function or a condition"),
         ({"a": None}, TypeError, "class Walker: expected"),
+        (
+            {"a": Leaf, "b": None, "moves": "a -> b after 1"},
+            TypeError,
+            "class Walker.a: expected entry,.*'entri'",
+        ),
         ({"moves": " "}, ValueError, "expected at least one"),
         ({"a": lambda scn: scn, "b": None, "moves": "a -> b after 1"}, TypeError, "asks for 'scn'"),
         ({"a": lambda self: self, "b": None, "moves": "a -> b after 1"}, TypeError, "takes no self: remove it"),

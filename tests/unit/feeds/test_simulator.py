@@ -46,6 +46,17 @@ def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(monkeypatch
         wait_for(lambda: robot.command().linear[0] == 0.5, "it wanders again")
 
 
+def test_a_speed_that_is_sent_is_shown_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(real_time, "QUIET", 3600.0)
+    robot, shown = Robot(World([])), list[float]()
+    with feeds.simulator(robot, hz=100.0, wander=False) as feed:
+        feed.connect("/cmd_vel", lambda speed: shown.append(speed.linear[0]))
+        feed.driving = feeds.Driving(hold=0.2)
+        feed.drive(0.25)
+        wait_for(lambda: 0.25 in shown and shown[-1] == 0.0, "it stops")
+    assert shown.count(0.25) == 1
+
+
 def test_it_stands_still_until_somebody_drives_if_it_is_not_to_wander(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(real_time, "LET_GO", 0.05)
     robot = Robot(World([]))
