@@ -20,7 +20,7 @@ from .middleware import Advert, FeedError, Listener, NotYetError
 _TOPICS = (
     Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False),
     Advert("/odom", "nav_msgs/msg/Odometry", wanted=False),
-    Advert("/cmd_vel", TWIST, wanted=True),
+    Advert("/cmd_vel", TWIST, wanted=True, publishers=None),
 )
 
 

@@ -53,6 +53,7 @@ def test_a_speed_that_is_sent_is_shown_once(monkeypatch: pytest.MonkeyPatch) -> 
         feed.connect("/cmd_vel", lambda speed: shown.append(speed.linear[0]))
         feed.driving = feeds.Driving(hold=0.2)
         feed.drive(0.25)
+        assert feed.drive_status == ""
         wait_for(lambda: 0.25 in shown and shown[-1] == 0.0, "it stops")
     assert shown.count(0.25) == 1
 
