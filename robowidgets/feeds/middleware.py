@@ -28,8 +28,8 @@ class Advert(NamedTuple):
 
     ``type`` is written as ``sensor_msgs/msg/LaserScan``, also for ROS 1; empty when it is unknown. ``offered`` is True
     if another node publishes it, ``wanted`` if another node subscribes to it (None: unknown). ``publishers`` are the
-    names of the other nodes that publish it, as far as the middleware reports them; None where nobody else drives by it:
-    of a recording, and of the simulated robot itself.
+    names of the other nodes that publish it, as far as the middleware reports them; None where nobody else drives by
+    it: of a recording, and of the simulated robot itself.
     """
 
     name: str
