@@ -11,9 +11,10 @@ from pathlib import Path
 
 import robowidgets
 
-from . import _export as _pages
-from . import _find as _questions
 from . import _lab, _notebooks
+from ._error import CommandError
+from ._export import add_export, export
+from ._find import add_find, find, readable
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -24,45 +25,46 @@ def main(argv: Sequence[str] | None = None) -> int:
         ``find`` is as grep: 1 when nothing was found, 2 when it could not look. ``doctor`` is as diff: 1 when it found
         problems, 2 when it could not look. Arguments that make no sense exit with 2.
     """
-    arguments = _parser().parse_args(_questions.readable(sys.argv[1:] if argv is None else argv))
+    arguments = _parser().parse_args(readable(sys.argv[1:] if argv is None else argv))
     try:
         return int(arguments.do(arguments) or 0)
-    except (robowidgets.RecordingError, _questions.QuestionError, NoLabError, OSError) as error:
+    except (robowidgets.RecordingError, CommandError, OSError) as error:
         _warn(f"robowidgets: {error}")
         return int(arguments.failed)
     except KeyboardInterrupt:
         return 130
 
 
-class NoLabError(Exception):
-    """JupyterLab is not installed."""
-
-    def __str__(self) -> str:
-        return 'JupyterLab is not installed here; type: pip install "robowidgets[lab]"'
-
-
-def _demo(arguments: argparse.Namespace) -> None:
+def _open_tour(arguments: argparse.Namespace) -> None:
     _in_lab(_notebooks.copy_shipped, arguments)
 
 
-def _open(arguments: argparse.Namespace) -> None:
+def _open_recording(arguments: argparse.Namespace) -> None:
     file = Path(os.path.abspath(arguments.file))
     with robowidgets.open(file):
         pass
     _in_lab(lambda folder: _notebooks.write_for(file, folder), arguments)
 
 
-def _info(arguments: argparse.Namespace) -> None:
-    _say(_questions.info(arguments))
+def _print_info(arguments: argparse.Namespace) -> None:
+    with robowidgets.open(arguments.file) as recording:
+        facts = {
+            "path": str(recording.path),
+            "start_ns": recording.start_ns,
+            "seconds": recording.duration,
+            "topics": [topic._asdict() for topic in recording.topics],
+            "problems": list(recording.problems),
+        }
+        _say(json.dumps(facts, indent=2) if arguments.json else recording.info())
 
 
-def _find(arguments: argparse.Namespace) -> int:
-    text, code = _questions.find(arguments, _warn)
+def _print_spans(arguments: argparse.Namespace) -> int:
+    text, code = find(arguments, _warn)
     _say(text)
     return code
 
 
-def _doctor(arguments: argparse.Namespace) -> int:
+def _print_report(arguments: argparse.Namespace) -> int:
     with robowidgets.open(arguments.file) as recording:
         report = recording.doctor()
     _say(json.dumps(report.to_dict(), indent=2) if arguments.json else str(report))
@@ -77,13 +79,13 @@ def _write_repaired(arguments: argparse.Namespace) -> None:
         _say(line)
 
 
-def _export(arguments: argparse.Namespace) -> None:
-    _say(_pages.export(arguments, _warn))
+def _write_page(arguments: argparse.Namespace) -> None:
+    _say(export(arguments, _warn))
 
 
 def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace) -> None:
     if not _lab.is_installed():
-        raise NoLabError
+        raise CommandError('JupyterLab is not installed here; type: pip install "robowidgets[lab]"')
     folder = arguments.folder.absolute()
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"--folder: {arguments.folder} is a file; name a folder for the notebooks")
@@ -115,23 +117,23 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
     demo = commands.add_parser("demo", help="open a tour in JupyterLab", description="Open a tour in JupyterLab.")
-    demo.set_defaults(do=_demo)
+    demo.set_defaults(do=_open_tour)
     show = commands.add_parser(
         "open", help="open a recording in JupyterLab", description="Open a recording in JupyterLab."
     )
-    show.set_defaults(do=_open)
+    show.set_defaults(do=_open_recording)
     info = commands.add_parser(
         "info", help="print what a recording holds", description="Print the topics, types, counts and rates."
     )
-    info.set_defaults(do=_info)
-    find = commands.add_parser(
+    info.set_defaults(do=_print_info)
+    spans = commands.add_parser(
         "find",
         help="print when something held in a recording",
         description="Print from when to when conditions held, in seconds from the start of the recording.",
         epilog="Exits with 0 when something was found, 1 when nothing was, 2 when it could not look.",
     )
-    _questions.add_find(find)
-    find.set_defaults(do=_find, failed=2)
+    add_find(spans)
+    spans.set_defaults(do=_print_spans, failed=2)
 
     doctor = commands.add_parser(
         "doctor",
@@ -139,7 +141,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Check the scans of a recording (rays, angles, limits, frames), its rates, and its topics.",
         epilog="Exits with 0 when all is well, 1 when there are problems, 2 when it could not look.",
     )
-    doctor.set_defaults(do=_doctor, failed=2)
+    doctor.set_defaults(do=_print_report, failed=2)
 
     mend = commands.add_parser(
         "repair",
@@ -163,11 +165,11 @@ def _parser() -> argparse.ArgumentParser:
         description="Write a recording, or a stretch of it, as one HTML file that plays without a kernel or the web.",
         epilog="Exits with 0 when the file was written, 2 when it could not be.",
     )
-    _pages.add_export(page)
-    page.set_defaults(do=_export, failed=2)
+    add_export(page)
+    page.set_defaults(do=_write_page, failed=2)
 
     of_file = "a .bag, .db3, .mcap, a rosbag2 folder, or a CARMEN log (.log, .clf, gzipped too)"
-    for command in (show, info, find, doctor, mend, page):
+    for command in (show, info, spans, doctor, mend, page):
         command.add_argument("file", type=Path, metavar="FILE", help=of_file)
     for command in (info, doctor):
         command.add_argument("--json", action="store_true", help="print it as JSON")

@@ -10,7 +10,7 @@ from pathlib import Path
 import robowidgets
 
 from .._core.text import megabytes
-from ._find import QuestionError
+from ._error import CommandError
 
 _MEGA = 1_000_000
 _OPTIONS = (
@@ -41,7 +41,7 @@ def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
 
     Raises:
         RecordingError: the recording cannot be read, or has no such topic.
-        QuestionError: the recording has no such stretch, or the page would be too large.
+        CommandError: the recording has no such stretch, or the page would be too large.
         OSError: the file cannot be written, or is there already.
     """
     name = arguments.file.absolute().name
@@ -56,7 +56,7 @@ def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
             most = round(arguments.max_size * _MEGA)
             path = recording.to_html(output, **part, title=arguments.title, note=arguments.note, max_size=most)
         except ValueError as error:
-            raise QuestionError(_in_options(str(error))) from None
+            raise CommandError(_in_options(str(error))) from None
         finally:
             for line in recording.problems:
                 warn(f"! {line}")

@@ -1,4 +1,4 @@
-"""The commands ``info`` and ``find``: the topics of a recording, and the spans in which conditions held."""
+"""The command ``robowidgets find``: the spans of a recording in which conditions held."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from ..find import conditions
 from ..find.base import Condition
 from ..find.spans import Spans
 from ..kinds import LASER, SPEED, TOUCH
-from ..recording import Recording
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import SECTORS, Asked, to_sector
+from ._error import CommandError
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 
@@ -50,10 +50,6 @@ _NAMED_BY: dict[str | None, str] = {
     **{kind.name: f"--{kind.sample_name}" for kind in _LOOKS_AT.values()},
 }
 """The option that names a topic of a kind; None: the topic with a gap."""
-
-
-class QuestionError(Exception):
-    """The conditions make no sense, or not for this recording."""
 
 
 def add_find(parser: argparse.ArgumentParser) -> None:
@@ -123,14 +119,14 @@ def _sector(words: list[Any] | None) -> Asked | None:
     try:
         return to_sector(words)
     except TypeError as error:
-        raise QuestionError(_in_options(str(error))) from None
+        raise CommandError(_in_options(str(error))) from None
 
 
 def condition(arguments: argparse.Namespace) -> Condition:
     """The condition that the arguments name.
 
     Raises:
-        QuestionError: they name none, or something that it does not use.
+        CommandError: they name none, or something that it does not use.
         ValueError: one makes no sense.
     """
     asked: list[Condition] = [conditions.touched(label or None, arguments.touch) for label in arguments.touched]
@@ -141,7 +137,7 @@ def condition(arguments: argparse.Namespace) -> Condition:
     if arguments.gap is not None:
         asked.append(conditions.gap(arguments.gap, arguments.silent))
     if not asked:
-        raise QuestionError("find: expected a condition: --touched, --nearest-below, --speed-above or --gap")
+        raise CommandError("find: expected a condition: --touched, --nearest-below, --speed-above or --gap")
     _check_used(arguments)
     return reduce(or_ if arguments.any else and_, asked)
 
@@ -150,7 +146,7 @@ def _check_used(arguments: argparse.Namespace) -> None:
     for name, user in _USED_BY.items():
         unused = getattr(arguments, name) is not None and getattr(arguments, user) in (None, [])
         if unused:
-            raise QuestionError(f"find: --{name} says where to look for --{user.replace('_', '-')}, which is not asked")
+            raise CommandError(f"find: --{name} says where to look for --{user.replace('_', '-')}, which is not asked")
 
 
 def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
@@ -159,17 +155,17 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
     ``warn`` gets a line for each problem of the recording.
 
     Raises:
-        QuestionError: the condition makes no sense.
+        CommandError: the condition makes no sense.
         RecordingError: the recording cannot be read, or has no such topic.
     """
     with robowidgets.open(arguments.file) as recording:
         try:
             spans = recording.find(condition(arguments))
         except ValueError as error:
-            raise QuestionError(_in_options(str(error))) from None
+            raise CommandError(_in_options(str(error))) from None
         except UnnamedTopicError as error:
             option = _NAMED_BY[error.widget]
-            raise QuestionError(f"{error.there}: name the topic, as in {option} {error.topics[0]}") from None
+            raise CommandError(f"{error.there}: name the topic, as in {option} {error.topics[0]}") from None
         finally:
             # Also after an error, which damage may have caused.
             for line in recording.problems:
@@ -185,12 +181,6 @@ def _in_options(error: str) -> str:
     argument, colon, what = error.partition(":")
     option = next((option for option, gives in _GIVES.items() if gives == argument), argument)
     return f"find: {option}{colon}{what.replace(OF_DEGREES, 'degrees are written as -30deg')}"
-
-
-def info(arguments: argparse.Namespace) -> str:
-    """The output of ``robowidgets info``."""
-    with robowidgets.open(arguments.file) as recording:
-        return _info_as_json(recording) if arguments.json else recording.info()
 
 
 _COLUMNS: dict[str, Callable[[Any], str]] = {
@@ -232,14 +222,3 @@ def _spans_as_json(spans: Spans) -> str:
         },
         indent=2,
     )
-
-
-def _info_as_json(recording: Recording) -> str:
-    facts: dict[str, Any] = {
-        "path": str(recording.path),
-        "start_ns": recording.start_ns,
-        "seconds": recording.duration,
-        "topics": [topic._asdict() for topic in recording.topics],
-        "problems": list(recording.problems),
-    }
-    return json.dumps(facts, indent=2)

@@ -9,7 +9,7 @@ from pathlib import Path
 from .._core.text import many, megabytes
 from ..recordings.files import open_source
 from ..repair.write import write
-from ._find import QuestionError
+from ._error import CommandError
 
 _PACKED = (".gz", ".zst", ".zstd", ".active")
 _SUFFIXES = (".bag", ".clf", ".db3", ".log", ".mcap")
@@ -29,7 +29,7 @@ def repair(file: Path, output: Path | None, *, force: bool) -> Iterator[str]:
     Raises:
         RecordingError: nothing of it can be read, or the file cannot be written.
         OSError: the output is there already, or belongs to the recording.
-        QuestionError: the name of the output is none of an MCAP file.
+        CommandError: the name of the output is none of an MCAP file.
     """
     recording = file.absolute().parent if file.name == "metadata.yaml" else file
     output = _beside(recording) if output is None else output
@@ -60,6 +60,6 @@ def _check(recording: Path, output: Path, force: bool) -> None:
     if output.is_dir():
         raise IsADirectoryError(f"{output}: is a folder; name a file with --output")
     if output.suffix.lower() != ".mcap":
-        raise QuestionError(f"--output: expected a name that ends in .mcap, got '{output}'")
+        raise CommandError(f"--output: expected a name that ends in .mcap, got '{output}'")
     if output.exists() and not force:
         raise FileExistsError(f"{output}: is there already; replace it with --force, or name another with --output")
