@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..kinds import KINDS
+from ..samples import Ray
 from ..samples.checks import finite
-from ..samples.scan import Ray
 from ..samples.state_span import StateSpan
 from ..samples.verdict import Trace, Verdict
 from ._outline import DONE, Move, Node, Outline, described, outline_of

@@ -24,7 +24,7 @@ from ..recordings.columns.chunks import ScanChunk, SpeedChunk, single_scan, sing
 from ..recordings.topics import UnknownTopicError, UnnamedTopicError, only
 from ..samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ..samples.checks import number
-from ..samples.scan import distances, inside, ray_distances
+from ..samples.distances import distances, inside, ray_distances
 from ..samples.sector import Asked, to_sector
 from ..samples.verdict import Verdict, fact
 from ._instant import NotYetError

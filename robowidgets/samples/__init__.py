@@ -7,12 +7,12 @@ counter-clockwise). It knows neither ROS nor a page.
 from ._age import HasAge
 from .pose import Pose, yaw_of
 from .problem import Problem
-from .scan import Ray, Scan
+from .ray import Ray, Validity
+from .scan import Scan
 from .sector import Sector
 from .speed import AXES, Speed
 from .spread import spread
 from .touch import Touch, TouchMode, TouchState
-from .validity import Validity
 
 __all__ = [
     "AXES",

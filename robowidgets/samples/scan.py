@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from math import atan2, cos, degrees, isfinite, pi, sin
 from operator import index as as_index
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,29 +27,13 @@ from .checks import (
     shortest,
     to_radians,
 )
+from .distances import angles_of, difference, distances, inside, ray_distances
 from .problem import Problem
-from .sector import Asked, Sector, in_sector, order_in_sector, to_sector
-from .validity import CODES_END, Validity
+from .ray import Ray, Validity
+from .sector import Asked, order_in_sector, to_sector
 
 MAX_RAYS = 1_000_000
 _FARTHEST = float(np.finfo(np.float32).max)
-
-
-class Ray(NamedTuple):
-    """One ray of a scan.
-
-    ``index`` is the index in ``ranges``; ``range`` is in metres, as measured, the shortest decimal of its float32 (it
-    may be NaN or infinite); ``angle`` is in radians within ±pi, counter-clockwise from forward; ``x`` and ``y`` are in
-    metres and None when there is no reading; ``intensity`` is in device units and None when the scanner sent none.
-    """
-
-    index: int  # type: ignore[assignment]  # as ROS calls it; it hides tuple.index
-    range: float
-    angle: float
-    x: float | None
-    y: float | None
-    intensity: float | None
-    validity: Validity
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,13 +175,7 @@ class Scan(HasAge):
         """
         if not isinstance(other, Scan):
             return NotImplemented
-        now, then = ray_distances(self.ranges, self), ray_distances(other.ranges, other)
-        if len(self) != len(other) or not np.allclose(self.angles, other.angles, rtol=0, atol=ANGLE_ROUNDING):
-            found = indices_at(other, self.angles)
-            # Where no ray points there, the index is -1: the NaN that is appended.
-            then = np.append(then, np.float32(np.nan))[found]
-        with np.errstate(invalid="ignore"):
-            return np.where(now == then, np.float32(0), now - then).astype(np.float32)
+        return difference(self, other)
 
     def again(self, ranges: ArrayLike, intensities: ArrayLike | None, stamp_ns: int | None) -> Scan:
         """The next sweep of the same scanner: what is not given stays as it is, and is not checked again.
@@ -227,7 +205,7 @@ class Scan(HasAge):
     @cached_property
     def angles(self) -> NDArray[np.float64]:
         """Angle of every ray as the scanner counts it, in radians, shape (R,): a full circle may run from 0 to 2 pi."""
-        return _angles(self.angle_min, self.angle_increment, len(self))
+        return angles_of(self.angle_min, self.angle_increment, len(self))
 
     @cached_property
     def validity(self) -> NDArray[np.uint8]:
@@ -301,11 +279,7 @@ class Scan(HasAge):
         A thing that is too close to measure is nearer than any other: its ray has a range of -inf, or below range_min.
 
         Args:
-            sector: as in `distance`.
-
-        Raises:
-            TypeError: the sector is no pair of numbers.
-            ValueError: no such sector, or an angle is beyond a full turn either way.
+            sector: as in `distance`, with the same errors.
         """
         away = ray_distances(self.ranges, self)
         away[~((away < np.inf) & inside(self, sector))] = np.inf
@@ -318,11 +292,7 @@ class Scan(HasAge):
         So they run on across the seam of a full circle, and downwards for a clockwise scanner.
 
         Args:
-            sector: as in `distance`.
-
-        Raises:
-            TypeError: the sector is no pair of numbers.
-            ValueError: no such sector, or an angle is beyond a full turn either way.
+            sector: as in `distance`, with the same errors.
 
         Example:
             >>> scan = Scan([1.0, 2.0, 3.0, 4.0], 0.0, 1.5708, 0.1, 30.0)
@@ -393,76 +363,6 @@ class Scan(HasAge):
     @cached_property
     def _distances(self) -> NDArray[np.float64]:
         return np.where(self.valid, self.ranges, np.nan).astype(np.float64)
-
-
-def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32]:
-    """The distance of each ray as in `Scan.distance`, in a new array of the same shape; NaN for a code.
-
-    Args:
-        ranges: of one scan, shape (R,), or of many, (N, R).
-        like: a scan with the same limits.
-    """
-    away = np.where(ranges > like.range_max, np.float32(np.inf), ranges)
-    below = ranges < like.range_min
-    if below.any():
-        away[below] = 0
-        away[below & (ranges < CODES_END) & (ranges > -np.inf)] = np.nan
-    return away
-
-
-def inside(like: Scan, sector: Asked | None) -> NDArray[np.bool_]:
-    """Whether each ray of scans with the same angles lies in a sector, shape (R,), read-only."""
-    if sector is None:
-        return frozen(np.ones(len(like), bool))
-    return _inside(like.angle_min, like.angle_increment, len(like), to_sector(sector))
-
-
-@lru_cache(maxsize=100)
-def _inside(angle_min: float, angle_increment: float, count: int, sector: Sector) -> NDArray[np.bool_]:
-    return frozen(in_sector(_angles(angle_min, angle_increment, count), sector))
-
-
-def _angles(angle_min: float, angle_increment: float, count: int) -> NDArray[np.float64]:
-    return frozen(angle_min + np.arange(count) * angle_increment)
-
-
-def indices_at(like: Scan, angles: NDArray[np.float64]) -> NDArray[np.intp]:
-    """The index of the ray that points closest to each angle in radians; -1 more than half a step outside the sweep."""
-    step = abs(like.angle_increment) or 2 * pi
-    turned = (angles - like.angle_min) * (-1 if like.angle_increment < 0 else 1) % (2 * pi)
-    index = np.rint(turned / step)
-    to_first = 2 * pi - turned
-    is_ray = (index < len(like)) & (np.abs(turned - index * step) <= to_first)
-    return np.where(is_ray, index, np.where((to_first <= step / 2) & (len(like) > 0), 0, -1)).astype(np.intp)
-
-
-def distances(
-    ranges: NDArray[np.float32],
-    like: Scan,
-    sector: Asked | None = None,
-    percentile: float | None = None,
-) -> NDArray[np.float32]:
-    """`Scan.distance` of one scan, shape (R,), or of many, (N, R): shape () or (N,).
-
-    Args:
-        ranges: metres.
-        like: a scan with the same limits and angles.
-        sector: as in `Scan.distance`.
-        percentile: as in `Scan.distance`.
-    """
-    if percentile is not None and not 0 <= number("percentile", percentile) <= 100:
-        raise ValueError(f"percentile: expected a number from 0 to 100, got {percentile!r}")
-    if sector is not None:
-        ranges = ranges[..., inside(like, sector)]
-    away = ray_distances(ranges, like)
-    least = np.asarray(np.fmin.reduce(away, axis=-1, initial=np.nan))
-    if percentile is None or not away.size:
-        return least
-    # Beside what was measured a code says that nothing was seen. NaN is sorted to the end.
-    away = np.sort(np.where(np.isnan(away) & ~np.isnan(ranges), np.float32(np.inf), away))
-    last = np.maximum((~np.isnan(away)).sum(axis=-1, keepdims=True) - 1, 0)
-    picked = np.take_along_axis(away, (percentile / 100 * last).astype(int), axis=-1)[..., 0]
-    return np.where(np.isnan(least), least, picked)
 
 
 def _within_half_turn(angle: float) -> float:

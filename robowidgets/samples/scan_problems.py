@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .checks import OF_DEGREES, shortest
 from .problem import Problem
-from .validity import CODES_END
+from .ray import CODES_END
 
 _MOST_TURNS = 3
 

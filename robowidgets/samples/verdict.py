@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .checks import frozen
-from .scan import Ray, Scan, inside, ray_distances
+from .distances import inside, ray_distances
+from .ray import Ray
+from .scan import Scan
 from .sector import Asked
 
 NO_RAYS: NDArray[np.intp] = frozen(np.empty(0, np.intp))

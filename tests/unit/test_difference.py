@@ -10,7 +10,7 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, Scan
-from robowidgets.samples.scan import indices_at
+from robowidgets.samples.distances import indices_at
 
 INF, NAN = float("inf"), float("nan")
 

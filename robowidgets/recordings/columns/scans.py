@@ -13,7 +13,7 @@ from ...kinds import Kind
 from ...messages.channel import Channel
 from ...repair import RecordingError
 from ...samples import Scan
-from ...samples.scan import distances, ray_distances
+from ...samples.distances import distances, ray_distances
 from ...samples.sector import Asked
 from ...samples.spread import readings, spread_of
 from ..times import span_ns

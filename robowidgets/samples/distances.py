@@ -1,0 +1,99 @@
+"""What the rays of a scan count as in a distance, of one scan or of many with the same limits and angles."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .checks import ANGLE_ROUNDING, frozen, number
+from .ray import CODES_END
+from .sector import Asked, Sector, in_sector, to_sector
+
+if TYPE_CHECKING:
+    from .scan import Scan
+
+
+def distances(
+    ranges: NDArray[np.float32],
+    like: Scan,
+    sector: Asked | None = None,
+    percentile: float | None = None,
+) -> NDArray[np.float32]:
+    """`Scan.distance` of one scan, shape (R,), or of many, (N, R): shape () or (N,).
+
+    Args:
+        ranges: metres.
+        like: a scan with the same limits and angles.
+        sector: as in `Scan.distance`.
+        percentile: as in `Scan.distance`.
+    """
+    if percentile is not None and not 0 <= number("percentile", percentile) <= 100:
+        raise ValueError(f"percentile: expected a number from 0 to 100, got {percentile!r}")
+    if sector is not None:
+        ranges = ranges[..., inside(like, sector)]
+    away = ray_distances(ranges, like)
+    least = np.asarray(np.fmin.reduce(away, axis=-1, initial=np.nan))
+    if percentile is None or not away.size:
+        return least
+    # Beside what was measured a code says that nothing was seen. NaN is sorted to the end.
+    away = np.sort(np.where(np.isnan(away) & ~np.isnan(ranges), np.float32(np.inf), away))
+    last = np.maximum((~np.isnan(away)).sum(axis=-1, keepdims=True) - 1, 0)
+    picked = np.take_along_axis(away, (percentile / 100 * last).astype(int), axis=-1)[..., 0]
+    return np.where(np.isnan(least), least, picked)
+
+
+def ray_distances(ranges: NDArray[np.float32], like: Scan) -> NDArray[np.float32]:
+    """The distance of each ray as in `Scan.distance`, in a new array of the same shape; NaN for a code.
+
+    Args:
+        ranges: of one scan, shape (R,), or of many, (N, R).
+        like: a scan with the same limits.
+    """
+    away = np.where(ranges > like.range_max, np.float32(np.inf), ranges)
+    below = ranges < like.range_min
+    if below.any():
+        away[below] = 0
+        away[below & (ranges < CODES_END) & (ranges > -np.inf)] = np.nan
+    return away
+
+
+def difference(now: Scan, then: Scan) -> NDArray[np.float32]:
+    """See `Scan.__sub__`."""
+    here, there = ray_distances(now.ranges, now), ray_distances(then.ranges, then)
+    if len(now) != len(then) or not np.allclose(now.angles, then.angles, rtol=0, atol=ANGLE_ROUNDING):
+        found = indices_at(then, now.angles)
+        # Where no ray points there, the index is -1: the NaN that is appended.
+        there = np.append(there, np.float32(np.nan))[found]
+    with np.errstate(invalid="ignore"):
+        return np.where(here == there, np.float32(0), here - there).astype(np.float32)
+
+
+def indices_at(like: Scan, angles: NDArray[np.float64]) -> NDArray[np.intp]:
+    """The index of the ray that points closest to each angle in radians; -1 more than half a step outside the sweep."""
+    step = abs(like.angle_increment) or 2 * pi
+    turned = (angles - like.angle_min) * (-1 if like.angle_increment < 0 else 1) % (2 * pi)
+    index = np.rint(turned / step)
+    to_first = 2 * pi - turned
+    is_ray = (index < len(like)) & (np.abs(turned - index * step) <= to_first)
+    return np.where(is_ray, index, np.where((to_first <= step / 2) & (len(like) > 0), 0, -1)).astype(np.intp)
+
+
+def angles_of(angle_min: float, angle_increment: float, count: int) -> NDArray[np.float64]:
+    """The angle of each ray in radians, shape (R,), read-only."""
+    return frozen(angle_min + np.arange(count) * angle_increment)
+
+
+def inside(like: Scan, sector: Asked | None) -> NDArray[np.bool_]:
+    """Whether each ray of scans with the same angles lies in a sector, shape (R,), read-only."""
+    if sector is None:
+        return frozen(np.ones(len(like), bool))
+    return _inside(like.angle_min, like.angle_increment, len(like), to_sector(sector))
+
+
+@lru_cache(maxsize=100)
+def _inside(angle_min: float, angle_increment: float, count: int, sector: Sector) -> NDArray[np.bool_]:
+    return frozen(in_sector(angles_of(angle_min, angle_increment, count), sector))
