@@ -83,13 +83,13 @@ class MachineWidget(RobotWidget[MachineStep]):
         # Its group is the robot: so the page freezes it with all widgets of the robot, and them with it.
         self._robot = self._together = robot.connection.page_name
         self._source = {"robot": self._robot, "status": "waiting for a state machine"}
-        programs.watch(self._on_step)
+        programs.observe(self._on_step)
         self._on_step()
 
     def close(self) -> None:
         """Remove the widget from the page; the program goes on."""
         if "_programs" in vars(self):  # else the constructor raised before it had them
-            self._programs.forget(self._on_step)
+            self._programs.unobserve(self._on_step)
             super().close()
 
     def _describe(self) -> str:

@@ -48,8 +48,8 @@ class ProgramWidget(DrivingWidget):
         self._shown: Program | None = None
         super().__init__(**kwargs)
         self._attach(robot.watchdog, robot)
-        programs.watch(self._on_step)
-        programs.variables.watch(self._on_step)
+        programs.observe(self._on_step)
+        programs.variables.observe(self._on_step)
         self._on_step()
 
     @property
@@ -60,8 +60,8 @@ class ProgramWidget(DrivingWidget):
     def close(self) -> None:
         """Remove the widget from the page; the program goes on."""
         if "_programs" in vars(self):
-            self._programs.forget(self._on_step)
-            self._programs.variables.forget(self._on_step)
+            self._programs.unobserve(self._on_step)
+            self._programs.variables.unobserve(self._on_step)
             self._show(None)
         super().close()
 

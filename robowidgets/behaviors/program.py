@@ -12,10 +12,10 @@ from math import isnan
 from typing import Any
 
 from .._core.log_once import LogOnce
+from .._core.observed import Observed
 from .._core.rate import RateMeter
 from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
-from .._core.watched import Watched
 from ._prints import Prints, capture, release
 from .drive import STANDSTILL, Drive
 from .robot import GIVEN, NotReadyError, Robot
@@ -64,7 +64,7 @@ class Version:
     text: str = ""
 
 
-class Program(Watched):
+class Program(Observed):
     """A program of a robot: its versions, its state, and the thread that calls it step by step.
 
     `robowidgets.feeds.Feed.program` makes it. It may be called like its function.
@@ -159,7 +159,7 @@ class Program(Watched):
                 self._leave()
                 self._start()
             self._changed.notify_all()
-        self._call_watchers()
+        self._call_observers()
 
     def run(self) -> None:
         """Go on, after a pause or an error."""
@@ -167,7 +167,7 @@ class Program(Watched):
             if self._thread is None and self.mode != ENDED:
                 self.error = self.note = ""
                 self._start()
-        self._call_watchers()
+        self._call_observers()
 
     def pause(self, note: str = "") -> None:
         """Make no more steps, and stop the robot."""
@@ -179,7 +179,7 @@ class Program(Watched):
             if self._thread is None and self.mode != ENDED:
                 self.error = self.note = ""
                 self._start(once=True)
-        self._call_watchers()
+        self._call_observers()
 
     def close(self, note: str = "") -> None:
         """End it, and stop the robot."""
@@ -228,7 +228,7 @@ class Program(Watched):
             self._stand_still()
             self._changed.notify_all()
         self._robot.halt()
-        self._call_watchers()
+        self._call_observers()
 
     def _run(self, once: bool) -> None:
         """Make steps until another thread takes over. In the thread of the program."""
@@ -243,7 +243,7 @@ class Program(Watched):
                     with self._changed:
                         if self._thread is me:
                             self._leave()
-                    self._call_watchers()
+                    self._call_observers()
                     return
         finally:
             release()
@@ -329,7 +329,7 @@ class Program(Watched):
         if refused:
             self._robot.halt()
         self._set_waiting(refused)
-        self._call_watchers()
+        self._call_observers()
         return True
 
     def _stand_still(self) -> None:
@@ -339,7 +339,7 @@ class Program(Watched):
     def _set_waiting(self, why: str) -> None:
         if why != self.waiting:
             self.waiting, self._waiting_since = why, time.monotonic()
-            self._call_watchers()
+            self._call_observers()
 
     def _take_print(self, text: str) -> bool:
         self.prints.add(text, time.monotonic() - (self.origin or time.monotonic()))

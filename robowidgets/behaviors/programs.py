@@ -8,8 +8,8 @@ from typing import Any
 from weakref import WeakSet
 
 from .._core.cells import on_interrupt
+from .._core.observed import Observed
 from .._core.user_function import calling_text
-from .._core.watched import Watched
 from ..samples.checks import finite
 from ._parameters import parameters_of, program_name
 from .machine import Machine
@@ -23,7 +23,7 @@ FASTEST = 200.0
 """Steps a second."""
 
 
-class Programs(Watched):
+class Programs(Observed):
     """The programs of one robot, of which one at a time drives it.
 
     Args:
@@ -63,7 +63,7 @@ class Programs(Watched):
         if program is None or program.mode == ENDED:
             state, number = (program.state, program.version.number) if program else (None, 0)
             program = self._known[name] = Program(name, self._robot, self.variables)
-            program.watch(self._call_watchers)
+            program.observe(self._call_observers)
             if state is not None:
                 program.state = state
         else:
@@ -76,7 +76,7 @@ class Programs(Watched):
         program.note = note
         _all.add(program)
         on_interrupt(_interrupt_all)
-        self._call_watchers()
+        self._call_observers()
         return program
 
     def close(self) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .._core.watched import Watched
+from .._core.observed import Observed
 from ..samples.checks import finite, number
 
 
@@ -47,7 +47,7 @@ class Variable:
     unit: str = ""
 
 
-class Variables(Watched):
+class Variables(Observed):
     """The variables of a robot's programs: seen live on the page, and set there by hand while a program runs.
 
     Numbers (a distance may be inf or NaN), switches (True and False) and texts. Any thread may read and set them.
@@ -62,7 +62,7 @@ class Variables(Watched):
 
     def __init__(self) -> None:
         object.__setattr__(self, "_table", {})
-        object.__setattr__(self, "_watchers", [])
+        object.__setattr__(self, "_observers", [])
         object.__setattr__(self, "_edited", set())
 
     _table: dict[str, Variable]
@@ -116,7 +116,7 @@ class Variables(Watched):
             if name not in self._edited:
                 self._table[name] = replace(known, before=known.value)
         self._edited.clear()
-        self._call_watchers()
+        self._call_observers()
 
     @property
     def table(self) -> dict[str, Variable]:
@@ -139,7 +139,7 @@ class Variables(Watched):
 
     def __delattr__(self, name: str) -> None:
         self._table.pop(name, None)
-        self._call_watchers()
+        self._call_observers()
 
     def __iter__(self) -> Iterator[str]:
         return iter(dict(self._table))
@@ -151,7 +151,7 @@ class Variables(Watched):
         if not name.isidentifier() or name.startswith("_") or hasattr(type(self), name):
             raise ValueError(f"expected a name such as 'near' for a variable, got {name!r}")
         self._table[name] = variable
-        self._call_watchers()
+        self._call_observers()
 
 
 _KINDS = {bool: "True or False", float: "a number", str: "a text"}

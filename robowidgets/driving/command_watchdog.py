@@ -12,8 +12,8 @@ from concurrent.futures import Future, wait
 from weakref import WeakSet
 
 from .._core.cells import on_failed_cell
+from .._core.observed import Observed
 from .._core.user_threads import is_abandoned
-from .._core.watched import Watched
 
 log = logging.getLogger("robowidgets")
 
@@ -51,7 +51,7 @@ class RefusedError(Exception):
     """A speed that is not sent: stop is latched, a hand drives, or nobody waits for the caller. The text says which."""
 
 
-class CommandWatchdog(Watched):
+class CommandWatchdog(Observed):
     """Sends speeds to a sink from a thread of its own: 50 a second at most, the newest wins, zero at once.
 
     Zero follows a speed that is not renewed in time. The thread runs no code of a caller except the sink. It lives
@@ -115,7 +115,7 @@ class CommandWatchdog(Watched):
             with self._changed:
                 self._hand = ""  # after the release, a hand must press anew
             self.stop()
-        self._call_watchers()
+        self._call_observers()
 
     def take(self, hand: str) -> None:
         """Let a press on a pad drive instead of any other driver, as long as it is renewed; stops the one before.
@@ -128,7 +128,7 @@ class CommandWatchdog(Watched):
             self._hand, self._hand_until = hand, time.monotonic() + HOLD
             if self._zero_at is not None or self._wanted is not None:
                 self._ask_for_zero()
-        self._call_watchers()
+        self._call_observers()
 
     def let_go(self, hand: str = "") -> None:
         """End this press, or any press, and send zero."""
@@ -137,7 +137,7 @@ class CommandWatchdog(Watched):
                 return
             self._hand = ""
             self._ask_for_zero()
-        self._call_watchers()
+        self._call_observers()
 
     # -- speeds --------------------------------------------------------------------------------------------------------
 
@@ -236,12 +236,12 @@ class CommandWatchdog(Watched):
             raise TimeoutError(f"the function that sends speeds has not returned for {self.busy_for:.1f} s")
         request.result()
 
-    # -- watchers ------------------------------------------------------------------------------------------------------
+    # -- observers -----------------------------------------------------------------------------------------------------
 
-    def _call_watchers(self) -> None:
+    def _call_observers(self) -> None:
         try:
-            super()._call_watchers()
-        except Exception:  # no watcher may keep zero from being sent
+            super()._call_observers()
+        except Exception:  # no observer may keep zero from being sent
             log.exception("a change of the driven speed could not be shown")
 
     # -- within --------------------------------------------------------------------------------------------------------
@@ -288,7 +288,7 @@ class CommandWatchdog(Watched):
                 self._entered = None
                 self._note(velocity, error)
             _resolve(requests, error)
-            self._call_watchers()
+            self._call_observers()
 
     def _next(self) -> tuple[Velocity | None, list[Request]]:
         """Wait until a speed or zero is due, and return it; None when nothing has been owed for a moment."""

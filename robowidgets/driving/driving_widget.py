@@ -87,17 +87,17 @@ class DrivingWidget(NamedWidget):
         self._detach()
         self._forget_errors()
         self._watchdog, self._feed, self._owns, self._cause = watchdog, feed, owns, ""
-        watchdog.watch(self._on_change)
+        watchdog.observe(self._on_change)
         if feed is not None:
-            feed.connection.watch(self._on_change)
+            feed.connection.observe(self._on_change)
         self._on_change()
 
     def _detach(self, cause: str = "") -> None:
         """Use no watchdog any more; a robot that only this widget drives is stopped."""
         watchdog, feed, owns = self._watchdog, self._feed, self._owns
         if feed is not None:
-            feed.connection.forget(self._on_change)
-        watchdog.forget(self._on_change)
+            feed.connection.unobserve(self._on_change)
+        watchdog.unobserve(self._on_change)
         if owns:
             try:
                 watchdog.close()

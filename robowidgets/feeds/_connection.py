@@ -11,9 +11,9 @@ from typing import Any
 
 from .._core.cells import running_cell, take_the_place
 from .._core.coalesced_call import CoalescedCall
+from .._core.observed import Observed
 from .._core.platform_fixes import let_threads_print, shorten_switch_interval
 from .._core.robot_widget import RobotWidget
-from .._core.watched import Watched
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..messages.standard import TWIST
@@ -33,7 +33,7 @@ PATIENCE = 2.0
 """Seconds after opening for which `show`, `drive` and `stop` wait for the topics and for a subscriber."""
 
 
-class Connection(Watched):
+class Connection(Observed):
     """The part of a feed that threads refer to: its middleware's `Listener`, its topics and subscriptions, driving.
 
     None of it refers to the `Feed`. So the feed is deleted when neither the user nor a widget has it any more, and then
@@ -129,7 +129,7 @@ class Connection(Watched):
     ) -> Program:
         """Run a function as the program; see `Feed.program`."""
         program = self.programs.install(function, rate, on, topics)
-        self._call_watchers()  # a view shows the program from now on
+        self._call_observers()  # a view shows the program from now on
         return program
 
     def close(self) -> None:
@@ -151,7 +151,7 @@ class Connection(Watched):
                 with self._changed:
                     self._table.lose("the feed is closed")
                     self._changed.notify_all()
-                self._call_watchers()
+                self._call_observers()
 
     # -- what the middleware calls: see `Listener` ---------------------------------------------------------------------
 
@@ -164,7 +164,7 @@ class Connection(Watched):
             self._table.show_all()
             self._changed.notify_all()
         self.driver.on_connected()
-        self._call_watchers()
+        self._call_observers()
 
     def on_lost(self, reason: str, again_in: float) -> None:
         """See `Listener`."""
@@ -174,7 +174,7 @@ class Connection(Watched):
             lost = "connection lost" if self._reached else f"cannot reach {self.where}"
             self._table.lose(f"{lost}, trying again in {again_in:.2g} s: {reason}")
         self.watchdog.on_lost()
-        self._call_watchers()
+        self._call_observers()
 
     def on_topics(self, topics: Sequence[Advert]) -> None:
         """See `Listener`."""
@@ -184,7 +184,7 @@ class Connection(Watched):
             self.adverts = tuple(topics)
             self._list_topics()
             self._changed.notify_all()
-        self._call_watchers()
+        self._call_observers()
 
     def on_message(self, topic: str, message: Any) -> None:
         """See `Listener`."""
@@ -203,12 +203,12 @@ class Connection(Watched):
         with self._changed:
             subscription.trouble = reason
             self._table.show(subscription)
-        self._call_watchers()
+        self._call_observers()
 
     def on_unheard(self, topic: str, reason: str) -> None:
         """See `Listener`."""
         if self.driver.on_unheard(topic, reason):
-            self._call_watchers()
+            self._call_observers()
 
     # -- for this package ----------------------------------------------------------------------------------------------
 
@@ -285,7 +285,7 @@ class Connection(Watched):
             self._driven = topic
             with self._changed:
                 self._list_topics()
-            self._call_watchers()
+            self._call_observers()
 
     def show_sent(self, topic: str, speed: Speed) -> None:
         """Show a speed that was sent as commanded, unless the middleware reports it like those of other publishers."""

@@ -49,7 +49,7 @@ class Driver:
         self._page_at = float("-inf")
         self._by_hand = False
         self.watchdog = CommandWatchdog(self._send, not_sent=FeedError)
-        self.watchdog.watch(self._after_send)
+        self.watchdog.observe(self._after_send)
 
     @property
     def driving(self) -> Driving:

@@ -56,7 +56,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.machine: MachineWidget | None = None
         super().__init__([self._stop, self._status, self._columns])
         take_the_place(self)
-        self._connection.watch(self.refresh)
+        self._connection.observe(self.refresh)
         self.refresh()
 
     def __repr__(self) -> str:
@@ -72,7 +72,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     def close(self) -> None:
         """Remove it from the page; doing it again does nothing."""
-        self._connection.forget(self.refresh)
+        self._connection.unobserve(self.refresh)
         self._closed = True
         self.refresh()
         for widget in (self._stop, self.program, self.machine):

@@ -57,8 +57,8 @@ class Recorder:
             raise FileExistsError(f"record(): {str(self.path)!r} exists; delete it, or name another file") from None
         take_the_place(self)
         self._writer.start()
-        connection.watch(self.refresh)
-        connection.programs.watch(self._on_step)
+        connection.observe(self.refresh)
+        connection.programs.observe(self._on_step)
         self.refresh()
         self._on_step()
 
@@ -85,8 +85,8 @@ class Recorder:
             if self._closed:
                 return
             self._closed = True
-        self._connection.programs.forget(self._on_step)
-        self._connection.forget(self.refresh)
+        self._connection.programs.unobserve(self._on_step)
+        self._connection.unobserve(self.refresh)
         for topic, target in list(self._targets.items()):
             self._connection.detach(topic, target)
         self._writer.close()

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .._core.watched import Watched
+from .._core.observed import Observed
 from ..samples import Pose, Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
 from ._contact import PRESSED_WITHIN, contact_angles, pressed, push_out
@@ -37,7 +37,7 @@ _EXACT = 1e-6
 """Metres that a body may reach into what it touches, by rounding."""
 
 
-class Robot(Watched):
+class Robot(Observed):
     """A round robot with a laser scanner and, as a rule, a differential drive and bumpers.
 
     It obeys `drive` within the limits of its motors. It slides along a wall or an obstacle that it hits at an angle,
@@ -157,7 +157,7 @@ class Robot(Watched):
         with self._lock:
             self._check_room(world, self._pose.x, self._pose.y, self.radius - _EXACT)
             self._world = world
-        self._call_watchers()
+        self._call_observers()
 
     def move_to(self, x: float, y: float, yaw: float) -> None:
         """Put the robot at another pose, metres and radians within ±2 pi; it keeps its speed.
@@ -168,7 +168,7 @@ class Robot(Watched):
         pose = self._fitting(*to_pose("pose", (x, y, yaw)))
         with self._lock:
             self._pose = pose
-        self._call_watchers()
+        self._call_observers()
 
     def drive(self, linear: float, angular: float, sideways: float = 0.0) -> None:
         """Command a speed, m/s forward, rad/s counter-clockwise and m/s to the left, until the next call.
@@ -197,7 +197,7 @@ class Robot(Watched):
                     self._next_scan_ns += self._scan_period_ns()
                     self._scan_pose = self._pose
                     self._scan = None
-        self._call_watchers()
+        self._call_observers()
 
     def run(
         self,
@@ -276,13 +276,13 @@ class Robot(Watched):
             if snapshot["_scan_number"] != self._scan_number:
                 self._scan = None
             vars(self).update(snapshot)
-        self._call_watchers()
+        self._call_observers()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name not in ("_lock", "_watchers", "model")}
+        return {name: value for name, value in vars(self).items() if name not in ("_lock", "_observers", "model")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state, _lock=threading.Lock(), _watchers=[], model=model_of(state["_model_name"]))
+        vars(self).update(state, _lock=threading.Lock(), _observers=[], model=model_of(state["_model_name"]))
 
     def _as_speed(self, linear: float, angular: float, sideways: float, pose: Pose | None = None) -> Speed:
         return Speed((linear, sideways, 0.0), (0.0, 0.0, angular), self._time_ns, "base_link", pose)

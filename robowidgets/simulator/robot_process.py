@@ -51,7 +51,7 @@ class RobotProcess:
         """Number of changes that were sent to the process; what it sent before the last one is no news."""
         self._known = (robot.pose, robot.world)
         """What both processes have, as far as this one knows."""
-        robot.watch(self._on_edit)
+        robot.observe(self._on_edit)
 
     @property
     def pid(self) -> int:
@@ -70,7 +70,7 @@ class RobotProcess:
 
     def end(self) -> None:
         """End the process, and start no other."""
-        self._robot.forget(self._on_edit)
+        self._robot.unobserve(self._on_edit)
         with self._starting:
             self._ended = True
             if self._process is not None:
@@ -188,7 +188,7 @@ def serve() -> None:
     with contextlib.suppress(EOFError, OSError):
         robot, hz, wander, edits = pickle.load(given)
         real_time, newest = RealTime(robot, hz, wander), _Newest()
-        robot.watch(lambda: newest.put(STATE, (edits, robot.snapshot())))
+        robot.observe(lambda: newest.put(STATE, (edits, robot.snapshot())))
         threading.Thread(target=newest.write, args=(out, parent), daemon=True).start()
         threading.Thread(target=real_time.run, args=(newest.put,), daemon=True).start()
         while True:

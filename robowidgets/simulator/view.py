@@ -80,9 +80,9 @@ class View(NamedWidget):
         super().__init__(**{"title": "simulator", **kwargs})
         self._sent = self._frame, self._shapes, self._status  # by `get_state`, for the first page
         self.on_msg(self._on_page)
-        simulated.watch(self._on_step)
+        simulated.observe(self._on_step)
         if self._connection is not None:
-            self._connection.watch(self._on_step)  # also when it is closed
+            self._connection.observe(self._on_step)  # also when it is closed
 
     def open(self) -> None:
         """Connect to the page."""
@@ -92,9 +92,9 @@ class View(NamedWidget):
     def close(self) -> None:
         """Remove the widget from the page; the robot goes on."""
         if "_robot" in vars(self):
-            self._robot.forget(self._on_step)
+            self._robot.unobserve(self._on_step)
             if self._connection is not None:
-                self._connection.forget(self._on_step)
+                self._connection.unobserve(self._on_step)
             with self._send_lock:
                 super().close()
                 pacer.forget(self)

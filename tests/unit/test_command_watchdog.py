@@ -263,7 +263,7 @@ def test_a_hand_that_is_not_renewed_lets_programs_drive_again(watchdog: CommandW
     drive(watchdog, FORWARD)
 
 
-def test_watchers_are_told_of_every_change_and_none_of_them_keeps_zero_from_being_sent(
+def test_observers_are_told_of_every_change_and_none_of_them_keeps_zero_from_being_sent(
     watchdog: CommandWatchdog, sink: Sink
 ) -> None:
     told: list[tuple[float, float]] = []
@@ -272,10 +272,10 @@ def test_watchers_are_told_of_every_change_and_none_of_them_keeps_zero_from_bein
         told.append(watchdog.sent)
         raise RuntimeError("no room")
 
-    watchdog.watch(fail)
+    watchdog.observe(fail)
     drive(watchdog, FORWARD)
     wait_for(lambda: told == [FORWARD, ZERO], "both are told")
-    watchdog.forget(fail)
+    watchdog.unobserve(fail)
     drive(watchdog, FORWARD)
     watchdog.sent_in_time(watchdog.stop())
     assert len(told) == 2

@@ -378,7 +378,7 @@ class TestFeed:
         other.close()
         feed.drive(0.2, 0.5)
         wait_for(lambda: script.speeds == [(0.2, 0.5), (0.2, 0.5)], "it drives on")
-        assert feed.connection._watchers == []
+        assert feed.connection._observers == []
 
     def test_what_could_not_be_published_ends_the_press_and_is_told_until_it_can(
         self, pad: Pad, script: Scripted, caplog: pytest.LogCaptureFixture

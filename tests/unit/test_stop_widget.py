@@ -53,7 +53,7 @@ def test_it_tells_who_drives_and_what_is_said_against_it(feed: Feed, bar: StopWi
     wait_for(lambda: page.state["_state"]["driver"] == "hand", "a hand holds a pad")
     wait_for(lambda: page.state["_state"]["driver"] == "", "the page of the hand is gone")
     bar.close()
-    assert feed.connection._watchers == []
+    assert feed.connection._observers == []
 
 
 def test_stop_latches_and_closing_the_bar_releases_nothing(feed: Feed, script: Scripted, bar: StopWidget) -> None:

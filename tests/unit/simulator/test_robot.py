@@ -49,7 +49,7 @@ def test_a_pickled_robot_goes_on_alike_and_one_that_is_restored_sees_the_same():
     follower = Robot(World.rooms(), seed=3, model="kobuki")
     follower.scan()
     told = []
-    follower.watch(lambda: told.append(follower.pose))
+    follower.observe(lambda: told.append(follower.pose))
     for one in (robot, copied):
         run(one, 1.0)
     follower.restore(robot.snapshot())

@@ -141,7 +141,7 @@ def test_it_shows_the_robot_of_a_feed_which_runs_in_a_thread() -> None:
         assert view.get_state()["_status"] == ""
     assert view.get_state()["_status"] == "the feed is closed"
     view.close()
-    assert view._on_step not in feed.connection._watchers
+    assert view._on_step not in feed.connection._observers
     with pytest.raises(TypeError, match=r"View\(\): expected a robot of robowidgets.simulator, or its feed, got 'R2'"):
         View("R2")
     with pytest.raises(TypeError, match="has no keyword 'titel'; did you mean 'title'"):
@@ -151,9 +151,9 @@ def test_it_shows_the_robot_of_a_feed_which_runs_in_a_thread() -> None:
 def test_a_closed_view_leaves_the_robot_alone() -> None:
     robot = Robot(room("maze"))
     view = View(robot)
-    assert len(robot._watchers) == 1
+    assert len(robot._observers) == 1
     view.close()
-    assert robot._watchers == []
+    assert robot._observers == []
     robot.step(0.1)
 
 

@@ -1,0 +1,27 @@
+"""The base of objects whose changes other code wants to know."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+
+class Observed:
+    """An object that calls functions on each of its changes. Any thread may call each method."""
+
+    def __init__(self) -> None:
+        self._observers: list[Callable[[], None]] = []
+
+    def observe(self, on_change: Callable[[], None]) -> None:
+        """Call a function on each change, in the thread that makes the change. It must return at once."""
+        self._observers.append(on_change)
+
+    def unobserve(self, on_change: Callable[[], None]) -> None:
+        """Remove a function that was added by `observe`."""
+        with suppress(ValueError):  # another thread was faster
+            self._observers.remove(on_change)
+
+    def _call_observers(self) -> None:
+        """Call them; without a lock held, because an observer may take any."""
+        for on_change in list(self._observers):
+            on_change()
