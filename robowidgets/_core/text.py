@@ -20,7 +20,9 @@ def often(count: int) -> str:
 
 
 def megabytes(size: int) -> str:
-    """A number of bytes: ``12.3 MB``, ``1.5 GB``."""
+    """A number of bytes: ``450 kB``, ``12.3 MB``, ``1.5 GB``."""
+    if size < 1e6:
+        return f"{size / 1e3:.0f} kB"
     return f"{size / 1e6:,.1f} MB" if size < 1e9 else f"{size / 1e9:,.1f} GB"
 
 

@@ -19,6 +19,7 @@ _OPTIONS = (
     ("every=", "--every "),
     ("start:", "--start:"),
     ("end:", "--end:"),
+    ("every:", "--every:"),
 )
 
 

@@ -11,6 +11,7 @@ from math import floor
 from typing import TYPE_CHECKING, Any
 
 import ipywidgets
+import numpy as np
 
 from .._core.cells import close_all
 from .._core.text import as_date
@@ -169,8 +170,9 @@ def _models(
         if picture and not player.scanogram and isinstance(view.widget, SpeedWidget):
             changed["planar"] = view.widget.planar or is_planar(recording, view.choice.topics)
         if isinstance(view.widget, PathWidget):
-            points = view.widget.points
-            changed["_path"] = points[(points[:, 0] >= span[0]) & (points[:, 0] <= span[1])].tobytes()
+            # With the point before it, which tells how far the robot had come.
+            first, stop = np.searchsorted(view.widget.points[:, 0], span, "right")
+            changed["_path"] = view.widget.points[max(0, first - 1) : stop].tobytes()
         models.add(view.widget, changed)
     shown_at = {"time": time, "marks": marks}
     selection = _clipped(bar.selection, span)

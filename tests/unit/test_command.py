@@ -2,6 +2,7 @@ import ast
 import json
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -383,7 +384,9 @@ def test_info_prints_json(capsys):
 def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["export", str(robowidgets.SAMPLE), "--size", "--end", "5"]) == 0
-    assert capsys.readouterr().out == "sample.html: about 0.2 MB\n"
+    assert re.fullmatch(r"sample\.html: about 1\d\d kB\n", capsys.readouterr().out)
+    assert main(["export", str(robowidgets.SAMPLE), "--every", "0"]) == 2
+    assert one_line(capsys).startswith("robowidgets: --every: expected 1 for all scans")
     asked = [
         "export",
         str(robowidgets.SAMPLE),
@@ -398,7 +401,7 @@ def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
     ]
     assert main([*asked, "-o", "bump.html"]) == 0
     written = tmp_path / "bump.html"
-    assert capsys.readouterr().out == f"Wrote {written}: {written.stat().st_size / 1e6:.1f} MB\n"
+    assert capsys.readouterr().out == f"Wrote {written}: {written.stat().st_size / 1e3:.0f} kB\n"
     text = written.read_text(encoding="utf-8")
     assert "It &lt;turns&gt;." in text
     assert "10.00 to 12.00 s of 58.00 s · 2025-06-15 15:06:50 UTC · /odom</p>" in text

@@ -161,7 +161,7 @@ class TestTheCommand:
         assert capsys.readouterr().out.splitlines() == [
             "! the recording was cut off: read 200 messages, up to 6.9 s",
             "! the clock goes back once, by up to 2.90 s: order is kept, time stands still meanwhile",
-            f"Wrote {output}: 200 messages, 6.9 s, {output.stat().st_size / 1e6:.1f} MB",
+            f"Wrote {output}: 200 messages, 6.9 s, {output.stat().st_size / 1e3:.0f} kB",
         ]
 
     def test_says_that_nothing_was_wrong(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
