@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -100,7 +100,7 @@ def test_the_end_of_the_kernel_sends_zero_though_a_function_hangs(kernel: Kernel
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_that_ends_the_process_sends_zero_first_though_functions_and_threads_drive(
-    tmp_path: Path, number: signal.Signals
+    tmp_path: Path, start: Callable[..., subprocess.Popen[bytes]], number: signal.Signals
 ) -> None:
     path = tmp_path / "heard.txt"
     log = Log(path)
@@ -112,16 +112,16 @@ import threading
 threading.Thread(target=on, daemon=True).start()
 time.sleep(60)
 """
-    process = subprocess.Popen(
-        [sys.executable, "-c", OPEN.format(path=str(path)) + HOLD + threads], stderr=subprocess.DEVNULL
-    )
+    process = start([sys.executable, "-c", OPEN.format(path=str(path)) + HOLD + threads], stderr=subprocess.DEVNULL)
     wait_for(lambda: len(log.heard()) > 5, "it drives")
     process.send_signal(number)
     assert process.wait(20) == -number
     assert log.heard()[-1][1] == 0.0
 
 
-def test_a_kernel_whose_server_is_gone_sends_zero_before_it_ends(tmp_path: Path) -> None:
+def test_a_kernel_whose_server_is_gone_sends_zero_before_it_ends(
+    tmp_path: Path, start: Callable[..., subprocess.Popen[bytes]]
+) -> None:
     path = tmp_path / "heard.txt"
     log = Log(path)
     kernel = f"""
@@ -134,7 +134,7 @@ poller.start()
 {LOOP}
 """
     server = "import subprocess, sys; subprocess.Popen([sys.executable, '-c', sys.argv[1]]); input()"
-    process = subprocess.Popen([sys.executable, "-c", server, kernel], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    process = start([sys.executable, "-c", server, kernel], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL)
     wait_for(lambda: len(log.heard()) > 5, "it drives")
     process.kill()
     process.communicate()

@@ -43,13 +43,13 @@ SLEEP = "\ntime.sleep(60)"
 
 
 @pytest.fixture
-def ended(tmp_path: Path) -> Callable[[str, int], tuple[int, str, float]]:
+def ended(tmp_path: Path, start: Callable[..., subprocess.Popen[str]]) -> Callable[[str, int], tuple[int, str, float]]:
     """Ends a program that drives by a signal: its exit code, what it printed, and the last speed of the robot."""
     path = tmp_path / "heard.txt"
     log = Log(path)
 
     def end(program: str, number: int) -> tuple[int, str, float]:
-        process = subprocess.Popen(
+        process = start(
             [sys.executable, "-c", STAND_IN.format(path=str(path)) + program],
             cwd=ROOT,
             stdout=subprocess.PIPE,
