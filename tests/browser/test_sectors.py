@@ -245,6 +245,15 @@ def ring(middle: tuple[float, float]) -> tuple[float, float]:
     return middle[0] - 6, middle[1]
 
 
+def test_an_edge_where_the_scanner_has_no_rays_is_in_the_picture_too(plain_page: Callable[..., PlainPage]) -> None:
+    nb, card, _ = opened(plain_page)
+    nb.python("laser.sectors['left'] = 'left'; laser.pins = {'door': 0}; laser.update(**fan({0: inf}))")
+    place = locate(card, FAN[1:])
+    drag(nb, card, place.at(RIM, 135), *arc(place, 3.5, 135, 80))
+    eventually(lambda: nb.python("laser.sectors['left']"), "Sector('45deg', '80deg')")
+    shoot(nb.widget(0), "laser-sector-beyond")
+
+
 def test_an_empty_scan_leaves_the_scanner_in_the_middle(plain_page: Callable[..., PlainPage]) -> None:
     nb, card, place = opened(plain_page)
     listen(card)

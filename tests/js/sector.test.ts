@@ -12,6 +12,7 @@ import {
   stretchesOf,
   toExpression,
 } from "../../robowidgets/js/laser/sector.ts";
+import { sectorOfText } from "../../robowidgets/js/laser/sector_words.ts";
 import { circle, near, sweepOf } from "./laser.ts";
 import { toNumber, toScan, vectors } from "./vectors.ts";
 
@@ -136,4 +137,10 @@ test("stretches are written as a program writes them", () => {
     "ranges[350:] + ranges[:10]",
   );
   assert.equal(toExpression([], 360), "");
+});
+
+test("a text of rays on both sides of the array is a sector on a full circle alone", () => {
+  const text = "ranges[350:] + ranges[:10]";
+  assert.deepEqual(stretchesOf(circle(360), sectorOfText(circle(360), text) as Sector).flat(), [350, 360, 0, 10]);
+  assert.equal(sectorOfText(sweepOf(180, 360), text), "these rays are not one sector");
 });

@@ -1,7 +1,7 @@
-import { type Box, overlaps, type Point } from "../shared/box.ts";
+import type { Box, Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
-import type { Stage } from "./layer.ts";
+import { isFree, type Stage } from "./layer.ts";
 import { type Projection, toDirection } from "./projection.ts";
 import { LIMITS, type Sector, type State, sweepOf } from "./sector.ts";
 
@@ -169,7 +169,7 @@ export function drawName(
   theme: Theme,
   before?: NamePlace,
 ): NamePlace | null {
-  const { projection, occupied, labels, covered, size } = stage;
+  const { projection } = stage;
   const widths = lines.map((line, i) => {
     context.font = fontOf(i, theme);
     return context.measureText(line).width;
@@ -183,9 +183,7 @@ export function drawName(
     const pixels = rim - 9 - (Math.abs(dx) * width + Math.abs(dy) * height) / 2 - inset * (LINE + 4);
     const middle = pointAt(projection, pixels, angle);
     const box = { x: middle.x - width / 2, y: middle.y - height / 2, width, height };
-    const isWithin = box.x >= 0 && box.x + width <= size.width && box.y >= 0 && box.y + height <= size.height;
-    const isTaken = [...labels, ...covered].some((other) => overlaps(box, other, 1)) || occupied.count(box) > 0;
-    return pixels < ROBOT + height || !isWithin || isTaken ? null : { box, at };
+    return pixels < ROBOT + height || !isFree(stage, box) ? null : { box, at };
   };
   const stay = before && before.at[0] === lines.length ? [before.at] : [];
   let place: NamePlace | null = null;

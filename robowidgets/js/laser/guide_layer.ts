@@ -18,6 +18,8 @@ export class GuideLayer implements Layer {
   readonly #painters: Partial<Record<Depth, Painter>> = {
     area: (context, { projection, sweep }, theme) => drawArea(context, projection, sweep, theme),
     guides: (context, stage, theme) => this.#drawGuides(context, stage, theme),
+    // Names give way to the labels at the rim, and those of arcs to names.
+    edges: (_, { labels }) => labels.push(...this.#labelBoxes),
     words: (context, stage, theme) => this.#drawArcLabels(context, stage, theme),
   };
   #arcs: { distance: number; width: number }[] = [];
@@ -66,7 +68,6 @@ export class GuideLayer implements Layer {
   #drawArcLabels(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
     const { scan, projection, sweep, occupied, labels, covered, edges } = stage;
     if (!scan) return;
-    labels.push(...this.#labelBoxes);
     const lines = this.#rays.map((index) => angleOf(sweep, index));
     this.#arcLabels = arcLabels(projection, sweep, this.#arcs, lines, occupied, covered, this.#arcLabels, edges);
     labels.push(...this.#arcLabels.map(({ box }) => box));

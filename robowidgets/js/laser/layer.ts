@@ -1,4 +1,4 @@
-import type { Box, Point } from "../shared/box.ts";
+import { type Box, isWithin, overlaps, type Point } from "../shared/box.ts";
 import type { Surface } from "../shared/canvas.ts";
 import type { Limits, Scan, Sweep } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
@@ -47,6 +47,12 @@ export interface Stage {
   covered: Box[];
   /** Angles of lines from the scanner to the rim that stand out. A layer adds those of its own. */
   edges: number[];
+}
+
+/** Whether a label may stand there: within the picture, and on no reading, other label or element. */
+export function isFree({ box, occupied, labels, covered }: Stage, place: Box): boolean {
+  const isTaken = [...labels, ...covered].some((other) => overlaps(place, other, 1));
+  return isWithin(place, box) && !isTaken && !occupied.count(place);
 }
 
 export type Painter = (context: CanvasRenderingContext2D, stage: Stage, theme: Theme) => void;

@@ -1,10 +1,10 @@
-import { overlaps, type Point } from "../shared/box.ts";
+import type { Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
 import { setTraits } from "../shared/model.ts";
 import { toSentence } from "../shared/popup.ts";
 import type { Theme } from "../shared/theme.ts";
-import type { Depth, Host, Layer, Painter, Stage, Stops } from "./layer.ts";
+import { type Depth, type Host, isFree, type Layer, type Painter, type Stage, type Stops } from "./layer.ts";
 import { toPixel } from "./projection.ts";
 import { describeRay } from "./text.ts";
 
@@ -29,8 +29,7 @@ export class PinLayer implements Layer {
     };
     return {
       rings: (context, stage, theme) => draw((pin) => drawRing(context, pin, theme), stage),
-      // After the labels of the rim and the arcs, which a name gives way to.
-      words: (context, stage, theme) => draw((pin, name) => drawName(context, stage, pin.at, name, theme), stage),
+      names: (context, stage, theme) => draw((pin, name) => drawName(context, stage, pin.at, name, theme), stage),
     };
   }
 
@@ -77,13 +76,7 @@ function drawRing(context: CanvasRenderingContext2D, { at, isReading }: Pin, the
 }
 
 /** Writes a name beside its ring, where there is room. */
-function drawName(
-  context: CanvasRenderingContext2D,
-  { occupied, labels, covered, size }: Stage,
-  { x, y }: Point,
-  name: string,
-  theme: Theme,
-): void {
+function drawName(context: CanvasRenderingContext2D, stage: Stage, { x, y }: Point, name: string, theme: Theme): void {
   const font = `650 12px ${theme.font}`;
   context.font = font;
   const [width, gap] = [context.measureText(name).width + 6, RING + 3];
@@ -98,16 +91,8 @@ function drawName(
     [-gap - width, gap],
   ] as const;
   const boxes = places.map(([left, top]) => ({ x: x + left, y: y + top, width, height: HEIGHT }));
-  const box = boxes.find(
-    (one) =>
-      one.x >= 0 &&
-      one.y >= 0 &&
-      one.x + width <= size.width &&
-      one.y + HEIGHT <= size.height &&
-      !occupied.count(one) &&
-      ![...labels, ...covered].some((other) => overlaps(one, other, 1)),
-  );
+  const box = boxes.find((one) => isFree(stage, one));
   if (!box) return;
-  covered.push(box);
+  stage.covered.push(box);
   write(context, name, box.x + width / 2, box.y + HEIGHT / 2, theme.pointer, font, "center", theme.area);
 }

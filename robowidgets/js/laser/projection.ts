@@ -53,9 +53,13 @@ export interface Rim {
   halfHeight: number;
 }
 
-/** The rim of the swept area without labels: its ends, and where it crosses the picture's axes. */
+/** The rim of the swept area without labels. */
 export function sweepRim(sweep: Sweep, forward: number): Rim[] {
-  const [from, to] = spanOf(sweep);
+  return arcRim(...spanOf(sweep), forward);
+}
+
+/** The rim between two angles, counter-clockwise: its ends, and where it crosses the picture's axes. */
+export function arcRim(from: number, to: number, forward: number): Rim[] {
   const quarters = [0, 1, 2, 3].map((i) => angleFrom(from, (i * Math.PI) / 2 - forward));
   return [from, to, ...quarters.filter((quarter) => quarter <= to)].map((angle) => ({
     direction: toDirection(angle, forward),

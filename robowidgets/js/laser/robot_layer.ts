@@ -1,4 +1,4 @@
-import { overlaps, type Point } from "../shared/box.ts";
+import type { Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
 import { decodeSpeeds, type Speeds } from "../shared/frames/speeds.ts";
@@ -8,7 +8,7 @@ import { type Theme, textFont } from "../shared/theme.ts";
 import { Companion } from "./companion.ts";
 import { drawRobot } from "./draw_area.ts";
 import { asSeen, atLeast, type Footprint, outlineOf, partOf, wayOf } from "./footprint.ts";
-import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
+import { type Depth, type Host, isFree, type Layer, type Painter, type Stage } from "./layer.ts";
 import { toPixel } from "./projection.ts";
 
 /** Pixels across below which the robot is drawn larger than to scale: it holds the arrow head. */
@@ -107,9 +107,8 @@ export class RobotLayer implements Layer {
     const outline = outlineOf(robot).map((place) => pixelOf(stage, robot, place, OUTSIDE));
     const [x, bottom] = [stage.projection.centerX, Math.max(...outline.map((point) => point.y)) + 3];
     const box = { x: x - width / 2, y: bottom, width, height: 15 };
-    const { occupied, labels, covered } = stage;
-    if (occupied.count(box) || [...labels, ...covered].some((other) => overlaps(box, other))) return;
-    labels.push(box);
+    if (!isFree(stage, box)) return;
+    stage.labels.push(box);
     write(context, text, x, bottom + 8, theme.muted, font, "center", theme.area);
   }
 

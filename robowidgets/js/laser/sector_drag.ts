@@ -6,6 +6,8 @@ import { type Edge, type Named, raysAt, type SectorStore, sectorTo, withEdge } f
 
 /** Drags of sectors along the arc. */
 export class SectorDrags {
+  /** All sectors before the drag, while there is one. */
+  before: Named[] | null = null;
   readonly #store: SectorStore;
   readonly #stage: () => Stage;
   readonly #end: (undo: () => void) => void;
@@ -38,25 +40,43 @@ export class SectorDrags {
   ofEdge(scan: Scan, named: Named, edge: Edge, point: Point): Drag | null {
     const at = raysAt(scan, named.sector, edge);
     if (!at) return null;
-    return this.#drag(scan, this.angleAt(point), (rays) => ({
+    const toNamed = (rays: number) => ({
       ...named,
       sector: withEdge(scan, named.sector, edge, at.fixed, at.moved + rays),
-    }));
+    });
+    // The edge may stand far beyond the last ray.
+    return this.#drag(scan, this.angleAt(point), toNamed, wrap(named.sector[edge] - angleOf(scan, at.moved)));
   }
 
-  /** The pointer may go round more than once. */
-  #drag(scan: Scan, from: number, toNamed: (rays: number) => Named): Drag {
+  /**
+   * The pointer may go round more than once.
+   *
+   * @param beyond radians from the ray that moves to what the pointer holds
+   */
+  #drag(scan: Scan, from: number, toNamed: (rays: number) => Named, beyond = 0): Drag {
     const undo = this.#store.snapshot();
-    let [last, turned] = [from, 0];
+    this.before = this.#store.all;
+    let [last, turned] = [from, beyond];
     return {
       move: (point) => {
         const angle = this.angleAt(point);
-        turned += Math.atan2(Math.sin(angle - last), Math.cos(angle - last));
+        turned += wrap(angle - last);
         last = angle;
         this.#store.put(toNamed(Math.round(turned / scan.angleIncrement)));
       },
-      end: () => this.#end(undo),
-      cancel: undo,
+      end: () => {
+        this.before = null;
+        this.#end(undo);
+      },
+      cancel: () => {
+        this.before = null;
+        undo();
+      },
     };
   }
+}
+
+/** The same turn, within half a turn. */
+function wrap(angle: number): number {
+  return Math.atan2(Math.sin(angle), Math.cos(angle));
 }

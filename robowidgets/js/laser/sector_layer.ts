@@ -1,5 +1,5 @@
 import { type Box, holds, type Point } from "../shared/box.ts";
-import { angleOf, indexAt, READING } from "../shared/frames/scan.ts";
+import { angleOf, indexAt, READING, type Sweep } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
 import { leadTo } from "./chip_place.ts";
 import {
@@ -13,8 +13,8 @@ import {
   rimOf,
 } from "./draw_sector.ts";
 import type { Depth, Drag, Host, Layer, Painter, Stage, Stops, StripPainter } from "./layer.ts";
-import { toPixel } from "./projection.ts";
-import { isIn } from "./sector.ts";
+import { arcRim, type Rim, toPixel } from "./projection.ts";
+import { isIn, sweepOf } from "./sector.ts";
 import { SectorChip } from "./sector_chip.ts";
 import { SectorDrags } from "./sector_drag.ts";
 import { onSectorKey } from "./sector_keys.ts";
@@ -98,7 +98,17 @@ export class SectorLayer implements Layer {
 
   lowerKey(): unknown {
     const { all, picked } = this.store;
-    return all.length ? [all.map(({ sector: { start, end } }) => [start, end]), picked !== null] : null;
+    const isDragged = this.#drags.before !== null;
+    return all.length ? [all.map(({ sector: { start, end } }) => [start, end]), picked !== null, isDragged] : null;
+  }
+
+  /**
+   * All of each sector, also where the scanner has no rays: else its handles may be out of the picture. Which moves under
+   * no drag.
+   */
+  rim(_: Sweep, forward: number): Rim[] {
+    const all = this.#drags.before ?? this.store.all;
+    return all.flatMap(({ sector }) => arcRim(sector.start, sector.start + sweepOf(sector), forward));
   }
 
   covers(): Box[] {

@@ -1,5 +1,5 @@
 import { type AngleUnit, toAngle, toMetres } from "../shared/format.ts";
-import { READING, type Scan, type Sweep } from "../shared/frames/scan.ts";
+import { isFullCircle, READING, type Scan, type Sweep } from "../shared/frames/scan.ts";
 import type { ChipTexts } from "./chip.ts";
 import { type Measured, parseRays, type Sector, type State, type Stretch, sectorOf, toExpression } from "./sector.ts";
 import type { Named } from "./sector_store.ts";
@@ -58,7 +58,7 @@ export function sectorOfText(sweep: Sweep, text: string): Sector | string {
   let last = stop - 1;
   for (const [from, to] of stretches.slice(1)) {
     // On across the seam.
-    if (from !== 0 || last !== sweep.count - 1) return "these rays are not one sector";
+    if (from !== 0 || last !== sweep.count - 1 || !isFullCircle(sweep)) return "these rays are not one sector";
     last += to;
   }
   return sectorOf(sweep, first, last);

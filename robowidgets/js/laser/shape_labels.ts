@@ -1,8 +1,8 @@
-import { type Box, isWithin, overlaps, type Point } from "../shared/box.ts";
+import { type Box, overlaps, type Point } from "../shared/box.ts";
 import { boxAt, LINE, PLACES, widthOf, writeLabel } from "../shared/shapes/labels.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Shape } from "../shared/traits.ts";
-import type { Stage } from "./layer.ts";
+import { isFree, type Stage } from "./layer.ts";
 
 /** The words of a shape, and points of the picture along it. */
 interface ShapeLabel {
@@ -41,9 +41,7 @@ export class ShapeLabels {
   ): { box: Box; place: number; lines: string[] } | null {
     const { centerX, centerY } = stage.projection;
     const robot = { x: centerX - ROBOT, y: centerY - ROBOT, width: 2 * ROBOT, height: 2 * ROBOT };
-    const taken = [robot, ...stage.labels, ...stage.covered];
-    const free = (box: Box) =>
-      isWithin(box, stage.box) && !taken.some((other) => overlaps(box, other, 2)) && stage.occupied.count(box) === 0;
+    const free = (box: Box) => !overlaps(box, robot, 1) && isFree(stage, box);
     for (let count = lines.length; count > 0; count--) {
       const shown = lines.slice(0, count);
       const width = Math.max(...shown.map((line, i) => widthOf(context, line, i, theme)));

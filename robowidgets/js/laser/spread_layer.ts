@@ -1,19 +1,23 @@
 import { toFixed } from "../shared/format.ts";
-import { angleOf } from "../shared/frames/scan.ts";
+import { angleOf, type Scan } from "../shared/frames/scan.ts";
+import type { Model } from "../shared/model.ts";
+import type { Stream } from "../shared/stream.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
-import type { Past } from "./past.ts";
 import { toPixel } from "./projection.ts";
 import { type Spread, spreadAt, spreadOf } from "./spread.ts";
+import type { LaserTraits } from "./traits.ts";
 
 /** How far the readings of each ray scatter: a bar along the ray, and a band in the index view. */
 export class SpreadLayer implements Layer {
   readonly traits = ["spread"] as const;
-  readonly #past: Past;
-  #known: { scans: unknown[]; spread: Spread } | null = null;
+  readonly #model: Model<LaserTraits>;
+  readonly #stream: Stream<Scan>;
+  #known: { scans: Scan[]; spread: Spread } | null = null;
 
-  constructor(past: Past) {
-    this.#past = past;
+  constructor(model: Model<LaserTraits>, stream: Stream<Scan>) {
+    this.#model = model;
+    this.#stream = stream;
   }
 
   painters(): Partial<Record<Depth, Painter>> {
@@ -35,9 +39,9 @@ export class SpreadLayer implements Layer {
 
   /** Null unless it is asked for. */
   get #spread(): Spread | null {
-    const count = this.#past.spread;
+    const count = this.#model.get("spread");
     if (!count) return null;
-    const scans = this.#past.last(count).map(({ scan }) => scan);
+    const scans = this.#stream.last(count).map(({ frame }) => frame);
     const known = this.#known?.scans;
     if (known?.length !== scans.length || scans.some((scan, i) => scan !== known[i])) {
       this.#known = { scans, spread: spreadOf(scans) };

@@ -3,8 +3,8 @@ import type { Size } from "../shared/canvas.ts";
 import { make, setText } from "../shared/dom.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
+import type { About } from "../shared/traits.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
-import type { Past, PastScan } from "./past.ts";
 import { type Projection, toPixel } from "./projection.ts";
 
 /** Opacity of the oldest and of the newest. */
@@ -13,20 +13,21 @@ const FADED = [0.1, 0.5] as const;
 /** The scans before the one on show, faded behind it: by odometry, or in the scanner's frame. */
 export class TrailLayer implements Layer {
   readonly traits = ["trail"] as const;
-  readonly #past: Past;
+  readonly #host: Host;
   readonly #words = make("span", "");
   #image: TrailImage | null = null;
   /** None unless a trail is asked for, and while the page keeps no scan before the one on show. */
   #placed: Placed[] = [];
 
-  constructor(host: Host, past: Past) {
-    this.#past = past;
+  constructor(host: Host) {
+    this.#host = host;
     host.card.footer.append(this.#words);
   }
 
   painters(): Partial<Record<Depth, Painter>> {
-    const { trail } = this.#past;
-    this.#placed = trail ? placeScans(this.#past.last(trail + 1)) : [];
+    const { model, stream } = this.#host;
+    const trail = model.get("trail");
+    this.#placed = trail ? placeScans(stream.last(trail + 1)) : [];
     if (!this.#placed.length) return {};
     this.#image ??= new TrailImage();
     const image = this.#image;
@@ -35,11 +36,17 @@ export class TrailLayer implements Layer {
 
   place(): void {
     const count = this.#placed.length;
-    const where = this.#past.last(1)[0]?.pose ? "by odometry" : "scanner\u2019s frame";
+    const where = this.#host.stream.last(1)[0]?.about.pose ? "by odometry" : "scanner\u2019s frame";
     setText(this.#words, count ? `trail of ${count}, ${where}` : "");
     // Empty, it would take a place in the footer.
     this.#words.hidden = !count;
   }
+}
+
+/** A scan, with the pose of its scanner in the frame of odometry where that is known. */
+interface Past {
+  frame: Scan;
+  about: Pick<About, "pose">;
 }
 
 /** A scan, and where its scanner was in the frame of the scanner now: metres, and radians that it was turned. */
@@ -52,11 +59,11 @@ export interface Placed extends Point {
  * The scans before the last one, oldest first. Where the pose of the last is known, the others are placed by theirs, and
  * those without one are left out; else they are where the scanner is.
  */
-export function placeScans(scans: PastScan[]): Placed[] {
-  const here = scans.at(-1)?.pose;
-  if (!here) return scans.slice(0, -1).map(({ scan }) => ({ scan, x: 0, y: 0, turn: 0 }));
+export function placeScans(scans: Past[]): Placed[] {
+  const here = scans.at(-1)?.about.pose;
+  if (!here) return scans.slice(0, -1).map(({ frame: scan }) => ({ scan, x: 0, y: 0, turn: 0 }));
   const [cos, sin] = [Math.cos(here[2]), Math.sin(here[2])];
-  return scans.slice(0, -1).flatMap(({ scan, pose }) => {
+  return scans.slice(0, -1).flatMap(({ frame: scan, about: { pose } }) => {
     if (!pose) return [];
     const [dx, dy] = [pose[0] - here[0], pose[1] - here[1]];
     return [{ scan, x: cos * dx + sin * dy, y: cos * dy - sin * dx, turn: pose[2] - here[2] }];

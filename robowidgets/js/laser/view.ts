@@ -17,7 +17,6 @@ import { GuideLayer } from "./guide_layer.ts";
 import { HighlightLayer } from "./highlight_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
 import { Legend } from "./legend.ts";
-import { Past } from "./past.ts";
 import { PinLayer } from "./pin_layer.ts";
 import { PointerLayer } from "./pointer.ts";
 import { ReadingLayer } from "./reading_layer.ts";
@@ -68,12 +67,11 @@ export class LaserView implements Host {
     this.#scene = new Scene(model, picture);
     this.#legend = new Legend(footer, model, signal);
     this.#ghost = new Ghost(model, stream, this.redraw, signal);
-    const past = new Past(model, stream);
-    const spread = new SpreadLayer(past);
+    const spread = new SpreadLayer(model, stream);
     this.#layers = [
       new FreeLayer(model, stream),
       new GuideLayer(model, this.#scene.measure),
-      new TrailLayer(this, past),
+      new TrailLayer(this),
       new GhostLayer(this.#ghost),
       spread,
       new RobotLayer(this),

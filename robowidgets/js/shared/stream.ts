@@ -159,21 +159,20 @@ export class Stream<F extends Frame> implements Member {
     return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
   }
 
-  /** The samples of the history with their times of arrival, oldest first, up to the one on show. */
-  get upToShown(): { at: number; frame: F }[] {
-    return this.last(Infinity).map(({ at, bytes }) => {
-      const frame = this.#frames.get(bytes) ?? this.#decode(bytes);
-      this.#frames.set(bytes, frame);
-      return { at, frame };
-    });
-  }
-
-  /** The last samples up to the one on show, oldest first, at most so many: of the history, or as a player gives them. */
-  last(count: number): Moment[] {
+  /**
+   * The last samples up to the one on show, oldest first, at most so many: of the history, or as a player gives them.
+   * Each is decoded once, and comes with its time of arrival and what is said of it.
+   */
+  last(count: number): { frame: F; at: number; about: About }[] {
     const { moments } = this.#history;
     // In a notebook that was saved there are no bytes in it.
     const given = (this.#model as Model<Recent>).get("_recent")?.filter(({ bytes }) => bytes instanceof DataView);
-    return (given ?? moments.slice(0, (this.place?.index ?? moments.length - 1) + 1)).slice(-count);
+    const kept = given ?? moments.slice(0, (this.place?.index ?? moments.length - 1) + 1);
+    return kept.slice(-count).map(({ bytes, at, about }) => {
+      const frame = this.#frames.get(bytes) ?? this.#decode(bytes);
+      this.#frames.set(bytes, frame);
+      return { frame, at, about };
+    });
   }
 
   /** What is said of the samples of the history, oldest first, each with its sequence number and its arrival. */

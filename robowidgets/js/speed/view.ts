@@ -179,11 +179,12 @@ export class SpeedView {
     }
     if (this.#lines) this.#lines.root.hidden = !seconds;
     if (!seconds || !this.#lines) return;
-    const { paused, rate, upToShown } = this.#stream;
+    const { paused, rate } = this.#stream;
     // Samples that are picked from a recording come at no time of their own.
     const isLive = !Number.isNaN(rate);
     const end = paused ? "frozen" : isLive ? "now" : "no live speeds";
-    this.#lines.draw(toTimeLines(isLive ? upToShown : [], groups, seconds), seconds, end, this.#card.theme, ratio);
+    const samples = isLive ? this.#stream.last(Infinity) : [];
+    this.#lines.draw(toTimeLines(samples, groups, seconds), seconds, end, this.#card.theme, ratio);
   }
 
   #layOut(planar: boolean): void {
