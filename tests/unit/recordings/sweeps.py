@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-import numpy as np
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
-START_NS = 1_700_000_000_000_000_000
+from robowidgets.messages.encoding import encode
+
+from . import recorded
+from .recorded import START_NS, stamped
+
 TYPE = "sensor_msgs/msg/LaserScan"
-
-_STORE = get_typestore(Stores.ROS2_HUMBLE)
 
 
 def scan(
@@ -24,11 +24,17 @@ def scan(
     frame_id: str = "laser",
 ) -> bytes:
     """The bytes of a scan; limits 0.1 to 30 m, rays so many radians apart."""
-    stamp = _STORE.types["builtin_interfaces/msg/Time"](*divmod(stamp_ns, 10**9))
-    header = _STORE.types["std_msgs/msg/Header"](stamp, frame_id)
-    both = (np.asarray(values, np.float32) for values in (ranges, intensities))
-    message = _STORE.types[TYPE](header, angle_min, 0.5, increment, 0.0, 0.0, 0.1, 30.0, *both)
-    return bytes(_STORE.serialize_cdr(message, TYPE))
+    fields = {
+        "header": stamped(stamp_ns, frame_id),
+        "angle_min": angle_min,
+        "angle_max": 0.5,
+        "angle_increment": increment,
+        "range_min": 0.1,
+        "range_max": 30.0,
+        "ranges": ranges,
+        "intensities": intensities,
+    }
+    return encode("cdr", TYPE, fields)
 
 
 def write(
@@ -39,16 +45,8 @@ def write(
     silent: Sequence[str] = (),
 ) -> Path:
     """A folder with scans on /scan, each with its log time in seconds after the start; nothing on silent topics."""
-    writer = Writer(folder, version=9, storage_plugin=plugin)
-    if compression is not CompressionMode.NONE:
-        writer.set_compression(compression, CompressionFormat.ZSTD)
-    with writer:
-        connection = writer.add_connection("/scan", TYPE, typestore=_STORE)
-        for topic in silent:
-            writer.add_connection(topic, TYPE, typestore=_STORE)
-        for seconds, raw in scans:
-            writer.write(connection, START_NS + round(seconds * 1e9), raw)
-    return folder
+    messages = ((seconds, "/scan", raw) for seconds, raw in scans)
+    return recorded.write(folder, dict.fromkeys(("/scan", *silent), TYPE), messages, plugin, compression)
 
 
 def numbered(count: int, rays: int = 4) -> list[tuple[float, bytes]]:

@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import robowidgets
 from robowidgets import RecordingError, conditions
@@ -18,12 +16,11 @@ from robowidgets.find._steps import NO, UNKNOWN, YES, Steps, combined, inverted,
 from robowidgets.find.base import Function
 from robowidgets.find.spans import Spans
 from robowidgets.kinds import KINDS, LASER
-from robowidgets.messages.definitions import definitions
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.span import Span
 
 from ...conftest import ROOT
-from . import hazards, robot, sweeps
+from . import hazards, recorded, robot, sweeps
 from .sweeps import START_NS
 
 INF, NAN = float("inf"), float("nan")
@@ -124,16 +121,8 @@ class TestReadyMade:
         assert found(recording, conditions.gap(1.9, topic="/hazard_detection")) == [(0, 2)]
 
     def test_an_empty_list_of_contacts_says_that_nothing_touches(self, tmp_path: Path) -> None:
-        store = get_typestore(Stores.ROS2_HUMBLE)
-        for name, text in definitions("gazebo_msgs").items():
-            store.register(get_types_from_msg(text, name))
-        header = store.types["std_msgs/msg/Header"](store.types["builtin_interfaces/msg/Time"](0, 0), "")
-        contacts = "gazebo_msgs/msg/ContactsState"
-        with Writer(tmp_path / "x", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-            connection = writer.add_connection("/contacts", contacts, typestore=store)
-            for seconds in range(4):
-                raw = store.serialize_cdr(store.types[contacts](header, []), contacts)
-                writer.write(connection, sweeps.START_NS + seconds * 10**9, raw)
+        messages = [(second, "/contacts", {"states": []}) for second in range(4)]
+        recorded.write(tmp_path / "x", {"/contacts": "gazebo_msgs/msg/ContactsState"}, messages)
         recording = robowidgets.open(tmp_path / "x")
         assert [span[:2] for span in recording.find(~conditions.touched())] == [(0, 3)]
         assert len(recording.find(conditions.touched())) == 0

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.typesys import Stores, get_typestore
 
 from robowidgets.poses.frame_tree import FrameTree, Poses
 from robowidgets.poses.transforms import Pose, Transform, transforms_of
 from robowidgets.recording import open
+
+from . import recorded
+from .recorded import stamped
 
 S = 1_000_000_000
 STILL = np.zeros(1, np.int64)
@@ -125,25 +126,12 @@ def test_a_transform_that_says_no_pose_is_an_error_that_names_the_frames(turn: t
 
 
 def test_odometry_without_a_pose_is_left_out_and_told(tmp_path: Path) -> None:
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    types = store.types
+    def odometry(x: float) -> dict[str, Any]:
+        pose = {"position": {"x": x}, "orientation": {"w": 1.0}}
+        return {"header": stamped(S, "odom"), "child_frame_id": "base_link", "pose": {"pose": pose}}
 
-    def odometry(x: float) -> Any:
-        vector, quaternion = types["geometry_msgs/msg/Vector3"], types["geometry_msgs/msg/Quaternion"]
-        held = types["geometry_msgs/msg/Pose"](types["geometry_msgs/msg/Point"](x, 0, 0), quaternion(0, 0, 0, 1))
-        twist = types["geometry_msgs/msg/Twist"](vector(0, 0, 0), vector(0, 0, 0))
-        return types["nav_msgs/msg/Odometry"](
-            header=types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](1, 0), "odom"),
-            child_frame_id="base_link",
-            pose=types["geometry_msgs/msg/PoseWithCovariance"](held, np.zeros(36)),
-            twist=types["geometry_msgs/msg/TwistWithCovariance"](twist, np.zeros(36)),
-        )
-
-    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connection = writer.add_connection("/odom", "nav_msgs/msg/Odometry", typestore=store)
-        for number, x in enumerate((1.0, nan, 3.0)):
-            raw = store.serialize_cdr(odometry(x), "nav_msgs/msg/Odometry")
-            writer.write(connection, 100 * S + number * S, raw)
+    messages = [(second, "/odom", odometry(x)) for second, x in enumerate((1.0, nan, 3.0))]
+    recorded.write(tmp_path / "bag", {"/odom": "nav_msgs/msg/Odometry"}, messages)
     with open(tmp_path / "bag") as recording:
         assert [told.pose[0] for told in recording.transforms()] == [1, 3]
         assert "the first at 1.00 s: 'base_link' in 'odom' is at no pose" in " ".join(recording.problems)
