@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -21,25 +21,13 @@ from .samples.scan_problems import of_ranges
 from .scanogram.clock import Clock
 from .scanogram.levels import BUDGET, MEDIAN, NEAREST, Levels
 from .scanogram.page_parts import detail, overview, pack
+from .scanogram.picture import Picture
 from .scanogram.scans import Scans, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 
 if TYPE_CHECKING:
     from .recording import Recording
     from .recordings import RecordingData
-
-
-@dataclass(frozen=True)
-class Picture:
-    """The content of a scanogram: the scans in their levels of detail, and the strips under them."""
-
-    levels: Levels
-    clock: Clock
-    start_ns: int
-    duration: float
-    begin: float = 0.0
-    speed: SpeedStrip | None = None
-    touch: TouchStrip | None = None
 
 
 class ScanogramWidget(SavesPng, NamedWidget):
@@ -278,39 +266,15 @@ class ScanogramWidget(SavesPng, NamedWidget):
 
     def frame_without_scans(self) -> bytes:
         """The overview without its cells, for a page that has the scans themselves."""
-        facts, arrays = self._contents(self._scans_first("frame_without_scans()"))
-        return pack(facts, **arrays)
+        picture = self._scans_first("frame_without_scans()")
+        return pack(self._facts(picture), **picture.strips())
 
     def _pack(self, picture: Picture) -> bytes:
         """The overview."""
-        facts, arrays = self._contents(picture)
-        return overview(picture.levels, picture.clock, self.pixel).pack(facts, **arrays)
+        return overview(picture.levels, picture.clock, self.pixel).pack(self._facts(picture), **picture.strips())
 
-    def _contents(self, picture: Picture) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-        """Facts and arrays of the overview beside those of its cells."""
-        levels, clock, speed, touch = picture.levels, picture.clock, picture.speed, picture.touch
-        arrays: dict[str, NDArray[Any]] = {}
-        facts: dict[str, Any] = {
-            **levels.sweep._asdict(),
-            "far": levels.far,
-            "edition": self._edition,
-            "scan_count": len(clock),
-            "begin": picture.begin,
-            "duration": picture.duration,
-            "pause": clock.pause,
-            "class_counts": levels.counts.tolist(),
-            "pixel": self.pixel,
-        }
-        if speed:
-            part = speed.part(picture.begin, picture.duration)
-            facts["speed"] = {
-                "title": speed.title, "axes": speed.axes, "limits": speed.limits, "gap": speed.clock.gap
-            }  # fmt: skip
-            arrays |= {"speed_starts": part.starts, "speeds": part.extremes}
-        if touch:
-            facts["touch"] = {"title": touch.title, "sensors": touch.sensors}
-            arrays["touches"] = touch.spans
-        return facts, arrays
+    def _facts(self, picture: Picture) -> dict[str, Any]:
+        return {**picture.facts(), "edition": self._edition, "pixel": self.pixel}
 
     @traitlets.observe("pixel")
     def _on_pixel(self, _change: Any) -> None:
@@ -324,17 +288,13 @@ class ScanogramWidget(SavesPng, NamedWidget):
         if picture is None or len(change["new"]) != 3:
             return
         start, end, columns = change["new"]
-        arrays: dict[str, NDArray[Any]] = {}
-        if picture.speed:
-            part = picture.speed.part(start, end)
-            arrays |= {"speed_starts": part.starts, "speeds": part.extremes}
         try:
             cells = detail(picture.levels, picture.clock, start, end, int(columns), self.pixel)
         except Exception as error:  # any error of reading the file again: the coarse picture stays
             self._about = {**self._about, "error": f"no finer detail: {error}"}
             self._log_once(f"no finer detail: {error}")
             return
-        self._detail = cells.pack({"edition": self._edition, "span": [start, end]}, **arrays)
+        self._detail = cells.pack({"edition": self._edition, "span": [start, end]}, **picture.speeds(start, end))
 
     @traitlets.validate("time")
     def _is_time(self, proposal: Any) -> float:

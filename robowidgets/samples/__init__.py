@@ -1,4 +1,4 @@
-"""The waist: what every source produces and every widget consumes.
+"""Samples: what every source makes and every widget shows.
 
 A sample is immutable, in SI units and in the body frame of REP-103 (x forward, y left, z up; yaw grows
 counter-clockwise). It knows neither ROS nor a page.
