@@ -10,9 +10,9 @@ import traitlets
 
 from ..samples.checks import not_negative
 from .error_routing import called_from_cell
-from .numbers import Numbers
 from .paced_widget import PacedWidget
 from .pacer import pacer
+from .plotted_numbers import PlottedNumbers
 from .png import SavesPng
 from .timed_frame import FRAME_HEADER
 from .traits import Flag
@@ -64,7 +64,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
     def __init__(self, **kwargs: Any) -> None:
         self._png_error = ""
         self._packed_version = 0
-        self._plotted = Numbers()
+        self._plotted = PlottedNumbers()
         super().__init__(**kwargs)
 
     # -- what a person uses --------------------------------------------------------------------------------------------

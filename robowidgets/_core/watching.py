@@ -11,7 +11,7 @@ from typing import Any, overload
 from ..samples.checks import number
 from .judge import Judge
 from .newest_sample import NewestSample
-from .numbers import Numbers
+from .plotted_numbers import PlottedNumbers
 from .user_function import name_of
 from .watch import Watch
 
@@ -32,7 +32,7 @@ class JudgesConditions:
     _edition: int
     _judge: Judge | None = None
     _newest: NewestSample[Any]
-    _plotted: Numbers
+    _plotted: PlottedNumbers
 
     @overload
     def watch(self, name: str, value: float, /) -> float: ...

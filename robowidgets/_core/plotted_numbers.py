@@ -15,7 +15,7 @@ class _Number(NamedTuple):
     sequence: int
 
 
-class Numbers:
+class PlottedNumbers:
     """The newest number of each name, for the picture of a sample. The widget holds its lock during each call."""
 
     def __init__(self) -> None:
