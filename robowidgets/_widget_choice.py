@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import takewhile
 from typing import Any, NamedTuple, Protocol
 
-from .kinds import KINDS, Kind, SecondWidget, load
+from .kinds import KINDS, Kind, TopicWidget, load
 
 
 class Shown(Protocol):
@@ -39,10 +39,10 @@ class WidgetChoice(NamedTuple):
     topic: str
     command: str = ""
     commanded: bool = False
-    second: SecondWidget | None = None
+    second: TopicWidget | None = None
 
     @property
-    def shown(self) -> Kind | SecondWidget:
+    def shown(self) -> TopicWidget:
         """The row with the widget, and with what a player shows in it."""
         return self.second or self.kind
 

@@ -23,13 +23,13 @@ from .samples import Pose, Problem, Scan, Speed, Touch
 _SAMPLE_FRAMES = "robowidgets.player._frames:SampleFrames"
 
 
-@dataclass(frozen=True, eq=False)
-class SecondWidget:
-    """A widget that topics of some types have besides the widget of their kind, for the same samples.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TopicWidget:
+    """A widget for the topics of some message types.
 
     Args:
         name: of the widget and its bundle: ``"path"``.
-        types: message types of the topics that have it.
+        types: message types of the topics that have it, as recordings name them, ``sensor_msgs/msg/LaserScan``.
         widget: the widget class; it takes ``title`` and has ``update(sample)``.
         nothing: the sample that a player shows before the first of a topic.
         frames: what the player of a recording shows of a topic at each time, a `robowidgets.player._frames.Track`.
@@ -42,56 +42,46 @@ class SecondWidget:
     frames: str = _SAMPLE_FRAMES
 
 
-@dataclass(frozen=True, eq=False)
-class Kind:
-    """A kind of sensor.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Kind(TopicWidget):
+    """A kind of sensor, with the widget that its topics have. Its name is that of the widget.
 
     Args:
-        name: of the kind, its widget and its bundle: ``"laser"``.
         sample_name: what programs call one sample: ``moment.scan``, ``--scan``.
         noun: the plural for messages to a person: ``"laser scans"``.
         sample: the class of a sample, derived from `samples.HasAge`.
         read: makes a sample of a message; TypeError for a message of another kind, ValueError for bad numbers.
-        types: message types as recordings name them, ``sensor_msgs/msg/LaserScan``.
-        widget: the widget class; it takes ``title`` and has ``update(sample)``.
-        nothing: the sample that a player shows before the first of a topic.
         has_shape: whether a message of an unknown type with these fields is of this kind; None: only `types` are.
         undecided: those of `types` of which some messages only are of this kind: the first message of a topic decides.
         columns: the series class of `Recording.series`.
-        frames: what the player of a recording shows of a topic at each time, a `robowidgets.player._frames.Track`.
         rerun: what logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; empty: Rerun leaves them out.
         commands: whether a topic may hold what was asked for, not measured; it goes with a measured topic: the widget
             has ``command(sample)`` too, and takes ``command_title`` and ``bars``.
         options: keywords of the widget where a topic gets it, in place of the widget's own defaults.
         goes_stale: whether a sample says nothing any more once the topic is silent. What a touch sensor said holds.
         every_message: whether each message counts, as an event does; of other kinds the newest is enough.
-        also: second widgets for the same samples, on topics of some types.
+        also: second widgets for the same samples.
     """
 
-    name: str
     sample_name: str
     noun: str
     sample: type
     read: Callable[[Any], Any]
-    types: frozenset[str]
-    widget: str
-    nothing: Any
     has_shape: Callable[[Shape], bool] | None = None
     undecided: frozenset[str] = frozenset()
     columns: str = "robowidgets.recordings.columns.series:Samples"
-    frames: str = _SAMPLE_FRAMES
     rerun: str = ""
     commands: bool = False
     options: Mapping[str, Any] = field(default_factory=dict)
     goes_stale: bool = True
     every_message: bool = False
-    also: tuple[SecondWidget, ...] = ()
+    also: tuple[TopicWidget, ...] = ()
 
     def is_command(self, topic: str) -> bool:
         """Whether samples on this topic were asked for, not measured."""
         return self.commands and is_command(topic)
 
-    def second_widgets(self, types: str) -> tuple[SecondWidget, ...]:
+    def second_widgets(self, types: str) -> tuple[TopicWidget, ...]:
         """The second widgets of a topic of this kind that measures; several types are joined by a comma."""
         return tuple(second for second in self.also if not second.types.isdisjoint(types.split(", ")))
 
@@ -141,7 +131,7 @@ LASER = Kind(
     # A room is much smaller than what many scanners can see.
     options={"view_range": "auto"},
 )
-PATH = SecondWidget(
+PATH = TopicWidget(
     name="path",
     types=frozenset({"nav_msgs/msg/Odometry"}),
     widget="robowidgets.path_widget:PathWidget",

@@ -12,8 +12,8 @@ from typing import Any
 from .freezing import FreezableWidget
 from .newest_sample import NewestSample
 from .pacer import pacer
-from .page_file import SentFrames, WritesPage
 from .platform_fixes import message_padding
+from .sent_frames import SentFrames
 from .timed_frame import TimedFrame
 from .traits import HistorySeconds
 
@@ -25,7 +25,7 @@ RESYNC_S = 5.0
 """Seconds between two such frames."""
 
 
-class PacedWidget(WritesPage, FreezableWidget):
+class PacedWidget(FreezableWidget):
     """A widget whose newest frame, with the texts on it, and whose traits the pacer sends to the page.
 
     A loop may set traits at any rate, as it may update the widget, so they wait for their turn too.
@@ -103,7 +103,7 @@ class PacedWidget(WritesPage, FreezableWidget):
             return len(frame) if "_frame" in keys else 0
 
     def sent_frames(self) -> list[TimedFrame]:
-        """See `WritesPage`."""
+        """The frames of its history, oldest first; the last one is that of the newest sample."""
         with self._send_lock:
             self._bring_up_to_date()
             newest = TimedFrame(self._newest.arrived, self._about, self._frame)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterable
+from importlib import import_module
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import traitlets
 
 from ..samples.checks import not_negative
 from .error_routing import called_from_cell
+from .output_file import checked_output
 from .paced_widget import PacedWidget
 from .pacer import pacer
 from .plotted_numbers import PlottedNumbers
@@ -21,6 +25,9 @@ from .watching import JudgesConditions
 SHORTEST_SILENCE, LONGEST_SILENCE = 1.0, 10.0
 """Seconds without a sample after which a source is silent: three of its periods, within these limits, and the longest
 where it has no rate yet. The page follows the same rule (shared/stream.ts)."""
+
+PAGES = "robowidgets.export.widget_page"
+"""Makes the pages. Named as entry points do: it lies in a layer above the widgets."""
 
 NO_TEXTS: dict[str, Any] = {}
 """No texts on a sample; never changed."""
@@ -99,6 +106,27 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
                 raise TimeoutError(self._why_none(seconds))
             newest.take()
             return self._newest_sample()
+
+    def to_html(self, path: str | os.PathLike[str], *, title: str = "", note: str = "") -> Path:
+        """Write a page with the widget as it is, and its history to play: one file, without a kernel or the web.
+
+        Args:
+            path: the file, such as ``"wall.html"``; an existing one is replaced.
+            title: of the page; empty: the title of the widget.
+            note: a text under the title, which is shown as it is.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            TypeError: no path. ValueError: a name that does not end in .html. OSError: the file cannot be written.
+
+        Example:
+            >>> laser.to_html("wall.html", note="The reading that it stopped for.")  # doctest: +SKIP
+        """
+        target = checked_output("to_html", path, (".html", ".htm"))
+        written: Path = import_module(PAGES).write(self, target, title, note)
+        return written
 
     def _summary(self) -> str:
         shown = self._describe() or "nothing yet"

@@ -27,7 +27,7 @@ _WIDTH = "760px"
 
 
 def write(widget: Any, path: Path, title: str, note: str) -> Path:
-    """See `WritesPage.to_html`."""
+    """See `RobotWidget.to_html`."""
     sent = widget.sent_frames()
     start, end = (sent[0].seconds, sent[-1].seconds) if sent else (0.0, 0.0)
     began = time.time() - time.monotonic() + start

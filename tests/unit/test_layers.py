@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import robowidgets
-from robowidgets._core.page_file import PAGES
+from robowidgets._core.robot_widget import PAGES
 from robowidgets.kinds import KINDS, Kind
 
 ROOT = Path(robowidgets.__file__).parent

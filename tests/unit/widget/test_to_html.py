@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from robowidgets import LaserWidget, Scan, TouchWidget
-from robowidgets._core import page_file
+from robowidgets._core import sent_frames
 from robowidgets._core.pacer import pacer
-from robowidgets._core.page_file import SentFrames
+from robowidgets._core.sent_frames import SentFrames
 from robowidgets._core.timed_frame import TimedFrame
 
 
@@ -59,7 +59,7 @@ def test_the_history_that_is_kept_is_that_of_the_page(monkeypatch: pytest.Monkey
     for i in range(100):
         frames.add(TimedFrame(10 + i / 100, {}, b"1234"), 2)
     assert len(list(frames)) == 40
-    monkeypatch.setattr(page_file, "MOST_BYTES", 10)
+    monkeypatch.setattr(sent_frames, "MOST_BYTES", 10)
     frames.add(TimedFrame(11, {}, b"1234"), 2)
     assert len(list(frames)) == 2
     frames.add(TimedFrame(11, {}, b"1234"), 0)
