@@ -23,9 +23,9 @@ from robowidgets._core.robot_widget import RobotWidget
 from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.export.segments import pack_tracks
 from robowidgets.player._frames import pack
-from robowidgets.samples.rays import sector_of, stretches
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
 from robowidgets.samples.sector_code import for_array, for_message, for_scan
+from robowidgets.samples.stretches import sector_of, stretches
 
 from .unit.recordings import sweeps
 

@@ -13,10 +13,10 @@ import traitlets
 from numpy.typing import NDArray
 
 from ..samples import Ray, Scan
-from ..samples.rays import expression, parse, sector_of, stretches, to_stretches
 from ..samples.scan import MAX_RAYS
 from ..samples.sector import SECTORS, Asked, Sector, to_sector
 from ..samples.sector_code import for_array, for_message, for_scan
+from ..samples.stretches import expression, parse, sector_of, stretches, to_stretches
 
 LONGEST_NAME = 40
 FORMS = ("scan", "message", "slice")

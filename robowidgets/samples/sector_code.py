@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import degrees
 
 from .checks import decimals
-from .rays import expression, stretches
 from .scan import Scan
 from .sector import SECTORS, Sector, angle_text
+from .stretches import expression, stretches
 
 MESSAGE = '''\
 import numpy as np

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from robowidgets import LaserWidget, Scan, Sector, conditions
-from robowidgets.samples.rays import parse, sector_of, stretches
+from robowidgets.samples.stretches import parse, sector_of, stretches
 
 from ..vectors import SECTORS, read, to_scan
 

@@ -1,4 +1,4 @@
-"""Rays by their index: stretches of an array, and the text by which a program names them."""
+"""Stretches: rays that follow each other in the array, and the text by which a program names them."""
 
 from __future__ import annotations
 
