@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields, replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,18 +15,13 @@ from robowidgets._core import newest_sample
 from robowidgets.samples import _age
 from robowidgets.samples import scan as scan_module
 
+from .waiting import Clock
+
 MAKES: dict[str, Callable[[], Any]] = {
     "scan": lambda: Scan([1.0, 2.0], -0.5, 0.5, 0.1, 30.0, stamp_ns=5),
     "speed": lambda: Speed((0.5, 0.0, 0.0), (0.0, 0.0, 0.1), stamp_ns=5),
     "touch": lambda: Touch({"left": True}, stamp_ns=5),
 }
-
-
-class Clock(SimpleNamespace):
-    """What samples and widgets know as time: it stands still until it is set."""
-
-    def __init__(self) -> None:
-        super().__init__(now=100.0, monotonic=lambda: self.now)
 
 
 @pytest.fixture

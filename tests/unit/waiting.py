@@ -1,10 +1,18 @@
-"""Waiting on a condition, for what happens in other threads."""
+"""Time in tests: waiting on a condition, for what happens in other threads, and a clock that stands still."""
 
 from __future__ import annotations
 
 import threading
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
+
+
+class Clock(SimpleNamespace):
+    """In place of the module `time`: a clock that stands still until it is set."""
+
+    def __init__(self) -> None:
+        super().__init__(now=100.0, monotonic=lambda: self.now)
 
 
 def wait_for(condition: Callable[[], object], what: str, seconds: float = 20.0) -> None:

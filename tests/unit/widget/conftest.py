@@ -1,4 +1,4 @@
-"""A widget and a page that shows it."""
+"""A widget, a page that shows it, and the time at which its samples come."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 
+from robowidgets._core import newest_sample
+
 from ..pages import Page
+from ..waiting import Clock
 from .number_widget import NumberWidget
 
 
@@ -20,3 +23,10 @@ def widget() -> Iterator[NumberWidget]:
 @pytest.fixture
 def page(widget: NumberWidget) -> Page:
     return Page(widget)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    made = Clock()
+    monkeypatch.setattr(newest_sample, "time", made)
+    return made

@@ -8,32 +8,16 @@ import threading
 import time
 from collections.abc import Callable
 from math import inf, nan
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, Touch, TouchMode, TouchWidget
-from robowidgets._core import newest_sample
 from robowidgets.feeds import Feed
 
 from ..feeds.scripted import ODOM, SCAN, Scripted, scan, twist
-from ..waiting import wait_for
+from ..waiting import Clock, wait_for
 from .number_widget import NumberWidget, in_a_thread
-
-
-class Clock(SimpleNamespace):
-    """What the widgets know as time: it stands still until it is set."""
-
-    def __init__(self) -> None:
-        super().__init__(now=100.0, monotonic=lambda: self.now)
-
-
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    made = Clock()
-    monkeypatch.setattr(newest_sample, "time", made)
-    return made
 
 
 def feed_at(rate: float, clock: Clock, update: Callable[[], object]) -> None:

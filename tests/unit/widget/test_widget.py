@@ -19,14 +19,14 @@ from ipywidgets.embed import dependency_state
 
 from robowidgets import LaserWidget
 from robowidgets._core import base_widget as _named_widget
-from robowidgets._core import newest_sample, paced_widget
+from robowidgets._core import paced_widget
 from robowidgets._core.base_widget import bundle
 from robowidgets._core.log_once import MOST_LOGGED
 from robowidgets._core.paced_widget import RESYNC_S, RESYNC_TRAITS
 from robowidgets._core.pacer import pacer
 
 from ..pages import Page
-from ..waiting import wait_for
+from ..waiting import Clock, wait_for
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
 
 
@@ -116,17 +116,13 @@ class TestToThePage:
         assert number_in(page.state["_frame"]) == 999
         assert page.state["_about"] == {"value": 999}
 
-    def test_the_head_says_how_many_came_how_fast_and_when(
-        self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        now = SimpleNamespace(monotonic=lambda: 100.0)
-        monkeypatch.setattr(newest_sample, "time", now)
+    def test_the_head_says_how_many_came_how_fast_and_when(self, widget: NumberWidget, clock: Clock) -> None:
         widget._show(Number(1, stamp_ns=5), {})
         sequence, rate, stamp, arrived = head_of(widget.get_state()["_frame"])
         assert (sequence, stamp, arrived) == (1, 5, 100.0)
         assert isnan(rate)
         for i in range(1, 100):
-            now.monotonic = lambda i=i: 100 + i * 0.025
+            clock.now = 100 + i * 0.025
             widget._show(Number(1), {})
         assert head_of(widget.get_state()["_frame"]) == (100, pytest.approx(40), 0, 100 + 99 * 0.025)
 
@@ -144,14 +140,12 @@ class TestToThePage:
             assert state["_about"] == {"value": value}
 
     def test_a_page_that_is_loaded_learns_how_old_the_sample_of_a_live_source_is(
-        self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
+        self, widget: NumberWidget, clock: Clock
     ) -> None:
-        now = SimpleNamespace(monotonic=lambda: 100.0)
-        monkeypatch.setattr(newest_sample, "time", now)
         widget._source = {"topic": "/number"}
         assert widget.get_state()["_silence"] == 0
         widget.update(1)
-        now.monotonic = lambda: 160.0
+        clock.now += 60
         assert widget.get_state()["_silence"] == 60
         assert dependency_state(widget)[widget.model_id]["state"]["_silence"] == 0
         widget._source = {}
@@ -363,19 +357,15 @@ class TestRate:
         widget.update(1)
         assert isnan(widget.rate)
 
-    def test_is_that_of_the_last_ones(self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch) -> None:
-        clock = SimpleNamespace(now=0.0)
-        monkeypatch.setattr(newest_sample, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    def test_is_that_of_the_last_ones(self, widget: NumberWidget, clock: Clock) -> None:
         for seconds in [1.0] * 100 + [0.1] * 40:
             clock.now += seconds
             widget.update(1)
             told = widget.rate  # as the pacer does with each frame
         assert told == pytest.approx(10)
 
-    def test_is_unknown_where_the_clock_stood_still(
-        self, widget: NumberWidget, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setattr(newest_sample, "time", SimpleNamespace(monotonic=lambda: 5.0))
+    @pytest.mark.usefixtures("clock")
+    def test_is_unknown_where_the_clock_stood_still(self, widget: NumberWidget) -> None:
         for _ in range(3):
             widget.update(1)
         assert isnan(widget.rate)
