@@ -209,7 +209,7 @@ class LaserWidget(HasTrail, HasGhost, HasSectors, DrawsShapes):
     @property
     def scan(self) -> Scan | None:
         """The scan on show: the frozen one while paused, else the newest; None before the first."""
-        return self._on_show()
+        return self._sample_on_show()
 
     @property
     def frozen(self) -> Scan | None:

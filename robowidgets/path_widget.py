@@ -129,7 +129,7 @@ class PathWidget(RobotWidget[PathPoint]):
     @property
     def pose(self) -> PathPoint | None:
         """The pose on show: the frozen one while paused, else the newest; None before the first."""
-        return self._on_show()
+        return self._sample_on_show()
 
     @property
     def frozen(self) -> PathPoint | None:

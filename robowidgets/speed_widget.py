@@ -170,7 +170,7 @@ class SpeedWidget(RobotWidget[Reading]):
     @property
     def speed(self) -> Speed | None:
         """The measured speed on show: the frozen one while paused, else the newest; None before the first."""
-        return self._on_show().measured
+        return self._sample_on_show().measured
 
     @property
     def frozen(self) -> Speed | None:
@@ -180,7 +180,7 @@ class SpeedWidget(RobotWidget[Reading]):
     @property
     def commanded(self) -> Speed | None:
         """The commanded speed on show; None before the first."""
-        return self._on_show().commanded
+        return self._sample_on_show().commanded
 
     @property
     def over_limits(self) -> dict[str, float]:
@@ -195,7 +195,7 @@ class SpeedWidget(RobotWidget[Reading]):
 
         NaN where there was no value yet. They are kept whether `hold_peaks` marks them or not.
         """
-        reading = self._on_show()
+        reading = self._sample_on_show()
         return dict(zip(AXES, zip(reading.least, reading.greatest, strict=True), strict=True))
 
     def limits_of(self, axis: str) -> Pair | None:
@@ -205,7 +205,7 @@ class SpeedWidget(RobotWidget[Reading]):
         return pair
 
     def _describe(self) -> str:
-        shown = self._on_show()
+        shown = self._sample_on_show()
         both = ((self.bars, shown.measured), ("commanded", shown.commanded))
         return "; ".join(f"{name} {_in_words(speed)}" for name, speed in both if speed)
 
@@ -250,8 +250,8 @@ class SpeedWidget(RobotWidget[Reading]):
     def _newest_sample(self) -> Speed | None:
         return self._reading.measured
 
-    def _on_show(self) -> Reading:
-        return super()._on_show() or Reading()
+    def _sample_on_show(self) -> Reading:
+        return super()._sample_on_show() or Reading()
 
     def _pack(self, sample: Reading) -> bytes:
         measured, commanded = sample.measured, sample.commanded

@@ -147,7 +147,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
         """The sample in a frame, with its header."""
         raise NotImplementedError
 
-    def _on_show(self) -> S | None:
+    def _sample_on_show(self) -> S | None:
         """The sample on show: the frozen one while paused, else the newest; None before the first."""
         if self.paused:
             return self._unpack(self._frozen_frame) if self._frozen_frame else None
@@ -282,7 +282,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
                     about = {**self._about_sample(sample), **about}
                 if self._png_error:
                     about = {**about, "notes": [*about.get("notes", ()), self._png_error]}
-                shown = {**about, **self._on_sample(), **self._plotted.on(sequence)}
+                shown = {**about, **self._texts_now(), **self._plotted.on(sequence)}
             if lamps:
                 shown |= {"lamps": lamps, "judged": sequence}
             self._trait_values["_about"] = shown
@@ -292,7 +292,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
                 stamp = getattr(sample, "stamp_ns", None) or 0
                 self._trait_values["_frame"] = FRAME_HEADER.pack(sequence, rate, stamp, arrived) + self._pack(sample)
 
-    def _on_sample(self) -> dict[str, Any]:
+    def _texts_now(self) -> dict[str, Any]:
         """What else the page is told with the newest sample. Called with the lock of the samples."""
         return {}
 

@@ -131,7 +131,7 @@ class DrawsShapes(RobotWidget[Scan]):
 
     # -- for the base --------------------------------------------------------------------------------------------------
 
-    def _on_sample(self) -> dict[str, Any]:
+    def _texts_now(self) -> dict[str, Any]:
         """The shapes, as texts on the newest sample. Called with the lock of the samples."""
         forms = self._forms(time.monotonic())
         return {"shapes": forms} if forms else {}

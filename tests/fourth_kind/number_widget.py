@@ -36,7 +36,7 @@ class NumberWidget(RobotWidget[Number]):
     @property
     def number(self) -> Number | None:
         """The number on show: the frozen one while paused, else the newest; None before the first."""
-        return self._on_show()
+        return self._sample_on_show()
 
     def frame_of(self, sample: Number) -> tuple[dict[str, Any], bytes]:
         """See `RobotWidget`."""
