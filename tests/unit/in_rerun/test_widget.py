@@ -192,7 +192,7 @@ def test_viewer_and_player_follow_one_time_and_come_to_rest(player: Player) -> N
     viewer.at(21.96)
     viewer.at(8.25)
     becomes(player, 8.25)
-    assert player.bar.time == 8.25
+    becomes(player.bar, 8.25)
     viewer.at(1e6)
     becomes(player, player.duration)
     tells(viewer, 21.96, player.duration)
