@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 FRAME_HEADER = struct.Struct("<ddqd")
 """Each frame starts with its sequence number, samples per second (NaN: unknown), the stamp in ns (0: none), and its
-time of arrival in seconds of Python's monotonic clock, which only Python reads."""
+time of arrival in seconds of Python's monotonic clock."""
 
 
 class TimedFrame(NamedTuple):

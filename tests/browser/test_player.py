@@ -370,8 +370,11 @@ def test_two_scanners_and_four_sensors_stand_whole_on_one_screen(plain_page: Ope
         for scan in scans.all():
             assert (scan.locator(".rw-picture").bounding_box() or {"height": 0})["height"] > 200
         shoot(nb.output(1), f"recording-four-sensors-{width}")
-    nb.python("for view in player.views:\n    if view.widget.sample_name == 'scan': view.widget.index_view = True")
-    expect(scans.locator(".rw-strip")).to_have_count(2)
+    nb.python("for view in player.views:\n    if view.widget.sample_name == 'scan': laser = view.widget")
+    nb.python("laser.index_view = True; laser.selection = 'front'")
+    expect(scans.locator(".rw-strip")).to_have_count(1)
+    expect(scans.locator(".rw-chip")).to_be_visible()
+    expect(scans.locator(".rw-picture .rw-chip")).to_have_count(0)  # below a low picture
     for picture in scans.locator(".rw-picture").all():
         assert (picture.bounding_box() or {"height": 0})["height"] >= 200
     nb.resize(400, 720)

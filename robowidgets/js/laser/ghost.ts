@@ -42,8 +42,8 @@ export class Ghost {
     const { title } = this.#other;
     if (title !== null) return title || "the other one";
     const [shown, { scan }] = [this.#stream.shown, this];
-    // Samples of a recording, and those that Python chose, have no number: their arrival tells nothing.
-    if (!shown?.sequence || !scan?.sequence) return "pinned";
+    // In a player there is no history, and scans arrive when they are read. One that Python chose has no number.
+    if (!this.#model.get("history") || !shown?.sequence || !scan?.sequence) return "pinned";
     const ms = 1000 * (shown.arrived - scan.arrived);
     return ms < 0 ? `${toAge(-ms)} later` : `${toAge(ms)} ago`;
   }

@@ -8,8 +8,8 @@ import type { SectorNumbers } from "./sector_numbers.ts";
 import type { Named, SectorStore } from "./sector_store.ts";
 import { describeSector, sayOf, sectorOfText } from "./sector_words.ts";
 
-/** A picture narrower than this has the chip below it. Pixels. */
-const NARROW = 480;
+/** A picture narrower or lower than this has the chip below it. Pixels. */
+const LEAST = { width: 480, height: 300 };
 
 /** What the chip leaves to the layer. */
 interface Owner {
@@ -54,7 +54,7 @@ export class SectorChip {
       return null;
     }
     this.#chip ??= this.#make();
-    const isBelow = stage.size.width < NARROW;
+    const isBelow = this.#isBelow;
     const key = JSON.stringify([picked, isBelow]);
     // Its numbers follow a drag at once, and a live scan as fast as a person reads.
     if (key === this.#key) this.#tell();
@@ -96,7 +96,12 @@ export class SectorChip {
 
   #show(): void {
     const texts = this.#texts;
-    if (texts) this.#chip?.show(texts, this.#host.stage.size.width < NARROW);
+    if (texts) this.#chip?.show(texts, this.#isBelow);
+  }
+
+  get #isBelow(): boolean {
+    const { width, height } = this.#host.stage.size;
+    return width < LEAST.width || height < LEAST.height;
   }
 
   #make(): Chip {
