@@ -31,9 +31,13 @@ class Move:
     event: str | None
     after: str | None
 
+    @property
+    def why(self) -> str:
+        """When it is made: "on near", "after 0.5" or "at once"."""
+        return f"on {self.event}" if self.event else f"after {self.after}" if self.after else "at once"
+
     def __str__(self) -> str:
-        why = f" on {self.event}" if self.event else f" after {self.after}" if self.after else " at once"
-        return f"{self.source} -> {self.target}{why}"
+        return f"{self.source} -> {self.target} {self.why}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +89,7 @@ def described(machine: Outline) -> dict[str, Any]:
         {"name": name, "path": node.path, "machines": [described(inner) for inner in node.machines]}
         for name, node in machine.states.items()
     ]
-    moves = [{**vars(move), "compares": _compares(machine, move.event)} for move in machine.moves]
+    moves = [{**vars(move), "why": move.why, "compares": _compares(machine, move.event)} for move in machine.moves]
     return {"path": machine.path, "states": states, "moves": moves}
 
 

@@ -281,8 +281,8 @@ class Machine:
         source, _ = self._states[machine.path]
         saw = self._judged.get((machine.path, str(move.event)), Judged(None))
         self._leave(machine, now)
-        why = str(move).partition(f"{move.target} ")[2]
-        self.fired.append(Fired(now, machine.path, source, move.target, why, move.event or "", saw.text, saw.nearest))
+        why, event = move.why, move.event or ""
+        self.fired.append(Fired(now, machine.path, source, move.target, why, event, saw.text, saw.nearest))
         self._enter(machine, move.target, now)
 
     def _enter(self, machine: Outline, name: str, now: float) -> None:

@@ -54,25 +54,23 @@ class Programs(Observed):
             function = Machine(function)
         name = program_name(function)
         asks_for = parameters_of(function, name, topics)
-        program, before = self._known.get(name), self.current
+        known, before = self._known.get(name), self.current
         note = ""
         if before is not None and before.name != name and before.mode != ENDED:
             note = f"replaces the program {before.name}"
             before.close(f"replaced by the program {name}")
             log.warning("%s: the program %s %s", self._robot.where, name, note)
+        program, number = known, known.version.number + 1 if known else 1
         if program is None or program.mode == ENDED:
-            state, number = (program.state, program.version.number) if program else (None, 0)
             program = self._known[name] = Program(name, self._robot, self.variables)
+            if known is not None:
+                program.state = known.state
             program.observe(self._call_observers)
-            if state is not None:
-                program.state = state
-        else:
-            number = program.version.number
-        if program is not None and isinstance(function, Machine) and isinstance(program.version.function, Machine):
+        if isinstance(function, Machine) and isinstance(program.version.function, Machine):
             function.adopt(program.version.function)
         self.current = program
         self.variables.begin_version()
-        program.replace(Version(function, asks_for, dict(topics), steps, on, number + 1, calling_text()))
+        program.replace(Version(function, asks_for, dict(topics), steps, on, number, calling_text()))
         program.note = note
         _all.add(program)
         on_interrupt(_interrupt_all)

@@ -86,11 +86,11 @@ class Variables(Observed):
         first, least, most = (finite(key, given, unit or "any unit") for key, given in named)
         if not least <= first <= most or least == most:
             raise ValueError(f"{name}: expected low <= value <= high, got {least:g}, {first:g}, {most:g}")
-        known = self._table.get(name)
-        keeps = known is not None and known.first == first and isinstance(known.value, float)
-        now = min(max(float(known.value), least), most) if known is not None and keeps else first
-        before = first if known is None else known.before
-        if known is not None and not keeps and name not in self._edited:
+        known = self._table.get(name, Variable(first, first, first))
+        now, before = first, known.before
+        if known.first == first and isinstance(known.value, float):
+            now = min(max(known.value, least), most)
+        elif name not in self._edited:
             self._edited.add(name)
             before = known.value  # that of the version which runs until the end of this cell
         self._put(name, Variable(now, first, before, least, most, unit))
@@ -131,11 +131,9 @@ class Variables(Observed):
         return known.value
 
     def __setattr__(self, name: str, value: Any) -> None:
-        checked, known = _checked(name, value), self._table.get(name)
-        if known is None:
-            self._put(name, Variable(checked, checked, checked))
-        else:
-            self._put(name, replace(known, value=checked))
+        checked = _checked(name, value)
+        known = self._table.get(name, Variable(checked, checked, checked))
+        self._put(name, replace(known, value=checked))
 
     def __delattr__(self, name: str) -> None:
         self._table.pop(name, None)

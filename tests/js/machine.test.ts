@@ -16,6 +16,7 @@ function move(words: string): MoveOutline {
     target,
     event: how === "on" ? why : null,
     after: how === "after" ? why : null,
+    why: `${how} ${why}`,
     compares: why === "near",
   };
 }

@@ -63,17 +63,11 @@ export function isTaken(machine: MachineOutline, move: MoveOutline, fired: Fired
     last.target === step.states[machine.path]?.[0] &&
     last.target === move.target &&
     (move.source === last.source || move.source === "*") &&
-    last.why === whyOf(move)
+    last.why === move.why
   );
 }
 
-/** The words of a move, as Python says why it was made. */
-function whyOf({ event, after }: MoveOutline): string {
-  if (event !== null) return `on ${event}`;
-  return after !== null ? `after ${after}` : "at once";
-}
-
 /** The words on an arrow. */
-export function labelOf(move: MoveOutline): string {
-  return move.event ?? (Number.isFinite(Number(move.after ?? NaN)) ? `after ${move.after} s` : whyOf(move));
+export function labelOf({ event, after, why }: MoveOutline): string {
+  return event ?? (Number.isFinite(Number(after ?? NaN)) ? `${why} s` : why);
 }

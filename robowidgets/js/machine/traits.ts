@@ -33,6 +33,8 @@ export interface MoveOutline {
   target: string;
   event: string | null;
   after: string | null;
+  /** "on near", "after 0.5" or "at once". */
+  why: string;
   /** Whether its event may tell the numbers that it compares. */
   compares: boolean;
 }
@@ -56,7 +58,6 @@ export interface Fired {
   machine: string;
   source: string;
   target: string;
-  /** "on near", "after 0.5" or "at once". */
   why: string;
   /** What was compared; empty where nothing was. */
   reading: string;
