@@ -57,6 +57,21 @@ class Walker:
 
 program = robot.program(Walker, rate=20)
 """
+WIDE = """
+class Wide:
+    is_left = lambda variables: not variables.go
+    is_right = lambda variables: variables.go
+    a = b = c = d = hub = None
+    moves = *(f"hub -> {name} on is_left" for name in "abcd"), "a -> d on is_right", "d -> a on is_left"
+
+robot.program(Wide)
+"""
+IS_IN_VIEW = """
+state => {
+  const [box, view] = [state, state.closest(".rw-picture")].map((element) => element.getBoundingClientRect());
+  return box.left >= view.left && box.right <= view.right;
+}
+"""
 TURN, SPIN = WALKER.format(name="stop"), WALKER.format(name="spin")
 
 
@@ -153,6 +168,14 @@ def test_a_machine_fits_a_narrow_page_and_rings_step_by_tenths_where_motion_is_r
     for theme in ("light", "dark"):
         nb.theme(theme)
         shoot(widget, f"machine-narrow-{theme}")
+
+    nb.python(WIDE)
+    for is_right, name in ((False, "a"), (True, "d"), (False, "a")):
+        nb.python(f"robot.variables.go = {is_right}")
+        expect(state(widget, name)).to_have_attribute("data-active", "leaf")
+        wait_for(lambda name=name: state(widget, name).evaluate(IS_IN_VIEW), "the active state is in view")
+    nb.run(1)
+    expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
 
     nb.python("machine.layout.height = '300px'")
     card = widget.locator(".rw-card")

@@ -97,6 +97,20 @@ for (const room of [900, 300]) {
   });
 }
 
+test("arrows beside a loop keep apart from its state, and its words stand beside it", () => {
+  const states = [..."search approach grab drop".split(" ").map((name) => state(name, "m"))];
+  const moves = ["search search after 2", "search approach on lost", "search grab on lost", "search drop after 3"];
+  const back = ["approach search on near", "grab search on near", "drop search after 1", "grab drop after 1"];
+  const placed = place([{ path: "m", states, moves: [...moves, ...back].map(move) }], ALL);
+  const { points: loop = [], label } = placed.moves[0] ?? {};
+  const search = placed.states[0] as Box;
+  assert.equal(label?.x, search.x + search.width + 18);
+  for (const { y, height } of lines({ ...placed, moves: placed.moves.filter(({ points }) => points !== loop) })) {
+    if (height > 0) continue;
+    for (const box of placed.states) assert.ok(y < box.y - 1 || y > box.y + box.height + 1, `a line at ${y}`);
+  }
+});
+
 test("machines stand side by side where there is room, and below each other where there is none", () => {
   const [first, second] = place([turning, looking], ALL).lanes;
   assert.ok(first && second && second.x >= first.x + first.width);

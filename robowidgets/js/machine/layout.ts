@@ -51,6 +51,8 @@ const HEAD = 30;
 const GAP = 14;
 /** Room for the dot and the arrow before an initial state. */
 const START = 24;
+/** From a state to the words of a move that leads back to it. */
+const BESIDE_LOOP = 18;
 const NUMBERS_WIDTH = 104;
 const DOT_WIDTH = 16;
 const DEEPEST = 3;
@@ -101,7 +103,7 @@ function placeMachine(machine: MachineOutline, setting: Setting, depth: number):
   for (const [i, move] of machine.moves.entries()) {
     const isLoop = move.source === move.target;
     const words = setting.measure(labelOf(move)) + (move.event ? DOT_WIDTH : 0);
-    const width = Math.max(words, move.compares ? NUMBERS_WIDTH : 0) + (isLoop ? 2 * GAP : 0);
+    const width = Math.max(words, move.compares ? NUMBERS_WIDTH : 0) + (isLoop ? BESIDE_LOOP : 0);
     const label = { width, height: move.compares ? 32 : 18, labelpos: isLoop ? "c" : "r", labeloffset: 7 };
     graph.setEdge(move.source, move.target, label, String(i));
   }
@@ -123,17 +125,21 @@ function placeMachine(machine: MachineOutline, setting: Setting, depth: number):
   }
   const any = boxes.get(ANY);
   if (any) placed.any.push(any);
+  /** Where the words of the last loop of a state end; the room that dagre leaves for them may begin far from it. */
+  const loops = new Map<string, number>();
   const edges = graph.edges().map((edge) => {
     const { v, w, name } = edge;
     const { points = [], x = 0, y = 0, width = 0, height = 0 } = graph.edge(edge);
     const isLoop = v === w;
-    const label = {
-      x: x - width / 2 + (isLoop ? GAP : 0),
-      y: y - height / 2,
-      width: width - (isLoop ? GAP : 0),
-      height,
-    };
-    return { source: v, target: w, via: points.slice(1, -1), label, move: machine.moves[Number(name)] as MoveOutline };
+    const label = { x: x - width / 2, y: y - height / 2, width, height };
+    if (isLoop) {
+      const box = boxes.get(v) as Box;
+      label.x = (loops.get(v) ?? box.x + box.width) + BESIDE_LOOP;
+      label.width -= BESIDE_LOOP;
+      loops.set(v, label.x + label.width);
+    }
+    const via = isLoop ? [] : points.slice(1, -1);
+    return { source: v, target: w, via, label, move: machine.moves[Number(name)] as MoveOutline };
   });
   const routes = route(boxes, edges);
   for (const [i, { label, move }] of edges.entries()) {

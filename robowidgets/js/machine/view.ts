@@ -37,6 +37,7 @@ export class MachineView {
   #placed = "";
   #active = "";
   #said = "";
+  #followed: HTMLElement | null = null;
 
   constructor(
     model: Model<MachineTraits>,
@@ -91,6 +92,7 @@ export class MachineView {
     this.#place(key, machines, step);
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.#picture.update({ step, fired, isInForce: mode !== "ended", isCalm });
+    this.#follow();
     if (this.#active !== this.#said) this.#sayActive();
   }
 
@@ -114,6 +116,17 @@ export class MachineView {
     }
     this.#picture.draw(placed);
     this.#card.root.classList.toggle("rw-machine-wide", placed.width <= room - LIST_WIDTH);
+  }
+
+  /** Scrolls a picture that is wider than the card to an active state, once for each, unless it is pointed at. */
+  #follow(): void {
+    const { picture } = this.#card;
+    const leaf = picture.querySelector<HTMLElement>('[data-active="leaf"]');
+    if (!leaf || leaf === this.#followed || picture.matches(":hover")) return;
+    this.#followed = leaf;
+    const { offsetLeft: left, offsetWidth: width } = leaf;
+    const isSeen = left >= picture.scrollLeft && left + width <= picture.scrollLeft + picture.clientWidth;
+    if (!isSeen) picture.scrollLeft = left + (width - picture.clientWidth) / 2;
   }
 
   #show(time: number): void {
