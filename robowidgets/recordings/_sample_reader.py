@@ -58,6 +58,9 @@ class Messages:
         """For each topic its kind, and the message type that decided it."""
         self._left_out: dict[str, str] = {}
         self._stopped: list[str] = []
+        # Of each topic the sample that `last` found last, and the time before which none follows: in a long silence the
+        # same one is wanted again and again.
+        self._last: dict[str, tuple[Moment, int]] = {}
         self._closed = False
         # Channels without a message last: of several types of a topic, the type of the first message is shown.
         by_count = sorted(source.channels, key=lambda channel: not channel.count)
@@ -105,19 +108,26 @@ class Messages:
         if not count or self.start_ns is None or self.end_ns is None:
             return None
         stop = min(time_ns, self.end_ns) + 1
+        before, until = self._last.get(topic, (None, stop))
+        if before is None or before.time_ns >= stop:
+            before, until = None, self.start_ns
         look = max(2 * (self.end_ns - self.start_ns) // count, _SHORTEST_LOOK_NS)
-        while stop > self.start_ns:
-            begin = max(stop - look, self.start_ns)
+        begin = stop
+        while begin > until:
+            begin, end = max(begin - look, until), begin
             try:
-                found = list(self._source.messages(channels, begin, stop))
+                found = list(self._source.messages(channels, begin, end))
             except RecordingError as error:
                 self._stop(error)
                 return None
-            for message in reversed(found):
-                for moment in self._moments([message]):
-                    return moment
-            stop, look = begin, 4 * look
-        return None
+            moments = (moment for message in reversed(found) for moment in self._moments([message]))
+            if (last := next(moments, None)) is not None:
+                self._last[topic] = last, stop
+                return last
+            look *= 4
+        if before is not None:
+            self._last[topic] = before, max(until, stop)
+        return before
 
     def series(self, topic: str, memory: Memory) -> Series[Any]:
         """The samples of a topic as columns."""

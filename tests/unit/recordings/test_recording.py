@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 
@@ -17,7 +18,7 @@ from robowidgets.recordings import Moment, RecordingError, Topic, UnknownTopicEr
 from robowidgets.recordings._info import heading, table_of
 from robowidgets.recordings.topics import check
 
-from . import robot
+from . import robot, sweeps
 
 S = 1_000_000_000
 
@@ -151,6 +152,32 @@ class TestAt:
         recording.at("/scan", 9.0)
         recording.at("/bumper", 10.0)
         assert decoded == [1, 1]
+
+    def test_reads_a_silence_once(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        times = [*(i / 10 for i in range(200)), 5000.0, 5000.1, 9000.0]
+        scans = [(time, sweeps.scan(sweeps.START_NS, [1.0])) for time in times]
+        with open(sweeps.write(tmp_path / "scans", scans)) as recording:
+            read = []
+            source = recording._messages._source
+
+            def messages(*given: Any, _messages: Any = source.messages) -> Any:
+                for message in _messages(*given):
+                    read.append(message)
+                    yield message
+
+            monkeypatch.setattr(source, "messages", messages)
+            for asked in range(30, 5000, 60):
+                moment = recording.at("/scan", asked)
+                assert moment
+                assert moment.seconds == pytest.approx(19.9)
+            assert len(read) <= 200
+            shuffled = np.random.default_rng(1).permutation(
+                [*np.arange(-5, 9100, 7.3), *times, *np.arange(0, 22, 0.07)]
+            )
+            for asked in shuffled:
+                moment = recording.at("/scan", asked)
+                expected = max((time for time in times if time <= asked), default=None)
+                assert (moment and moment.seconds) == (expected and pytest.approx(expected))
 
 
 class TestErrors:
