@@ -27,5 +27,6 @@ class Pose(NamedTuple):
 
 def yaw_of(x: Any, y: Any, z: Any, w: Any) -> Any:
     """Radians by which quaternions of any length turn on the floor; NaN for those of length 0. Numbers or arrays."""
-    yaw = np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
-    return np.where(x * x + y * y + z * z + w * w > 0, yaw, np.nan)
+    with np.errstate(over="ignore", invalid="ignore"):  # of damaged numbers, which turn into NaN
+        yaw = np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
+        return np.where(x * x + y * y + z * z + w * w > 0, yaw, np.nan)

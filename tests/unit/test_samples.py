@@ -9,7 +9,7 @@ from math import cos, degrees, inf, isnan, nan, pi, radians, sin
 import numpy as np
 import pytest
 
-from robowidgets.samples import AXES, Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity
+from robowidgets.samples import AXES, Ray, Scan, Speed, Touch, TouchMode, TouchState, Validity, yaw_of
 from robowidgets.samples.scan import MAX_RAYS
 
 
@@ -356,6 +356,12 @@ class TestSpeed:
     def test_what_is_no_vector_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
         with pytest.raises(error, match=text):
             Speed(**given)
+
+
+def test_the_yaw_of_damaged_numbers_is_none() -> None:
+    assert isnan(yaw_of(*np.full(4, 1e200)))
+    assert isnan(yaw_of(*np.full(4, inf)))
+    assert yaw_of(0.0, 0.0, np.float64(2.0), 2.0) == pytest.approx(pi / 2)
 
 
 class TestTouchState:

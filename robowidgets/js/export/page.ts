@@ -27,6 +27,9 @@ interface PageFacts {
 /** Milliseconds for which a page waits for a script of a widget. */
 const PATIENCE_MS = 10_000;
 
+/** Milliseconds after which a browser has saved a file. */
+const SAVED_MS = 60_000;
+
 type Widgets = Record<string, () => Script>;
 
 /** Builds the page from its parts. */
@@ -106,5 +109,6 @@ function save(name: string, text: string): void {
   link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
   link.download = name;
   link.click();
-  URL.revokeObjectURL(link.href);
+  // Safari reads the text after the click.
+  setTimeout(() => URL.revokeObjectURL(link.href), SAVED_MS);
 }
