@@ -270,7 +270,7 @@ class Program(Observed):
     def _prepare(self) -> tuple[Version, dict[str, Any] | None]:
         """The version to call and its arguments; None while it cannot step."""
         version = self.version
-        if self._robot.stopped:
+        if self._robot.is_stopped():
             self._stand_still()
             self._set_waiting("stop is latched")
             return version, None
@@ -372,7 +372,7 @@ class Program(Observed):
                 note = "paused, because the kernel was interrupted"
                 self.pause(note)
                 self._log(f"program {self.name}: {note}")
-            elif thread is not None and self._robot.is_gone:
+            elif thread is not None and self._robot.is_gone():
                 note = "ended, because its robot was deleted"
                 self.close(note)
                 self._log(f"program {self.name}: {note}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 GIVEN = ("time", "state", "variables")
@@ -32,26 +33,22 @@ class Inputs(Protocol):
         """Take no more messages."""
 
 
-class Robot(Protocol):
-    """A robot, as a program sees it. No method waits."""
+@dataclass(frozen=True)
+class Robot:
+    """A robot, as a program sees it. No function waits.
 
-    @property
-    def where(self) -> str:
-        """Its name, for a person."""
+    Attributes:
+        where: its name, for a person.
+        is_gone: returns whether nothing outside refers to it any more.
+        is_stopped: returns whether stop is latched.
+        listen: makes inputs that call a function on each message of the topic ``on``, in the transport's thread.
+        drive: sends a speed, m/s and rad/s; returns why it was not sent, empty if it was.
+        halt: sends zero at once, if a program drives.
+    """
 
-    @property
-    def is_gone(self) -> bool:
-        """Whether nothing outside refers to it any more."""
-
-    @property
-    def stopped(self) -> bool:
-        """Whether stop is latched."""
-
-    def listen(self, wake: Callable[[], None]) -> Inputs:
-        """Inputs that call `wake` on each message of the topic ``on``, in the transport's thread."""
-
-    def drive(self, linear: float, angular: float) -> str:
-        """Send a speed; returns why it was not sent, empty if it was."""
-
-    def halt(self) -> None:
-        """Send zero at once, if a program drives."""
+    where: str
+    is_gone: Callable[[], bool]
+    is_stopped: Callable[[], bool]
+    listen: Callable[[Callable[[], None]], Inputs]
+    drive: Callable[[float, float], str]
+    halt: Callable[[], object]

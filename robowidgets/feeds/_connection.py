@@ -21,7 +21,7 @@ from ..samples import Speed
 from ._callbacks import FunctionCaller
 from ._driver import Driver
 from ._open_feeds import close_at_end, open_feeds
-from ._program_inputs import FeedRobot
+from ._program_inputs import robot_of
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
 from ._topics import Topic, check_name, topics_of, unlisted
@@ -66,7 +66,7 @@ class Connection(Observed):
         self._subscribe = CoalescedCall(self._update_subscriptions)
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
-        self.programs = Programs(FeedRobot(self, is_deleted))
+        self.programs = Programs(robot_of(self, is_deleted))
 
     def open(self) -> None:
         """Connect, and close what an earlier run of the same cell opened. FeedError if it can never work."""

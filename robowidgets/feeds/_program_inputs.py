@@ -6,10 +6,11 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from ..behaviors.robot import NotReadyError
+from ..behaviors.robot import NotReadyError, Robot
 from ..kinds import KINDS, Kind
 from ..samples import Touch
 from ..samples.touch_tracker import TouchTracker
@@ -26,43 +27,22 @@ LONGEST = 2.0
 """Seconds after which every sample is too old, however slow its topic."""
 
 
-class FeedRobot:
-    """The robot of a feed, as its program sees it: see `robowidgets.behaviors.robot.Robot`.
+def robot_of(connection: Connection, is_deleted: Callable[[], bool]) -> Robot:
+    """The robot of a feed, as its program sees it.
 
     Args:
         connection: that of the feed.
         is_deleted: whether the feed is deleted, because neither the user nor a widget refers to it.
     """
-
-    def __init__(self, connection: Connection, is_deleted: Callable[[], bool]) -> None:
-        self._connection, self._is_deleted = connection, is_deleted
-
-    @property
-    def is_gone(self) -> bool:
-        """See `Robot`."""
-        return self._is_deleted()
-
-    @property
-    def where(self) -> str:
-        """See `Robot`."""
-        return self._connection.where
-
-    @property
-    def stopped(self) -> bool:
-        """See `Robot`."""
-        return self._connection.watchdog.stopped
-
-    def listen(self, wake: Callable[[], None]) -> FeedInputs:
-        """See `Robot`."""
-        return FeedInputs(self._connection, wake)
-
-    def drive(self, linear: float, angular: float) -> str:
-        """See `Robot`."""
-        return self._connection.driver.drive_by_program(linear, angular)
-
-    def halt(self) -> None:
-        """See `Robot`."""
-        self._connection.watchdog.stop_program()
+    watchdog = connection.watchdog
+    return Robot(
+        where=connection.where,
+        is_gone=is_deleted,
+        is_stopped=lambda: watchdog.stopped,
+        listen=partial(FeedInputs, connection),
+        drive=connection.driver.drive_by_program,
+        halt=watchdog.stop_program,
+    )
 
 
 class _Latest:
