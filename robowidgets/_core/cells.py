@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from weakref import WeakSet
 
 from .error_routing import ipython_shell
-from .platform_fixes import call_on_idle_interrupt, call_on_interrupt
+from .platform_fixes import call_before_traceback, call_on_idle_interrupt, call_on_interrupt
 
 
 class Closable(Protocol):
@@ -58,6 +58,7 @@ def on_failed_cell(call: Callable[[], None]) -> None:
     if call not in _on_failed:
         if not _on_failed:
             shell.events.register("post_run_cell", _after_cell)
+            call_before_traceback(shell, _call_on_failed)
         _on_failed.append(call)
     if hasattr(shell, "kernel"):
         call_on_interrupt(_interrupted)
@@ -90,8 +91,12 @@ def _interrupted() -> None:
 
 def _after_cell(result: Any) -> None:
     if not result.success:
-        for call in _on_failed:
-            call()
+        _call_on_failed()
+
+
+def _call_on_failed() -> None:
+    for call in _on_failed:
+        call()
 
 
 def close_all(widget: Any) -> None:

@@ -68,16 +68,35 @@ def call_on_interrupt(call: Callable[[], None]) -> None:
     """Call a function as soon as the running cell is interrupted, before the interrupt is raised.
 
     IPython's own event comes after the traceback was made, and not at all where the cell catches the interrupt: a robot
-    would drive on meanwhile. ipykernel sets Python's SIGINT handler anew for each cell, so each cell must call this. A
-    handler of the program stays. Without the fix, only the event is left.
+    would drive on meanwhile. A cell with ``await`` may even go on to its end. ipykernel sets a SIGINT handler anew for
+    each cell, Python's or, for a cell with ``await``, one of its own. So each cell must call this. A handler of the
+    program stays. Without the fix, only the event is left.
     """
+    before: Any = signal.getsignal(signal.SIGINT)
 
     def on_interrupt(number: int, frame: Any) -> None:
         call()
-        signal.default_int_handler(number, frame)
+        before(number, frame)
 
-    if ENABLED and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    is_usual = before is signal.default_int_handler or getattr(before, "__module__", "") == "ipykernel.ipkernel"
+    if ENABLED and is_usual:
         _set_below_rclpy(signal.SIGINT, on_interrupt)
+
+
+def call_before_traceback(shell: Any, call: Callable[[], None]) -> None:
+    """Call a function as soon as the running cell has raised, before IPython shows the traceback.
+
+    IPython's own event comes after that, which may take seconds, and not at all for a script that ``%run`` runs: a
+    robot would drive on meanwhile. Without the fix, only the event is left.
+    """
+    show = shell.showtraceback
+
+    def call_and_show(*args: Any, **kwargs: Any) -> Any:
+        call()
+        return show(*args, **kwargs)
+
+    if ENABLED:
+        shell.showtraceback = call_and_show
 
 
 def call_on_idle_interrupt(kernel: Any, call: Callable[[], None]) -> None:
@@ -113,8 +132,10 @@ def call_before_end(call: Callable[[], object]) -> None:
             if ends:
                 os.kill(os.getpid(), number)
 
+    unheard: set[int] = set()
+
     def on_signal(number: int, _frame: Any) -> None:
-        ends = _rclpy_that_handles(number) is None
+        ends = number in unheard or _rclpy_that_handles(number) is None
         if ends:
             signal.signal(number, signal.SIG_DFL)
         with contextlib.suppress(RuntimeError):  # too late for a thread: the exit handlers run already
@@ -133,8 +154,8 @@ def call_before_end(call: Callable[[], object]) -> None:
         poller.os = SimpleNamespace(**{**vars(os), "_exit": leave})
     if threading.current_thread() is threading.main_thread():
         for number in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
-            if signal.getsignal(number) is signal.SIG_DFL:
-                _set_below_rclpy(number, on_signal)
+            if signal.getsignal(number) is signal.SIG_DFL and not _set_below_rclpy(number, on_signal):
+                unheard.add(number)
 
 
 def let_threads_print() -> None:
@@ -177,15 +198,21 @@ def _rclpy_that_handles(number: int) -> Any:
     return signals if number in handling and current in (handling[number], options.ALL) else None
 
 
-def _set_below_rclpy(number: int, handler: Callable[[int, Any], None]) -> None:
-    """Set a handler of a signal; that of rclpy, where there is one, calls it then, and `rclpy.shutdown` leaves it."""
+def _set_below_rclpy(number: int, handler: Callable[[int, Any], None]) -> bool:
+    """Set a handler of a signal; that of rclpy, where there is one, calls it then, and `rclpy.shutdown` leaves it.
+
+    Returns:
+        False if rclpy takes its handler for installed, though the program has replaced it.
+    """
     rclpy = _rclpy_that_handles(number)
     options = rclpy and rclpy.get_current_signal_handlers_options()
     if rclpy:
         rclpy.uninstall_signal_handlers()
+    was_replaced = _rclpy_that_handles(number) is not None
     signal.signal(number, handler)
     if rclpy:
         rclpy.install_signal_handlers(options)
+    return not was_replaced
 
 
 def acknowledge_at_once(sock: socket.socket) -> None:

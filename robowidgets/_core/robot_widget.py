@@ -214,6 +214,12 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
             none = f"no new {type(sample).__name__.lower()} for {age:.{'1f' if age >= 1 else '2g'}} s"
         return f"{type(self).__name__} {self.title}".rstrip() + f" had {none}" + f": {why}" * bool(why)
 
+    def _set_source(self, source: dict[str, Any]) -> None:
+        """Set the trait without a call of its observers: threads of a feed that carry speeds call this."""
+        if source != self._source:
+            self._trait_values["_source"] = source
+            self.send_state("_source")
+
     def _set_png_error(self, error: str) -> None:
         if error != self._png_error:
             self._png_error = error

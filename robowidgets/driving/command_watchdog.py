@@ -142,7 +142,7 @@ class CommandWatchdog(Observed):
     # -- speeds --------------------------------------------------------------------------------------------------------
 
     def drive(self, velocity: Velocity, hold: float = HOLD, driver: str = PROGRAM) -> Request:
-        """Send a speed, which holds for some seconds, or renew it.
+        """Send a speed, which holds for some seconds, that of a hand for `HOLD` at most; or renew it.
 
         Returns:
             The request for `sent_in_time`. It is done already where the speed is sent later, because another one was
@@ -155,22 +155,22 @@ class CommandWatchdog(Observed):
         if velocity == ZERO and driver == PROGRAM and not self._hand_now():
             return self.stop()
         is_main = threading.current_thread() is threading.main_thread()
+        if is_main:
+            on_failed_cell(_stop_driven_by_cell)
         with self._changed:
             self._check(driver)
             now = time.monotonic()
             self._wanted, self._expires, self._driver = velocity, now + hold, driver
             if driver == PROGRAM:
                 self._from_cell = is_main
-            else:
-                self._hand_until = self._expires
+            else:  # of a page that is gone, no release comes
+                self._expires = self._hand_until = now + min(hold, HOLD)
             request = Request()
             if self._next_speed_at > now:
                 request.set_result(None)
             else:
                 self._speeds.append(request)
             self._wake()
-        if is_main:
-            on_failed_cell(_stop_driven_by_cell)
         return request
 
     def stop(self) -> Request:
@@ -262,10 +262,14 @@ class CommandWatchdog(Observed):
 
     def _wake(self) -> None:
         if self._thread is None:
-            thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
-            thread.start()
-            self._thread = thread
+            # Noted before it starts: an interrupt meanwhile finds it here, and starts no second one.
+            self._thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
             _running.add(self)
+            try:
+                self._thread.start()
+            except RuntimeError:  # the system has no more threads
+                self._thread = None
+                raise
         self._changed.notify_all()
 
     def _ask_for_zero(self) -> Request:

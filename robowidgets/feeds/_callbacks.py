@@ -51,10 +51,10 @@ class Function:
         return name_of(self.call)
 
     def replaces(self, other: Function) -> bool:
-        """Whether it replaces another: one from an earlier run of its cell, or one of its name in the notebook."""
+        """Whether it replaces another: one from an earlier run of its cell, or one that had its name before."""
         if self.cell and self.cell == other.cell and self.run != other.run:
             return True
-        return self.topic == other.topic and _name_in_main(self.call) == _name_in_main(other.call) != ""
+        return self.topic == other.topic and _full_name(self.call) == _full_name(other.call) != ""
 
 
 class FunctionCaller:
@@ -104,10 +104,10 @@ class FunctionCaller:
     def disconnect(self, topic: str, calls: Iterable[Any] | None) -> None:
         """Call these functions, and others of their names, no more with messages of a topic; None: all functions."""
         gone = None if calls is None else list(calls)
-        names = {_name_in_main(call) for call in gone or ()} - {""}
+        names = {_full_name(call) for call in gone or ()} - {""}
         with self._changed:
             here = [function for function in self._functions if function.topic == topic]
-            self._drop([f for f in here if gone is None or f.call in gone or _name_in_main(f.call) in names])
+            self._drop([f for f in here if gone is None or f.call in gone or _full_name(f.call) in names])
 
     def put(self, topic: Topic, message: Any) -> None:
         """Queue a message; it replaces a queued one, unless every message counts."""
@@ -222,8 +222,8 @@ class FunctionCaller:
             function.runs += 1
 
 
-def _name_in_main(call: Any) -> str:
-    """The name of a function defined in the notebook or script, outside of functions; empty for any other."""
-    if not isinstance(call, FunctionType) or call.__module__ != "__main__" or "<" in call.__qualname__:
+def _full_name(call: Any) -> str:
+    """The name, with its module, that the next version of a function has: of one defined outside of functions."""
+    if not isinstance(call, FunctionType) or "<" in call.__qualname__:
         return ""
-    return call.__qualname__
+    return f"{call.__module__}.{call.__qualname__}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import logging
 import threading
 import time
@@ -48,6 +47,7 @@ class Connection(Observed):
         adverts: the topics as the middleware listed them last.
         is_closed: whether `close` was called, or this is a forked process.
         is_forked: whether it stayed with the process that was forked.
+        unsent: why zero could not be sent when it was closed; empty if it was.
         driver, watchdog, programs: what drives the robot.
     """
 
@@ -58,6 +58,7 @@ class Connection(Observed):
         self.functions = FunctionCaller(self._show_status)
         self._table = SubscriptionTable(f"connecting to {middleware.where}", self.functions)
         self.adverts: tuple[Advert, ...] = ()
+        self.unsent = ""
         self._reached = self.is_closed = self.is_forked = False
         self._driven: str | None = None
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
@@ -140,8 +141,10 @@ class Connection(Observed):
             self.is_closed = True
         try:
             self.programs.close()
-            with contextlib.suppress(FeedError, OSError):  # the watchdog logs it
+            try:
                 self.driver.close()
+            except (FeedError, OSError) as error:  # the watchdog logs it
+                self.unsent = str(error)
         finally:
             try:
                 self.functions.close()

@@ -69,7 +69,8 @@ class Driver:
     @property
     def status(self) -> str:
         """See `Feed.drive_status`."""
-        return self._connection.status or self._status.of(self._driving.topic, self._connection.adverts)
+        status, topic = self._status, self._driving.topic
+        return self._connection.status or "; ".join(status.reasons(topic, self._connection.adverts))
 
     def drive(self, linear: float, angular: float) -> None:
         """See `Feed.drive`."""
@@ -117,7 +118,7 @@ class Driver:
         """Send zero if one is owed, and refuse every speed from now on. A subscriber that is connecting is awaited.
 
         Raises:
-            FeedError, OSError: zero could not be sent, for another reason than a subscriber that is connecting.
+            FeedError, OSError: zero could not be sent.
         """
         until = time.monotonic() + CONNECT_TIMEOUT
         try:
@@ -125,7 +126,9 @@ class Driver:
         except (FeedError, OSError):
             if not isinstance(self.watchdog.error, NotYetError):
                 raise
-            while (self.watchdog.busy_for or not self._try_zero()) and time.monotonic() < until:
+            while self.watchdog.busy_for or not self._try_zero():
+                if time.monotonic() > until:
+                    raise
                 time.sleep(RETRY_PAUSE)
 
     def page_seen(self) -> None:
@@ -194,6 +197,7 @@ class Driver:
         if linear or angular:
             self._connection.check_open()
         self._twists.send(self._driving.topic, linear, angular, self._connection.adverts)
+        self._status.refused = self._twists.refused
 
     def _log_status(self) -> None:
         """Log why the robot may not move as commanded; after a speed was requested, which may be zero."""

@@ -24,7 +24,8 @@ class Driving:
         topic: the topic on which speeds are published.
         max_linear: limit in m/s, forward and backward; greater speeds are cut.
         max_angular: limit in rad/s, both ways; greater speeds are cut.
-        hold: seconds for which a speed is valid; zero follows if it is not renewed.
+        hold: seconds for which a speed is valid, one of a pad for half a second at most; zero follows if it is not
+            renewed.
         needs_page: whether speeds are refused while no page shows the feed or a pad of it, so that a robot stops when
             the browser is closed. A page that is busy or hidden for minutes counts as closed; so does a page whose
             messages a busy kernel does not receive.
@@ -82,30 +83,29 @@ class DriveStatus:
     Attributes:
         cut: a text for the cut of the last speed; empty if it was not cut.
         unheard: for each topic, the reason why a subscriber does not receive speeds, as the middleware reports it.
+        refused: the reason why the last speed was not published for some of the subscribers; empty if it was for all.
     """
 
     def __init__(self) -> None:
-        self.cut = ""
+        self.cut = self.refused = ""
         self.unheard: dict[str, str] = {}
         self._log = LogOnce(log.warning)
-        self._logged: tuple[str, Sequence[Advert] | None, str, str] = "", None, "", ""
-        """What the reasons were that were logged last: topic, adverts, cut and refusal."""
 
-    def of(self, topic: str, adverts: Sequence[Advert]) -> str:
-        """All reasons for a command topic, as text; empty if there are none."""
-        reasons = (_unheard(topic, adverts), self.unheard.get(topic), _contested(topic, adverts), self.cut)
-        return "; ".join(filter(None, reasons))
+    def reasons(self, topic: str, adverts: Sequence[Advert]) -> list[str]:
+        """All reasons for a command topic."""
+        reasons = (
+            _unheard(topic, adverts),
+            self.unheard.get(topic),
+            self.refused,
+            _contested(topic, adverts),
+            self.cut,
+        )
+        return list(filter(None, reasons))
 
     def log(self, where: str, topic: str, adverts: Sequence[Advert]) -> None:
         """Log each reason once, a cut only once whatever its numbers: speeds may come at any rate."""
-        refusal = self.unheard.get(topic, "")
-        if self._logged == (topic, adverts, self.cut, refusal):
-            return
-        self._logged = topic, adverts, self.cut, refusal
-        unheard, contested = _unheard(topic, adverts), _contested(topic, adverts)
-        for key, reason in ((unheard, unheard), (refusal, refusal), (contested, contested), ("cut", self.cut)):
-            if reason:
-                self._log(f"{where}: {reason}", key)
+        for reason in self.reasons(topic, adverts):
+            self._log(f"{where}: {reason}", "cut" if reason == self.cut else reason)
 
 
 def _unheard(name: str, adverts: Sequence[Advert]) -> str:

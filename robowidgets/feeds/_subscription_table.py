@@ -107,13 +107,13 @@ class SubscriptionTable:
     def _show_on(self, widget: RobotWidget[Any]) -> None:
         connected = sorted(self._widgets.get(widget, []), key=_rank)
         if not connected:
-            widget._source = {}
+            widget._set_source({})
             return
         _set_titles(widget, connected)
         first = connected[0][0]
         listed = [one.status(self.topics, is_primary=one is first) for one in self._without_replaced(widget, connected)]
         failed = (self._functions.status_of(subscription.topic) for subscription, _ in connected)
-        widget._source = {
+        source = {
             "robot": self.robot,
             "topic": first.topic,
             "type": first.type,
@@ -121,6 +121,7 @@ class SubscriptionTable:
             "error": "; ".join(filter(None, failed)),
             "lost": bool(self.down) and not first.receives,
         }
+        widget._set_source(source)
 
     def _without_replaced(self, widget: RobotWidget[Any], connected: Sequence[_Connected]) -> list[Subscription]:
         """The subscriptions, except those to missing topics whose target gets messages of a topic connected later."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 import random
 import threading
 from abc import ABC, abstractmethod
 
+from .._core.log_once import LogOnce
 from .middleware import CLOSE_TIMEOUT, Listener
+
+log = logging.getLogger("robowidgets")
 
 FIRST = 0.5
 """Seconds of the first pause between two sessions."""
@@ -71,8 +75,13 @@ class ThreadedMiddleware(ABC):
         self._thread.start()
 
     def _run(self, listener: Listener) -> None:
+        log_once = LogOnce(log.exception)
         while not self._closed.is_set():
-            reason = self._run_session(listener)
+            try:
+                reason = self._run_session(listener)
+            except Exception as error:  # the next session may work; without one a robot that moves gets no zero
+                reason = f"{type(error).__name__}: {error}"
+                log_once(f"the thread of a feed failed: {reason}")
             if not self._closed.is_set():
                 pause = self._backoff.next_pause()
                 listener.on_lost(reason, pause)

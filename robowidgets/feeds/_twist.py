@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -13,14 +13,18 @@ from .middleware import Advert, FeedError, Middleware
 
 
 class TwistPublisher:
-    """Publishes speeds as Twist or TwistStamped, as the subscriber expects; as Twist when no subscriber is known.
+    """Publishes speeds as Twist or TwistStamped, as each subscriber expects; as Twist when no subscriber is known.
 
     Args:
         middleware: the middleware that publishes.
+
+    Attributes:
+        refused: why the last message was published in one of two types only; empty if it was in each.
     """
 
     def __init__(self, middleware: Middleware) -> None:
         self._middleware = middleware
+        self.refused = ""
         self._moved: dict[str, list[str]] = {}
         """For each topic, the types in which a speed other than zero was published."""
         self._moved_at: dict[str, float] = {}
@@ -35,18 +39,13 @@ class TwistPublisher:
     def send(self, topic: str, linear: float, angular: float, adverts: Sequence[Advert]) -> None:
         """Publish a speed in m/s and rad/s.
 
-        Zero is published in every type in which a speed was published, and on every topic whose zero is overdue.
+        Zero is published in every type in which a speed was published, too, and on every topic whose zero is overdue.
 
         Raises:
             FeedError: the topic has another type, and no speed was sent on it; or the middleware cannot publish.
         """
         if linear or angular:
-            kind = _type_to_send(topic, adverts)
-            self._middleware.publish(topic, kind, twist(kind, linear, angular))
-            self._owed.add(topic)
-            self._moved_at[topic] = time.monotonic()
-            if kind not in self._moved.setdefault(topic, []):
-                self._moved[topic].append(kind)
+            self._publish(topic, _types_to_send(topic, adverts), linear, angular)
             return
         with ExitStack() as each:  # every zero is sent, even after one of them raised
             for name in {topic, *self._owed}:
@@ -55,23 +54,42 @@ class TwistPublisher:
     def _send_zero(self, topic: str, adverts: Sequence[Advert]) -> None:
         kinds = list(self._moved.get(topic, ()))
         try:
-            kinds.append(_type_to_send(topic, adverts))
+            kinds += _types_to_send(topic, adverts)
         except FeedError:
-            if topic not in self._moved:
+            if not kinds:
                 raise
-        with ExitStack() as each:
-            for kind in dict.fromkeys(kinds):
-                each.callback(self._middleware.publish, topic, kind, twist(kind, 0.0, 0.0))
+        self._publish(topic, kinds, 0.0, 0.0)
         self._owed.discard(topic)
 
+    def _publish(self, topic: str, kinds: Iterable[str], linear: float, angular: float) -> None:
+        """Publish in each of these types; raises if none was sent, if one may have been, or if a robot gets no zero."""
+        moves, moved = bool(linear or angular), self._moved.setdefault(topic, [])
+        sent: list[str] = []
+        failures: dict[str, Exception] = {}
+        for kind in dict.fromkeys(kinds):
+            try:
+                self._middleware.publish(topic, kind, twist(kind, linear, angular))
+                sent.append(kind)
+            except Exception as failure:  # the other type must be sent, too
+                failures[kind] = failure
+            if moves and not isinstance(failures.get(kind), FeedError):  # it may have reached the robot
+                self._owed.add(topic)
+                self._moved_at[topic] = time.monotonic()
+                moved += [] if kind in moved else [kind]
+        # After a FeedError nothing moves, so any other one is raised first.
+        for kind, error in sorted(failures.items(), key=lambda failed: isinstance(failed[1], FeedError)):
+            if not sent or not isinstance(error, FeedError) or (kind in moved and not moves):
+                raise error
+        self.refused = "; ".join(map(str, failures.values()))
 
-def _type_to_send(topic: str, adverts: Sequence[Advert]) -> str:
-    types = [a.type for a in sorted(adverts, key=lambda a: {True: 0, None: 1, False: 2}[a.wanted]) if a.name == topic]
-    known = [kind for kind in types if kind in (TWIST, TWIST_STAMPED)]
-    others = [kind for kind in types if kind]
-    if others and not known:
-        raise FeedError(f"{topic} is {others[0]}, expected {TWIST} or {TWIST_STAMPED}")
-    return known[0] if known else TWIST
+
+def _types_to_send(topic: str, adverts: Iterable[Advert]) -> list[str]:
+    here = [advert for advert in adverts if advert.name == topic and advert.type]
+    known = [advert for advert in here if advert.type in (TWIST, TWIST_STAMPED)]
+    if here and not known:
+        raise FeedError(f"{topic} is {here[0].type}, expected {TWIST} or {TWIST_STAMPED}")
+    guessed = [advert.type for advert in sorted(known, key=lambda advert: advert.wanted is False)] or [TWIST]
+    return [advert.type for advert in known if advert.wanted] or guessed[:1]
 
 
 def twist(message_type: str, linear: float, angular: float) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from ._connection import Connection
 from ._driving import Driving
 from ._scan_iterator import scans_of
 from ._topics import Topic, table_of
-from .middleware import Middleware
+from .middleware import FeedError, Middleware
 
 if TYPE_CHECKING:
     from ._feed_view import FeedView
@@ -107,8 +107,8 @@ class Feed:
         Functions are called in a thread of their own, one at a time, with the newest message: a `Scan`, `Speed` or
         `Touch` if a widget can show the topic, else the message as received. Functions of a touch sensor get every
         message. The widgets of a topic name a function that raises, and one that has not returned for a second. A
-        function replaces the function of the same name in the notebook, and the functions that an earlier run of the
-        same cell connected.
+        function replaces the one that had its name before, in the notebook or in a module that is loaded again, and the
+        functions that an earlier run of the same cell connected.
 
         Args:
             topic: its name.
@@ -217,10 +217,13 @@ class Feed:
         """Publish zero now, and return when it is sent.
 
         Raises:
-            FeedError: zero was not sent. The text gives the reason, and whether zero is sent on reconnection.
+            FeedError: zero was not sent, now or when the feed was closed. The text gives the reason, and whether zero
+                is sent on reconnection.
         """
         if not self.connection.is_closed or self.connection.is_forked:
             self.driver.stop()
+        elif self.connection.unsent:
+            raise FeedError(f"cannot stop: zero could not be sent when the feed was closed: {self.connection.unsent}")
 
     @property
     def variables(self) -> Variables:

@@ -263,6 +263,34 @@ def test_a_hand_that_is_not_renewed_lets_programs_drive_again(watchdog: CommandW
     drive(watchdog, FORWARD)
 
 
+def test_a_speed_of_a_hand_holds_for_half_a_second_at_most_because_its_page_may_be_gone(
+    watchdog: CommandWatchdog, sink: Sink
+) -> None:
+    watchdog.take("hand")
+    watchdog.sent_in_time(watchdog.drive(FORWARD, hold=60.0, driver="hand"))
+    wait_for(lambda: sink.speeds[-1] == ZERO, "zero follows")
+    assert sink.got[-1][0] - sink.got[-2][0] < HOLD + 0.1
+    assert watchdog.driver == ""
+
+
+def test_an_interrupt_while_its_thread_starts_stops_it_and_starts_no_second_one(
+    watchdog: CommandWatchdog, sink: Sink, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start = threading.Thread.start
+
+    def interrupted(thread: threading.Thread) -> None:
+        monkeypatch.undo()
+        start(thread)
+        watchdog.stop()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(threading.Thread, "start", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        watchdog.drive(FORWARD, hold=60.0)
+    wait_for(lambda: sink.speeds == [ZERO], "zero is sent, and no speed")
+    assert len(threads()) == 1
+
+
 def test_observers_are_told_of_every_change_and_none_of_them_keeps_zero_from_being_sent(
     watchdog: CommandWatchdog, sink: Sink
 ) -> None:

@@ -1,6 +1,12 @@
-"""Pauses between attempts."""
+"""Pauses between attempts, and what a session may raise."""
 
-from robowidgets.feeds._threaded import FIRST, JITTER, LONGEST, Backoff
+import pytest
+
+from robowidgets.feeds import Listener
+from robowidgets.feeds._threaded import FIRST, JITTER, LONGEST, Backoff, ThreadedMiddleware
+
+from ..waiting import wait_for
+from .ears import Ears
 
 
 def test_the_pauses_double_up_to_a_longest_one_and_are_never_longer_than_said():
@@ -21,3 +27,28 @@ def test_the_first_pause_is_short_again_once_it_worked():
         backoff.next_pause()
     backoff.reset()
     assert backoff.next_pause() <= FIRST
+
+
+class Failing(ThreadedMiddleware):
+    """Its first session raises what no middleware expects."""
+
+    sessions = 0
+
+    def _run_session(self, _listener: Listener) -> str:
+        self.sessions += 1
+        if self.sessions == 1:
+            raise KeyError("what nobody thought of")
+        self._closed.wait()
+        return ""
+
+    def _wake(self) -> None:
+        pass
+
+
+def test_whatever_a_session_raises_is_logged_and_another_one_follows(caplog: pytest.LogCaptureFixture) -> None:
+    middleware, ears = Failing(), Ears()
+    middleware._start_thread("robowidgets-failing", ears)
+    wait_for(lambda: middleware.sessions == 2, "the next session")
+    middleware.close()
+    assert ears.lost == ["KeyError: 'what nobody thought of'"]
+    assert "KeyError" in caplog.text

@@ -66,6 +66,50 @@ def test_the_message_is_the_one_that_the_robot_listens_to(driven: Driven, there:
     assert script.sent[0][1] == f"geometry_msgs/msg/{kind}"
 
 
+def taking(script: Scripted, kind: str, error: Exception) -> Callable[..., None]:
+    """A `publish` of the script that takes this type only."""
+    publish = script.publish
+
+    def picky(topic: str, given: str, message: Mapping[str, Any]) -> None:
+        if given != kind:
+            raise error
+        publish(topic, given, message)
+
+    return picky
+
+
+@pytest.mark.parametrize(("kind", "other"), [(CMD_VEL.type, STAMPED.type), (STAMPED.type, CMD_VEL.type)])
+def test_subscribers_of_both_types_get_each_speed_and_one_that_cannot_get_it_is_told(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch, kind: str, other: str
+) -> None:
+    feed, script = driven(CMD_VEL, STAMPED, hold=60.0)
+    with monkeypatch.context() as patch:
+        patch.setattr(script, "publish", taking(script, kind, FeedError(f"no {other} here")))
+        feed.drive(0.1)
+        feed.stop()
+        assert [sent for _, sent, _ in script.sent] == [kind, kind]
+        assert feed.drive_status == f"no {other} here"
+    feed.drive(0.1)
+    wait_for(lambda: {sent for _, sent, _ in script.sent[-2:]} == {kind, other}, "both get the next one")
+    assert script.speeds == [(0.1, 0.0), (0.0, 0.0), (0.1, 0.0), (0.1, 0.0)]
+    assert feed.drive_status == ""
+    with monkeypatch.context() as patch:
+        patch.setattr(script, "publish", taking(script, kind, FeedError(f"no {other} any more")))
+        with pytest.raises(FeedError, match=f"no {other} any more"):
+            feed.stop()
+
+
+def test_zero_follows_for_both_types_where_one_may_have_arrived(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = driven(CMD_VEL, STAMPED, hold=60.0)
+    with monkeypatch.context() as patch:
+        patch.setattr(script, "publish", taking(script, STAMPED.type, TimeoutError("the network hangs")))
+        with pytest.raises(FeedError, match="the network hangs"):
+            feed.drive(0.1)
+    wait_for(lambda: script.speeds[-2:] == [(0.0, 0.0)] * 2, "zero is sent", 5.0)
+
+
 def test_a_stamped_speed_does_not_carry_the_clock_of_this_machine(driven: Driven) -> None:
     feed, script = driven(STAMPED)
     feed.drive(0.1, 0.2)
@@ -83,7 +127,8 @@ def test_who_heard_a_speed_hears_its_end_whoever_listens_by_then(driven: Driven)
     feed.drive(0.3)
     script.listener.on_topics([CMD_VEL._replace(type="std_msgs/msg/String")])
     feed.stop()
-    assert (script.sent[-1][1], script.speeds[-1]) == (STAMPED.type, (0.0, 0.0))
+    assert {kind for _, kind, _ in script.sent[-2:]} == {STAMPED.type, CMD_VEL.type}
+    assert script.speeds[-2:] == [(0.0, 0.0)] * 2
 
 
 def test_what_one_type_raises_keeps_zero_from_no_other(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -91,7 +136,7 @@ def test_what_one_type_raises_keeps_zero_from_no_other(driven: Driven, monkeypat
     feed.drive(0.3)
     script.listener.on_topics([CMD_VEL, STAMPED])
     feed.drive(0.3)
-    wait_for(lambda: script.sent[-1][1] == CMD_VEL.type, "both types were sent")
+    wait_for(lambda: len(script.sent) == 3, "both types were sent")
     publish = script.publish
 
     def picky(topic: str, kind: str, message: Mapping[str, Any]) -> None:
@@ -342,6 +387,18 @@ def test_an_error_of_any_kind_does_not_keep_the_next_zero_from_being_sent(
         assert caplog.records[0].message == "the robot could not be told to stop: the wire is cut"
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "zero is sent")
     wait_for(lambda: _driving_threads() == [], "the thread ends")
+
+
+def test_stopping_a_feed_that_was_closed_without_a_zero_says_so(driven: Driven) -> None:
+    feed, script = driven(CMD_VEL)
+    feed.close()
+    feed.stop()
+    feed, script = driven(CMD_VEL)
+    feed.drive(0.3)
+    script.broken = "no route"
+    feed.close()
+    with pytest.raises(FeedError, match="cannot stop: zero could not be sent when the feed was closed: no route"):
+        feed.stop()
 
 
 def test_the_middleware_is_closed_whatever_keeps_zero_from_being_sent(

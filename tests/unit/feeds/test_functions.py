@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import importlib
 import threading
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from robowidgets import LaserWidget, Scan, Speed, Touch
+from robowidgets import LaserWidget, Scan, Speed, SpeedWidget, Touch
 from robowidgets.feeds import Advert, Feed, FeedError
 
 from ..waiting import wait_for
@@ -196,6 +198,40 @@ def test_a_function_of_the_same_name_in_the_notebook_takes_the_place_of_the_one_
     script.listener.on_message("/scan", scan())
     wait_for(lambda: got == ["second", "other"], "the newest is called")
     assert [function.name for function in feed.functions] == ["behave", "other"]
+
+
+def test_a_function_of_a_module_that_is_loaded_again_takes_the_place_of_the_one_before(
+    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = opened(SCAN, CMD_VEL)
+    file = tmp_path / "mine_to_reload.py"
+    file.write_text("got = []\ndef behave(scan): got.append('first')\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    module = importlib.import_module(file.stem)
+    feed.connect("/scan", module.behave)
+    file.write_text("got = []\ndef behave(scan): got.append('second version')\n")
+    importlib.reload(module)
+    feed.connect("/scan", module.behave)
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: module.got == ["second version"], "only the newest is called")
+    assert len(feed.functions) == 1
+    feed.disconnect("/scan", module.behave)
+    assert feed.functions == ()
+
+
+def test_no_observer_of_a_widget_runs_in_the_thread_that_carries_speeds(opened: Opened) -> None:
+    feed, script = opened(SCAN, CMD_VEL)
+    laser, speed, names = LaserWidget(), SpeedWidget(), []
+    for widget in (laser, speed):
+        widget.observe(lambda change: names.append(change["name"]))
+    feed.connect("/scan", laser)
+    feed.connect("/cmd_vel", speed.command)
+    names.clear()
+    feed.drive(0.1)
+    script.listener.on_message("/scan", scan())
+    script.lose()
+    assert "lost" in source(laser)["status"]
+    assert names == []
 
 
 def test_a_cell_that_is_run_again_replaces_all_that_it_connected(

@@ -60,6 +60,26 @@ def test_a_cell_that_raises_after_it_drove_sends_zero_at_once_one_that_ends_well
     wait_for(lambda: len(kernel.heard) == 4, "zero is sent long before the hold ends")
 
 
+def test_zero_does_not_wait_for_the_traceback_of_a_cell_or_of_a_script(kernel: Kernel, tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text("feed.drive(0.2)\n1 / 0\n")
+    assert kernel.run("slow", f"{HOLD}get_ipython()._showtraceback = lambda *_: time.sleep(2.0)")["status"] == "ok"
+    for cell in (script.read_text(), f"%run -i {script}"):
+        kernel.run("badly", cell)
+        (moved, *_), (stopped, linear, _) = kernel.heard[-2:]
+        assert linear == 0.0
+        assert stopped - moved < 1.0
+
+
+def test_an_interrupt_of_a_cell_that_awaits_sends_zero_at_once(kernel: Kernel) -> None:
+    cell = kernel.start("await", f"{HOLD}import asyncio\nfeed.drive(0.2)\nawait asyncio.sleep(4.0)")
+    wait_for(lambda: kernel.heard, "it drives")
+    kernel.manager.interrupt_kernel()
+    wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero is sent")
+    assert kernel.heard[-1][0] - kernel.heard[0][0] < 2.0
+    kernel.end_of(cell)
+
+
 BEHAVE = """
 def behave(scan):
     {body}

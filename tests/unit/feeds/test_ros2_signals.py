@@ -73,8 +73,12 @@ def test_sigterm_sends_zero_and_lets_a_program_of_rclpy_end_itself(
 
 @pytest.mark.parametrize(
     ("program", "number"),
-    [(f"{INIT}\n{OPEN}", signal.SIGHUP), (f"{INIT}\n{OPEN}\nrclpy.shutdown()", signal.SIGTERM)],
-    ids=["SIGHUP", "SIGTERM after rclpy.shutdown"],
+    [
+        (f"{INIT}\n{OPEN}", signal.SIGHUP),
+        (f"{INIT}\n{OPEN}\nrclpy.shutdown()", signal.SIGTERM),
+        (f"{INIT}\nsignal.signal(signal.SIGTERM, signal.SIG_DFL)\n{OPEN}", signal.SIGTERM),
+    ],
+    ids=["SIGHUP", "SIGTERM after rclpy.shutdown", "SIGTERM that ends the process again"],
 )
 def test_a_signal_that_rclpy_does_not_handle_sends_zero_before_it_ends_the_process(
     ended: Callable[[str, int], tuple[int, str, float]], program: str, number: int
