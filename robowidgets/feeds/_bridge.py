@@ -43,6 +43,8 @@ class Bridge(ThreadedMiddleware):
         self._followed: frozenset[str] = frozenset()
         """The wanted topics, as far as this thread has subscribed to them."""
         self._received: set[str] = set()
+        self._too_big: frozenset[str] = frozenset()
+        """The wanted topics that are not subscribed to, because of a message that was too big."""
         self._pending: dict[str, deque[tuple[Read, Any]]] = {}
         self._begin()
 
@@ -70,6 +72,8 @@ class Bridge(ThreadedMiddleware):
 
     def _follow(self, topics: frozenset[str]) -> None:
         """Subscribe to these topics and no others. A topic that is requested anew may bring its last message again."""
+        self._too_big &= topics
+        topics -= self._too_big
         if self._socket is not None and self._socket.is_open:
             before, self._followed = self._followed, topics
             for topic in before - topics:
@@ -162,8 +166,7 @@ class Bridge(ThreadedMiddleware):
     def _give_up_too_big(self) -> None:
         """End the subscription whose message was too big; it is unknown which, so all without a message so far."""
         suspects = self._followed - self._received
-        with self._lock:
-            self._wanted -= suspects
+        self._too_big |= suspects
         among = f", or another of {', '.join(sorted(suspects))}," if len(suspects) > 1 else ""
         for topic in suspects:
             reason = f"{topic}{among} sent a message larger than {LARGEST // 1_000_000} MB: it is not listened to"

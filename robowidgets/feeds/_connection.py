@@ -63,8 +63,7 @@ class Connection(Observed):
         self._driven: str | None = None
         """The topic on which this feed publishes speeds and nobody else publishes anything."""
         self._opened = time.monotonic()
-        self._subscribed: set[str] = set()
-        self._subscribe = CoalescedCall(self._update_subscriptions)
+        self._subscribe = CoalescedCall(self._follow_connected)
         self.driver = Driver(self, middleware)
         self.watchdog = self.driver.watchdog
         self.programs = Programs(robot_of(self, is_deleted))
@@ -331,16 +330,13 @@ class Connection(Observed):
             if subscription is not None:
                 self._table.show(subscription)
 
-    def _update_subscriptions(self) -> None:
-        """Subscribe the middleware to the topics that are connected, and to no others."""
+    def _follow_connected(self) -> None:
+        """Have the middleware pass on the topics that are connected."""
         with self._changed:
-            wanted = self._subscribed if self.is_closed else set(self._table.by_topic)
+            topics = frozenset(self._table.by_topic)
         # Without the lock: the middleware may take a lock that one of its threads holds while it waits for ours.
-        for topic in wanted - self._subscribed:
-            self.middleware.subscribe(topic)
-        for topic in self._subscribed - wanted:
-            self.middleware.unsubscribe(topic)
-        self._subscribed = wanted
+        if not self.is_closed:
+            self.middleware.follow(topics)
 
 
 def _log_dropped(closed: Sequence[Any]) -> None:

@@ -49,17 +49,12 @@ class ThreadedMiddleware(ABC):
         """Reset by a session that has reached the robot."""
         self._thread: threading.Thread | None = None
 
-    def subscribe(self, topic: str) -> None:
+    def follow(self, topics: frozenset[str]) -> None:
         """See `Middleware`."""
         with self._lock:
-            self._wanted |= {topic}
-            self._wake()
-
-    def unsubscribe(self, topic: str) -> None:
-        """See `Middleware`."""
-        with self._lock:
-            self._wanted -= {topic}
-            self._wake()
+            if topics != self._wanted:
+                self._wanted = topics
+                self._wake()
 
     def close(self) -> None:
         """See `Middleware`."""

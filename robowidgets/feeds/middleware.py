@@ -79,11 +79,8 @@ class Middleware(Protocol):
     def open(self, listener: Listener) -> None:
         """Connect, and reconnect with growing pauses. FeedError when that can never work."""
 
-    def subscribe(self, topic: str) -> None:
-        """Pass on the messages of a topic, which may appear later, and again after a lost connection."""
-
-    def unsubscribe(self, topic: str) -> None:
-        """Pass on no more messages of a topic."""
+    def follow(self, topics: frozenset[str]) -> None:
+        """Pass on the messages of these topics, which may appear later, and of no others; also after reconnecting."""
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """Send a Twist or TwistStamped, given as its fields, and return when the network has taken it.

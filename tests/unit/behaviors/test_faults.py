@@ -181,7 +181,7 @@ def hang(scan):
         "feed.close()",
         "feed.connection.on_lost('no route', 1.0)",
         "feed.driving = feeds.Driving(hold=0.5, needs_page=True)",
-        "feed.connection.middleware.unsubscribe('/scan')",
+        "feed.connection.middleware.follow(frozenset())",
     ],
 )
 def test_a_robot_that_is_closed_lost_blind_or_unseen_gets_zero(kernel: Kernel, cell: str) -> None:

@@ -23,6 +23,7 @@ class Scripted:
 
     def __init__(self, *topics: Advert, connected: bool = True) -> None:
         self.asked: list[tuple[str, str]] = []
+        self._followed: frozenset[str] = frozenset()
         self.sent: list[tuple[str, str, Mapping[str, Any]]] = []
         self.closed = 0
         self.broken = ""
@@ -38,11 +39,10 @@ class Scripted:
             listener.on_connected()
             listener.on_topics(self._topics)
 
-    def subscribe(self, topic: str) -> None:
-        self.asked.append(("subscribe", topic))
-
-    def unsubscribe(self, topic: str) -> None:
-        self.asked.append(("unsubscribe", topic))
+    def follow(self, topics: frozenset[str]) -> None:
+        self.asked += [("subscribe", topic) for topic in topics - self._followed]
+        self.asked += [("unsubscribe", topic) for topic in self._followed - topics]
+        self._followed = topics
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         if self.broken or not self.reachable:

@@ -132,7 +132,7 @@ def counts(heard: Ears) -> set[int]:
 
 
 def test_a_scan_comes_with_its_topic_and_type(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0, 2.5], 0.5)
     topic, message = heard.messages[0]
     assert (topic, list(message.ranges), message.header.frame_id) == ("/scan", [1.0, 2.5], "laser")
@@ -141,7 +141,7 @@ def test_a_scan_comes_with_its_topic_and_type(dds: Dds, heard: Ears, robot: Robo
 
 
 def test_a_publisher_that_was_killed_and_restarted_is_heard_again(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
     robot.kill()
     again = Robot()
@@ -151,7 +151,7 @@ def test_a_publisher_that_was_killed_and_restarted_is_heard_again(dds: Dds, hear
 
 def test_two_publishers_with_different_geometry_are_both_heard(dds: Dds, heard: Ears, robot: Robot) -> None:
     other = Robot()
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: 1 in counts(heard), "the one came", "/scan", "LaserScan", [1.0], 0.5)
     publish_until(other, lambda: 3 in counts(heard), "the other came", "/scan", "LaserScan", [1.0, 2.0, 3.0], 0.1)
     publish_until(robot, lambda: len(heard.messages[-1][1].ranges) == 1, "the one again", "/scan", "LaserScan", [1], 1)
@@ -159,8 +159,7 @@ def test_two_publishers_with_different_geometry_are_both_heard(dds: Dds, heard: 
 
 
 def test_events_that_come_at_once_all_come(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/scan")
-    dds.subscribe("/bump")
+    dds.follow(frozenset({"/scan", "/bump"}))
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
     publish_until(robot, lambda: heard.messages[-1][0] == "/bump", "a bump came", "/bump", "Twist", 0.0)
     held, go_on = threading.Event(), threading.Event()
@@ -186,7 +185,7 @@ def test_events_that_come_at_once_all_come(dds: Dds, heard: Ears, robot: Robot) 
 
 
 def test_a_topic_that_changes_its_type_is_heard_on(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/speed")
+    dds.follow(frozenset({"/speed"}))
     publish_until(robot, lambda: heard.messages, "a Twist came", "/speed", "Twist", 0.5)
     robot.do("stop", "/speed", "Twist")
     publish_until(
@@ -197,13 +196,13 @@ def test_a_topic_that_changes_its_type_is_heard_on(dds: Dds, heard: Ears, robot:
 def test_a_latched_message_comes_to_those_who_come_late(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.do("latch", "/map_scan", "LaserScan", [4.0], 0.5)
     wait_for(lambda: heard.topics, "the topic is known")
-    dds.subscribe("/map_scan")
+    dds.follow(frozenset({"/map_scan"}))
     wait_for(lambda: heard.messages, "the kept scan came")
     assert list(heard.messages[0][1].ranges) == [4.0]
 
 
 def test_a_type_that_nobody_defines_is_named(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/riddle")
+    dds.follow(frozenset({"/riddle"}))
     publish_until(robot, lambda: heard.troubles, "it is said", "/riddle", "Mystery", "?")
     assert heard.words("/riddle") == (
         "/riddle comes as nobody_msgs/msg/Mystery, a type that is not known here; "
@@ -212,7 +211,7 @@ def test_a_type_that_nobody_defines_is_named(dds: Dds, heard: Ears, robot: Robot
 
 
 def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.troubles, "it is said", "/scan", "OtherScan", "no scan")
     assert heard.words("/scan") == (
         "a publisher of /scan defines the fields of its type in another way, so its messages do not come"
@@ -245,16 +244,16 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
 ) -> None:
     other = Robot()
     scan = "/scan", "LaserScan", [1.0], 0.5
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(other, lambda: heard.messages, "a scan came", *scan)
     before = memory()
     for _ in range(2):
         heard.messages.clear()
         robot.do("latch", "/image", "Image", 100_000_000)
-        dds.subscribe("/image")
+        dds.follow(frozenset({"/scan", "/image"}))
         publish_until(other, lambda: "/image" in [topic for topic, _ in heard.messages], "the image came", *scan)
         publish_until(other, lambda: heard.messages[-1][0] == "/scan", "scans go on", *scan)
-        dds.unsubscribe("/image")
+        dds.follow(frozenset({"/scan"}))
     came = [(topic, len(message.data) if topic == "/image" else 0) for topic, message in heard.messages]
     assert came.index(("/image", 100_000_000)) > 10, "scans came while it was under way"
     heard.messages.clear()
@@ -318,7 +317,7 @@ def test_a_speed_is_sent_while_a_message_is_handed_on(dds: Dds, heard: Ears, rob
         assert go_on.wait(20.0)
 
     heard.then = hold
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, held.is_set, "it is busy", "/scan", "LaserScan", [1.0], 0.5)
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
     assert robot.heard()["linear"]["x"] == 0.25
@@ -329,7 +328,7 @@ def test_speeds_are_sent_at_once_while_scans_come_at_a_high_rate(dds: Dds, heard
     other = Robot()
     robot.do("flood", "/scan", "LaserScan", 0.002, [1.0] * 1040, 0.006)
     other.hear("/cmd_vel", "Twist")
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     wait_for(lambda: heard.messages and "/cmd_vel" in {topic.name for topic in heard.topics or ()}, "both are known")
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     assert other.heard()["linear"]["x"] == 0.0
@@ -414,7 +413,7 @@ def test_closing_does_not_wait_for_long_for_a_message_that_is_handed_on(
         assert go_on.wait(20.0)
 
     heard.then = hold
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, held.is_set, "it is busy", "/scan", "LaserScan", [1.0], 0.5)
     dds.close()
     assert not go_on.is_set(), "closed before the message was handed on"
@@ -465,7 +464,7 @@ def test_another_subscriber_hears_what_one_does_not(dds: Dds, heard: Ears, robot
 def test_a_range_of_any_distribution_is_read(
     dds: Dds, heard: Ears, robot: Robot, do: str, kind: str, values: list[float]
 ) -> None:
-    dds.subscribe("/sonar")
+    dds.follow(frozenset({"/sonar"}))
 
     def came() -> bool:
         robot.do(do, "/sonar", kind, *values)
@@ -490,7 +489,7 @@ def test_a_range_of_a_publisher_that_does_not_describe_it_is_read_by_the_definit
 
 
 def test_our_readers_say_the_hash_of_their_type_as_ros_expects(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
     robot.do("subscribers", "/scan", "LaserScan")
     scan = "typehash=RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828;"
@@ -531,7 +530,7 @@ def test_node_names_are_understood_from_any_distribution_and_other_messages_igno
 
 
 def test_a_topic_is_gone_when_its_last_publisher_is(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
     robot.do("stop", "/scan", "LaserScan")
     wait_for(lambda: heard.topics == [], "it is gone")
@@ -550,10 +549,9 @@ def test_on_loopback_it_sends_from_there_and_listens_everywhere(heard: Ears) -> 
 
 
 def test_no_message_comes_after_unsubscribing(dds: Dds, heard: Ears, robot: Robot) -> None:
-    dds.subscribe("/scan")
-    dds.subscribe("/other")
+    dds.follow(frozenset({"/scan", "/other"}))
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
-    dds.unsubscribe("/scan")
+    dds.follow(frozenset({"/other"}))
     session = dds._session
     assert session is not None
     wait_for(lambda: not session.wishes, "nobody listens")
@@ -565,7 +563,7 @@ def test_no_message_comes_after_unsubscribing(dds: Dds, heard: Ears, robot: Robo
 
 def test_it_can_be_closed_twice_and_in_a_callback(dds: Dds, heard: Ears, robot: Robot) -> None:
     heard.then = lambda *_: dds.close()
-    dds.subscribe("/scan")
+    dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
     dds.close()
     dds.close()
@@ -580,7 +578,7 @@ def test_a_hundred_opens_and_closes_leave_no_thread_no_socket_and_no_memory() ->
         heard = Ears()
         dds = Dds(DOMAIN, interface="lo")
         dds.open(heard)
-        dds.subscribe("/scan")
+        dds.follow(frozenset({"/scan"}))
         wait_for(lambda: heard.connected, "it takes part")
         dds.close()
         there.append(weakref.ref(dds))

@@ -215,11 +215,11 @@ def test_words_for_what_cannot_be_connected(opened: Opened) -> None:
 def test_a_subscription_that_fails_does_not_block_the_next(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
     feed, script = opened(SCAN)
 
-    def refuse(topic: str) -> None:
-        raise FeedError(f"{topic} is no name of a topic")
+    def refuse(topics: frozenset[str]) -> None:
+        raise FeedError(f"{', '.join(topics)} is no name of a topic")
 
     with monkeypatch.context() as patch:
-        patch.setattr(script, "subscribe", refuse)
+        patch.setattr(script, "follow", refuse)
         with pytest.raises(FeedError, match="a b is no name"):
             feed.connect("a b", print)
     feed.connect("/scan", print)

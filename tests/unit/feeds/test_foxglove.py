@@ -59,8 +59,7 @@ def real() -> Iterator[Real]:
 def opened(address: str, ears: Ears, *topics: str) -> Foxglove:
     middleware = Foxglove(address)
     middleware.open(ears)
-    for topic in topics:
-        middleware.subscribe(topic)
+    middleware.follow(frozenset(topics))
     return middleware
 
 
@@ -132,9 +131,9 @@ def test_after_unsubscribing_nothing_comes_any_more(real: Real, ears: Ears) -> N
     middleware = opened(real.address, ears, "/scan")
     try:
         log_until(real, ears, cdr())
-        middleware.unsubscribe("/scan")
+        middleware.follow(frozenset())
         other = real.channel("/other", SCAN, definition())
-        middleware.subscribe("/other")
+        middleware.follow(frozenset({"/other"}))
         wait_for(lambda: other.log(cdr()) or ears.of("/other"), "what was asked for later came")
         before = len(ears.of("/scan"))
         count = len(ears.of("/other"))

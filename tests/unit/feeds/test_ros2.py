@@ -114,7 +114,7 @@ def subscriptions(graph: Graph) -> list[Any]:
 
 def subscribed(ros2: Ros2, graph: Graph, topic: str) -> Any:
     """The subscription to a topic, once whoever publishes it knows it."""
-    ros2.subscribe(topic)
+    ros2.follow(ros2._wanted | {topic})
     wait_for(lambda: any(s.topic_name == topic and s.others() for s in subscriptions(graph)), "it subscribed")
     return next(s for s in subscriptions(graph) if s.topic_name == topic)
 
@@ -166,7 +166,7 @@ def test_a_topic_that_appears_soon_after_the_start_is_told_soon(
 def test_a_topic_whose_name_ros_refuses_stops_nothing(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     offer(graph, "/a-topic of somebody else's", SCAN)
     offer(graph, "/scan", SCAN)
-    ros2.subscribe("/my scan")
+    ros2.follow(frozenset({"/my scan"}))
     subscribed(ros2, graph, "/scan")
     wait_for(lambda: [advert.name for advert in heard.topics or ()] == ["/scan"], "the others are told")
     assert heard.lost == []
@@ -266,7 +266,7 @@ def test_a_publisher_that_was_killed_and_restarted_is_heard_again(ros2: Ros2, gr
 
 def test_two_publishers_on_one_topic_are_both_heard(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     both = [offer(graph, "/scan", SCAN), offer(graph, "/scan", SCAN)]
-    ros2.subscribe("/scan")
+    ros2.follow(frozenset({"/scan"}))
     sent = []
     for rays, publisher in enumerate(both):
         wait_for(publisher.matches, "it subscribed")
@@ -290,7 +290,7 @@ def test_a_package_that_is_not_installed_is_named(ros2: Ros2, graph: Graph, hear
     known = get_message(SCAN)
     known.name = "x_msgs/msg/Bump"
     graph.node().create_publisher(known, "/bump", 1)
-    ros2.subscribe("/bump")
+    ros2.follow(frozenset({"/bump"}))
     wait_for(lambda: heard.troubles, "it is said")
     assert heard.words("/bump") == (
         "/bump comes as x_msgs/msg/Bump: the package x_msgs is not installed here, or lacks it; install "
@@ -302,7 +302,7 @@ def test_a_package_that_is_half_installed_is_trouble_of_its_topic_alone(ros2: Ro
     graph.broken.add(TWIST)
     offer(graph, "/speed", TWIST)
     offer(graph, "/scan", SCAN)
-    ros2.subscribe("/speed")
+    ros2.follow(frozenset({"/speed"}))
     subscribed(ros2, graph, "/scan")
     wait_for(lambda: heard.troubles, "it is told")
     assert heard.words("/speed") == f"/speed cannot be subscribed to as {TWIST}: no type support of {TWIST}"
@@ -492,7 +492,7 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_node(graph: Graph) ->
         heard = Ears()
         ros2 = Ros2(domain_id=7)
         ros2.open(heard)
-        ros2.subscribe("/scan")
+        ros2.follow(frozenset({"/scan"}))
         wait_for(lambda: heard.connected, "it is connected")  # noqa: B023
         ros2.close()
     assert (threading.active_count(), graph.nodes, len(graph.contexts)) == (threads, [], 100)
@@ -568,7 +568,7 @@ def test_what_is_asked_of_an_idle_feed_is_done_at_once(
         ros2.open(heard)
         wait_for(lambda: heard.topics, "the topics are known")  # noqa: B023
         began = time.monotonic()
-        ros2.subscribe("/scan")
+        ros2.follow(frozenset({"/scan"}))
         wait_for(lambda: subscriptions(graph), "it subscribed")
         subscribing.append(time.monotonic() - began)
         began = time.monotonic()

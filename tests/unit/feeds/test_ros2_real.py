@@ -87,7 +87,7 @@ def scan() -> Any:
 @pytest.mark.parametrize("qos", [qos_profile_sensor_data, QoSProfile(depth=5)], ids=["best-effort", "reliable"])
 def test_a_scan_comes(ros2: Ros2, heard: Ears, robot: Any, qos: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", qos)
-    ros2.subscribe("/scan")
+    ros2.follow(frozenset({"/scan"}))
     publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
     assert isinstance(heard.messages[0][1].ranges, array)
     assert Advert("/scan", SCAN, True, False) in heard.topics
@@ -97,7 +97,7 @@ def test_a_scan_comes(ros2: Ros2, heard: Ears, robot: Any, qos: Any) -> None:
 def test_a_latched_scan_comes_to_those_who_come_late(ros2: Ros2, heard: Ears, robot: Any) -> None:
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     robot.create_publisher(LaserScan, "/kept", qos).publish(scan())
-    ros2.subscribe("/kept")
+    ros2.follow(frozenset({"/kept"}))
     wait_for(lambda: heard.messages, "the kept scan came")
 
 
@@ -179,7 +179,7 @@ def test_of_a_node_only_the_domain_is_used(heard: Ears, robot: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", 1)
     ros2 = Ros2(robot)
     ros2.open(heard)
-    ros2.subscribe("/scan")
+    ros2.follow(frozenset({"/scan"}))
     publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
     ros2.close()
     assert ros2.where == f"ROS 2, domain {DOMAIN}"
@@ -193,17 +193,16 @@ def test_subscriptions_come_and_go_often(heard: Ears, robot: Any) -> None:
     ros2.open(heard)
     for _ in range(20):
         heard.messages.clear()
-        ros2.subscribe("/scan")
+        ros2.follow(frozenset({"/scan"}))
         publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
-        ros2.unsubscribe("/scan")
+        ros2.follow(frozenset())
     ros2.close()
     assert heard.lost == []
 
 
 def test_a_name_that_ros_refuses_stops_nothing(ros2: Ros2, heard: Ears, robot: Any) -> None:
     publisher = robot.create_publisher(LaserScan, "/scan", 1)
-    ros2.subscribe("/my scan")
-    ros2.subscribe("/scan")
+    ros2.follow(frozenset({"/my scan", "/scan"}))
     publish_until(publisher, scan(), lambda: heard.messages, "a scan came")
     with pytest.raises(FeedError, match="cannot publish on '/cmd vel'"):
         ros2.publish("/cmd vel", "geometry_msgs/msg/Twist", {})
@@ -216,7 +215,7 @@ def test_it_can_be_closed_in_a_callback_and_opened_again(heard: Ears, robot: Any
         ros2 = Ros2(domain_id=DOMAIN)
         again.then = lambda *_, ros2=ros2: ros2.close()
         ros2.open(again)
-        ros2.subscribe("/scan")
+        ros2.follow(frozenset({"/scan"}))
         publish_until(publisher, scan(), lambda again=again: again.messages, "a scan came")
         ros2.close()
         ros2.close()

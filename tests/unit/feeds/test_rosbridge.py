@@ -48,8 +48,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 def opened(address: str, ears: Ears, *topics: str) -> Rosbridge:
     middleware = Rosbridge(address)
     middleware.open(ears)
-    for topic in topics:
-        middleware.subscribe(topic)
+    middleware.follow(frozenset(topics))
     return middleware
 
 
@@ -216,12 +215,12 @@ def test_after_unsubscribing_nothing_is_asked_for_or_handed_on(ears: Ears) -> No
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
         subscription = dict(server.subscribed)
-        middleware.unsubscribe("/scan")
+        middleware.follow(frozenset())
         wait_for(lambda: not server.subscribed, "it unsubscribed")
         server.subscribed = subscription
         server.publish("/scan", scan(1.0))
         server.topics = {"/after": SCAN}
-        middleware.subscribe("/after")
+        middleware.follow(frozenset({"/after"}))
         wait_for(lambda: "/after" in server.subscribed, "it subscribed to another")
         server.publish("/after", scan(1.0))
         wait_for(lambda: ears.of("/after"), "what was sent later came")

@@ -38,7 +38,7 @@ def ears() -> Ears:
 def scanning(ears: Ears) -> Iterator[tuple[OldFoxglove, Foxglove]]:
     with OldFoxglove([channel(1)]) as server:
         middleware = Foxglove(server.address)
-        middleware.subscribe("/scan")  # before it is opened is as good as after
+        middleware.follow(frozenset({"/scan"}))  # before it is opened is as good as after
         middleware.open(ears)
         wait_for(lambda: server.subscribed, "it subscribed")
         yield server, middleware
@@ -382,7 +382,7 @@ def test_a_hundred_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears
 
         def once(wait: bool) -> None:
             middleware = Foxglove(server.address)
-            middleware.subscribe("/scan")
+            middleware.follow(frozenset({"/scan"}))
             before = ears.connected
             middleware.open(ears)
             if wait:
@@ -406,7 +406,7 @@ def test_frames_that_come_without_a_pause_keep_nobody_from_publishing_and_closin
     taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     server, middleware = taking
-    middleware.subscribe("/scan")
+    middleware.follow(frozenset({"/scan"}))
     wait_for(lambda: server.subscribed, "it subscribed")
     monkeypatch.setattr(_websocket, "_GOODBYE", 0.05)
     message = struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr()
