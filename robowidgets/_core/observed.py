@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from contextlib import suppress
+
+log = logging.getLogger("robowidgets")
 
 
 class Observed:
@@ -22,6 +25,13 @@ class Observed:
             self._observers.remove(on_change)
 
     def _call_observers(self) -> None:
-        """Call them; without a lock held, because an observer may take any."""
+        """Call them; without a lock held, because an observer may take any. An error of one is logged."""
         for on_change in list(self._observers):
-            on_change()
+            _call(on_change)
+
+
+def _call(on_change: Callable[[], None]) -> None:
+    try:
+        on_change()
+    except Exception:  # it may not end a thread that sends speeds
+        log.exception("a change could not be shown")

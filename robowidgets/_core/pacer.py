@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from .error_routing import ipython_shell
-from .platform_fixes import let_threads_print, shorten_switch_interval
+from .platform_fixes import let_threads_print, run_beside_debugger, shorten_switch_interval
 
 log = logging.getLogger("robowidgets")
 
@@ -135,6 +135,7 @@ class Pacer:
         shorten_switch_interval()
         let_threads_print()
         self._thread = threading.Thread(target=self._run, name="robowidgets-pacer", daemon=True)
+        run_beside_debugger(self._thread)
         self._thread.start()
         if not self._hooked:
             self._hooked = True

@@ -13,6 +13,7 @@ from typing import Any
 
 from .._core.log_once import LogOnce
 from .._core.observed import Observed
+from .._core.platform_fixes import run_beside_debugger
 from .._core.rate import RateMeter
 from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
@@ -209,6 +210,7 @@ class Program(Observed):
         self._thread.start()
         if self._monitor is None:
             self._monitor = threading.Thread(target=self._watch_steps, name="robowidgets-monitor", daemon=True)
+            run_beside_debugger(self._monitor)
             self._monitor.start()
 
     def _leave(self) -> None:

@@ -13,6 +13,7 @@ from weakref import WeakSet
 
 from .._core.cells import on_failed_cell
 from .._core.observed import Observed
+from .._core.platform_fixes import run_beside_debugger
 from .._core.user_threads import is_abandoned
 
 log = logging.getLogger("robowidgets")
@@ -236,14 +237,6 @@ class CommandWatchdog(Observed):
             raise TimeoutError(f"the function that sends speeds has not returned for {self.busy_for:.1f} s")
         request.result()
 
-    # -- observers -----------------------------------------------------------------------------------------------------
-
-    def _call_observers(self) -> None:
-        try:
-            super()._call_observers()
-        except Exception:  # no observer may keep zero from being sent
-            log.exception("a change of the driven speed could not be shown")
-
     # -- within --------------------------------------------------------------------------------------------------------
 
     def _hand_now(self) -> str:
@@ -262,13 +255,15 @@ class CommandWatchdog(Observed):
 
     def _wake(self) -> None:
         if self._thread is None:
-            # Noted before it starts: an interrupt meanwhile finds it here, and starts no second one.
-            self._thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
+            thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
+            run_beside_debugger(thread)
             _running.add(self)
+            self._thread = thread  # before it starts: the handler of an interrupt meanwhile starts no second one
             try:
-                self._thread.start()
-            except RuntimeError:  # the system has no more threads
-                self._thread = None
+                thread.start()
+            except BaseException:
+                if thread.ident is None:
+                    self._thread = None
                 raise
         self._changed.notify_all()
 
@@ -394,7 +389,7 @@ def stop_all(timeout: float = SEND_TIMEOUT) -> None:
 
 def _stop_driven_by_cell() -> None:
     for watchdog in list(_running):
-        if watchdog._from_cell:
+        if watchdog._from_cell and watchdog.owes_zero:
             watchdog.stop()
 
 

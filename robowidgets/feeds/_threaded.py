@@ -8,6 +8,7 @@ import threading
 from abc import ABC, abstractmethod
 
 from .._core.log_once import LogOnce
+from .._core.platform_fixes import run_beside_debugger
 from .middleware import CLOSE_TIMEOUT, Listener
 
 log = logging.getLogger("robowidgets")
@@ -67,6 +68,7 @@ class ThreadedMiddleware(ABC):
 
     def _start_thread(self, name: str, listener: Listener) -> None:
         self._thread = threading.Thread(target=self._run, args=(listener,), name=name, daemon=True)
+        run_beside_debugger(self._thread)
         self._thread.start()
 
     def _run(self, listener: Listener) -> None:

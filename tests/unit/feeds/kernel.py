@@ -77,6 +77,15 @@ class Kernel:
         """Run a cell to its end."""
         return self.end_of(self.start(cell, code))
 
+    def debug(self, command: str, **arguments: Any) -> dict[str, Any]:
+        """Request something of the kernel's debugger, as JupyterLab does; returns its reply."""
+        request = self._client.session.msg("debug_request", {"type": "request", "command": command, "seq": 1})
+        request["content"]["arguments"] = arguments
+        self._client.control_channel.send(request)
+        reply: dict[str, Any] = self._client.get_control_msg(timeout=60)["content"]
+        assert reply["success"], reply
+        return dict(reply.get("body", {}))
+
     @property
     def heard(self) -> list[tuple[float, float, float]]:
         """When which speeds reached the robot, by the monotonic clock of the machine."""

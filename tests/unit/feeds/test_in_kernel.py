@@ -80,6 +80,17 @@ def test_an_interrupt_of_a_cell_that_awaits_sends_zero_at_once(kernel: Kernel) -
     kernel.end_of(cell)
 
 
+def test_a_breakpoint_holds_a_cell_but_not_the_zero(kernel: Kernel) -> None:
+    code = "while True:\n    feed.drive(0.2)\n    time.sleep(0.05)\n"
+    kernel.debug("initialize", adapterID="", pathFormat="path", linesStartAt1=True)
+    kernel.debug("attach")
+    source = {"path": kernel.debug("dumpCell", code=code)["sourcePath"]}
+    kernel.debug("setBreakpoints", source=source, breakpoints=[{"line": 3}])
+    kernel.debug("configurationDone")
+    kernel.start("held", code)
+    wait_for(lambda: [linear for _, linear, _ in kernel.heard] == [0.2, 0.0], "it drives once, and zero follows")
+
+
 BEHAVE = """
 def behave(scan):
     {body}
