@@ -454,7 +454,7 @@ def test_a_hundred_opens_and_closes_leave_no_thread_and_no_memory() -> None:
     gc.collect()
     after, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert set(threading.enumerate()) <= before
+    wait_for(lambda: set(threading.enumerate()) <= before, "every thread has ended")
     assert [ref for ref in there if ref() is not None] == []
     assert after - settled < 100_000
 
