@@ -88,7 +88,7 @@ interface Seen {
 function host(): Seen {
   const seen: Seen = {
     on: {},
-    state: {},
+    state: { _about: {} },
     host: {
       get: (name: string) => seen.state[name] as never,
       set_state: (state) => Object.assign(seen.state, state),
@@ -199,6 +199,13 @@ test("a widget that shows earlier samples gets those up to the one on show, and 
   assert.deepEqual(recent()?.at(-1), { frame_id: "1" });
   set({ paused: false });
   assert.deepEqual(recent()?.at(-1), { frame_id: "2" });
+  state._about = { numbers: { r: 1 } };
+  set({ trail: 0 });
+  assert.deepEqual(
+    (state._recent as { at: number }[]).map(({ at }) => at),
+    [0, 500, 1000, 1500, 2000, 2500],
+    "numbers over time need all of them, with their times",
+  );
   end();
 });
 

@@ -30,17 +30,17 @@ const [first, second, now] = [scanOf([1]), scanOf([2]), scanOf([3])];
 
 test("without a pose of the scan on show, those before it are where the scanner is", () => {
   const placed = placeScans([
-    { frame: first, about: { pose: [1, 2, 3] } },
-    { frame: now, about: {} },
+    { scan: first, pose: [1, 2, 3] },
+    { scan: now, pose: undefined },
   ]);
   assert.deepEqual(placed, [{ scan: first, x: 0, y: 0, turn: 0 }]);
 });
 
 test("with it they are placed by theirs, and those without one are left out", () => {
   const placed = placeScans([
-    { frame: first, about: {} },
-    { frame: second, about: { pose: [3, 1, 0] } },
-    { frame: now, about: { pose: [2, 1, Math.PI / 2] } },
+    { scan: first, pose: undefined },
+    { scan: second, pose: [3, 1, 0] },
+    { scan: now, pose: [2, 1, Math.PI / 2] },
   ]);
   assert.equal(placed.length, 1);
   const [{ scan, x, y, turn } = assert.fail()] = placed;
@@ -59,7 +59,8 @@ test("the last scans are those up to the one on show, frozen and stepped back, o
   const fake = new FakeModel({ paused: false, history: 30, _about: {}, _source: {} });
   const controller = new AbortController();
   const stream = new Stream(fake.model, decodeScan, controller.signal);
-  const numbers = (count: number) => stream.last(count).map(({ frame, about }) => [frame.sequence, about.pose?.[0]]);
+  const numbers = (count: number) =>
+    stream.last(count).map((one) => [stream.frameOf(one).sequence, one.about.pose?.[0]]);
   assert.deepEqual(numbers(3), []);
   for (let i = 1; i <= 5; i++) fake.receive({ _frame: frame(i), _about: { pose: [i / 10, 0, 0] } });
   assert.deepEqual(numbers(3), [
@@ -67,8 +68,8 @@ test("the last scans are those up to the one on show, frozen and stepped back, o
     [4, 0.4],
     [5, 0.5],
   ]);
-  const [{ frame: newest } = assert.fail()] = stream.last(1);
-  assert.equal(stream.last(1)[0]?.frame, newest, "decoded once");
+  const [newest = assert.fail()] = stream.last(1);
+  assert.equal(stream.frameOf(newest), stream.frameOf(newest), "decoded once");
   stream.freeze();
   fake.receive({ _frame: frame(6) });
   stream.step(-3);

@@ -41,7 +41,7 @@ export class SpreadLayer implements Layer {
   get #spread(): Spread | null {
     const count = this.#model.get("spread");
     if (!count) return null;
-    const scans = this.#stream.last(count).map(({ frame }) => frame);
+    const scans = this.#stream.last(count).map((moment) => this.#stream.frameOf(moment));
     const known = this.#known?.scans;
     if (known?.length !== scans.length || scans.some((scan, i) => scan !== known[i])) {
       this.#known = { scans, spread: spreadOf(scans) };

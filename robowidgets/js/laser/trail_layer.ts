@@ -27,7 +27,8 @@ export class TrailLayer implements Layer {
   painters(): Partial<Record<Depth, Painter>> {
     const { model, stream } = this.#host;
     const trail = model.get("trail");
-    this.#placed = trail ? placeScans(stream.last(trail + 1)) : [];
+    const moments = trail ? stream.last(trail + 1) : [];
+    this.#placed = placeScans(moments.map((moment) => ({ scan: stream.frameOf(moment), pose: moment.about.pose })));
     if (!this.#placed.length) return {};
     this.#image ??= new TrailImage();
     const image = this.#image;
@@ -43,10 +44,10 @@ export class TrailLayer implements Layer {
   }
 }
 
-/** A scan, with the pose of its scanner in the frame of odometry where that is known. */
+/** A scan, and where its scanner was in the frame of odometry, where that is known. */
 interface Past {
-  frame: Scan;
-  about: Pick<About, "pose">;
+  scan: Scan;
+  pose: About["pose"];
 }
 
 /** A scan, and where its scanner was in the frame of the scanner now: metres, and radians that it was turned. */
@@ -60,10 +61,10 @@ export interface Placed extends Point {
  * those without one are left out; else they are where the scanner is.
  */
 export function placeScans(scans: Past[]): Placed[] {
-  const here = scans.at(-1)?.about.pose;
-  if (!here) return scans.slice(0, -1).map(({ frame: scan }) => ({ scan, x: 0, y: 0, turn: 0 }));
+  const here = scans.at(-1)?.pose;
+  if (!here) return scans.slice(0, -1).map(({ scan }) => ({ scan, x: 0, y: 0, turn: 0 }));
   const [cos, sin] = [Math.cos(here[2]), Math.sin(here[2])];
-  return scans.slice(0, -1).flatMap(({ frame: scan, about: { pose } }) => {
+  return scans.slice(0, -1).flatMap(({ scan, pose }) => {
     if (!pose) return [];
     const [dx, dy] = [pose[0] - here[0], pose[1] - here[1]];
     return [{ scan, x: cos * dx + sin * dy, y: cos * dy - sin * dx, turn: pose[2] - here[2] }];

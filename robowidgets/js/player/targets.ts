@@ -3,6 +3,9 @@ import type { About } from "../shared/traits.ts";
 import type { Host, Target } from "./moved.ts";
 import type { Segments, Shown } from "./segments.ts";
 
+/** Samples that are given at most. */
+const MOST = 600;
+
 /** The models of the widgets that show frames, and what each of them shows. */
 export class Targets {
   readonly models: Host<Target>[];
@@ -51,17 +54,22 @@ export class Targets {
     }
   }
 
-  /** Gives widgets that show earlier samples, too, the last ones up to the one that each of them shows. */
+  /** Gives widgets that show earlier samples, too, or numbers over time, the last ones up to the one on show. */
   giveRecent(segments: Segments, time: number, frozenAt: number | null): void {
     for (const [i, target] of this.models.entries()) {
       const before = target.get("_recent");
-      const count = Math.max(target.get("trail") ?? 0, (target.get("spread") ?? 0) - 1);
+      const scans = Math.max(target.get("trail") ?? 0, (target.get("spread") ?? 0) - 1);
+      const count = target.get("_about").numbers ? MOST : scans;
       if (!before && count <= 0) continue;
       const found = segments.upTo(i, (target.get("paused") ? frozenAt : null) ?? time, count + 1);
       const isSame = found.length === before?.length && found.every(({ frame }, j) => frame.bytes === before[j]?.bytes);
       if (isSame) continue;
       target.set_state({
-        _recent: found.map(({ track, frame }) => ({ ...frame, at: NaN, about: track.abouts[frame.about] ?? {} })),
+        _recent: found.map(({ track, frame }) => ({
+          ...frame,
+          at: 1000 * frame.time,
+          about: track.abouts[frame.about] ?? {},
+        })),
       });
     }
   }

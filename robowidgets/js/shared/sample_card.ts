@@ -119,7 +119,7 @@ export class SampleCard extends Card {
 
   /** Draws the numbers that the program plots, up to the sample on show. */
   #drawNumbers(): void {
-    const { about, moments, place, paused } = this.#stream;
+    const { about, paused } = this.#stream;
     const hasSome = about.numbers !== undefined;
     if (hasSome && !this.#lines) {
       this.#lines = this.#makeLines();
@@ -127,8 +127,8 @@ export class SampleCard extends Card {
     }
     if (!this.#lines) return;
     this.#lines.root.hidden = !hasSome;
-    const shown = moments.slice(0, (place?.index ?? moments.length - 1) + 1);
-    if (hasSome) this.#lines.draw(toNumberLines(shown), SECONDS, paused ? "frozen" : "now", this.theme);
+    if (hasSome)
+      this.#lines.draw(toNumberLines(this.#stream.last(Infinity)), SECONDS, paused ? "frozen" : "now", this.theme);
   }
 
   /** Shows facts, rate and silence of the source; calls itself again while the source is silent. */

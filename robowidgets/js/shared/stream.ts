@@ -159,20 +159,19 @@ export class Stream<F extends Frame> implements Member {
     return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
   }
 
-  /**
-   * The last samples up to the one on show, oldest first, at most so many: of the history, or as a player gives them.
-   * Each is decoded once, and comes with its time of arrival and what is said of it.
-   */
-  last(count: number): { frame: F; at: number; about: About }[] {
+  /** The last samples up to the one on show, oldest first, at most so many: of the history, or as a player gives them. */
+  last(count: number): Moment[] {
     const { moments } = this.#history;
     // In a notebook that was saved there are no bytes in it.
     const given = (this.#model as Model<Recent>).get("_recent")?.filter(({ bytes }) => bytes instanceof DataView);
-    const kept = given ?? moments.slice(0, (this.place?.index ?? moments.length - 1) + 1);
-    return kept.slice(-count).map(({ bytes, at, about }) => {
-      const frame = this.#frames.get(bytes) ?? this.#decode(bytes);
-      this.#frames.set(bytes, frame);
-      return { frame, at, about };
-    });
+    return (given ?? moments.slice(0, (this.place?.index ?? moments.length - 1) + 1)).slice(-count);
+  }
+
+  /** What a sample says, decoded once. */
+  frameOf({ bytes }: Moment): F {
+    const frame = this.#frames.get(bytes) ?? this.#decode(bytes);
+    this.#frames.set(bytes, frame);
+    return frame;
   }
 
   /** What is said of the samples of the history, oldest first, each with its sequence number and its arrival. */

@@ -183,7 +183,8 @@ export class SpeedView {
     // Samples that are picked from a recording come at no time of their own.
     const isLive = !Number.isNaN(rate);
     const end = paused ? "frozen" : isLive ? "now" : "no live speeds";
-    const samples = isLive ? this.#stream.last(Infinity) : [];
+    const moments = isLive ? this.#stream.last(Infinity) : [];
+    const samples = moments.map((moment) => ({ at: moment.at, frame: this.#stream.frameOf(moment) }));
     this.#lines.draw(toTimeLines(samples, groups, seconds), seconds, end, this.#card.theme, ratio);
   }
 
