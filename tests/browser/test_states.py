@@ -33,7 +33,7 @@ def test_states_stand_on_player_and_scanogram_are_named_and_lead_to_their_time(
     static_page: Callable[[Path], Page],
     tmp_path: Path,
 ) -> None:
-    file = program_run.write(tmp_path / "run.mcap")
+    file = program_run.write(tmp_path / "run")
     nb = plain_page([SHOW.format(path=str(file))], scale=2)
     player, scanogram = nb.page.locator(".rw-player"), nb.page.locator(".rw-scanogram")
     band, slider = player.locator(".rw-play-states"), player.locator("input[type=range]")

@@ -20,7 +20,7 @@ def spans(*given: tuple[tuple[float, float], str]) -> list[StateSpan]:
 
 
 def test_states_and_versions_of_a_recording_are_data(tmp_path: Path) -> None:
-    with robowidgets.open(program_run.write(tmp_path / "run.mcap")) as recording:
+    with robowidgets.open(program_run.write(tmp_path / "run")) as recording:
         assert recording.states == (
             StateSpan(0, 4, "Walker.forward"),
             StateSpan(4, 5, "Walker.avoid.stop"),
@@ -41,7 +41,7 @@ def test_states_and_versions_of_a_recording_are_data(tmp_path: Path) -> None:
 
 
 def test_the_player_and_the_scanogram_of_a_recording_show_its_states(tmp_path: Path) -> None:
-    recording = robowidgets.open(program_run.write(tmp_path / "run.mcap"))
+    recording = robowidgets.open(program_run.write(tmp_path / "run"))
     outer = [(0, 4, "Walker.forward"), (4, 7, "Walker.avoid"), (7, 10, "Walker.forward")]
     inner = [(4, 5, "Walker.avoid.stop"), (5, 7, "Walker.avoid.turn_left")]
     with recording:
