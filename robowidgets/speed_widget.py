@@ -247,7 +247,7 @@ class SpeedWidget(RobotWidget[Reading]):
     def _to_judge(self, shown: Reading | None) -> Speed | None:
         return shown.measured if shown else None
 
-    def _newest_sample(self) -> Speed | None:
+    def _newest_measured(self) -> Speed | None:
         return self._reading.measured
 
     def _sample_on_show(self) -> Reading:

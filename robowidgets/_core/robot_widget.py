@@ -97,7 +97,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
         newest = self._newest
 
         def has_next() -> bool:
-            if self._newest_sample() is None:
+            if self._newest_measured() is None:
                 return False
             return not self.has_rate or (newest.is_new() and newest.age <= limit)
 
@@ -105,7 +105,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
             if not newest.wait_for(has_next, min(seconds, threading.TIMEOUT_MAX)):
                 raise TimeoutError(self._why_none(seconds))
             newest.take()
-            return self._newest_sample()
+            return self._newest_measured()
 
     def to_html(self, path: str | os.PathLike[str], *, title: str = "", note: str = "") -> Path:
         """Write a page with the widget as it is, and its history to play: one file, without a kernel or the web.
@@ -136,7 +136,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
 
     def _describe(self) -> str:
         """The sample on show in one line; empty before the first."""
-        sample = self._newest_sample()
+        sample = self._newest_measured()
         return "" if sample is None else repr(sample).strip("<>")
 
     def _pack(self, sample: S) -> bytes:
@@ -153,8 +153,8 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
             return self._unpack(self._frozen_frame) if self._frozen_frame else None
         return self._newest.sample
 
-    def _newest_sample(self) -> Any:
-        """The sample that `wait` returns; None before the first one."""
+    def _newest_measured(self) -> Any:
+        """The newest sample that was measured, not commanded, which `wait` returns; None before the first one."""
         return self._newest.sample
 
     def _longest_silence(self) -> float:
@@ -204,7 +204,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
     def _why_none(self, seconds: float) -> str:
         error = self._newest.about.get("error", "")
         reasons = [self._source.get("status", ""), f"what came could not be shown: {error}" if error else ""]
-        sample = self._newest_sample()
+        sample = self._newest_measured()
         if not self._source and not error and sample is None:
             reasons.append("no feed is connected to it; feed.connect(topic, widget) does that")
         why = "; ".join(filter(None, reasons))
@@ -307,7 +307,7 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
         return shown
 
     def _why_unknown(self) -> str:
-        if self._newest_sample() is None:
+        if self._newest_measured() is None:
             return f"no {self.sample_name} came"
         age = self._newest.age
         if self.goes_stale and self.has_rate and age > self._longest_silence():

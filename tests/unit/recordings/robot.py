@@ -18,6 +18,7 @@ _TYPES = {
     "/bumper": "kobuki_ros_interfaces/msg/BumperEvent",
     "/log": "std_msgs/msg/String",
 }
+_AT_ORIGIN = {"pose": {"orientation": {"w": 1.0}}}
 
 
 def write(
@@ -59,9 +60,6 @@ def write(
     types = {robot + topic: name for robot in robots for topic, name in _TYPES.items()}
     of_all = ((at, robot + topic, fields) for at, topic, fields in messages for robot in robots)
     return recorded.write(folder, types, of_all)
-
-
-_AT_ORIGIN = {"pose": {"orientation": {"w": 1.0}}}
 
 
 def _scan(header: dict[str, Any], distance: float, swapped: bool) -> dict[str, Any]:
