@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from math import dist, inf, pi
 from typing import Any
 
 from ..behaviors.simulation import function_of, simulate
 from ..samples import Scan
 from ..simulator import Robot, Scanner, World
-from ._bounded import BrokenError, WrongError, bounded, call, number
-from ._case import Answer, Case
+from ._bounded import BrokenError, WrongError, bounded
+from ._case import Answer, Case, nearest_in, touches
 
-_EXACT_M = 0.02
 _WALL_AHEAD = (2.5, -4.0, 2.5, 4.0)
 
 
@@ -26,26 +26,14 @@ def wall_ahead() -> Sequence[Case]:
     chair_leg = World([_WALL_AHEAD], [(1.2, 0.15, 0.02)])
     failing = Scanner(dropout=0.2)
     circle = Scanner(360, 2 * pi)
+    ahead = partial(nearest_in, ("-20deg", "20deg"))
     return [
-        _ahead("a wall ahead", Robot(world, seed=11).scan(), "take the nearest of all rays there"),
-        _ahead("a wall close beside", Robot(beside, seed=11).scan(), "look 20 degrees to both sides, and no farther"),
-        _ahead("a chair leg", Robot(chair_leg, seed=11).scan(), "one ray is not enough: take a sector"),
-        _ahead("rays that fail", Robot(world, scanner=failing, seed=11).scan(), "nan is no distance"),
-        _ahead("another scanner", Robot(world, scanner=circle, seed=11).scan(), "ask for angles, not for a slice"),
+        ahead("a wall ahead", Robot(world, seed=11).scan(), ": take the nearest of all rays there"),
+        ahead("a wall close beside", Robot(beside, seed=11).scan(), ": look 20 degrees to both sides, and no farther"),
+        ahead("a chair leg", Robot(chair_leg, seed=11).scan(), ": one ray is not enough: take a sector"),
+        ahead("rays that fail", Robot(world, scanner=failing, seed=11).scan(), ": nan is no distance"),
+        ahead("another scanner", Robot(world, scanner=circle, seed=11).scan(), ": ask for angles, not for a slice"),
     ]
-
-
-def _ahead(title: str, scan: Scan, hint: str = "") -> Case:
-    sector = ("-20deg", "20deg")
-    expected, ray = scan.distance(sector), scan.nearest(sector=sector)
-
-    def judge(answer: Answer) -> None:
-        given = number(call(answer, scan), "distance in metres")
-        if not abs(given - expected) <= _EXACT_M:
-            at = f", at ranges[{ray.index}]" if ray else ""
-            raise WrongError(f"you returned {given:.4g}; it is {expected:.2f} m{at}" + (f": {hint}" if hint else ""))
-
-    return Case(title, scan, judge)
 
 
 # -- stop before a wall ------------------------------------------------------------------------------------------------
@@ -65,7 +53,7 @@ def _stop(title: str, world: World, hint: str = ": drive closer") -> Case:
     def judge(answer: Answer) -> None:
         robot = Robot(world, seed=12)
         for _ in _steps(answer, robot, 25):
-            if _touches(robot):
+            if touches(robot):
                 raise WrongError(f"it hit a wall at {robot.time:.1f} s: return Drive() where the wall is near")
         left, speed = _WALL_AHEAD[0] - robot.pose.x, robot.speed().linear[0]
         if abs(speed) > 0.02:
@@ -108,7 +96,7 @@ def _follow(title: str, world: World, seconds: float) -> Case:
         for _ in _steps(answer, robot, seconds):
             distance = world.clearance(*robot.pose[:2])
             way, before = way + dist(before[:2], robot.pose[:2]), robot.pose
-            if _touches(robot):
+            if touches(robot):
                 raise WrongError(f"it hit the wall at {robot.time:.1f} s: turn left sooner")
             if distance < 0.7 and arrived == inf:
                 arrived, way = robot.time, 0.0
@@ -156,17 +144,17 @@ class _Overlooked(Robot):
 def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
     def judge(answer: Answer) -> None:
         robot = _Overlooked(world, box)
-        touched_at, touches, was_touched = inf, 0, False
+        touched_at, bumps, was_touched = inf, 0, False
         for _ in _steps(answer, robot, 30):
-            touched = _touches(robot)
+            touched = touches(robot)
             if touched and not was_touched:
-                touched_at, touches = robot.time, touches + 1
+                touched_at, bumps = robot.time, bumps + 1
             was_touched = touched
             if touched and robot.time > touched_at + 1:
                 raise WrongError(f"it still pushes 1 s after it bumped into the box at {touched_at:.1f} s: drive back")
-            if touches > 3:
+            if bumps > 3:
                 raise WrongError("it bumped into the same box for the fourth time: after driving back, turn for longer")
-        if not touches:
+        if not bumps:
             raise WrongError("it did not come to the box within 30 s: drive on while there is room ahead")
         if dist(robot.pose[:2], box[:2]) < 0.8:
             raise WrongError("30 s later it is still beside the box: after driving back, turn, and drive on")
@@ -187,7 +175,3 @@ def _steps(program: Any, robot: Robot, seconds: float) -> Iterator[None]:
         raise BrokenError(str(error)) from None
     if robot.pose == start and seconds > 10:
         raise BrokenError(f"it did not move in {seconds:g} s: does it return a Drive with a speed?")
-
-
-def _touches(robot: Robot) -> bool:
-    return any(robot.touch().touched.values())

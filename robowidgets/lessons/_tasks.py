@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from math import inf, isnan, nan, pi
 
 import numpy as np
@@ -11,10 +12,9 @@ import numpy as np
 from ..samples import Scan, Touch, TouchMode
 from ..simulator import Robot, Scanner, World
 from ._bounded import WrongError, call, number, pair, yes_or_no
-from ._case import Answer, Case
+from ._case import Answer, Case, nearest_in, touches
 
 _STEP_S = 0.1
-_EXACT_M = 0.02
 
 
 # -- nearest on the left -----------------------------------------------------------------------------------------------
@@ -27,30 +27,20 @@ def nearest_on_the_left() -> Sequence[Case]:
     circle = Robot(World.rooms(), (4.6, -2.0, 0.0), scanner=Scanner(360, 2 * pi), seed=5).scan()
     zeros = replace(hall, ranges=np.where(np.arange(len(hall)) % 3 == 0, np.float32(0), hall.ranges))
     free = Robot(World([(2.0, -4.0, 2.0, 1.5)]), seed=6).scan()
+    on_the_left = partial(nearest_in, "left")
     return [
-        _nearest("a hall", hall),
-        _nearest("something near on the right", near_right, 'look on the left alone: scan.distance("left")'),
-        _nearest(
+        on_the_left("a hall", hall),
+        on_the_left("something near on the right", near_right, '. Look on the left alone: scan.distance("left")'),
+        on_the_left(
             "a scanner that counts clockwise",
             _clockwise(circle),
-            "its left has other indices: ask for angles, not for a slice",
+            ". Its left has other indices: ask for angles, not for a slice",
         ),
-        _nearest("a scanner that sends 0.0 for nothing", zeros, "0.0 is its code for nothing seen, and no distance"),
-        _nearest("nothing on the left", free, "the least of nothing is inf: there is room"),
+        on_the_left(
+            "a scanner that sends 0.0 for nothing", zeros, ". 0.0 is its code for nothing seen, and no distance"
+        ),
+        on_the_left("nothing on the left", free, ". The least of nothing is inf: there is room"),
     ]
-
-
-def _nearest(title: str, scan: Scan, hint: str = "") -> Case:
-    expected, ray = scan.distance("left"), scan.nearest("left")
-
-    def judge(answer: Answer) -> None:
-        given = number(call(answer, scan), "distance in metres")
-        if given == expected or abs(given - expected) <= _EXACT_M:
-            return
-        what = f"it is {expected:.2f} m, at ranges[{ray.index}]" if ray else "nothing is met there, which is inf"
-        raise WrongError(f"you returned {given:.4g}; {what}" + (f". {_capital(hint)}" if hint else ""))
-
-    return Case(title, scan, judge)
 
 
 def _clockwise(scan: Scan) -> Scan:
@@ -127,7 +117,7 @@ def _stop(title: str, world: World, wall: float, hint: str = "") -> Case:
         while robot.time < 25:
             robot.drive(number(call(answer, robot.scan()), "speed forward in m/s"), 0.0)
             robot.step(_STEP_S)
-            if any(robot.touch().touched.values()):
+            if touches(robot):
                 raise WrongError(f"it hit the wall at {robot.time:.1f} s. Slow down earlier")
         left, speed = wall - robot.pose.x, robot.speed().linear[0]
         if abs(speed) > 0.02:
@@ -222,7 +212,3 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
             raise WrongError(f"{where} it drives with {slowest_outside:.2f} m/s: 0.5 m/s is asked for")
 
     return Case(title, at_door, judge)
-
-
-def _capital(hint: str) -> str:
-    return hint[:1].upper() + hint[1:]
