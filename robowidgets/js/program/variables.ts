@@ -58,7 +58,7 @@ class Row {
   readonly kind: Kind;
   readonly #input = make("input", "");
   readonly #value = make("b", "rw-variable-value");
-  readonly #unit = make("span", "rw-word");
+  readonly #unit = make("span", "rw-variable-unit");
   readonly #tick = make("i", "rw-variable-tick");
   readonly #set: (value: number | boolean) => void;
   #setAt = Number.NEGATIVE_INFINITY;

@@ -34,7 +34,7 @@ export class Legend {
     this.#scale.append(this.#near, this.#bar, this.#far);
     this.#key.append(this.#scale, this.#classes);
     // The picture shows the time in pixels only.
-    const cursor = make("span", "rw-scanogram-cursor", "t ");
+    const cursor = make("span", "rw-scanogram-cursor rw-unseen", "t ");
     cursor.append(this.#time);
     this.#state.append(this.#selected, this.#clear, cursor);
   }

@@ -15,7 +15,7 @@ export class Card {
   readonly #title = make("span", "rw-title");
   readonly #facts = make("span", "rw-facts");
   readonly #notice: Notice;
-  readonly #live = make("div", "rw-live");
+  readonly #live = make("div", "rw-live rw-unseen");
   readonly #kind: string;
   readonly #model: Model<CardTraits>;
   #theme: Theme | null = null;
