@@ -31,6 +31,7 @@ def test_a_number_is_shown_and_played(plain_page: Callable[..., PlainPage], tmp_
     nb = plain_page([f"{player}\ndisplay(player.bar, player.views[0].widget)"])
     value = nb.output(0).locator(".rw-number-value")
     expect(value).to_have_text("2 m")
+    expect(nb.output(0).get_by_role("button", name="Save as PNG")).to_be_visible()
     nb.python("player.time = 3.0")
     expect(value).to_have_text("1.7000000476837158 m")
     shoot(nb.output(0), "fourth-kind")

@@ -5,7 +5,7 @@ import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { type Model, onChange, onMessage } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
-import { applyTheme, watchTheme } from "../shared/theme.ts";
+import { followTheme } from "../shared/theme.ts";
 import { watchInput } from "./input.ts";
 import { CENTER, type Knob, toPlace } from "./knob.ts";
 import { type Answer, PressLease } from "./press.ts";
@@ -45,7 +45,7 @@ export class DriveView {
     this.#buttons = new StopButtons(this.#root, this.#stop, signal);
     this.#build();
     mount(element, this.#root, signal);
-    watchTheme(this.#redraw, signal);
+    followTheme(this.#root, signal);
     onChange(model, SETTINGS, this.#redraw, signal);
     onMessage(model, (answer: Answer) => this.#lease.onAnswer(answer), signal);
     watchInput(this.#pad, this, signal);
@@ -91,7 +91,6 @@ export class DriveView {
   #draw(): void {
     const [model, stop, { held }] = [this.#model, this.#stop, this.#lease];
     const { told } = stop;
-    applyTheme(this.#root);
     this.#header.hidden = !model.get("header");
     setText(this.#title, model.get("title") || "drive");
     this.#buttons.update();

@@ -1,5 +1,4 @@
-import type { Point } from "../shared/box.ts";
-import type { Size } from "../shared/canvas.ts";
+import type { Point, Size } from "../shared/box.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import type { Form } from "./code.ts";

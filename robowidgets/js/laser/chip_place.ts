@@ -1,5 +1,4 @@
-import { type Box, holds, overlaps, type Point } from "../shared/box.ts";
-import type { Size } from "../shared/canvas.ts";
+import { type Box, holds, overlaps, type Point, type Size } from "../shared/box.ts";
 import { crosses } from "../shared/popup_place.ts";
 import type { Theme } from "../shared/theme.ts";
 import { pointAt, rimOf } from "./draw_sector.ts";

@@ -80,8 +80,6 @@ export interface Host {
   readonly signal: AbortSignal;
   /** As it was drawn last. */
   readonly stage: Stage;
-  /** Draws the picture anew in the next animation frame. */
-  redraw(): void;
 }
 
 /** A pressed pointer that is moved. One of `end` and `cancel` is called last. */

@@ -31,7 +31,8 @@ export class RobotLayer implements Layer {
   };
 
   constructor(host: Host) {
-    const { model, signal, redraw } = host;
+    const { model, signal } = host;
+    const { redraw } = host.card;
     this.#host = host;
     this.#speed = new Companion(model, decodeSpeeds, redraw, signal);
     this.#touch = new Companion(model, decodeTouch, redraw, signal);

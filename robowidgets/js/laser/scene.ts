@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { Layer as Canvas, type Surface } from "../shared/canvas.ts";
+import { Canvas, type Surface } from "../shared/canvas.ts";
 import type { Scan } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
 import { Occupancy } from "../shared/occupancy.ts";

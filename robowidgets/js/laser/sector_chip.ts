@@ -42,7 +42,7 @@ export class SectorChip {
     const before = this.box;
     this.box = this.#placeBox(stage, before);
     // The line to it, and the labels that give way to it, were drawn before its place was known.
-    if (before?.x !== this.box?.x || before?.y !== this.box?.y) this.#host.redraw();
+    if (before?.x !== this.box?.x || before?.y !== this.box?.y) this.#host.card.redraw();
   }
 
   #placeBox(stage: Stage, before: Box | null): Box | null {

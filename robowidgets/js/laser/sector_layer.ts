@@ -182,7 +182,7 @@ export class SectorLayer implements Layer {
     } else if (!this.#edge) this.#begin();
     this.#edge = edge;
     this.say();
-    this.#host.redraw();
+    this.#host.card.redraw();
   }
 
   moveEdge(rays: number): void {
@@ -268,7 +268,7 @@ export class SectorLayer implements Layer {
 
   #leaveEdge(): void {
     this.#edge = null;
-    this.#host.redraw();
+    this.#host.card.redraw();
   }
 
   /** A ring round the nearest reading of the picked sector. */

@@ -43,7 +43,7 @@ export class ShapeLayer implements Layer {
     clearTimeout(this.#timer);
     const { about, paused } = this.#host.stream;
     const wait = paused ? Infinity : untilNext(about.shapes ?? [], this.#age(about));
-    if (Number.isFinite(wait)) this.#timer = setTimeout(() => this.#host.redraw(), wait + 1);
+    if (Number.isFinite(wait)) this.#timer = setTimeout(() => this.#host.card.redraw(), wait + 1);
   }
 
   /** A frozen picture shows what was drawn on its scan, however long ago that was. */

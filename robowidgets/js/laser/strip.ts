@@ -1,5 +1,5 @@
 import type { Point } from "../shared/box.ts";
-import { Layer as Canvas, type Surface, watchSize, write } from "../shared/canvas.ts";
+import { Canvas, type Surface, watchSize, write } from "../shared/canvas.ts";
 import { make, pointIn } from "../shared/dom.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { angleOf } from "../shared/frames/scan.ts";
@@ -25,7 +25,6 @@ export class Strip {
   readonly #layers: Layer[];
   readonly #canvas: Canvas;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
-  readonly #resize: (ratio?: number) => void;
 
   constructor(host: Host, layers: Layer[], signal: AbortSignal) {
     this.#host = host;
@@ -34,7 +33,7 @@ export class Strip {
     this.#canvas = new Canvas(this.root);
     host.card.picture.after(this.root);
     watchGestures(this.root, layers, null, signal, (event) => this.#toPicture(event));
-    this.#resize = watchSize(
+    watchSize(
       this.root,
       (size) => {
         this.#size = size;
@@ -44,23 +43,20 @@ export class Strip {
     );
   }
 
-  /** Draws it at once, at a pixel ratio or the screen's. */
-  resize(ratio?: number): void {
-    this.#resize(ratio);
-  }
-
   draw(): void {
     const { stage, card } = this.#host;
-    const { width, height } = this.#size;
+    // At the pixel ratio of the picture.
+    const size = { ...this.#size, ratio: card.size.ratio };
+    const { width, height } = size;
     if (!width) return;
     const { scan, sweep, projection } = stage;
     const { theme } = card;
-    const context = this.#canvas.begin(this.#size);
+    const context = this.#canvas.begin(size);
     const axes = { box: plotBox(width, height), count: sweep.count, viewRange: projection.viewRange };
     const strip: StripStage = {
       ...axes,
       scan,
-      size: this.#size,
+      size,
       xOf: (index) => toX(axes, index),
       yOf: (metres) => toY(axes, metres),
     };

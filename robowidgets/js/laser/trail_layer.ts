@@ -1,5 +1,4 @@
-import type { Point } from "../shared/box.ts";
-import type { Size } from "../shared/canvas.ts";
+import type { Point, Size } from "../shared/box.ts";
 import { make, setText } from "../shared/dom.ts";
 import { angleOf, READING, type Scan } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";

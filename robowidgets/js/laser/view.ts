@@ -1,12 +1,10 @@
-import { type Surface, watchSize } from "../shared/canvas.ts";
 import { boxWithin, make, makeButton, makeIcon, setLabel, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import type { Scan } from "../shared/frames/scan.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
-import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
-import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
+import { READING_MS, throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { ConditionLayer } from "./condition_layer.ts";
 import { FreeLayer } from "./free_layer.ts";
@@ -39,7 +37,6 @@ export class LaserView implements Host {
   readonly stream: Stream<Scan>;
   readonly card: SampleCard;
   readonly signal: AbortSignal;
-  readonly redraw: () => void;
   readonly #scene: Scene;
   /** From the ground up. */
   readonly #layers: Layer[];
@@ -51,22 +48,19 @@ export class LaserView implements Host {
   readonly #ghost: Ghost;
   readonly #tell: () => void;
   #strip: { view: Strip; end: AbortController } | null = null;
-  #size: Surface = { width: 0, height: 0, ratio: 1 };
 
   constructor(model: Model<LaserTraits>, element: HTMLElement, stream: Stream<Scan>, signal: AbortSignal) {
     this.model = model;
     this.stream = stream;
     this.signal = signal;
-    this.redraw = perAnimationFrame(() => this.#draw(), signal);
-    const tell = () => this.#legend.update(stream.shown, model.get("marks"), this.#viewRange, model.get("angle_unit"));
-    this.#tell = throttle(tell, READING_MS, signal);
-    this.card = new SampleCard(element, "laser", model, stream, this.redraw, signal);
+    this.#tell = throttle(() => this.#drawLegend(), READING_MS, signal);
+    this.card = new SampleCard(element, "laser", model, stream, (isNow) => this.#draw(isNow), signal);
     const { picture, footer } = this.card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";
     this.#scene = new Scene(model, picture);
     this.#legend = new Legend(footer, model, signal);
-    this.#ghost = new Ghost(model, stream, this.redraw, signal);
+    this.#ghost = new Ghost(model, stream, this.card.redraw, signal);
     const spread = new SpreadLayer(model, stream);
     this.#layers = [
       new FreeLayer(model, stream),
@@ -92,20 +86,9 @@ export class LaserView implements Host {
     this.#pin.append(makeIcon(GHOST));
     this.card.addControls(farther, this.#range, closer, this.#fit, this.#pin);
 
-    stream.listen(this.redraw, signal);
-    onChange(model, [...SETTINGS, "index_view", ...this.#layers.flatMap(({ traits }) => traits)], this.redraw, signal);
+    const traits = [...SETTINGS, "index_view", ...this.#layers.flatMap((layer) => layer.traits)] as const;
+    onChange(model, traits, this.card.redraw, signal);
     watchGestures(picture, this.#layers, this, signal);
-    const onSize = (size: Surface) => {
-      this.#size = size;
-      this.#draw();
-    };
-    const resize = watchSize(picture, onSize, signal);
-    const draw = (ratio?: number) => {
-      tell();
-      resize(ratio);
-      this.#strip?.view.resize(ratio);
-    };
-    offerPng(this.card, model, draw, signal);
   }
 
   get stage(): Stage {
@@ -138,8 +121,7 @@ export class LaserView implements Host {
     setTraits(this.model, { view_range: this.model.get("view_range") === "data" ? "sensor" : "data" });
   }
 
-  #draw(): void {
-    if (this.#size.width === 0) return;
+  #draw(isNow: boolean): void {
     const scan = this.stream.shown;
     const decided = scan && this.model.get("view_range") === "auto" ? decideRange(scan) : null;
     if (decided) setTraits(this.model, { view_range: decided });
@@ -148,8 +130,9 @@ export class LaserView implements Host {
     setText(this.#empty, scan ? empty.filter(Boolean).join("\n") : this.card.waiting("scan"));
     this.#empty.hidden = !this.#empty.textContent;
     const covered = this.#empty.hidden ? [] : [boxWithin(this.card.picture, this.#empty)];
-    this.#scene.draw(this.#layers, scan, this.#size, this.card.noticeHeight, covered, this.card.theme);
-    this.#tell();
+    this.#scene.draw(this.#layers, scan, this.card.size, this.card.noticeHeight, covered, this.card.theme);
+    if (isNow) this.#drawLegend();
+    else this.#tell();
     setText(this.#range, scan ? toShortMetres(this.#viewRange) : "");
     this.#fit.ariaPressed = String(this.model.get("view_range") === "data");
     for (const layer of [...this.#layers].reverse()) layer.place?.(this.stage);
@@ -158,6 +141,11 @@ export class LaserView implements Host {
     this.#pin.ariaPressed = String(hasGhost);
     setLabel(this.#pin, hasGhost ? "Remove the ghost (g)" : "Keep this scan as a ghost to compare with (g)");
     this.#drawStrip(hasGhost);
+  }
+
+  #drawLegend(): void {
+    const { shown } = this.stream;
+    this.#legend.update(shown, this.model.get("marks"), this.#viewRange, this.model.get("angle_unit"));
   }
 
   /** Draws the index view: while the trait asks for it, and below a ghost, whose difference it shows. */

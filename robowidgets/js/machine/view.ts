@@ -1,10 +1,8 @@
-import { type Size, watchSize } from "../shared/canvas.ts";
 import { make, setText } from "../shared/dom.ts";
 import { toFixed } from "../shared/format.ts";
 import { type Model, onChange } from "../shared/model.ts";
-import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
-import { perAnimationFrame, throttle } from "../shared/schedule.ts";
+import { throttle } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { MachineBand } from "./band.ts";
 import { Entries } from "./entries.ts";
@@ -33,7 +31,6 @@ export class MachineView {
   readonly #rate = make("span", "");
   readonly #text = make("canvas", "").getContext("2d");
   readonly #sayActive: () => void;
-  #width = 0;
   #placed = "";
   #active = "";
   #said = "";
@@ -49,28 +46,24 @@ export class MachineView {
     this.#model = model;
     this.#stream = stream;
     this.#outlines = outlines;
-    const redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#card = new SampleCard(element, "machine", model, stream, redraw, signal);
+    this.#card = new SampleCard(element, "machine", model, stream, () => this.#draw(), signal);
     this.#entries = new Entries(({ at }) => this.#show(at), signal);
-    this.#band = new MachineBand((time) => this.#show(time), redraw, signal);
+    this.#band = new MachineBand((time) => this.#show(time), this.#card.redraw, signal);
     this.#card.picture.append(this.#picture.root, this.#empty);
     this.#card.picture.after(this.#entries.root, this.#band.root);
     const pace = make("span", "");
     pace.append(this.#time, " \u00b7 ", this.#rate);
     this.#card.footer.append(pace);
     this.#sayActive = throttle(() => this.#say(), SAY_MS, signal);
-    stream.listen(redraw, signal);
-    onChange(model, ["_outline"], redraw, signal);
-    const onSize = ({ width }: Size) => {
-      this.#width = width;
-      redraw();
-    };
-    watchSize(this.#card.root, onSize, signal);
-    offerPng(this.#card, model, () => this.#draw(), signal);
+    onChange(model, ["_outline"], this.#card.redraw, signal);
+  }
+
+  /** Of the card: the picture leaves room for what fired where there is some. */
+  get #width(): number {
+    return this.#card.root.clientWidth;
   }
 
   #draw(): void {
-    if (this.#width === 0) return;
     const step = this.#stream.shown;
     const { mode = "running", version, fired = [], states = [] } = this.#stream.about as MachineAbout;
     const { key = "", machines = [] } = this.#outlines.of(step?.key);

@@ -1,5 +1,5 @@
+import type { Size } from "../shared/box.ts";
 import { Reader, toBytes } from "../shared/bytes.ts";
-import type { Size } from "../shared/canvas.ts";
 import { BELOW, type Bounds, MARGIN, type Place, type Pose } from "../shared/floor.ts";
 import { firstWhere } from "../shared/search.ts";
 import { type Frame, readHead } from "../shared/stream.ts";

@@ -1,15 +1,13 @@
-import { Layer, type Surface, watchSize } from "../shared/canvas.ts";
+import { Canvas } from "../shared/canvas.ts";
 import { make, pointIn, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
 import { toFixed, toMetres } from "../shared/format.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { Occupancy } from "../shared/occupancy.ts";
-import { offerPng } from "../shared/png.ts";
 import { Popup, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
 import { SampleCard } from "../shared/sample_card.ts";
-import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Picking } from "../shared/traits.ts";
 import { drawGrid, drawPath } from "./draw.ts";
@@ -35,13 +33,11 @@ export class PathView {
   readonly #model: Model<PathTraits & Picking>;
   readonly #stream: Stream<PoseFrame>;
   readonly #card: SampleCard;
-  readonly #layer: Layer;
+  readonly #canvas: Canvas;
   readonly #popup: Popup;
   readonly #empty = make("div", "rw-empty");
   readonly #pose = make("span", "rw-strong");
   readonly #way = make("span", "");
-  readonly #redraw: () => void;
-  #surface: Surface = { width: 0, height: 0, ratio: 1 };
   #projection: Projection | null = null;
   #points: Point[] = [];
   /** Those on show, up to the present pose and after it. */
@@ -57,37 +53,28 @@ export class PathView {
   ) {
     this.#model = model;
     this.#stream = stream;
-    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#card = new SampleCard(element, "path", model, stream, this.#redraw, signal);
+    this.#card = new SampleCard(element, "path", model, stream, () => this.#draw(), signal);
     const { picture, footer, root } = this.#card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";
-    this.#layer = new Layer(picture);
+    this.#canvas = new Canvas(picture);
     this.#popup = new Popup(picture);
     picture.append(this.#empty);
     footer.append(this.#pose, this.#way);
-    stream.listen(this.#redraw, signal);
     onChange(model, ["_path"], () => this.#onPath(), signal);
     on(picture, "pointermove", (event) => this.#onPointer(event), signal);
     on(picture, "pointerleave", () => this.#onPointer(null), signal);
     on(picture, "click", (event) => this.#onClick(event), signal);
     on(root, "keydown", (event) => this.#onKey(event), signal);
     this.#onPath();
-    const onSize = (surface: Surface) => {
-      this.#surface = surface;
-      this.#draw();
-    };
-    offerPng(this.#card, model, watchSize(picture, onSize, signal), signal);
   }
 
   #onPath(): void {
     this.#points = toPoints(this.#model.get("_path"));
-    this.#redraw();
+    this.#card.redraw();
   }
 
   #draw(): void {
-    const { width, height } = this.#surface;
-    if (!width || !height) return;
     const card = this.#card;
     const now = this.#stream.shown;
     card.update([this.#stream.about.frame_id ?? ""], "pose");
@@ -96,11 +83,11 @@ export class PathView {
     const parts = now ? splitAt(this.#points, now) : { before: [], after: [] };
     this.#shown = [...parts.before, ...parts.after];
     const top = card.noticeHeight;
-    const room = { width, height: height - top };
+    const room = { width: card.size.width, height: card.size.height - top };
     const bounds = boundsOf(this.#shown, room);
     const projection = fit(bounds, room, top);
     this.#projection = projection;
-    const context = this.#layer.begin(this.#surface);
+    const context = this.#canvas.begin(card.size);
     drawGrid(context, projection, card.theme);
     const named = now && this.#named;
     if (now) drawPath(context, projection, parts, now, named, card.theme);
@@ -127,7 +114,7 @@ export class PathView {
       this.#popup.hide();
       return;
     }
-    const { width, height } = this.#surface;
+    const { width, height } = this.#card.size;
     const at = toPixel(this.#projection, named);
     const path = new Occupancy(width, height);
     for (const point of this.#shown) {
@@ -147,7 +134,7 @@ export class PathView {
   #onPointer(event: PointerEvent | null): void {
     if (event?.pointerType === "touch") return;
     this.#pointer = event && pointIn(this.#card.picture, event);
-    this.#redraw();
+    this.#card.redraw();
   }
 
   #onClick(event: MouseEvent): void {
@@ -162,7 +149,7 @@ export class PathView {
     const isInPlayer = this.#model.get("_picked") !== undefined;
     this.#picked = isInPlayer ? null : point;
     if (isInPlayer && point) this.#model.set("_picked", point.time);
-    this.#redraw();
+    this.#card.redraw();
   }
 
   #onKey(event: KeyboardEvent): void {
@@ -178,6 +165,6 @@ export class PathView {
       if (this.#picked) this.#card.say(toSentence(describePoint(this.#picked, now)));
     } else return;
     event.preventDefault();
-    this.#redraw();
+    this.#card.redraw();
   }
 }

@@ -6,7 +6,7 @@ import { type Model, NO_KERNEL, setTraits } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { StateBand } from "../shared/states/band.ts";
 import { statesAt, toWords } from "../shared/states/states.ts";
-import { applyTheme, type Theme, watchTheme } from "../shared/theme.ts";
+import { followTheme, type Theme } from "../shared/theme.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import { MarkList } from "./mark_list.ts";
 import type { Playback } from "./playback.ts";
@@ -41,7 +41,7 @@ export class PlayerBar {
   readonly #note = make("div", "rw-play-note");
   readonly #list: MarkList;
   readonly #states: StateBand;
-  #theme: Theme | null = null;
+  readonly #theme: () => Theme;
   #drawn: unknown[] = [];
   #icon = "";
 
@@ -85,11 +85,7 @@ export class PlayerBar {
     mount(element, this.#root, signal);
 
     playback.listen(draw, signal);
-    const onTheme = () => {
-      this.#theme = null;
-      draw();
-    };
-    watchTheme(onTheme, signal);
+    this.#theme = followTheme(this.#root, signal, draw);
     draw();
   }
 
@@ -138,7 +134,6 @@ export class PlayerBar {
 
   #draw(): void {
     const { time, shown, begin, duration, playing, waits } = this.#playback;
-    this.#theme ??= applyTheme(this.#root);
     setText(this.#time, toFixed(shown, DECIMALS));
     const whole = toFixed(duration, DECIMALS);
     setText(this.#duration, ` / ${whole} s`);
@@ -152,7 +147,7 @@ export class PlayerBar {
     const active = statesAt(states, time).map(([, , path]) => toWords(path));
     const state = active.length ? `, ${active.at(-1)}` : "";
     this.#slider.ariaValueText = `${toFixed(time, DECIMALS)} of ${whole} seconds${state}`;
-    this.#states.update(states, [begin, duration], shown, this.#theme);
+    this.#states.update(states, [begin, duration], shown, this.#theme());
     const icon = playing ? PAUSE : PLAY;
     if (this.#icon !== icon) {
       this.#icon = icon;

@@ -6,7 +6,7 @@ import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import type { Model } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
-import { applyTheme, watchTheme } from "../shared/theme.ts";
+import { followTheme } from "../shared/theme.ts";
 import { toCode, toMode, toNotice } from "./text.ts";
 import type { Program, ProgramTraits } from "./traits.ts";
 import { VariableRows } from "./variables.ts";
@@ -47,7 +47,7 @@ export class ProgramView {
     on(window, "keydown", ({ key }) => key === "Escape" && this.#variables.cancel(), signal, { capture: true });
     this.#build();
     mount(element, this.#root, signal);
-    watchTheme(redraw, signal);
+    followTheme(this.#root, signal);
     this.#draw();
   }
 
@@ -89,7 +89,6 @@ export class ProgramView {
   }
 
   #draw(): void {
-    applyTheme(this.#root);
     this.#buttons.update();
     const told = this.#model.get("_state");
     const program = this.#program;

@@ -1,4 +1,4 @@
-import type { Size } from "../shared/canvas.ts";
+import type { Size } from "../shared/box.ts";
 import { ROW, ROW_STEP } from "../shared/states/states.ts";
 import type { Whole } from "./data.ts";
 

@@ -1,4 +1,4 @@
-import { Layer, type Surface } from "../shared/canvas.ts";
+import { Canvas, type Surface } from "../shared/canvas.ts";
 import {
   cutName,
   drawActive,
@@ -35,8 +35,8 @@ export class Scene {
   rows = NO_ROWS;
   /** Metres of the nearest and the farthest colour. */
   colors: [number, number] = [0, 1];
-  readonly #base: Layer;
-  readonly #top: Layer;
+  readonly #base: Canvas;
+  readonly #top: Canvas;
   readonly #pixels = document.createElement("canvas");
   #size: Surface = { width: 0, height: 0, ratio: 1 };
   #whole: Whole | null = null;
@@ -45,8 +45,8 @@ export class Scene {
   #palette: { key: string; colors: Uint32Array } | null = null;
 
   constructor(parent: HTMLElement) {
-    this.#base = new Layer(parent);
-    this.#top = new Layer(parent);
+    this.#base = new Canvas(parent);
+    this.#top = new Canvas(parent);
   }
 
   /** Columns of the picture on the screen. */

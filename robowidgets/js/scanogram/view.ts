@@ -1,5 +1,4 @@
-import type { Point } from "../shared/box.ts";
-import { type Size, type Surface, watchSize } from "../shared/canvas.ts";
+import type { Point, Size } from "../shared/box.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, setText } from "../shared/dom.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
@@ -37,9 +36,7 @@ export class ScanogramView {
   readonly #chip = make("div", "rw-scanogram-chip");
   readonly #all: HTMLButtonElement;
   readonly #median: HTMLButtonElement;
-  readonly #redraw: () => void;
   readonly #redrawTop: () => void;
-  #size: Surface = { width: 0, height: 0, ratio: 1 };
   #pointer: Point | null = null;
   /** A selection that is being dragged. */
   #draft: number[] | null = null;
@@ -47,9 +44,8 @@ export class ScanogramView {
   constructor(model: Model<ScanogramTraits & Pointing>, element: HTMLElement, state: State, signal: AbortSignal) {
     this.#model = model;
     this.#state = state;
-    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#redrawTop = perAnimationFrame(() => this.#drawTop(), signal);
-    this.#card = new Card(element, "scanogram", model, this.#redraw, signal);
+    this.#card = new Card(element, "scanogram", model, () => this.#draw(), signal);
     const { picture } = this.#card;
     this.#scene = new Scene(picture);
     this.#legend = new Legend(this.#card, () => this.onClear(), signal);
@@ -61,13 +57,9 @@ export class ScanogramView {
     this.#median = makeButton("", MEDIAN, () => this.#onMedian(), signal, "Median");
     this.#card.controls.append(this.#median, farther, closer, this.#all);
     onChange(model, ["time", "selection", "_ray"], this.#redrawTop, signal);
-    state.listen(this.#redraw, signal);
+    state.listen(this.#card.redraw, signal);
     watchGestures(picture, this, signal);
-    const onSize = (size: Surface) => {
-      this.#size = size;
-      this.#draw();
-    };
-    offerPng(this.#card, model, watchSize(picture, onSize, signal), signal);
+    offerPng(this.#card, model, signal);
   }
 
   onHover(point: Point | null): void {
@@ -171,7 +163,6 @@ export class ScanogramView {
 
   #draw(): void {
     const { whole, view } = this.#state;
-    if (!this.#size.width) return;
     const { error, notes = [] } = this.#model.get("_about");
     this.#card.updateFrame(error ? [error, ...notes] : notes, error ? "error" : "note");
     this.#card.updateFacts(whole ? toFacts(whole) : []);
@@ -183,10 +174,10 @@ export class ScanogramView {
     this.#chip.hidden = !this.#state.waits && !this.#state.lacksPixels;
     this.#median.ariaPressed = String(this.#state.pixel === "median");
     this.#all.disabled = lengthOf(view) >= lengthOf(whole?.span);
-    const { theme } = this.#card;
-    this.#scene.measure(this.#size, whole, this.#state.states, view, this.#card.noticeHeight);
+    const { theme, size } = this.#card;
+    this.#scene.measure(size, whole, this.#state.states, view, this.#card.noticeHeight);
     this.#scene.drawBase(this.#state, theme);
-    this.#legend.place(this.#model.get("header"), this.#model.get("footer"), this.#size.width);
+    this.#legend.place(this.#model.get("header"), this.#model.get("footer"), size.width);
     this.#legend.drawKey(whole, this.#scene.colors, theme);
     this.#state.look(view, this.#scene.columns);
     this.#drawTop();
@@ -210,7 +201,7 @@ export class ScanogramView {
     if (!found) this.#popup.hide();
     else {
       const at = { x: toX(this.#scene.axis, found.time), y: found.y };
-      this.#popup.show(found.words, (size) => placeBeside(size, this.#size, at));
+      this.#popup.show(found.words, (size) => placeBeside(size, this.#card.size, at));
     }
     return typeof time === "number" ? { time, row: found?.row ?? null } : null;
   }

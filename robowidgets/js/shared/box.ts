@@ -1,8 +1,11 @@
-import type { Size } from "./canvas.ts";
-
 export interface Point {
   x: number;
   y: number;
+}
+
+export interface Size {
+  width: number;
+  height: number;
 }
 
 /** A rectangle, from its left upper corner. */

@@ -1,10 +1,6 @@
+import type { Size } from "./box.ts";
 import { make } from "./dom.ts";
 import { on, onAbort } from "./events.ts";
-
-export interface Size {
-  width: number;
-  height: number;
-}
 
 /** The size of a picture, and how many device pixels each of its pixels has. */
 export interface Surface extends Size {
@@ -12,29 +8,28 @@ export interface Surface extends Size {
 }
 
 /** A canvas that stays sharp at any pixel ratio; drawn on in CSS pixels. */
-export class Layer {
-  readonly canvas: HTMLCanvasElement;
+export class Canvas {
   readonly context: CanvasRenderingContext2D;
+  readonly #element = make("canvas", "rw-layer");
 
   constructor(parent: HTMLElement) {
-    const canvas = make("canvas", "rw-layer");
-    canvas.ariaHidden = "true";
-    const context = canvas.getContext("2d");
+    this.#element.ariaHidden = "true";
+    const context = this.#element.getContext("2d");
     if (!context) throw new Error("robowidgets: no 2D canvas here");
-    this.canvas = canvas;
     this.context = context;
-    parent.append(canvas);
+    parent.append(this.#element);
   }
 
-  /** Clears the layer for a picture of this size. */
+  /** Clears it for a picture of this size. */
   begin({ width, height, ratio }: Surface): CanvasRenderingContext2D {
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-    if (this.canvas.width !== w || this.canvas.height !== h) {
-      this.canvas.width = w;
-      this.canvas.height = h;
+    const element = this.#element;
+    if (element.width !== w || element.height !== h) {
+      element.width = w;
+      element.height = h;
       // The box of the element may differ by a fraction of a pixel; a canvas scaled to it would be blurred.
-      this.canvas.style.width = `${width}px`;
-      this.canvas.style.height = `${height}px`;
+      element.style.width = `${width}px`;
+      element.style.height = `${height}px`;
     }
     this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.context.clearRect(0, 0, width, height);
@@ -68,19 +63,15 @@ export function write(
   context.fillText(text, x, y);
 }
 
-/**
- * Calls back with the size of an element now, and whenever the size or the pixel ratio changes.
- *
- * @returns a function that calls back at once, with a given pixel ratio or the screen's
- */
-export function watchSize(
-  element: HTMLElement,
-  callback: (size: Surface) => void,
-  signal: AbortSignal,
-): (ratio?: number) => void {
-  const tell = (ratio = devicePixelRatio) =>
-    callback({ width: element.clientWidth, height: element.clientHeight, ratio });
-  const observer = new ResizeObserver(() => tell());
+/** The size of an element, at a pixel ratio or the screen's. */
+export function sizeOf({ clientWidth, clientHeight }: HTMLElement, ratio = devicePixelRatio): Surface {
+  return { width: clientWidth, height: clientHeight, ratio };
+}
+
+/** Calls back with the size of an element soon, and whenever the size or the pixel ratio changes. */
+export function watchSize(element: HTMLElement, callback: (size: Surface) => void, signal: AbortSignal): void {
+  const tell = () => callback(sizeOf(element));
+  const observer = new ResizeObserver(tell);
   observer.observe(element);
   onAbort(signal, () => observer.disconnect());
   const watchRatio = () => {
@@ -92,5 +83,4 @@ export function watchSize(
     on(query, "change", onRatio, signal, { once: true });
   };
   watchRatio();
-  return tell;
 }

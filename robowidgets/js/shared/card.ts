@@ -1,32 +1,47 @@
+import { type Surface, sizeOf, watchSize } from "./canvas.ts";
 import { make, mount, setText } from "./dom.ts";
 import { keepKeys } from "./keys.ts";
 import { type Model, onChange } from "./model.ts";
 import { Notice } from "./notice.ts";
-import { applyTheme, type Theme, watchTheme } from "./theme.ts";
+import { perAnimationFrame } from "./schedule.ts";
+import { followTheme, type Theme } from "./theme.ts";
 import type { CardTraits, Problem } from "./traits.ts";
 
-/** The frame around a picture: title and controls above, a notice over it, a footer below. */
+/** The frame around a picture: title and controls above, a notice over it, a footer below. It has the picture drawn. */
 export class Card {
   readonly root: HTMLElement;
   readonly header = make("div", "rw-header");
   readonly controls = make("span", "rw-controls");
   readonly picture = make("div", "rw-picture");
   readonly footer = make("div", "rw-footer");
+  /** Draws the picture anew in the next animation frame. */
+  readonly redraw: () => void;
+  /** Of the picture. */
+  size: Surface = { width: 0, height: 0, ratio: 1 };
   readonly #title = make("span", "rw-title");
   readonly #facts = make("span", "rw-facts");
   readonly #notice: Notice;
   readonly #live = make("div", "rw-live rw-unseen");
   readonly #kind: string;
   readonly #model: Model<CardTraits>;
-  #theme: Theme | null = null;
+  readonly #draw: (isNow: boolean) => void;
+  readonly #theme: () => Theme;
 
   /**
    * @param kind name of the widget, for its CSS class and its label: "laser", "speed", "touch"
-   * @param redraw draws the picture anew; called when the theme has changed
+   * @param draw draws the picture, as soon as it has a size: for another size now, else in an animation frame
    */
-  constructor(element: HTMLElement, kind: string, model: Model<CardTraits>, redraw: () => void, signal: AbortSignal) {
+  constructor(
+    element: HTMLElement,
+    kind: string,
+    model: Model<CardTraits>,
+    draw: (isNow: boolean) => void,
+    signal: AbortSignal,
+  ) {
     this.#model = model;
     this.#kind = kind;
+    this.#draw = draw;
+    this.redraw = perAnimationFrame(() => this.size.width && draw(false), signal);
     this.root = make("div", `rw-card rw-${kind}`);
     this.root.role = "group";
     this.picture.tabIndex = 0;
@@ -38,19 +53,21 @@ export class Card {
     this.picture.append(this.#notice.element);
     this.root.append(this.header, this.picture, this.footer, this.#live);
     mount(element, this.root, signal);
-    const onTheme = () => {
-      this.#theme = null;
-      redraw();
-    };
-    watchTheme(onTheme, signal);
-    onChange(model, ["title", "header", "footer"], redraw, signal);
+    this.#theme = followTheme(this.root, signal, this.redraw);
+    watchSize(this.picture, () => this.drawNow(), signal);
+    onChange(model, ["title", "header", "footer"], this.redraw, signal);
     keepKeys(this.root, signal);
+  }
+
+  /** Draws the picture at once, at a pixel ratio or the screen's. */
+  drawNow(ratio?: number): void {
+    this.size = sizeOf(this.picture, ratio);
+    if (this.size.width) this.#draw(true);
   }
 
   /** Colours and fonts. Read it while drawing: an element outside the page has no computed style. */
   get theme(): Theme {
-    this.#theme ??= applyTheme(this.root);
-    return this.#theme;
+    return this.#theme();
   }
 
   /** Height of the notice at the top of the picture, in pixels. */
@@ -64,7 +81,6 @@ export class Card {
    * @param kind of the notice: a note, an error, or the status of a feed
    */
   updateFrame(lines: string[], kind: "note" | "error" | "status", problems: readonly Problem[] = []): void {
-    this.#theme ??= applyTheme(this.root);
     this.header.hidden = !this.#model.get("header");
     this.footer.hidden = !this.#model.get("footer");
     const title = this.#model.get("title");

@@ -1,5 +1,5 @@
-import type { Box } from "./box.ts";
-import { type Size, write } from "./canvas.ts";
+import type { Box, Size } from "./box.ts";
+import { write } from "./canvas.ts";
 import { toShortMetres } from "./format.ts";
 import { type Theme, textFont } from "./theme.ts";
 import { ticks } from "./ticks.ts";

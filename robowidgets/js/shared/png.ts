@@ -1,6 +1,6 @@
+import type { Card } from "./card.ts";
 import { make, makeButton, makeIcon, setLabel } from "./dom.ts";
 import { type Model, onMessage } from "./model.ts";
-import type { Theme } from "./theme.ts";
 import type { NamedTraits } from "./traits.ts";
 
 const LABEL = "Save as PNG";
@@ -8,28 +8,13 @@ const ICON = "M5 1h2v4h2.5l-3.5 3.5-3.5-3.5h2.5z M1.5 9.5h9v1.5h-9z";
 /** Characters that are illegal in XML. */
 const FORBIDDEN = /[^\P{C}\p{Cf}\p{Co}\n]/gu;
 
-interface Shown {
-  root: HTMLElement;
-  controls: HTMLElement;
-  theme: Theme;
-}
-
-/**
- * Offers the card as a PNG: to a person by a button, and to Python, whose requests carry a number.
- *
- * @param draw draws the card at once, at a pixel ratio or the screen's
- */
-export function offerPng(
-  card: Shown,
-  model: Model<NamedTraits>,
-  draw: (ratio?: number) => void,
-  signal: AbortSignal,
-): void {
+/** Offers the card as a PNG: to a person by a button, and to Python, whose requests carry a number. */
+export function offerPng(card: Card, model: Model<NamedTraits>, signal: AbortSignal): void {
   const take = () => {
     const ratio = Math.max(2, devicePixelRatio);
-    draw(ratio);
+    card.drawNow(ratio);
     const png = toPng(card, model.get("_css"), ratio);
-    draw();
+    card.drawNow();
     return png;
   };
   const save = (url: string) => {
@@ -58,7 +43,7 @@ export function offerPng(
 }
 
 /** The card at the moment of the call, as a data URL: drawn from a copy with inlined styles, which fetches nothing. */
-async function toPng({ root, theme }: Shown, css: string, ratio: number): Promise<string> {
+async function toPng({ root, theme }: Card, css: string, ratio: number): Promise<string> {
   const { width, height } = root.getBoundingClientRect();
   const copy = root.cloneNode(true) as HTMLElement;
   copy.classList.add("rw-still");

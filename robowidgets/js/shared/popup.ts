@@ -1,5 +1,4 @@
-import type { Box, Point } from "./box.ts";
-import type { Size } from "./canvas.ts";
+import type { Box, Point, Size } from "./box.ts";
 import { make, setText } from "./dom.ts";
 
 /** What the pop-up says of a ray, or of another place in a picture. */

@@ -1,5 +1,4 @@
-import { type Box, overlaps, type Point } from "./box.ts";
-import type { Size } from "./canvas.ts";
+import { type Box, overlaps, type Point, type Size } from "./box.ts";
 import type { Occupancy } from "./occupancy.ts";
 
 const GAP = 12;

@@ -6,6 +6,7 @@ import { toAge, toCount, toFixed } from "./format.ts";
 import { Lamps } from "./lamps.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "./model.ts";
 import { SECONDS, toNumberLines } from "./numbers.ts";
+import { offerPng } from "./png.ts";
 import { READING_MS, throttle } from "./schedule.ts";
 import type { Frame, Stream } from "./stream.ts";
 import { TimeLinesView } from "./time_lines_view.ts";
@@ -15,7 +16,7 @@ const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
 const PLAY = "M3 1.2l7 4.8-7 4.8z";
 
-/** A card with the newest of many samples, which a person can freeze, and step through its history. */
+/** A card with the newest of many samples, which a person can freeze, save, and step through its history. */
 export class SampleCard extends Card {
   readonly #model: Model<SampleTraits>;
   readonly #stream: Stream<Frame>;
@@ -39,22 +40,24 @@ export class SampleCard extends Card {
     kind: string,
     model: Model<SampleTraits>,
     stream: Stream<Frame>,
-    redraw: () => void,
+    draw: (isNow: boolean) => void,
     signal: AbortSignal,
   ) {
-    super(element, kind, model, redraw, signal);
+    super(element, kind, model, draw, signal);
     this.#model = model;
     this.#stream = stream;
     this.#freeze = makeButton("rw-freeze", "", () => stream.toggle(), signal);
     this.#freeze.ariaLabel = null;
     this.#freezeText.append(...this.#freezeWords);
     this.controls.append(this.#freeze);
+    offerPng(this, model, signal);
     this.picture.append(this.#silence);
     this.#bar = new Bar(stream, signal);
     this.#lamps = new Lamps(stream, (words) => this.say(words), signal);
     this.picture.after(this.#lamps.root, this.#bar.root);
     this.#makeLines = () => new TimeLinesView(() => this.#drawNumbers(), signal);
-    onChange(model, ["_source"], redraw, signal);
+    stream.listen(this.redraw, signal);
+    onChange(model, ["_source"], this.redraw, signal);
     this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
     on(this.header, "pointerenter", () => this.#tellAll(), signal);
     on(this.root, "keydown", (event) => this.#onKey(event), signal);
@@ -125,10 +128,10 @@ export class SampleCard extends Card {
       this.#lines = this.#makeLines();
       this.picture.after(this.#lines.root);
     }
-    if (!this.#lines) return;
-    this.#lines.root.hidden = !hasSome;
-    if (hasSome)
-      this.#lines.draw(toNumberLines(this.#stream.last(Infinity)), SECONDS, paused ? "frozen" : "now", this.theme);
+    if (this.#lines) this.#lines.root.hidden = !hasSome;
+    if (!hasSome || !this.#lines) return;
+    const shown = toNumberLines(this.#stream.last(Infinity));
+    this.#lines.draw(shown, SECONDS, paused ? "frozen" : "now", this.theme, this.size.ratio);
   }
 
   /** Shows facts, rate and silence of the source; calls itself again while the source is silent. */

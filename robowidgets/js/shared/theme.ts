@@ -33,9 +33,7 @@ function isDark(): boolean {
   return theme ? /dark|^vscode-high-contrast$/.test(theme) : prefersDark().matches;
 }
 
-/** Sets light or dark on an element and reads the colours that follow. */
-export function applyTheme(element: HTMLElement): Theme {
-  element.dataset.rwTheme = isDark() ? "dark" : "light";
+function readTheme(element: HTMLElement): Theme {
   const style = getComputedStyle(element);
   const read = NAMES.map((name) => [name, style.getPropertyValue(`--rw-${name}`).trim()]);
   if (forcesColors().matches) for (const pair of read) pair[1] = toHex(element, pair[1] ?? "");
@@ -61,9 +59,20 @@ function toHex(element: HTMLElement, color: string): string {
     .join("")}`;
 }
 
-/** Calls back when the host switches between light and dark, or the system forces colours. */
-export function watchTheme(callback: () => void, signal: AbortSignal): void {
-  const observer = new MutationObserver(callback);
+/**
+ * Sets light or dark on an element, and again when the host switches between them, or the system forces colours; then
+ * calls back.
+ *
+ * @returns a function that gives colours and fonts while drawing: an element outside the page has no computed style
+ */
+export function followTheme(element: HTMLElement, signal: AbortSignal, callback = () => {}): () => Theme {
+  let theme: Theme | null = null;
+  const follow = () => {
+    element.dataset.rwTheme = isDark() ? "dark" : "light";
+    theme = null;
+    callback();
+  };
+  const observer = new MutationObserver(follow);
   const attributes = [
     "data-jp-theme-light",
     "data-jp-theme-name",
@@ -72,11 +81,16 @@ export function watchTheme(callback: () => void, signal: AbortSignal): void {
     "theme",
     "class",
   ];
-  for (const element of [document.body, document.documentElement]) {
-    observer.observe(element, { attributes: true, attributeFilter: attributes });
+  for (const host of [document.body, document.documentElement]) {
+    observer.observe(host, { attributes: true, attributeFilter: attributes });
   }
   onAbort(signal, () => observer.disconnect());
-  for (const query of [prefersDark(), forcesColors()]) on(query, "change", callback, signal);
+  for (const query of [prefersDark(), forcesColors()]) on(query, "change", follow, signal);
+  follow();
+  return () => {
+    theme ??= readTheme(element);
+    return theme;
+  };
 }
 
 /** The font of small texts in a picture. */

@@ -1,4 +1,4 @@
-import { Layer, type Surface, watchSize, write } from "./canvas.ts";
+import { Canvas, type Surface, watchSize, write } from "./canvas.ts";
 import { make, pointIn } from "./dom.ts";
 import { on } from "./events.ts";
 import { toFixed } from "./format.ts";
@@ -13,15 +13,13 @@ const [NAMES, NUMBERS] = [40, 62];
 /** The last seconds of some values below a picture: measured and commanded, limits, and the spans past them. */
 export class TimeLinesView {
   readonly root = make("div", "rw-over-time");
-  readonly #layer: Layer;
-  readonly #redraw: () => void;
+  readonly #canvas: Canvas;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
   #pointer: number | null = null;
 
   constructor(redraw: () => void, signal: AbortSignal) {
-    this.#redraw = redraw;
     this.root.role = "img";
-    this.#layer = new Layer(this.root);
+    this.#canvas = new Canvas(this.root);
     const onMove = (x: number | null) => {
       this.#pointer = x;
       redraw();
@@ -30,21 +28,20 @@ export class TimeLinesView {
     on(this.root, "pointerleave", () => onMove(null), signal);
     const onSize = (size: Surface) => {
       this.#size = size;
-      this.#redraw();
+      redraw();
     };
     watchSize(this.root, onSize, signal);
   }
 
   /** @param end what stands at the right end: "now" */
-  draw(lines: TimeLine[], seconds: number, end: string, theme: Theme, ratio?: number): void {
+  draw(lines: TimeLine[], seconds: number, end: string, theme: Theme, ratio: number): void {
     this.root.style.height = `${lines.length * ROW + FOOT}px`;
     this.root.ariaLabel = `the last ${seconds} s of ${lines.map(({ name }) => name).join(", ")}`;
-    const size = { ...this.#size, ratio: ratio ?? this.#size.ratio };
-    if (!size.width) return;
-    const context = this.#layer.begin(size);
+    if (!this.#size.width) return;
+    const context = this.#canvas.begin({ ...this.#size, ratio });
     context.font = textFont(theme);
     const left = Math.max(NAMES, ...lines.map(({ label }) => context.measureText(label).width + 16));
-    const width = Math.max(1, size.width - left - NUMBERS);
+    const width = Math.max(1, this.#size.width - left - NUMBERS);
     const toX = (at: number) => left + width * (1 + at / (1000 * seconds));
     const inside = this.#pointer !== null && this.#pointer >= left && this.#pointer <= left + width;
     const pointed = inside ? (((this.#pointer as number) - left) / width - 1) * 1000 * seconds : null;

@@ -1,11 +1,11 @@
-import { Layer, type Surface, watchSize } from "../shared/canvas.ts";
+import { Canvas } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
 import { make, makeButton, pointIn, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { BELOW, drawFloor, fit, MARGIN, type Place, type Pose, type Projection, toFloor } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
-import { perAnimationFrame, READING_MS, throttle } from "../shared/schedule.ts";
+import { READING_MS, throttle } from "../shared/schedule.ts";
 import { drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
 import { drawShapes } from "./draw_shapes.ts";
 import { Edits } from "./edits.ts";
@@ -35,14 +35,12 @@ export class SimulatorView {
   readonly #model: Model<SimulatorTraits>;
   readonly #card: Card;
   readonly #edits: Edits;
-  readonly #layer: Layer;
+  readonly #canvas: Canvas;
   readonly #pose = make("span", "");
   readonly #pointed = make("span", "");
   readonly #put: HTMLButtonElement;
   readonly #remove: HTMLButtonElement;
-  readonly #redraw: () => void;
   readonly #tell: () => void;
-  #surface: Surface = { width: 0, height: 0, ratio: 1 };
   #scene: Scene | null;
   #walls: Float32Array;
   #projection: Projection | null = null;
@@ -55,10 +53,9 @@ export class SimulatorView {
     this.#model = model;
     this.#scene = toScene(model.get("_frame"));
     this.#walls = toWalls(model.get("_walls"));
-    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#card = new Card(element, "simulator", model, this.#redraw, signal);
+    this.#card = new Card(element, "simulator", model, () => this.#draw(), signal);
     const { picture, controls, footer } = this.#card;
-    this.#layer = new Layer(picture);
+    this.#canvas = new Canvas(picture);
     this.#edits = new Edits(model, crypto.randomUUID().slice(0, 8), (why) => this.#onRefused(why), signal);
     this.#put = makeButton("", "Put an obstacle: press, then press a place", () => this.#onPut(), signal, "Obstacle");
     this.#put.ariaPressed = "false";
@@ -68,28 +65,23 @@ export class SimulatorView {
     this.#tell = throttle(() => this.#updateText(), READING_MS, signal);
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["_walls"], () => this.#onWalls(), signal);
-    onChange(model, ["_shapes", "_status"], this.#redraw, signal);
+    onChange(model, ["_shapes", "_status"], this.#card.redraw, signal);
     this.#watchInput(picture, signal);
     // A kernel that is restarted sends nothing any more.
-    const looks = setInterval(() => this.#hadKernel !== this.#isEditable && this.#redraw(), LOOK_MS);
+    const looks = setInterval(() => this.#hadKernel !== this.#isEditable && this.#card.redraw(), LOOK_MS);
     onAbort(signal, () => clearInterval(looks));
-    const onSize = (surface: Surface) => {
-      this.#surface = surface;
-      this.#redraw();
-    };
-    watchSize(picture, onSize, signal)();
   }
 
   #onFrame(): void {
     this.#scene = toScene(this.#model.get("_frame"));
     this.#edits.onFrame();
     if (typeof this.#selected === "number" && !this.#scene?.obstacles[this.#selected]) this.#selected = "robot";
-    this.#redraw();
+    this.#card.redraw();
   }
 
   #onWalls(): void {
     this.#walls = toWalls(this.#model.get("_walls"));
-    this.#redraw();
+    this.#card.redraw();
   }
 
   /** The scene as a person has left it. */
@@ -112,11 +104,10 @@ export class SimulatorView {
     const { picture, theme, noticeHeight: top } = this.#card;
     const [wide, high] = [bounds.east - bounds.west, bounds.north - bounds.south];
     picture.style.aspectRatio = `${50 * wide + 2 * MARGIN} / ${50 * high + MARGIN + BELOW}`;
-    const { width, height } = this.#surface;
-    if (!width || !height) return;
-    const projection = fit(bounds, { width, height: height - top }, top);
+    const { size } = this.#card;
+    const projection = fit(bounds, { width: size.width, height: size.height - top }, top);
     this.#projection = projection;
-    const context = this.#layer.begin(this.#surface);
+    const context = this.#canvas.begin(size);
     drawFloor(context, projection, theme);
     drawFree(context, projection, scene, theme);
     drawWalls(context, projection, this.#walls, theme);
@@ -151,7 +142,7 @@ export class SimulatorView {
 
   #onRefused(why: string): void {
     this.#card.say([why]);
-    this.#redraw();
+    this.#card.redraw();
   }
 
   // Buttons
@@ -174,7 +165,7 @@ export class SimulatorView {
 
   #select(thing: Thing): void {
     this.#selected = thing;
-    this.#redraw();
+    this.#card.redraw();
   }
 
   // Pointer
@@ -193,7 +184,7 @@ export class SimulatorView {
     };
     on(picture, "touchstart", onTouch, signal, { passive: false });
     on(this.#card.root, "keydown", (event) => this.#onKey(event), signal);
-    for (const type of ["focusin", "focusout"] as const) on(picture, type, this.#redraw, signal);
+    for (const type of ["focusin", "focusout"] as const) on(picture, type, this.#card.redraw, signal);
   }
 
   #thingAt(point: Place, isTouch: boolean): Thing | null {
@@ -229,7 +220,7 @@ export class SimulatorView {
     } else if (pointerType !== "touch" && !this.#isPutting) {
       this.#card.picture.dataset.cursor = this.#thingAt(point, false) === null ? "" : "grab";
     }
-    this.#redraw();
+    this.#card.redraw();
   }
 
   #onUp({ pointerId }: PointerEvent, point: Place): void {
@@ -242,12 +233,12 @@ export class SimulatorView {
       const to = toFloor(this.#projection, point);
       this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, drag.from, to));
     }
-    this.#redraw();
+    this.#card.redraw();
   }
 
   #onLeave(): void {
     this.#pointer = null;
-    this.#redraw();
+    this.#card.redraw();
   }
 
   /** Puts back what is dragged; returns whether something was. */
@@ -255,7 +246,7 @@ export class SimulatorView {
     const drag = this.#drag;
     if (drag) this.#edits.move(drag.thing, drag.before);
     this.#drag = null;
-    this.#redraw();
+    this.#card.redraw();
     return drag !== null;
   }
 
@@ -286,7 +277,7 @@ export class SimulatorView {
     else if (key === "Escape") {
       if (!this.#cancel() && this.#isPutting) this.#onPut(false);
     } else return false;
-    this.#redraw();
+    this.#card.redraw();
     return true;
   }
 }

@@ -1,10 +1,7 @@
-import { watchSize } from "../shared/canvas.ts";
 import { make, makeButton, makeIcon, setText } from "../shared/dom.ts";
 import type { Speeds } from "../shared/frames/speeds.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
-import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
-import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import { TimeLinesView } from "../shared/time_lines_view.ts";
 import { GROUPS } from "./axes.ts";
@@ -51,7 +48,6 @@ export class SpeedView {
   #lines: TimeLinesView | null = null;
   readonly #legend: Legend;
   readonly #popup: Popup;
-  readonly #redraw: () => void;
   #groups: GroupView[] = [];
   #isPlanar: boolean | null = null;
   #hovered: number | null = null;
@@ -65,8 +61,7 @@ export class SpeedView {
   constructor(model: Model<SpeedTraits>, element: HTMLElement, stream: Stream<Speeds>, signal: AbortSignal) {
     this.#model = model;
     this.#stream = stream;
-    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#card = new SampleCard(element, "speed", model, stream, this.#redraw, signal);
+    this.#card = new SampleCard(element, "speed", model, stream, () => this.#draw(), signal);
     const { picture, footer } = this.#card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";
@@ -87,26 +82,19 @@ export class SpeedView {
     this.#overTime = makeButton("rw-lines", "Over time: the last seconds of each axis", onOverTime, signal);
     this.#overTime.append(makeIcon(LINE));
     this.#card.addControls(this.#reset, this.#overTime, this.#planar);
-    stream.listen(this.#redraw, signal);
-    onChange(model, SETTINGS, this.#redraw, signal);
+    onChange(model, SETTINGS, this.#card.redraw, signal);
     watchGestures(picture, this, signal);
-    offerPng(
-      this.#card,
-      model,
-      watchSize(picture, ({ ratio }) => this.#draw(ratio), signal),
-      signal,
-    );
   }
 
   onHover(axis: number | null): void {
     if (this.#hovered === axis) return;
     this.#hovered = axis;
-    this.#redraw();
+    this.#card.redraw();
   }
 
   onPick(axis: number | null): void {
     this.#picked = this.#picked === axis ? null : axis;
-    this.#redraw();
+    this.#card.redraw();
   }
 
   onWalk(to: string): void {
@@ -121,7 +109,7 @@ export class SpeedView {
     };
     this.#picked = axes[places[to] ?? -1] ?? null;
     this.#walked = true;
-    this.#redraw();
+    this.#card.redraw();
   }
 
   get #columns(): Column[] {
@@ -136,7 +124,7 @@ export class SpeedView {
     setTraits(this.#model, { _resets: this.#model.get("_resets") + 1 });
   }
 
-  #draw(ratio?: number): void {
+  #draw(): void {
     const [model, speeds] = [this.#model, this.#stream.shown];
     const planar = model.get("planar");
     // Hide the old peaks at once; Python sends new ones when it has handled the reset.
@@ -166,15 +154,15 @@ export class SpeedView {
       const facts = groups[g];
       if (facts) view.update(facts, clearance);
     }
-    this.#drawOverTime(groups, ratio);
+    this.#drawOverTime(groups);
     this.#drawPopup(shown);
   }
 
-  #drawOverTime(groups: GroupFacts[], ratio?: number): void {
+  #drawOverTime(groups: GroupFacts[]): void {
     const seconds = this.#model.get("over_time");
     this.#overTime.ariaPressed = String(seconds > 0);
     if (seconds && !this.#lines) {
-      this.#lines = new TimeLinesView(this.#redraw, this.#signal);
+      this.#lines = new TimeLinesView(this.#card.redraw, this.#signal);
       this.#card.picture.after(this.#lines.root);
     }
     if (this.#lines) this.#lines.root.hidden = !seconds;
@@ -185,7 +173,8 @@ export class SpeedView {
     const end = paused ? "frozen" : isLive ? "now" : "no live speeds";
     const moments = isLive ? this.#stream.last(Infinity) : [];
     const samples = moments.map((moment) => ({ at: moment.at, frame: this.#stream.frameOf(moment) }));
-    this.#lines.draw(toTimeLines(samples, groups, seconds), seconds, end, this.#card.theme, ratio);
+    const { theme, size } = this.#card;
+    this.#lines.draw(toTimeLines(samples, groups, seconds), seconds, end, theme, size.ratio);
   }
 
   #layOut(planar: boolean): void {

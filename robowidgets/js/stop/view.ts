@@ -5,7 +5,7 @@ import { toDriverText } from "../shared/driving/text.ts";
 import type { StopTraits } from "../shared/driving/traits.ts";
 import type { Model } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
-import { applyTheme, watchTheme } from "../shared/theme.ts";
+import { followTheme } from "../shared/theme.ts";
 
 /** A bar: Stop, who drives and how fast, and what is wrong. */
 export class StopView {
@@ -28,12 +28,11 @@ export class StopView {
     row.append(this.#buttons.stop, texts, this.#buttons.allow);
     this.#root.append(row, this.#notice);
     mount(element, this.#root, signal);
-    watchTheme(redraw, signal);
+    followTheme(this.#root, signal);
     this.#draw();
   }
 
   #draw(): void {
-    applyTheme(this.#root);
     this.#buttons.update();
     const { text, hint, kind } = toDriverText(this.#control);
     this.#root.dataset.kind = kind;

@@ -1,12 +1,9 @@
 import type { Box } from "../shared/box.ts";
-import { type Size, watchSize } from "../shared/canvas.ts";
 import { make, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import type { Sensor, Touch } from "../shared/frames/touch.ts";
 import { type Model, onChange } from "../shared/model.ts";
-import { offerPng } from "../shared/png.ts";
 import { SampleCard } from "../shared/sample_card.ts";
-import { perAnimationFrame } from "../shared/schedule.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { About } from "../shared/traits.ts";
 import { LEAST_WIDTH, layAround } from "./around.ts";
@@ -40,8 +37,6 @@ export class TouchView {
   readonly #empty = make("div", "rw-empty");
   readonly #body = new Body();
   readonly #tiles = new Map<string, Tile>();
-  readonly #redraw: () => void;
-  #width = 0;
   #tick: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -54,25 +49,15 @@ export class TouchView {
     this.#model = model;
     this.#stream = stream;
     this.#clock = clock;
-    this.#redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#card = new SampleCard(element, "touch", model, stream, this.#redraw, signal);
+    this.#card = new SampleCard(element, "touch", model, stream, () => this.#draw(), signal);
     this.#footer = new Footer(this.#card.footer);
     this.#field.role = "list";
     this.#card.picture.append(this.#field, this.#empty);
-    stream.listen(this.#redraw, signal);
-    onChange(model, ["sensors", "labels", "angles"], this.#redraw, signal);
-    const onSize = ({ width }: Size) => {
-      if (width === this.#width) return;
-      this.#width = width;
-      this.#draw();
-    };
-    watchSize(this.#card.picture, onSize, signal);
-    offerPng(this.#card, model, () => this.#draw(), signal);
+    onChange(model, ["sensors", "labels", "angles"], this.#card.redraw, signal);
     onAbort(signal, () => clearTimeout(this.#tick));
   }
 
   #draw(): void {
-    if (this.#width === 0) return;
     const touch = this.#stream.shown;
     const all = touch?.sensors ?? [];
     const sensors = select(all, this.#model.get("sensors"));
@@ -87,7 +72,7 @@ export class TouchView {
 
   /** Puts every rectangle in its place. */
   #lay(sensors: Sensor[]): void {
-    const width = this.#width - 2 * PADDING;
+    const width = this.#card.size.width - 2 * PADDING;
     const given = this.#model.get("angles");
     const names = sensors.map(({ name }) => name);
     const placed = new Map(names.flatMap((name) => (typeof given[name] === "number" ? [[name, given[name]]] : [])));
@@ -134,6 +119,6 @@ export class TouchView {
       this.#tiles.get(sensor.name)?.update(sensor, labels[i] ?? sensor.name, elapsed);
     });
     const lasting = runs && sensors.some(({ state }) => state === "touched");
-    if (lasting) this.#tick = setTimeout(this.#redraw, TICK_MS);
+    if (lasting) this.#tick = setTimeout(this.#card.redraw, TICK_MS);
   }
 }

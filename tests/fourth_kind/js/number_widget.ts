@@ -2,7 +2,6 @@ import { Reader } from "../../../robowidgets/js/shared/bytes.ts";
 import { make, setText } from "../../../robowidgets/js/shared/dom.ts";
 import type { Initialized, Rendered } from "../../../robowidgets/js/shared/model.ts";
 import { SampleCard } from "../../../robowidgets/js/shared/sample_card.ts";
-import { perAnimationFrame } from "../../../robowidgets/js/shared/schedule.ts";
 import { type Frame, readHead, Stream } from "../../../robowidgets/js/shared/stream.ts";
 import type { About, SampleTraits } from "../../../robowidgets/js/shared/traits.ts";
 
@@ -33,11 +32,8 @@ export default () => {
         card.update([], "number");
         setText(value, stream.shown ? `${stream.shown.value} ${unit}`.trim() : card.waiting("number"));
       };
-      const redraw = perAnimationFrame(draw, signal);
-      const card = new SampleCard(el, "number", model, stream, redraw, signal);
+      const card = new SampleCard(el, "number", model, stream, draw, signal);
       card.picture.append(value);
-      stream.listen(redraw, signal);
-      redraw();
     },
   };
 };

@@ -1,4 +1,4 @@
-import { Layer, type Surface, watchSize, write } from "../canvas.ts";
+import { Canvas, type Surface, watchSize, write } from "../canvas.ts";
 import { make, pointIn } from "../dom.ts";
 import { on } from "../events.ts";
 import { type Theme, textFont } from "../theme.ts";
@@ -27,7 +27,7 @@ interface Gestures {
 /** The states of a program over time, by themselves. Pointing names them. */
 export class StateBand {
   readonly root: HTMLElement;
-  readonly #layer: Layer;
+  readonly #canvas: Canvas;
   /** Pixels left of the states, for the names of machines. */
   readonly #left: number;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
@@ -38,7 +38,7 @@ export class StateBand {
 
   constructor(className: string, left: number, { onPick, onPoint }: Gestures, redraw: () => void, signal: AbortSignal) {
     this.root = make("div", `rw-states ${className}`);
-    this.#layer = new Layer(this.root);
+    this.#canvas = new Canvas(this.root);
     this.#left = left;
     this.root.hidden = true;
     const onSize = (size: Surface) => {
@@ -70,7 +70,7 @@ export class StateBand {
     this.#drawn = drawn;
     const axis = { span, left: this.#left, width: Math.max(1, this.#size.width - this.#left) };
     this.#axis = axis;
-    const context = this.#layer.begin(this.#size);
+    const context = this.#canvas.begin(this.#size);
     for (const [i, row] of rows.entries()) {
       const top = i * ROW_STEP;
       const label = cutName(context, machineOf(row), this.#left - 8, theme);
