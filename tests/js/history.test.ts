@@ -41,7 +41,7 @@ test("of what is large, 8 MB are kept, and the newest in any case", () => {
 test("without seconds only the newest is kept", () => {
   const { history, add, numbers } = filled(50, { seconds: 0 });
   assert.deepEqual(numbers(), [49]);
-  history.hold(5000);
+  history.freeze(5000);
   add(50);
   assert.deepEqual(numbers(), [49, 99]);
 });
@@ -54,7 +54,7 @@ for (const [what, options, before, after] of [
   test(`held, nothing goes, as much comes again, and the newest is always there: ${what}`, () => {
     const { history, add, numbers } = filled(1000, options);
     assert.deepEqual(numbers(), before);
-    history.hold(history.moments.at(-1)?.at ?? 0);
+    history.freeze(history.moments.at(-1)?.at ?? 0);
     for (let i = 0; i < 50; i++) {
       add(100);
       const newest = 1000 + 100 * (i + 1) - 1;
@@ -73,7 +73,7 @@ for (const [what, options, before, after] of [
 
 test("released, it is as bounded as before", () => {
   const { history, add, numbers } = filled(600, { hertz: 60 });
-  history.hold(history.moments.at(-1)?.at ?? 0);
+  history.freeze(history.moments.at(-1)?.at ?? 0);
   add(600);
   assert.equal(numbers().length, 1200);
   history.release(SECONDS);
@@ -84,7 +84,7 @@ test("what the page found at its load goes with the first sample that comes, unl
   const history = new History();
   const [found, newer] = [new DataView(new ArrayBuffer(8)), new DataView(new ArrayBuffer(8))];
   history.add(found, Number.NaN, SECONDS);
-  history.hold(0);
+  history.freeze(0);
   history.add(newer, 10, SECONDS);
   assert.deepEqual(
     history.moments.map(({ bytes }) => bytes),

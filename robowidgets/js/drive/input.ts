@@ -60,7 +60,7 @@ export function watchInput(pad: HTMLElement, input: PadInput, signal: AbortSigna
   on(pad, "keyup", onKeyUp, signal);
 
   on(pad, "blur", release, signal);
-  for (const gone of ["blur", "pagehide"]) window.addEventListener(gone, release, { signal });
-  document.addEventListener("visibilitychange", () => document.hidden && release(), { signal });
+  for (const gone of ["blur", "pagehide"] as const) on(window, gone, release, signal);
+  on(document, "visibilitychange", () => document.hidden && release(), signal);
   onAbort(signal, release);
 }

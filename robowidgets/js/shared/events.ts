@@ -1,8 +1,10 @@
+type Events = HTMLElementEventMap & Pick<WindowEventMap, "pagehide"> & Pick<DocumentEventMap, "visibilitychange">;
+
 /** Calls back on events of a target, until the signal aborts. */
-export function on<K extends keyof HTMLElementEventMap>(
+export function on<K extends keyof Events>(
   target: EventTarget,
   type: K,
-  callback: (event: HTMLElementEventMap[K]) => void,
+  callback: (event: Events[K]) => void,
   signal: AbortSignal,
   options: AddEventListenerOptions = {},
 ): void {

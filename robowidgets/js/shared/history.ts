@@ -7,31 +7,31 @@ const MOST_BYTES = 8e6;
 /**
  * The last samples, oldest first: a number of seconds of them, at most 20 per second and 8 MB.
  *
- * While held, it drops no sample that a person may be stepping through, and has the same capacity again for new ones.
+ * While frozen, it drops no sample that a person may be stepping through, and has the same capacity again for new ones.
  * When that is full too, each new sample replaces the one before it.
  */
 export class History {
   readonly moments: Moment[] = [];
   /** Whether older samples than the first were there. */
   hasDropped = false;
-  /** Number of samples when it was held, and the time. */
-  #held: { count: number; at: number } | null = null;
+  /** Number of samples when it was frozen, and the time. */
+  #frozen: { count: number; at: number } | null = null;
 
   add(bytes: DataView, at: number, seconds: number, about: About = {}): void {
     const { moments } = this;
     moments.push({ bytes, at, about });
-    if (!this.#held) this.#trim(seconds);
-    else if (moments.length > this.#held.count + 1 && this.#isFull(seconds, this.#held.count, this.#held.at)) {
+    if (!this.#frozen) this.#trim(seconds);
+    else if (moments.length > this.#frozen.count + 1 && this.#isFull(seconds, this.#frozen.count, this.#frozen.at)) {
       moments.splice(-2, 1);
     }
   }
 
-  hold(at: number): void {
-    this.#held = { count: this.moments.length, at };
+  freeze(at: number): void {
+    this.#frozen = { count: this.moments.length, at };
   }
 
   release(seconds: number): void {
-    this.#held = null;
+    this.#frozen = null;
     this.#trim(seconds);
   }
 

@@ -2,7 +2,7 @@ import { make, makeButton, setText } from "./dom.ts";
 import { on } from "./events.ts";
 import { toAge } from "./format.ts";
 import { READING_MS, throttle } from "./schedule.ts";
-import type { Frame, Stream } from "./stream.ts";
+import { type Frame, type Stream, sequenceOf } from "./stream.ts";
 import type { About, Lamp } from "./traits.ts";
 
 /** Lamps that are unfolded at once; the others are names. */
@@ -166,9 +166,8 @@ export class Lamps {
 
   /** Freezes the picture at the change of a lamp before or after the sample on show. */
   #step(name: string, direction: -1 | 1): void {
-    const moments = this.#stream.moments;
-    const states = moments.map(({ about, sequence }) => {
-      return lampsOf(about, sequence).find((lamp) => lamp.name === name)?.state ?? "unknown";
+    const states = this.#stream.moments.map(({ about, bytes }) => {
+      return lampsOf(about, sequenceOf(bytes)).find((lamp) => lamp.name === name)?.state ?? "unknown";
     });
     const place = this.#stream.paused ? (this.#stream.place?.index ?? 0) : states.length;
     const found = changeFrom(states, place, direction);

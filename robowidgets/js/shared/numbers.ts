@@ -1,12 +1,6 @@
 import { decimalsFor } from "./format.ts";
 import type { Point, TimeLine } from "./time_lines.ts";
-import type { About } from "./traits.ts";
-
-/** What is said of a sample, and when it arrived, in milliseconds. */
-interface Said {
-  about: About;
-  at: number;
-}
+import type { Moment } from "./traits.ts";
 
 /** Seconds that are shown. */
 export const SECONDS = 10;
@@ -15,9 +9,9 @@ export const SECONDS = 10;
 const ROOM = 0.1;
 
 /** The numbers that a program plotted in the last seconds, those of today's names; each sample has at most one. */
-export function toNumberLines(said: Said[]): TimeLine[] {
-  const last = said.at(-1);
-  const recent = said.filter(({ at }) => last && last.at - at <= 1000 * SECONDS);
+export function toNumberLines(samples: Pick<Moment, "about" | "at">[]): TimeLine[] {
+  const last = samples.at(-1);
+  const recent = samples.filter(({ at }) => last && last.at - at <= 1000 * SECONDS);
   return Object.keys(last?.about.numbers ?? {}).map((name) => {
     const measured = recent.flatMap(({ about, at }): Point[] => {
       const value = about.numbers?.[name] ?? null;

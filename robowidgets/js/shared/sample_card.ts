@@ -130,8 +130,8 @@ export class SampleCard extends Card {
     }
     if (this.#lines) this.#lines.root.hidden = !hasSome;
     if (!hasSome || !this.#lines) return;
-    const shown = toNumberLines(this.#stream.last(Infinity));
-    this.#lines.draw(shown, SECONDS, paused ? "frozen" : "now", this.theme, this.size.ratio);
+    const lines = toNumberLines(this.#stream.last(Infinity));
+    this.#lines.draw(lines, SECONDS, paused ? "frozen" : "now", this.theme, this.size.ratio);
   }
 
   /** Shows facts, rate and silence of the source; calls itself again while the source is silent. */

@@ -23,7 +23,7 @@ export function readHead(reader: Reader): Frame {
   return { sequence, rate, arrived };
 }
 
-function sequenceOf(bytes: DataView | null): number {
+export function sequenceOf(bytes: DataView | null): number {
   return bytes?.getFloat64(0, true) ?? 0;
 }
 
@@ -64,7 +64,8 @@ export class Stream<F extends Frame> implements Member {
   readonly #frames = new WeakMap<DataView, F>();
   readonly #save: () => void;
   readonly #listeners = new Set<() => void>();
-  #heldHere: DataView | null = null;
+  /** While `paused` is set without `_frozen_frame`. */
+  #frozenHere: DataView | null = null;
   #decoded: { bytes: DataView; frame: F } | null = null;
   #stale: ReturnType<typeof setTimeout> | undefined;
   /** Time of the last frame, which may be before the page was loaded; 0: there was none. */
@@ -81,10 +82,10 @@ export class Stream<F extends Frame> implements Member {
     this.#decode = decode;
     // While a person drags, Python needs no message for each step.
     this.#save = throttle(() => model.save_changes(), SAVE_MS, signal);
-    const [held, newest] = [this.paused ? this.#bytes("_frozen_frame") : null, this.#bytes("_frame")];
-    this.#keep(held, NaN);
-    if (this.paused) this.#history.hold(performance.now());
-    if (sequenceOf(held) !== sequenceOf(newest)) this.#keep(newest, NaN);
+    const [frozen, newest] = [this.paused ? this.#bytes("_frozen_frame") : null, this.#bytes("_frame")];
+    this.#keep(frozen, NaN);
+    if (this.paused) this.#history.freeze(performance.now());
+    if (sequenceOf(frozen) !== sequenceOf(newest)) this.#keep(newest, NaN);
     const age = model.get("_silence");
     if (age) {
       // A notebook that is saved later must not restore this age.
@@ -120,7 +121,7 @@ export class Stream<F extends Frame> implements Member {
 
   /** The frame to draw: the frozen one while paused, else the newest; null before the first. */
   get shown(): F | null {
-    const bytes = this.#shownBytes();
+    const { bytes } = this;
     if (!bytes) return null;
     if (this.#decoded?.bytes !== bytes) this.#decoded = { bytes, frame: this.#decode(bytes) };
     return this.#decoded.frame;
@@ -133,7 +134,7 @@ export class Stream<F extends Frame> implements Member {
 
   /** Number of samples since the frozen one. */
   get since(): number {
-    return Math.max(0, sequenceOf(this.#bytes("_frame")) - sequenceOf(this.#shownBytes()));
+    return Math.max(0, sequenceOf(this.#bytes("_frame")) - sequenceOf(this.bytes));
   }
 
   /** Samples per second that reach Python; NaN when unknown. */
@@ -152,19 +153,24 @@ export class Stream<F extends Frame> implements Member {
     const { moments } = this.#history;
     const [count, newest] = [moments.length, moments.at(-1)];
     if (!this.paused || !this.#seconds || !newest || count < 2) return null;
-    const bytes = this.#shownBytes();
+    const { bytes } = this;
     const own = moments.findIndex((moment) => moment.bytes === bytes);
     // A frame frozen by Python, or found at page load, is not one of the history's own objects: compare sequences.
     const index = own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
     return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
   }
 
+  /** The samples of the history, oldest first. */
+  get moments(): readonly Moment[] {
+    return this.#history.moments;
+  }
+
   /** The last samples up to the one on show, oldest first, at most so many: of the history, or as a player gives them. */
   last(count: number): Moment[] {
-    const { moments } = this.#history;
+    const { moments, place } = this;
     // In a notebook that was saved there are no bytes in it.
     const given = (this.#model as Model<Recent>).get("_recent")?.filter(({ bytes }) => bytes instanceof DataView);
-    return (given ?? moments.slice(0, (this.place?.index ?? moments.length - 1) + 1)).slice(-count);
+    return (given ?? moments.slice(0, (place?.index ?? moments.length - 1) + 1)).slice(-count);
   }
 
   /** What a sample says, decoded once. */
@@ -174,14 +180,9 @@ export class Stream<F extends Frame> implements Member {
     return frame;
   }
 
-  /** What is said of the samples of the history, oldest first, each with its sequence number and its arrival. */
-  get moments(): { about: About; sequence: number; at: number }[] {
-    return this.#history.moments.map(({ about, bytes, at }) => ({ about, sequence: sequenceOf(bytes), at }));
-  }
-
   /** The bytes of the frame to draw; null before the first. */
   get bytes(): DataView | null {
-    return this.#shownBytes();
+    return this.paused ? (this.#bytes("_frozen_frame") ?? this.#frozenHere) : this.#bytes("_frame");
   }
 
   /** The frame that came so many samples before the one to draw, or the next older one; null where none is kept. */
@@ -225,7 +226,7 @@ export class Stream<F extends Frame> implements Member {
     const first = firstWhere(moments, ({ bytes }) => arrivalOf(bytes) >= oldest);
     const moment = moments[Math.min(moments.length - 1, Math.max(0, first, index))];
     if (!moment || !this.paused) return;
-    this.#hold(moment);
+    this.#show(moment);
     for (const other of others) other.showAt(arrivalOf(moment.bytes));
   }
 
@@ -239,7 +240,7 @@ export class Stream<F extends Frame> implements Member {
     const others = othersOf(this);
     if (!own || [this, ...others].some((one) => one.oldest > arrived)) return false;
     if (!this.paused) this.toggle();
-    this.#hold(own);
+    this.#show(own);
     for (const other of others) {
       other.freeze();
       other.showAt(arrived);
@@ -251,10 +252,10 @@ export class Stream<F extends Frame> implements Member {
     const { moments } = this.#history;
     const next = firstWhere(moments, ({ bytes }) => arrivalOf(bytes) > arrived);
     const moment = moments[Math.max(0, next - 1)];
-    if (moment && this.paused && this.#seconds) this.#hold(moment);
+    if (moment && this.paused && this.#seconds) this.#show(moment);
   }
 
-  #hold({ bytes }: Moment): void {
+  #show({ bytes }: Moment): void {
     this.stepped = true;
     this.#model.set("_frozen_frame", bytes);
     this.#save();
@@ -264,10 +265,6 @@ export class Stream<F extends Frame> implements Member {
   listen(callback: () => void, signal: AbortSignal): void {
     this.#listeners.add(callback);
     onAbort(signal, () => this.#listeners.delete(callback));
-  }
-
-  #shownBytes(): DataView | null {
-    return this.paused ? (this.#bytes("_frozen_frame") ?? this.#heldHere) : this.#bytes("_frame");
   }
 
   #bytes(name: "_frame" | "_frozen_frame"): DataView | null {
@@ -317,8 +314,8 @@ export class Stream<F extends Frame> implements Member {
   #onPaused(): void {
     this.stepped = false;
     // A link between two widgets sets `paused` without `_frozen_frame`.
-    this.#heldHere = this.paused ? (this.#history.moments.at(-1)?.bytes ?? null) : null;
-    if (this.paused) this.#history.hold(performance.now());
+    this.#frozenHere = this.paused ? (this.#history.moments.at(-1)?.bytes ?? null) : null;
+    if (this.paused) this.#history.freeze(performance.now());
     else this.#history.release(this.#seconds);
     this.#tell();
   }
