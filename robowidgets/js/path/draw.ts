@@ -1,8 +1,7 @@
-import { circle, drawBody, drawFloor, fill, line, type Projection, scaleOf, stroke, toPixel } from "../shared/floor.ts";
+import { type Context, circle, fill, line, stroke } from "../shared/canvas.ts";
+import { drawBody, drawFloor, type Projection, scaleOf, toPixel } from "../shared/floor.ts";
 import type { Theme } from "../shared/theme.ts";
 import { isKnown, type Point, type TimedPose } from "./path.ts";
-
-type Context = CanvasRenderingContext2D;
 
 /** Radius of the robot in pixels: odometry does not say how large it is. */
 const ROBOT = 8;

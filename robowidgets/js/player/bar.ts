@@ -1,4 +1,4 @@
-import { make, makeButton, makeIcon, mount, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, mount, PAUSE, PLAY, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { toClock, toFixed } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
@@ -12,8 +12,6 @@ import { MarkList } from "./mark_list.ts";
 import type { Playback } from "./playback.ts";
 import type { PlayerTraits } from "./traits.ts";
 
-const PLAY = "M3 1.2l7 4.8-7 4.8z";
-const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
 const REPEAT =
   "M3 2.5h4.5a3 3 0 0 1 3 3v.7H9.3v-.7a1.8 1.8 0 0 0-1.8-1.8H3v1.6L.5 3.1 3 .9z M9 9.5H4.5a3 3 0 0 1-3-3v-.7h1.2v.7a1.8 1.8 0 0 0 1.8 1.8H9V6.7l2.5 2.2L9 11.1z";
 const DECIMALS = 2;
@@ -48,10 +46,8 @@ export class PlayerBar {
   constructor(model: Model<PlayerTraits>, element: HTMLElement, playback: Playback, signal: AbortSignal) {
     this.#model = model;
     this.#playback = playback;
-    const back = makeButton("rw-step", "One scan back (,)", () => playback.step(-1), signal);
-    back.textContent = "\u2039";
-    const forth = makeButton("rw-step", "One scan on (.)", () => playback.step(1), signal);
-    forth.textContent = "\u203a";
+    const back = makeButton("rw-step", "One scan back (,)", () => playback.step(-1), signal, "\u2039");
+    const forth = makeButton("rw-step", "One scan on (.)", () => playback.step(1), signal, "\u203a");
     this.#play = makeButton("rw-play", "Play (space)", () => playback.toggle(), signal);
     const onLoop = () => setTraits(model, { loop: !model.get("loop") });
     this.#loop = makeButton("rw-loop", "Play it again and again, the selection if there is one (l)", onLoop, signal);

@@ -1,6 +1,8 @@
-import type { Size } from "./box.ts";
+import type { Point, Size } from "./box.ts";
 import { make } from "./dom.ts";
 import { on, onAbort } from "./events.ts";
+
+export type Context = CanvasRenderingContext2D;
 
 /** The size of a picture, and how many device pixels each of its pixels has. */
 export interface Surface extends Size {
@@ -9,7 +11,7 @@ export interface Surface extends Size {
 
 /** A canvas that stays sharp at any pixel ratio; drawn on in CSS pixels. */
 export class Canvas {
-  readonly context: CanvasRenderingContext2D;
+  readonly context: Context;
   readonly #element = make("canvas", "rw-layer");
 
   constructor(parent: HTMLElement) {
@@ -21,7 +23,7 @@ export class Canvas {
   }
 
   /** Clears it for a picture of this size. */
-  begin({ width, height, ratio }: Surface): CanvasRenderingContext2D {
+  begin({ width, height, ratio }: Surface): Context {
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     const element = this.#element;
     if (element.width !== w || element.height !== h) {
@@ -41,7 +43,7 @@ const HALO = 4;
 
 /** Writes text, vertically centred at y; with a halo of some colour, which keeps it apart from lines below it. */
 export function write(
-  context: CanvasRenderingContext2D,
+  context: Context,
   text: string,
   x: number,
   y: number,
@@ -61,6 +63,31 @@ export function write(
   }
   context.fillStyle = color;
   context.fillText(text, x, y);
+}
+
+/** Begins a path with a circle. */
+export function circle(context: Context, { x, y }: Point, radius: number): void {
+  context.beginPath();
+  context.arc(x, y, radius, 0, 2 * Math.PI);
+}
+
+/** Adds a line to the path. */
+export function line(context: Context, from: Point, to: Point): void {
+  context.moveTo(from.x, from.y);
+  context.lineTo(to.x, to.y);
+}
+
+/** Draws the path. */
+export function stroke(context: Context, color: string, width: number): void {
+  context.strokeStyle = color;
+  context.lineWidth = width;
+  context.stroke();
+}
+
+/** Fills the path. */
+export function fill(context: Context, color: string): void {
+  context.fillStyle = color;
+  context.fill();
 }
 
 /** The size of an element, at a pixel ratio or the screen's. */

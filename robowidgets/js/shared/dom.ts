@@ -76,3 +76,7 @@ export function makeIcon(path: string): HTMLElement {
   icon.style.clipPath = `path("${path}")`;
   return icon;
 }
+
+/** Paths of icons. */
+export const PLAY = "M3 1.2l7 4.8-7 4.8z";
+export const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";

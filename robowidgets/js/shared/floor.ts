@@ -1,12 +1,9 @@
 import type { Box, Size } from "./box.ts";
-import { write } from "./canvas.ts";
+import { type Context, circle, fill, line, stroke, write } from "./canvas.ts";
 import { toShortMetres } from "./format.ts";
 import { type Theme, textFont } from "./theme.ts";
 import { ticks } from "./ticks.ts";
 
-type Context = CanvasRenderingContext2D;
-
-const TURN = 2 * Math.PI;
 /** Corners of the nose: angle from forward, and share of the radius. */
 const NOSE = [
   [0, 0.7],
@@ -104,25 +101,4 @@ export function drawBody(context: Context, at: Place, yaw: number, radius: numbe
     context.lineTo(at.x + share * radius * Math.cos(yaw + angle), at.y - share * radius * Math.sin(yaw + angle));
   }
   fill(context, theme.background);
-}
-
-export function circle(context: Context, { x, y }: Place, radius: number): void {
-  context.beginPath();
-  context.arc(x, y, radius, 0, TURN);
-}
-
-export function line(context: Context, from: Place, to: Place): void {
-  context.moveTo(from.x, from.y);
-  context.lineTo(to.x, to.y);
-}
-
-export function stroke(context: Context, color: string, width: number): void {
-  context.strokeStyle = color;
-  context.lineWidth = width;
-  context.stroke();
-}
-
-export function fill(context: Context, color: string): void {
-  context.fillStyle = color;
-  context.fill();
 }

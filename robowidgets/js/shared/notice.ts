@@ -19,9 +19,9 @@ export class Notice {
       "Show or hide the remedies",
       () => this.#unfold(!this.#isOpen),
       signal,
+      "What to do",
     );
     this.#more.ariaLabel = null;
-    setText(this.#more, "What to do");
     this.element.append(this.#text, this.#more, this.#remedies);
     this.#unfold(false);
     // Escape folds it, and leaves what is pinned.

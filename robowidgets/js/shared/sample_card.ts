@@ -1,6 +1,6 @@
 import { Bar } from "./bar.ts";
 import { Card } from "./card.ts";
-import { make, makeButton, makeIcon, setText } from "./dom.ts";
+import { make, makeButton, makeIcon, PAUSE, PLAY, setText } from "./dom.ts";
 import { isPlain, on } from "./events.ts";
 import { toAge, toCount, toFixed } from "./format.ts";
 import { Lamps } from "./lamps.ts";
@@ -13,8 +13,6 @@ import { TimeLinesView } from "./time_lines_view.ts";
 import type { SampleTraits } from "./traits.ts";
 
 const STEPS: Record<string, number> = { ",": -1, ".": 1 };
-const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
-const PLAY = "M3 1.2l7 4.8-7 4.8z";
 
 /** A card with the newest of many samples, which a person can freeze, save, and step through its history. */
 export class SampleCard extends Card {
@@ -28,9 +26,7 @@ export class SampleCard extends Card {
   readonly #bar: Bar;
   readonly #lamps: Lamps;
   readonly #tellFacts: () => void;
-  readonly #makeLines: () => TimeLinesView;
-  /** Made when the program plots a number. */
-  #lines: TimeLinesView | null = null;
+  readonly #numbers: TimeLinesView;
   #known: string[] = [];
   #paced = true;
   #paused: boolean | null = null;
@@ -55,7 +51,7 @@ export class SampleCard extends Card {
     this.#bar = new Bar(stream, signal);
     this.#lamps = new Lamps(stream, (words) => this.say(words), signal);
     this.picture.after(this.#lamps.root, this.#bar.root);
-    this.#makeLines = () => new TimeLinesView(() => this.#drawNumbers(), signal);
+    this.#numbers = new TimeLinesView(this.picture, () => this.#drawNumbers(), signal);
     stream.listen(this.redraw, signal);
     onChange(model, ["_source"], this.redraw, signal);
     this.#tellFacts = throttle(() => this.#drawFacts(), READING_MS, signal);
@@ -123,15 +119,8 @@ export class SampleCard extends Card {
   /** Draws the numbers that the program plots, up to the sample on show. */
   #drawNumbers(): void {
     const { about, paused } = this.#stream;
-    const hasSome = about.numbers !== undefined;
-    if (hasSome && !this.#lines) {
-      this.#lines = this.#makeLines();
-      this.picture.after(this.#lines.root);
-    }
-    if (this.#lines) this.#lines.root.hidden = !hasSome;
-    if (!hasSome || !this.#lines) return;
-    const lines = toNumberLines(this.#stream.last(Infinity));
-    this.#lines.draw(lines, SECONDS, paused ? "frozen" : "now", this.theme, this.size.ratio);
+    const lines = about.numbers ? toNumberLines(this.#stream.last(Infinity)) : null;
+    this.#numbers.draw(lines, SECONDS, paused ? "frozen" : "now", this.theme, this.size.ratio);
   }
 
   /** Shows facts, rate and silence of the source; calls itself again while the source is silent. */

@@ -1,4 +1,4 @@
-import { Canvas, type Surface, watchSize, write } from "./canvas.ts";
+import { Canvas, type Context, line, type Surface, stroke, watchSize, write } from "./canvas.ts";
 import { make, pointIn } from "./dom.ts";
 import { on } from "./events.ts";
 import { toFixed } from "./format.ts";
@@ -10,43 +10,64 @@ const FOOT = 18;
 /** Pixels left and right of the lines, for names and numbers. */
 const [NAMES, NUMBERS] = [40, 62];
 
-/** The last seconds of some values below a picture: measured and commanded, limits, and the spans past them. */
+/**
+ * The last seconds of some values below a picture: measured and commanded, limits, and the spans past them. It makes
+ * elements when there are values for the first time.
+ */
 export class TimeLinesView {
-  readonly root = make("div", "rw-over-time");
-  readonly #canvas: Canvas;
+  readonly #root = make("div", "rw-over-time");
+  readonly #picture: HTMLElement;
+  readonly #redraw: () => void;
+  readonly #signal: AbortSignal;
+  #canvas: Canvas | null = null;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
   #pointer: number | null = null;
 
-  constructor(redraw: () => void, signal: AbortSignal) {
-    this.root.role = "img";
-    this.#canvas = new Canvas(this.root);
-    const onMove = (x: number | null) => {
-      this.#pointer = x;
-      redraw();
-    };
-    on(this.root, "pointermove", (event) => onMove(pointIn(this.root, event).x), signal);
-    on(this.root, "pointerleave", () => onMove(null), signal);
-    const onSize = (size: Surface) => {
-      this.#size = size;
-      redraw();
-    };
-    watchSize(this.root, onSize, signal);
+  constructor(picture: HTMLElement, redraw: () => void, signal: AbortSignal) {
+    this.#picture = picture;
+    this.#redraw = redraw;
+    this.#signal = signal;
   }
 
-  /** @param end what stands at the right end: "now" */
-  draw(lines: TimeLine[], seconds: number, end: string, theme: Theme, ratio: number): void {
-    this.root.style.height = `${lines.length * ROW + FOOT}px`;
-    this.root.ariaLabel = `the last ${seconds} s of ${lines.map(({ name }) => name).join(", ")}`;
+  #open(): Canvas {
+    const root = this.#root;
+    root.role = "img";
+    this.#picture.after(root);
+    const onMove = (x: number | null) => {
+      this.#pointer = x;
+      this.#redraw();
+    };
+    on(root, "pointermove", (event) => onMove(pointIn(root, event).x), this.#signal);
+    on(root, "pointerleave", () => onMove(null), this.#signal);
+    const onSize = (size: Surface) => {
+      this.#size = size;
+      this.#redraw();
+    };
+    watchSize(root, onSize, this.#signal);
+    return new Canvas(root);
+  }
+
+  /**
+   * @param lines null: nothing is shown
+   * @param end what stands at the right end: "now"
+   */
+  draw(lines: TimeLine[] | null, seconds: number, end: string, theme: Theme, ratio: number): void {
+    this.#root.hidden = !lines;
+    if (!lines) return;
+    this.#canvas ??= this.#open();
+    this.#root.style.height = `${lines.length * ROW + FOOT}px`;
+    this.#root.ariaLabel = `the last ${seconds} s of ${lines.map(({ name }) => name).join(", ")}`;
     if (!this.#size.width) return;
     const context = this.#canvas.begin({ ...this.#size, ratio });
     context.font = textFont(theme);
+    context.lineJoin = "round";
     const left = Math.max(NAMES, ...lines.map(({ label }) => context.measureText(label).width + 16));
     const width = Math.max(1, this.#size.width - left - NUMBERS);
     const toX = (at: number) => left + width * (1 + at / (1000 * seconds));
     const inside = this.#pointer !== null && this.#pointer >= left && this.#pointer <= left + width;
     const pointed = inside ? (((this.#pointer as number) - left) / width - 1) * 1000 * seconds : null;
-    for (const [row, line] of lines.entries()) {
-      drawRow(context, line, { top: row * ROW + 4, height: ROW - 8, left, width }, toX, pointed, theme);
+    for (const [row, shown] of lines.entries()) {
+      drawRow(context, shown, { top: row * ROW + 4, height: ROW - 8, left, width }, toX, pointed, theme);
     }
     const y = lines.length * ROW + FOOT / 2 - 1;
     const font = textFont(theme);
@@ -69,7 +90,7 @@ interface Band {
 }
 
 function drawRow(
-  context: CanvasRenderingContext2D,
+  context: Context,
   { label, low, high, showsEnds, decimals, limits, color: hue, measured, commanded, over }: TimeLine,
   { top, height, left, width }: Band,
   toX: (at: number) => number,
@@ -88,13 +109,12 @@ function drawRow(
   context.fillStyle = theme.line;
   if (low <= 0 && high >= 0) context.fillRect(left, Math.round(toY(0)), width, 1);
   context.setLineDash([3, 3]);
+  context.beginPath();
   for (const limit of limits) {
     const y = Math.round(toY(limit)) + 0.5;
-    stroke(context, theme.muted, 1, () => {
-      context.moveTo(left, y);
-      context.lineTo(left + width, y);
-    });
+    line(context, { x: left, y }, { x: left + width, y });
   }
+  stroke(context, theme.muted, 1);
   context.setLineDash([]);
   drawRuns(context, commanded, toX, toY, theme.ink, 1, true);
   drawRuns(context, measured, toX, toY, theme[hue], 1.75, false);
@@ -116,7 +136,7 @@ function drawRow(
 
 /** Lines through runs of points; a command holds until the next, and is drawn as steps. */
 function drawRuns(
-  context: CanvasRenderingContext2D,
+  context: Context,
   points: Point[],
   toX: (at: number) => number,
   toY: (value: number) => number,
@@ -124,22 +144,13 @@ function drawRuns(
   width: number,
   isStepped: boolean,
 ): void {
-  stroke(context, color, width, () => {
-    for (const run of toRuns(points)) {
-      for (const [i, { at, value }] of run.entries()) {
-        if (i === 0) context.moveTo(toX(at), toY(value));
-        else if (isStepped) context.lineTo(toX(at), toY(run[i - 1]?.value ?? value));
-        context.lineTo(toX(at), toY(value));
-      }
-    }
-  });
-}
-
-function stroke(context: CanvasRenderingContext2D, color: string, width: number, path: () => void): void {
   context.beginPath();
-  path();
-  context.strokeStyle = color;
-  context.lineWidth = width;
-  context.lineJoin = "round";
-  context.stroke();
+  for (const run of toRuns(points)) {
+    for (const [i, { at, value }] of run.entries()) {
+      if (i === 0) context.moveTo(toX(at), toY(value));
+      else if (isStepped) context.lineTo(toX(at), toY(run[i - 1]?.value ?? value));
+      context.lineTo(toX(at), toY(value));
+    }
+  }
+  stroke(context, color, width);
 }

@@ -1,18 +1,7 @@
-import {
-  circle,
-  drawBody,
-  fill,
-  floorOf,
-  line,
-  type Place,
-  type Projection,
-  stroke,
-  toPixel,
-} from "../shared/floor.ts";
+import { type Context, circle, fill, line, stroke } from "../shared/canvas.ts";
+import { drawBody, floorOf, type Place, type Projection, toPixel } from "../shared/floor.ts";
 import type { Theme } from "../shared/theme.ts";
 import { endsOf, handleOf, robotRadius, type Scene, type Thing } from "./scene.ts";
-
-type Context = CanvasRenderingContext2D;
 
 const WALL = 3;
 const DOT = 2.5;

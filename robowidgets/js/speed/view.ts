@@ -43,9 +43,7 @@ export class SpeedView {
   readonly #planar: HTMLButtonElement;
   readonly #reset: HTMLButtonElement;
   readonly #overTime: HTMLButtonElement;
-  readonly #signal: AbortSignal;
-  /** Made when it is asked for. */
-  #lines: TimeLinesView | null = null;
+  readonly #lines: TimeLinesView;
   readonly #legend: Legend;
   readonly #popup: Popup;
   #groups: GroupView[] = [];
@@ -67,6 +65,7 @@ export class SpeedView {
     picture.role = "application";
     picture.append(this.#board, this.#empty);
     this.#popup = new Popup(picture);
+    this.#lines = new TimeLinesView(picture, this.#card.redraw, signal);
     this.#legend = new Legend(footer);
     this.#planar = makeButton(
       "",
@@ -77,7 +76,6 @@ export class SpeedView {
     );
     this.#reset = makeButton("rw-reset", "Reset the peaks", () => this.#onReset(), signal);
     this.#reset.append(makeIcon(RESET), make("span", "rw-word", "Peaks"));
-    this.#signal = signal;
     const onOverTime = () => setTraits(model, { over_time: model.get("over_time") ? 0 : USUAL_SECONDS });
     this.#overTime = makeButton("rw-lines", "Over time: the last seconds of each axis", onOverTime, signal);
     this.#overTime.append(makeIcon(LINE));
@@ -161,20 +159,14 @@ export class SpeedView {
   #drawOverTime(groups: GroupFacts[]): void {
     const seconds = this.#model.get("over_time");
     this.#overTime.ariaPressed = String(seconds > 0);
-    if (seconds && !this.#lines) {
-      this.#lines = new TimeLinesView(this.#card.redraw, this.#signal);
-      this.#card.picture.after(this.#lines.root);
-    }
-    if (this.#lines) this.#lines.root.hidden = !seconds;
-    if (!seconds || !this.#lines) return;
     const { paused, rate } = this.#stream;
     // Samples that are picked from a recording come at no time of their own.
     const isLive = !Number.isNaN(rate);
-    const end = paused ? "frozen" : isLive ? "now" : "no live speeds";
-    const moments = isLive ? this.#stream.last(Infinity) : [];
+    const moments = seconds && isLive ? this.#stream.last(Infinity) : [];
     const samples = moments.map((moment) => ({ at: moment.at, frame: this.#stream.frameOf(moment) }));
+    const end = paused ? "frozen" : isLive ? "now" : "no live speeds";
     const { theme, size } = this.#card;
-    this.#lines.draw(toTimeLines(samples, groups, seconds), seconds, end, theme, size.ratio);
+    this.#lines.draw(seconds ? toTimeLines(samples, groups, seconds) : null, seconds, end, theme, size.ratio);
   }
 
   #layOut(planar: boolean): void {

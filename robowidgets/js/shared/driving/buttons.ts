@@ -20,8 +20,8 @@ export class StopButtons {
     const press = () => control.stop();
     this.stop = makeButton("rw-stop", "Stop the robot (Escape), and let nobody drive", () => {}, signal);
     this.stop.append(makeIcon(SIGN), this.#word);
-    this.allow = makeButton("rw-allow", "Let programs and hands drive again", () => control.allow(), signal);
-    this.allow.textContent = "Allow driving";
+    const onAllow = () => control.allow();
+    this.allow = makeButton("rw-allow", "Let programs and hands drive again", onAllow, signal, "Allow driving");
     // Stop on press, not on release. A click without a pointer comes from a screen reader.
     on(this.stop, "pointerdown", ({ button }) => button === 0 && press(), signal);
     on(this.stop, "click", ({ detail }) => detail === 0 && press(), signal);
