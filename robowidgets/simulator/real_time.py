@@ -14,7 +14,7 @@ LET_GO = 3.0
 """Seconds without a command after which the robot wanders again."""
 
 QUIET = 0.5
-"""Seconds after a command in which the commanded speed is not passed on: it is that of who sent the command."""
+"""Seconds after a command in which the commanded speed is not passed on: who sent the command passes it on."""
 
 _LATEST = 1.0
 

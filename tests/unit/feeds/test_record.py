@@ -84,6 +84,10 @@ def test_a_run_opens_here_and_in_other_tools_with_its_states_and_the_text_of_its
             robot.program(Nested, rate=50)
             wait_for(lambda: recorder.written["/robowidgets/program"] == 2, "the second version is written")
             wait_for(lambda: recorder.written["/scan"] >= 2, "scans have come")
+            robot.stopped = True
+            wait_for(lambda: not any(robot.robot.speed().values), "it stands")
+            poses = recorder.written["/odom"]
+            wait_for(lambda: recorder.written["/odom"] >= poses + 2, "the pose where it stands is written")
         count = sum(recorder.written.values())
         assert (recorder.closed, recorder.problems) == (True, ())
         time.sleep(0.05)
