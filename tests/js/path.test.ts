@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { boundsOf, nearestOn, type Point, splitAt, toPoints } from "../../robowidgets/js/path/path.ts";
+import { boundsOf, multiples, nearestOn, type Point, splitAt, toPoints } from "../../robowidgets/js/path/path.ts";
 import { describePoint } from "../../robowidgets/js/path/text.ts";
 
 function point(time: number, x: number, y: number, yaw = 0, way = x): Point {
@@ -64,4 +64,17 @@ test("a place of the path is named with its time, also from the moment on show",
   });
   assert.equal(describePoint(point(3, 0, 0), now).side, "now");
   assert.equal(describePoint(point(4, 0, 0, NaN), now).details.split("\n")[0], "heading unknown");
+});
+
+test("a grid has its lines, and ends also on a floor as large as only damaged numbers make it", () => {
+  assert.deepEqual(multiples(0.5, -0.75, 1), [-0.5, 0, 0.5]);
+  const { west, east } = boundsOf(
+    [
+      { x: 1e79, y: 0 },
+      { x: 1e79 + 2e63, y: 1 },
+    ],
+    { width: 300, height: 200 },
+  );
+  assert.ok(multiples(1e62, west, east).length < 1e3);
+  assert.deepEqual(multiples(1, -Infinity, Infinity), []);
 });

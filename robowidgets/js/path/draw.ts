@@ -1,7 +1,7 @@
 import { type Context, circle, fill, line, stroke } from "../shared/canvas.ts";
 import { drawBody, drawFloor, type Projection, scaleOf, toPixel } from "../shared/floor.ts";
 import type { Theme } from "../shared/theme.ts";
-import { isKnown, type Point, type TimedPose } from "./path.ts";
+import { isKnown, multiples, type Point, type TimedPose } from "./path.ts";
 
 /** Radius of the robot in pixels: odometry does not say how large it is. */
 const ROBOT = 8;
@@ -14,9 +14,9 @@ export function drawGrid(context: Context, projection: Projection, theme: Theme)
   const { west, east, south, north } = projection.bounds;
   const step = scaleOf(projection.bounds);
   context.beginPath();
-  for (let x = Math.ceil(west / step) * step; x < east; x += step)
+  for (const x of multiples(step, west, east))
     line(context, toPixel(projection, { x, y: south }), toPixel(projection, { x, y: north }));
-  for (let y = Math.ceil(south / step) * step; y < north; y += step)
+  for (const y of multiples(step, south, north))
     line(context, toPixel(projection, { x: west, y }), toPixel(projection, { x: east, y }));
   stroke(context, theme.line, 1);
 }

@@ -95,6 +95,15 @@ export function boundsOf(places: Place[], picture: Size): Bounds {
   return { west: x - width / 2, east: x + width / 2, south: y - height / 2, north: y + height / 2 };
 }
 
+/** The multiples of a step in a span; none where damaged numbers make it endless. */
+export function multiples(step: number, from: number, to: number): number[] {
+  const count = (to - from) / step;
+  if (!Number.isFinite(count)) return [];
+  // Counted: to numbers that are large enough, a step adds nothing.
+  const values = Array.from({ length: count + 1 }, (_, i) => (Math.ceil(from / step) + i) * step);
+  return values.filter((value) => value < to);
+}
+
 /** Round ends of a span that holds all values. */
 function placed(values: number[]): [number, number] {
   const [low, high] = [
