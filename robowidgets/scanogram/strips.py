@@ -58,7 +58,8 @@ class SpeedStrip:
         if max(np.abs(ends["linear.y"])) > SIDEWAYS:
             over.add("linear.y")
         shown = [i for i, axis in enumerate(AXES) if axis in _ALWAYS or axis in over]
-        self._values = np.ascontiguousarray(values[:, shown].T, np.float32)
+        with np.errstate(over="ignore"):  # of damaged numbers
+            self._values = np.ascontiguousarray(values[:, shown].T, np.float32)
         self.axes = [AXES[i] for i in shown]
         self.limits = [limits.get(axis) for axis in self.axes]
 

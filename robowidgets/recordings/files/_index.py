@@ -70,10 +70,17 @@ def span_in_mcap(reader: McapReader, number: int) -> tuple[int, int] | None:
 
 
 def arrivals_in_database(reader: Sqlite3Reader) -> Arrivals:
-    """The order of arrival of all messages."""
+    """The order of arrival of all messages.
+
+    Raises:
+        RecordingError: the index of times, by which rosbags reads, has others than the messages.
+    """
     assert reader.dbconn
     rows = reader.dbconn.execute("SELECT timestamp, topic_id FROM messages ORDER BY rowid")
     table = np.fromiter(chain.from_iterable(rows), np.int64).reshape(-1, 2)
+    indexed = chain.from_iterable(reader.dbconn.execute("SELECT timestamp FROM messages ORDER BY timestamp"))
+    if not np.array_equal(np.fromiter(indexed, np.int64), np.sort(table[:, 0])):
+        raise RecordingError(f"{reader.path}: its index of times disagrees with its messages")
     return Arrivals(table[:, 0], table[:, 1])
 
 

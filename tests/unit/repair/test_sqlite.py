@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from robowidgets.recordings.files._rosbags import open_sqlite
 from robowidgets.repair import RecordingError, open_repaired
 
 from ..recordings.written import START_NS, STEP_NS, Message, messages, read, write_db3
@@ -253,3 +254,18 @@ def test_a_database_whose_first_page_is_lost_is_named_with_a_way_out(tmp_path: P
         RecordingError, match=r"^x\.db3: the database cannot be read .*'sqlite3 x\.db3 \.recover' may save"
     ):
         open_repaired([path])
+
+
+def test_an_index_of_other_times_than_those_of_the_messages_is_not_read(tmp_path: Path) -> None:
+    path = write_old(tmp_path / "flipped.db3", messages())
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute("PRAGMA writable_schema = ON")
+        connection.execute(
+            "UPDATE sqlite_master SET sql = replace(sql, 'timestamp ASC', 'topic_id') WHERE type = 'index'"
+        )
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute("UPDATE messages SET timestamp = timestamp + 250000000 WHERE id = 40")
+        connection.execute("PRAGMA writable_schema = ON")
+        connection.execute("UPDATE sqlite_master SET sql = replace(sql, 'topic_id', 'timestamp') WHERE type = 'index'")
+    with closing(open_sqlite(path)) as source, pytest.raises(RecordingError, match="its index of times disagrees"):
+        source.arrivals  # noqa: B018
