@@ -109,12 +109,12 @@ function drawRow(
   context.fillStyle = theme.line;
   if (low <= 0 && high >= 0) context.fillRect(left, Math.round(toY(0)), width, 1);
   context.setLineDash([3, 3]);
-  context.beginPath();
   for (const limit of limits) {
     const y = Math.round(toY(limit)) + 0.5;
+    context.beginPath();
     line(context, { x: left, y }, { x: left + width, y });
+    stroke(context, theme.muted, 1);
   }
-  stroke(context, theme.muted, 1);
   context.setLineDash([]);
   drawRuns(context, commanded, toX, toY, theme.ink, 1, true);
   drawRuns(context, measured, toX, toY, theme[hue], 1.75, false);
