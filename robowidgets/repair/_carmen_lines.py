@@ -160,7 +160,8 @@ def _check_count(words: list[bytes], first: int, count: int) -> None:
 
 
 def _floats(words: list[bytes], first: int, count: int) -> NDArray[np.float32]:
-    return np.array([_float(word) for word in words[first : first + count]], np.float32)
+    with np.errstate(over="ignore"):  # of damaged numbers
+        return np.array([_float(word) for word in words[first : first + count]], np.float32)
 
 
 def _float(word: bytes) -> float:

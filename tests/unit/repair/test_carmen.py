@@ -126,6 +126,9 @@ class TestAScan:
         assert scan.frame_id == "front_laser"
         assert scan_of(log(flaser().replace(b"FLASER", b"RLASER"))).frame_id == "rear_laser"
 
+    def test_a_range_that_no_float32_holds_is_infinite(self, log: Open) -> None:
+        assert scan_of(log(flaser(far=1e300))).ranges[0] == np.inf
+
     def test_looks_from_the_right_to_the_left(self, log: Open) -> None:
         scan = scan_of(log(flaser()))
         assert scan.angles[0] == pytest.approx(-pi / 2)
