@@ -16,35 +16,30 @@ const [NAMES, NUMBERS] = [40, 62];
  */
 export class TimeLinesView {
   readonly #root = make("div", "rw-over-time");
-  readonly #picture: HTMLElement;
-  readonly #redraw: () => void;
-  readonly #signal: AbortSignal;
+  /** Places the element, and listens to it. */
+  readonly #open: () => Canvas;
   #canvas: Canvas | null = null;
   #size: Surface = { width: 0, height: 0, ratio: 1 };
   #pointer: number | null = null;
 
   constructor(picture: HTMLElement, redraw: () => void, signal: AbortSignal) {
-    this.#picture = picture;
-    this.#redraw = redraw;
-    this.#signal = signal;
-  }
-
-  #open(): Canvas {
     const root = this.#root;
     root.role = "img";
-    this.#picture.after(root);
     const onMove = (x: number | null) => {
       this.#pointer = x;
-      this.#redraw();
+      redraw();
     };
-    on(root, "pointermove", (event) => onMove(pointIn(root, event).x), this.#signal);
-    on(root, "pointerleave", () => onMove(null), this.#signal);
     const onSize = (size: Surface) => {
       this.#size = size;
-      this.#redraw();
+      redraw();
     };
-    watchSize(root, onSize, this.#signal);
-    return new Canvas(root);
+    this.#open = () => {
+      picture.after(root);
+      on(root, "pointermove", (event) => onMove(pointIn(root, event).x), signal);
+      on(root, "pointerleave", () => onMove(null), signal);
+      watchSize(root, onSize, signal);
+      return new Canvas(root);
+    };
   }
 
   /**
