@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import ipywidgets
 
-WIDE = {"display": "flex", "flex_flow": "row wrap", "align_items": "flex-start", "width": "100%"}
+WIDE = {"flex_flow": "row wrap", "align_items": "flex-start", "width": "100%"}
 """Layout of a box that holds columns."""
 
 _COLUMNS = {"wide": "2 1 460px", "narrow": "1 1 340px", "map": "1 1 340px"}

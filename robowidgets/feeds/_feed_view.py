@@ -55,6 +55,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.program: ProgramWidget | None = None
         self.machine: MachineWidget | None = None
         super().__init__([self._stop, self._status, self._columns])
+        self.add_class("rw-feed")
         take_the_place(self)
         self._connection.observe(self.refresh)
         self.refresh()
