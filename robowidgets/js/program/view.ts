@@ -26,7 +26,7 @@ export class ProgramView {
   readonly #facts = [make("b", ""), make("b", ""), make("b", "")];
   readonly #active = make("div", "rw-program-active");
   readonly #code = make("code", "rw-program-code");
-  readonly #axes = [new Axis("linear", "m/s"), new Axis("angular", "rad/s")];
+  readonly #axes = [new Axis("linear", "m/s", 1), new Axis("angular", "rad/s", -1)];
   readonly #prints = make("div", "rw-prints");
   readonly #hint = make("div", "rw-hint");
 
@@ -139,13 +139,15 @@ export class ProgramView {
   }
 }
 
-/** One number of the speed, and its bar from zero. */
+/** One number of the speed, and its bar from zero. That of a turn to the left goes left, as on a pad. */
 class Axis {
   readonly root = make("div", "rw-program-axis");
   readonly #value = make("b", "");
   readonly #bar = make("i", "rw-program-bar");
+  readonly #side: 1 | -1;
 
-  constructor(name: string, unit: string) {
+  constructor(name: string, unit: string, side: 1 | -1) {
+    this.#side = side;
     const value = make("div", "rw-program-value");
     value.append(this.#value, ` ${unit}`);
     const track = make("div", "rw-program-track");
@@ -155,6 +157,6 @@ class Axis {
 
   update(value: number, limit: number): void {
     setText(this.#value, toFixed(value, 2));
-    Object.assign(this.#bar.style, toBar(value, limit));
+    Object.assign(this.#bar.style, toBar(this.#side * value, limit));
   }
 }
