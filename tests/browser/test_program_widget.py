@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Literal
 
 import pytest
@@ -145,8 +146,10 @@ def test_beside_a_busy_cell_it_steps_and_stops_and_it_stops_with_its_page(notebo
     slider.press("Escape")
     expect(widget.locator(".rw-stop-word")).to_have_text("Stopped")
     nb.lab.interrupt(nb.path)
-    with pytest.raises(CellError, match="KeyboardInterrupt"):
+    # Stop itself interrupts a kernel that answers late; the second interrupt may cut the traceback of the first.
+    with suppress(CellError):
         nb.wait(busy)
+    assert "KeyboardInterrupt" in str(nb.outputs(busy))
     assert eval(nb.python("avoid.steps - steps")) > 1
     zeros = [when for when, linear in eval(nb.python("heard")) if linear == 0.0 and when > at]
     assert zeros[0] - at < 1
