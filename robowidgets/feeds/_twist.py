@@ -75,7 +75,8 @@ class TwistPublisher:
             if moves and not isinstance(failures.get(kind), FeedError):  # it may have reached the robot
                 self._owed.add(topic)
                 self._moved_at[topic] = time.monotonic()
-                moved += [] if kind in moved else [kind]
+                if kind not in moved:
+                    moved.append(kind)
         # After a FeedError nothing moves, so any other one is raised first.
         for kind, error in sorted(failures.items(), key=lambda failed: isinstance(failed[1], FeedError)):
             if not sent or not isinstance(error, FeedError) or (kind in moved and not moves):
