@@ -177,6 +177,33 @@ def test_pictures_of_the_drive_pad(plain_page: Callable[..., PlainPage], theme: 
     shoot(card, f"gallery-drive-{theme}")
 
 
+PROGRAM = """
+from robowidgets import ProgramWidget, feeds
+from robowidgets.behaviors import Drive
+robot = feeds.simulator(wander=False)
+robot.variables.slider("f_vel", 0.25, 0.0, 0.5, "m/s")
+robot.variables.slider("near", 0.55, 0.2, 2.0, "m")
+robot.variables.go = True
+
+@robot.program(rate=20)
+def avoid(scan, state, variables):
+    state.n = state.get("n", 0) + 1
+    if state.n in (7, 14, 21):
+        print(f"near {scan.distance('front'):.2f} m [{state.n}]")
+    return Drive(variables.f_vel if variables.go else 0, -0.3)
+
+ProgramWidget(robot)
+"""
+
+
+def test_a_picture_of_a_program(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([PROGRAM], scale=2, width=500)
+    card = nb.widget(0).locator(".rw-program")
+    expect(card.locator(".rw-print-text")).to_have_count(3)
+    shoot(card, "gallery-program-light")
+    nb.python("robot.close()")
+
+
 MACHINE = """
 from robowidgets import MachineWidget, conditions, feeds
 from robowidgets.behaviors import Drive
