@@ -1,4 +1,10 @@
-"""State machines: programs whose behaviour depends on the state that they are in."""
+"""State machines: programs whose behaviour depends on the state that they are in.
+
+Not built on `python-statemachine`: with release 3.2, this and `_outline.py` had 594 lines in place of 536, and a step
+of three levels took 0.12 ms in place of 0.03. It would enter and leave states. The rest stays here in any case:
+events judged from the outermost machine inwards, times, the lists of moves and spans. So do the active states,
+because it takes back a move whose entry raises, and has no way on from an active state that is gone.
+"""
 
 from __future__ import annotations
 
