@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ._traced_ranges import traced as traced_ranges
 from .checks import frozen
 from .distances import inside, ray_distances
 from .ray import Ray
@@ -90,21 +91,27 @@ _Distance.__name__ = "float"  # for errors of the function, such as a comparison
 
 
 class _TracedScan(Scan):
-    """A scan that notes which distances a function reads, and to what it compares them."""
+    """A scan that notes which distances and ranges a function reads, and to what it compares distances."""
 
     _trace: Trace
+    _scan: Scan
 
     def distance(self, sector: Asked | None = None, *, percentile: float | None = None) -> float:
         """See `Scan`."""
-        return self._trace.read(self, sector, super().distance(sector, percentile=percentile))
+        return self._trace.read(self._scan, sector, self._scan.distance(sector, percentile=percentile))
 
     def nearest(self, sector: Asked | None = None) -> Ray | None:
         """See `Scan`."""
-        return self._trace.saw(super().nearest(sector))
+        return self._trace.saw(self._scan.nearest(sector))
 
     def at(self, angle: float | str) -> Ray | None:
         """See `Scan`."""
-        return self._trace.saw(super().at(angle))
+        return self._trace.saw(self._scan.at(angle))
+
+    def turned(self, angle: float | str) -> Scan:
+        """See `Scan`."""
+        turned: Scan = self._trace.of(self._scan.turned(angle))
+        return turned
 
 
 _TracedScan.__name__ = "Scan"  # for errors of the function, such as an attribute that scans do not have
@@ -124,6 +131,10 @@ class Trace:
         self._comparisons: list[_Comparison] = []
         self._rays: list[Ray] = []
         self._sectors: list[tuple[Scan, Asked | None]] = []
+        self._of_parts: dict[int, Scan] = {}
+        """The nearest ray of each part of the ranges that was read at once."""
+        self._single: tuple[float, Scan, Any] | None = None
+        """The nearest of the rays that were read one by one: its range, scan and index."""
 
     def of(self, sample: Any) -> Any:
         """A scan that notes what is read in it; another sample as it is."""
@@ -131,7 +142,8 @@ class Trace:
             return sample
         _ = sample.angles  # found once for the scan and all that trace it
         traced = object.__new__(_TracedScan)
-        traced.__dict__.update(sample.__dict__, _trace=self)
+        ranges = traced_ranges(sample.ranges, lambda key, part: self.looked(sample, key, part))
+        traced.__dict__.update(sample.__dict__, ranges=ranges, _scan=sample, _trace=self)
         return traced
 
     def read(self, scan: Scan, sector: Asked | None, distance: float) -> float:
@@ -160,6 +172,17 @@ class Trace:
             self._rays.append(ray)
         return ray
 
+    def looked(self, scan: Scan, key: Any, part: Any) -> None:
+        """Note that an index of the ranges was read, which gave a part of them or a single one."""
+        if not part.ndim:
+            before = self._single
+            if before is None or part < before[0] or isnan(before[0]):
+                self._single = part, scan, key
+            return
+        away = np.where(np.isnan(part), np.inf, part)
+        if part.size and away.min() < np.inf:
+            self._of_parts[int(np.arange(len(scan))[key].flat[away.argmin()])] = scan
+
     def value(self, result: Any) -> bool | None:
         """What the function says by its result.
 
@@ -173,7 +196,7 @@ class Trace:
 
     def nearest(self) -> Ray | None:
         """The ray that met the nearest thing among what was read."""
-        found = list(self._rays)
+        found = self._seen
         for scan, sector in [(c.scan, c.sector) for c in self._decisive] or self._sectors:
             if ray := Scan.nearest(scan, sector):
                 found.append(ray)
@@ -203,7 +226,16 @@ class Trace:
         if self._comparisons:
             return np.flatnonzero(np.logical_or.reduce([comparison.rays() for comparison in self._decisive]))
         nearest = [Scan.nearest(scan, sector) for scan, sector in self._sectors]
-        return np.unique(np.array([ray.index for ray in (*self._rays, *nearest) if ray], np.intp))
+        return np.unique(np.array([ray.index for ray in (*self._seen, *nearest) if ray], np.intp))
+
+    @property
+    def _seen(self) -> list[Ray]:
+        """The rays that were read."""
+        seen = [*self._rays, *(scan[index] for index, scan in self._of_parts.items())]
+        if self._single:
+            _, scan, key = self._single
+            seen.append(scan[int(np.arange(len(scan))[key])])
+        return seen
 
 
 def _is_mask(result: Any) -> bool:

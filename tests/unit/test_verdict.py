@@ -51,13 +51,81 @@ class TestFunction:
             (lambda s: s.ranges < 0.42, [0, 2]),
             (lambda s: s.nearest("front"), [0]),
             (lambda s: s.at(0.0).range < 0.5, [2]),
-            (lambda s: s.ranges[2:4].min() < 0.5, []),
+            (lambda s: (s.ranges < 0.42).any(), []),
         ],
     )
-    def test_may_return_a_mask_or_a_ray_and_read_plain_arrays(self, function: Any, rays: list[int]) -> None:
+    def test_may_return_a_mask_or_a_ray(self, function: Any, rays: list[int]) -> None:
         verdict = judged(function, SEEN)
         assert verdict.value is True
         assert verdict.rays.tolist() == rays
+
+    @pytest.mark.parametrize(
+        ("function", "rays"),
+        [
+            (lambda s: s.ranges[1:4].min() < 0.5, [2]),
+            (lambda s: min(s.ranges[1:]) < 0.5, [2]),
+            (lambda s: np.nanmin(s.ranges[-2:]) < 0.5, [3]),
+            (lambda s: s.ranges[s.indices(("0deg", "20deg"))].min() < 0.5, [2]),
+            (lambda s: s.ranges[s.valid].min() < 0.5, [0]),
+            (lambda s: s.ranges[:2].min() < 0.5 and s.ranges[2:].min() < 0.5, [0, 2]),
+            (lambda s: s.ranges[3] < 0.5, [3]),
+            (lambda s: s.ranges[..., -4] > 0.5, [1]),
+            (lambda s: s[4].range > 1, [4]),
+            (lambda s: any(s.ranges[i] < 0.42 for i in range(1, 5)), [2]),
+            (lambda s: any(r < 0.42 for r in s.ranges), [0]),
+            (lambda s: s.ranges.min() < 0.5, [0]),
+            (lambda s: np.nanmin(s.ranges) < 0.5, [0]),
+            (lambda s: np.sort(s.ranges)[1] < 0.5, []),  # the index is not that of a ray
+            (lambda s: s.ranges.copy()[1] > 0.5, []),
+            (lambda s: s.turned("10deg").distance("front") < 0.5, [0, 2, 3]),
+        ],
+    )
+    def test_marks_the_nearest_ray_of_each_part_of_the_ranges_that_it_reads(
+        self, function: Any, rays: list[int]
+    ) -> None:
+        verdict = judged(function, SEEN)
+        assert verdict.value is True
+        assert verdict.rays.tolist() == rays
+        nearest = min(rays, key=lambda index: SEEN.ranges[index], default=None)
+        assert (verdict.nearest and verdict.nearest.index) == nearest
+        assert judged(lambda s: not function(s), SEEN).rays.tolist() == []
+
+    @pytest.mark.parametrize(
+        "function",
+        [
+            lambda r: r[1:3],
+            lambda r: r[2],
+            lambda r: r[[0, 3]],
+            lambda r: r[r < 0.5],
+            lambda r: r + r[::-1],
+            lambda r: np.add(1, r, out=r.copy()),
+            lambda r: r < 0.5,
+            lambda r: r.max(),
+            lambda r: r.mean(),
+            lambda r: np.sort(r),
+            lambda r: np.median(r[:4]),
+            lambda r: np.percentile(r, 20),
+            lambda r: np.where(r < 0.5, r, 0),
+            lambda r: np.concatenate([r[3:], r]),
+            lambda r: np.split(r, 5)[1],
+            np.argmin,
+            list,
+            sorted,
+            np.asarray,
+        ],
+    )
+    def test_gets_from_ranges_what_an_array_gives(self, function: Any) -> None:
+        found: list[Any] = []
+        judged(lambda s: found.append(function(s.ranges)), SEEN)
+        expected = function(SEEN.ranges)
+        assert type(found[0]) is type(expected)
+        np.testing.assert_array_equal(found[0], expected)
+        assert getattr(found[0], "dtype", None) == getattr(expected, "dtype", None)
+
+    def test_marks_no_ray_of_a_part_that_met_nothing(self) -> None:
+        assert judged(lambda s: s.ranges[:2].min() > 1, scan(INF, NAN, INF)).rays.tolist() == []
+        assert judged(lambda s: s.ranges[0:1].min() > 1, scan(INF, NAN)).rays.tolist() == []
+        assert judged(lambda s: not s.ranges[:0].size, scan(INF)).rays.tolist() == []
 
     def test_is_unknown_where_it_compares_no_known_distance_or_returns_none(self) -> None:
         dark = scan(NAN, NAN, NAN)
@@ -70,7 +138,8 @@ class TestFunction:
         seen: list[Scan] = []
         judged(lambda s: seen.append(s) or s.distance() + 1 == 1.3, SEEN)
         assert isinstance(seen[0], Scan)
-        assert seen[0].ranges is SEEN.ranges
+        assert np.shares_memory(seen[0].ranges, SEEN.ranges)
+        assert repr(seen[0].ranges) == repr(SEEN.ranges)
         assert repr(seen[0]) == repr(SEEN)
         assert seen[0].turned(0.1).angle_min == pytest.approx(-0.3)
 
@@ -174,8 +243,9 @@ class TestFound:
     def test_the_same_function_is_found_in_a_recording_with_what_was_met(self, sector: str, limit: float) -> None:
         with robowidgets.open(robowidgets.SAMPLE) as recording:
             function = recording.find(lambda scan: scan.distance(sector) < limit)
+            plain = recording.find(lambda scan: np.nanmin(scan.ranges[scan.indices(sector)]) < limit)
             ready_made = recording.find(conditions.nearest_below(limit, sector))
-            assert list(function) == list(ready_made)
+            assert list(function) == list(plain) == list(ready_made)
             assert len(ready_made) > 1
             for span in ready_made:
                 scans = recording.scans().between(span.start, span.end)
