@@ -1,13 +1,17 @@
-"""Contacts between the round body of the robot and walls or obstacles."""
+"""Contacts between the round body of the robot and walls or obstacles, and the floor below it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
+from math import cos, pi, sin
 
 import numpy as np
 
+from ..samples import Pose
 from .world import World
+
+Places = Mapping[str, tuple[float, float]]
+"""By name, places on a body: radians counter-clockwise from forward, and the share of the radius from its middle."""
 
 PRESSED_WITHIN = 0.002
 """Largest distance in metres from the body at which a wall or an obstacle presses a bumper."""
@@ -51,4 +55,13 @@ def pressed(angles: list[float], bumpers: Mapping[str, tuple[float, float]]) -> 
     """Whether one of these contacts presses each bumper, by the name of the bumper."""
     return {
         name: any((angle - low) % (2 * pi) <= high - low for angle in angles) for name, (low, high) in bumpers.items()
+    }
+
+
+def over_drop(world: World, pose: Pose, radius: float, places: Places) -> dict[str, bool]:
+    """Whether there is no floor below each of these places of a body, by name."""
+    x, y, yaw = pose
+    return {
+        name: world.has_drop(x + share * radius * cos(yaw + angle), y + share * radius * sin(yaw + angle))
+        for name, (angle, share) in places.items()
     }

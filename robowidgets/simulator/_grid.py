@@ -32,6 +32,7 @@ class Grid:
         cell: metres of the side of a cell.
         origin: (x, y, yaw) of the corner at the bottom left.
         obstacles: discs as (x, y, radius) in metres, in the world's frame.
+        drops: rectangles without floor, as (x1, y1, x2, y2) in metres, in the world's frame.
         marked: the pose at which a robot starts, if the drawing has one.
     """
 
@@ -40,6 +41,7 @@ class Grid:
     cell: float
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     obstacles: Sequence[tuple[float, float, float]] = ()
+    drops: Sequence[tuple[float, float, float, float]] = ()
     marked: tuple[float, float, float] | None = None
 
     def walls(self) -> NDArray[np.float64]:
@@ -59,6 +61,9 @@ class Grid:
         roomy = np.pad(self.free, 1)
         for x, y, _ in self.obstacles:
             roomy[int(y / self.cell) + 1, int(x / self.cell) + 1] = False
+        for corners in self.drops:
+            left, bottom, right, top = (round(edge / self.cell) + 1 for edge in corners)
+            roomy[bottom:top, left:right] = False
         for _ in range(round(_ROOM / self.cell)):
             inner = roomy.copy()
             for axis in (0, 1):
@@ -87,6 +92,14 @@ def _runs(edges: Cells) -> list[tuple[int, int, int]]:
     return list(zip(columns.tolist(), (starts - 1).tolist(), (stops - 1).tolist(), strict=True))
 
 
+def _rectangles(cells: Cells) -> list[tuple[int, int, int, int]]:
+    """Rectangles that cover the cells, as (x1, y1, x2, y2) counted in cells: equal runs of rows below each other."""
+    bottoms: dict[tuple[int, int, int], int] = {}
+    for row, start, stop in _runs(np.pad(cells.T, 1)):
+        bottoms[start, stop, row] = bottoms.pop((start, stop, row - 1), row - 1)
+    return [(start, bottom, stop, top) for (start, stop, top), bottom in bottoms.items()]
+
+
 def grid_of_text(text: str, cell: float) -> Grid:
     """A drawing as `World.from_text` takes it."""
     if not isinstance(text, str):
@@ -100,10 +113,10 @@ def grid_of_text(text: str, cell: float) -> Grid:
     drawn = lines[skipped:]
     for number, line in enumerate(lines, 1):
         for column, character in enumerate(line, 1):
-            if character not in "# .o" and character not in _HEADINGS:
+            if character not in "# .o=" and character not in _HEADINGS:
                 raise ValueError(
-                    f"text: expected # for a wall, a space or . for floor, o for an obstacle, or one of > < ^ v for "
-                    f"the robot; got {character!r} in line {number}, column {column}"
+                    f"text: expected # for a wall, a space or . for floor, o for an obstacle, = for a drop, or one of "
+                    f"> < ^ v for the robot; got {character!r} in line {number}, column {column}"
                 )
     width = max(map(len, drawn), default=0)
     cells = np.array([list(line.ljust(width)) for line in reversed(drawn)], dtype="U1").reshape(len(drawn), width)
@@ -121,4 +134,5 @@ def grid_of_text(text: str, cell: float) -> Grid:
         marked = (float(column + 0.5) * cell, float(row + 0.5) * cell, _HEADINGS[str(cells[row, column])])
     occupied, is_drawn = cells == "#", cells != " "
     inside = np.maximum.accumulate(is_drawn, axis=1) & np.maximum.accumulate(is_drawn[:, ::-1], axis=1)[:, ::-1]
-    return Grid(occupied, inside & ~occupied, cell, obstacles=obstacles, marked=marked)
+    drops = [(x1 * cell, y1 * cell, x2 * cell, y2 * cell) for x1, y1, x2, y2 in _rectangles(cells == "=")]
+    return Grid(occupied, inside & ~occupied, cell, obstacles=obstacles, drops=drops, marked=marked)

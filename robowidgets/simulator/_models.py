@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import radians
+from math import pi, radians
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from ..samples import Touch
+from ._contact import Places
 from ._scanners import SCANNERS
 from .motors import Motors
 from .scanner import Scanner
@@ -24,8 +26,9 @@ class Model(NamedTuple):
         motors: their limits.
         scanner: the one that it usually has, where it is mounted.
         bumpers: its bumpers, from its left to its right; none: it has no such sensor.
-        touch_type: type of the messages about its bumpers; empty where it has none.
-        to_message: the message for the states of its bumpers.
+        touch_type: type of the messages about its touch sensors; empty where it has none.
+        to_message: the message for the states of its touch sensors.
+        drop_sensors: where its cliff sensors and wheel drops look for the floor; they come after the bumpers.
     """
 
     radius: float
@@ -34,18 +37,23 @@ class Model(NamedTuple):
     bumpers: Bumpers
     touch_type: str
     to_message: Callable[[Touch], Any]
+    drop_sensors: Places = MappingProxyType({})
 
 
 def _degrees(**bumpers: tuple[float, float]) -> Bumpers:
     return {name.replace("_", " "): (radians(low), radians(high)) for name, (low, high) in bumpers.items()}
 
 
-def _bits(**bits: int) -> Callable[[Touch], Any]:
-    """A message with a bit for each bumper that is pressed."""
-    return lambda touch: {
-        "bumper": sum(bit for name, bit in bits.items() if touch.touched[name]),
-        "cliff": 0,
-        "wheel_drop": 0,
+_KOBUKI_BITS = {
+    "bumper": {"left": 4, "center": 2, "right": 1},
+    "cliff": {"cliff left": 4, "cliff center": 2, "cliff right": 1},
+    "wheel_drop": {"wheel left": 2, "wheel right": 1},
+}
+
+
+def _kobuki(touch: Touch) -> Any:
+    return {
+        field: sum(bit for name, bit in bits.items() if touch.touched[name]) for field, bits in _KOBUKI_BITS.items()
     }
 
 
@@ -54,12 +62,19 @@ def _turtlebot3(touch: Touch) -> Any:
 
 
 def _hazards(touch: Touch) -> Any:
-    pressed = [name for name, is_pressed in touch.touched.items() if is_pressed]
-    return {"detections": [{"header": {"frame_id": f"bump_{name.replace(' ', '_')}"}, "type": 1} for name in pressed]}
+    return {"detections": [_hazard(name) for name, is_touched in touch.touched.items() if is_touched]}
+
+
+def _hazard(name: str) -> Any:
+    kind = name.split()[0]
+    code, frame = {"cliff": (2, name), "wheel": (4, name.replace("wheel", "wheel drop"))}.get(kind, (1, f"bump {name}"))
+    return {"header": {"frame_id": frame.replace(" ", "_")}, "type": code}
 
 
 # Neighbours overlap: a contact between 15 and 30 degrees presses two. Sides and back have no bumper.
 _THREE = _degrees(left=(15, 80), center=(-30, 30), right=(-80, -15))
+
+WHEELS = {"wheel left": (pi / 2, 0.67), "wheel right": (-pi / 2, 0.67)}
 
 MODELS: dict[str, Model] = {
     "plain": Model(0.18, Motors(), Scanner(), _THREE, "robowidgets/msg/Touch", lambda touch: touch),
@@ -77,7 +92,8 @@ MODELS: dict[str, Model] = {
         SCANNERS["urg04lx"],
         _THREE,
         "kobuki_msgs/msg/SensorState",
-        _bits(left=4, center=2, right=1),
+        _kobuki,
+        {"cliff left": (1.0, 0.92), "cliff center": (0.0, 0.89), "cliff right": (-1.0, 0.92), **WHEELS},
     ),
     "create3": Model(
         0.171,
@@ -86,6 +102,9 @@ MODELS: dict[str, Model] = {
         _degrees(left=(50, 90), front_left=(18, 54), front_center=(-20, 20), front_right=(-54, -18), right=(-90, -50)),
         "irobot_create_msgs/msg/HazardDetectionVector",
         _hazards,
+        {"cliff side left": (1.18, 0.92), "cliff front left": (0.27, 0.97)}
+        | {"cliff front right": (-0.27, 0.97), "cliff side right": (-1.18, 0.92)}
+        | WHEELS,
     ),
     "pr2": Model(
         0.334,

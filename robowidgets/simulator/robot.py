@@ -1,4 +1,4 @@
-"""The robot: a round body on wheels, with a scanner and bumpers."""
+"""The robot: a round body on wheels, with a scanner, bumpers and cliff sensors."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ import numpy as np
 from .._core.observed import Observed
 from ..samples import Pose, Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
-from ._contact import PRESSED_WITHIN, contact_angles, pressed, push_out
-from ._models import model_of
+from ._contact import PRESSED_WITHIN, contact_angles, over_drop, pressed, push_out
+from ._models import WHEELS, model_of
 from ._scanners import scanner_of
 from .motors import Motors, Speeds
 from .scanner import Scanner
@@ -33,6 +33,7 @@ _MOVING = (
     "_pose", "_odometry", "_command", "_speeds", "_time_ns", "_scan_number", "_scan_ns", "_next_scan_ns", "_scan_pose",
 )  # fmt: skip
 """What changes of a robot in its world as time passes."""
+_STANDS_ON = {"middle": (0.0, 0.0), **WHEELS}
 _EXACT = 1e-6
 """Metres that a body may reach into what it touches, by rounding."""
 
@@ -41,8 +42,9 @@ class Robot(Observed):
     """A round robot with a laser scanner and, as a rule, a differential drive and bumpers.
 
     It obeys `drive` within the limits of its motors. It slides along a wall or an obstacle that it hits at an angle,
-    and stops at one that it hits head on. Time passes only in `step`, so it runs in real time or at any other speed.
-    The same seed and the same calls give the same bytes.
+    and stops at one that it hits head on. With its middle or a wheel over a drop it stands until it is put elsewhere.
+    Time passes only in `step`, so it runs in real time or at any other speed. The same seed and the same calls give the
+    same bytes.
 
     Args:
         world: the world in which it drives.
@@ -126,6 +128,11 @@ class Robot(Observed):
     def pose(self) -> Pose:
         """The true pose of the robot."""
         return self._pose
+
+    @property
+    def has_fallen(self) -> bool:
+        """Whether its middle or a wheel is over a drop: it stands there until `move_to` puts it elsewhere."""
+        return any(over_drop(self.world, self._pose, self.radius, _STANDS_ON).values())
 
     @property
     def odometry(self) -> Pose:
@@ -258,11 +265,12 @@ class Robot(Observed):
         return self._as_speed(*self._command)
 
     def touch(self) -> Touch:
-        """The states of the bumpers."""
+        """The states of the bumpers, and of cliff sensors and wheel drops: true where the floor is missing."""
         x, y, yaw = self._pose
         is_free = self._has_room(x, y, PRESSED_WITHIN)
         angles = [] if is_free else contact_angles(self._around(x, y), x, y, yaw, self.radius)
         states = pressed(angles, self.model.bumpers)
+        states |= over_drop(self.world, self._pose, self.radius, self.model.drop_sensors)
         return Touch(states, TouchMode.LEVEL, tuple(states), self._time_ns, "robowidgets.simulator")
 
     def snapshot(self) -> dict[str, Any]:
@@ -292,7 +300,10 @@ class Robot(Observed):
 
     def _fitting(self, x: float, y: float, yaw: float) -> Pose:
         self._check_room(self.world, x, y, self.radius)
-        return Pose(x, y, _wrapped(yaw))
+        pose = Pose(x, y, _wrapped(yaw))
+        if any(over_drop(self.world, pose, self.radius, _STANDS_ON).values()):
+            raise ValueError(f"pose: expected floor below the robot and its wheels, got ({x:g}, {y:g}) over a drop")
+        return pose
 
     def _check_room(self, world: World, x: float, y: float, radius: float) -> None:
         room = world.clearance(x, y)
@@ -321,6 +332,9 @@ class Robot(Observed):
         return self.world.near(x, y, 2 * self.radius)
 
     def _move(self, dt: float) -> None:
+        if self.has_fallen:
+            self._speeds = (0.0, 0.0, 0.0)
+            return
         linear, angular, sideways = self.motors.toward(self._speeds, self._command, dt)
         (x, y, yaw), turned = self._pose, angular * dt
         wanted = _moved(self._pose, linear * dt, sideways * dt, turned)

@@ -197,7 +197,8 @@ def serve() -> None:
                 edits, pose, world = rest
                 try:
                     robot.world = world or robot.world
-                    robot.move_to(*(pose or robot.pose))
+                    if pose:
+                        robot.move_to(*pose)
                 except ValueError:  # it has moved to where there is no room for that any more
                     newest.put(WORLD, robot.world)
             else:

@@ -65,6 +65,7 @@ class View(NamedWidget):
     footer = Flag(True, help="Whether places stand below the picture.").tag(sync=True)
     _frame = bytes_trait(echo_update=False)
     _walls = bytes_trait(echo_update=False)
+    _drops = bytes_trait(echo_update=False)
     _shapes: traitlets.List[Any] = traitlets.List().tag(sync=True, echo_update=False)
     _status = traitlets.Unicode().tag(sync=True, echo_update=False)
 
@@ -137,9 +138,10 @@ class View(NamedWidget):
         return state
 
     def _update(self) -> None:
-        walls = self._robot.world.walls
-        if walls is not self._shown_walls:
-            self._shown_walls, self._walls = walls, walls.astype("<f4").tobytes()
+        world = self._robot.world
+        if world.walls is not self._shown_walls:
+            self._shown_walls, self._walls = world.walls, world.walls.astype("<f4").tobytes()
+            self._drops = world.drops.astype("<f4").tobytes()
         # Without sending them, as setting the traits would.
         self._trait_values |= {"_frame": self._pack(), "_shapes": self._drawn(), "_status": self._said()}
 
@@ -148,7 +150,9 @@ class View(NamedWidget):
         return feed.drawn() if hasattr(feed, "drawn") else []
 
     def _said(self) -> str:
-        return "the feed is closed" if self._connection is not None and self._connection.is_closed else ""
+        if self._connection is not None and self._connection.is_closed:
+            return "the feed is closed"
+        return "the robot is over an edge: drag it back" if self._robot.has_fallen else ""
 
     def _pack(self) -> bytes:
         robot, path = self._robot, np.array([*self._path], "<f4")

@@ -8,13 +8,13 @@ from .robot import Robot
 
 
 def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[None]:
-    """Drive forward; at a bump stop, back up, turn away and drive on, forever.
+    """Drive forward; at a bump or an edge stop, back up, turn away and drive on, forever.
 
     It commands speeds, then yields to its caller, which steps the robot and uses the data.
 
     Args:
         robot: the robot to drive.
-        linear: speed forward, m/s.
+        linear: speed forward, m/s; at most 0.3 in a world with drops, so that it stops in time.
         angular: speed of a turn, rad/s.
 
     Example:
@@ -25,14 +25,15 @@ def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[
         ...     if robot.time > 10:
         ...         break
     """
+    linear = min(linear, 0.3) if len(robot.world.drops) else linear
     turn_time = 1.0
     while True:
         robot.drive(linear, 0.0)
         while not _is_blocked(robot):
             yield
 
-        touched = robot.touch().touched
-        turn = angular if touched.get("right") and not touched.get("left") else -angular
+        sides = {name.split()[-1] for name, is_touched in robot.touch().touched.items() if is_touched}
+        turn = angular if "right" in sides and "left" not in sides else -angular
 
         robot.drive(0.0, 0.0)
         yield from _wait(robot, 0.4)

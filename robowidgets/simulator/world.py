@@ -1,4 +1,4 @@
-"""The world of the robot: straight walls and round obstacles."""
+"""The world of the robot: straight walls, round obstacles, and drops that a robot can fall into."""
 
 from __future__ import annotations
 
@@ -23,19 +23,21 @@ _SQUARE = 1.0
 
 
 class World:
-    """Straight walls and round obstacles on a flat floor.
+    """Straight walls and round obstacles on a flat floor, which may have drops, such as stairwells.
 
     The frame is fixed to the floor: x and y in metres, yaw counter-clockwise from x (REP-103). A wall has no thickness
-    and stops a robot from both sides.
+    and stops a robot from both sides. Scanners do not see a drop.
 
     Args:
         walls: W segments as (x1, y1, x2, y2) in metres.
         obstacles: O discs as (x, y, radius) in metres.
         start: the pose at which a robot starts unless it is given another: (x, y, yaw), metres and radians.
+        drops: D rectangles without floor, as two opposite corners (x1, y1, x2, y2) in metres.
 
     Raises:
         TypeError: something is not a number.
-        ValueError: wrong shape, a value that is not finite, a wall without length or a radius that is not above 0.
+        ValueError: wrong shape, a value that is not finite, a wall without length, a drop without area, or a radius
+            that is not above 0.
 
     Example:
         >>> world = World(walls=[(3.0, -2.0, 3.0, 2.0)], obstacles=[(1.0, 1.0, 0.2)])
@@ -44,25 +46,33 @@ class World:
     """
 
     def __init__(
-        self, walls: ArrayLike = (), obstacles: ArrayLike = (), start: Sequence[float] = (0.0, 0.0, 0.0)
+        self,
+        walls: ArrayLike = (),
+        obstacles: ArrayLike = (),
+        start: Sequence[float] = (0.0, 0.0, 0.0),
+        drops: ArrayLike = (),
     ) -> None:
         self.walls: Floats = _table("walls", walls, ("x1", "y1", "x2", "y2"))
         self.obstacles: Floats = _table("obstacles", obstacles, ("x", "y", "radius"))
+        self.drops: Floats = _table("drops", drops, ("x1", "y1", "x2", "y2"))
         self.start = to_pose("start", start)
         self._near: dict[tuple[int, int, float], World] = {}
         for i in np.flatnonzero((self.walls[:, :2] == self.walls[:, 2:]).all(axis=1))[:1]:
             x, y = self.walls[i, :2]
             raise ValueError(f"walls[{i}]: expected two different ends, got ({x:g}, {y:g}) twice")
+        for i in np.flatnonzero((self.drops[:, :2] == self.drops[:, 2:]).any(axis=1))[:1]:
+            raise ValueError(f"drops[{i}]: expected two opposite corners, got {self.drops[i].tolist()}")
         for i in np.flatnonzero(self.obstacles[:, 2] <= 0)[:1]:
             raise ValueError(f"obstacles[{i}]: expected a radius above 0 m, got {self.obstacles[i, 2]:g}")
+        self._drop_edges = np.sort(self.drops.reshape(-1, 2, 2), axis=1).reshape(-1, 4).tolist()
 
     @classmethod
     def from_text(cls, text: str, cell: float = 0.5) -> World:
         """A room that is drawn as text, a character for each square of the floor.
 
-        ``#`` is a wall, a space or ``.`` is free floor, ``o`` is a round obstacle, and one of ``> < ^ v`` is the start
-        of the robot with its heading. Spaces before and after all else in a line lie outside. The corner at the bottom
-        left is (0, 0).
+        ``#`` is a wall, a space or ``.`` is free floor, ``o`` is a round obstacle, ``=`` is a drop, and one of
+        ``> < ^ v`` is the start of the robot with its heading. Spaces before and after all else in a line lie outside.
+        The corner at the bottom left is (0, 0).
 
         Args:
             text: its lines, from top to bottom.
@@ -111,11 +121,11 @@ class World:
 
     @classmethod
     def _of(cls, grid: Grid) -> World:
-        return cls(grid.walls(), grid.obstacles, grid.start())
+        return cls(grid.walls(), grid.obstacles, grid.start(), grid.drops)
 
     def with_obstacles(self, obstacles: ArrayLike) -> World:
-        """The same walls with other obstacles."""
-        world = World((), obstacles, self.start)
+        """The same walls and drops with other obstacles."""
+        world = World((), obstacles, self.start, self.drops)
         world.walls = self.walls
         return world
 
@@ -182,6 +192,10 @@ class World:
         to_points = np.hypot(*(self.nearest_points(x, y)[: len(self.walls)] - (x, y)).T)
         to_obstacles = np.hypot(self.obstacles[:, 0] - x, self.obstacles[:, 1] - y) - self.obstacles[:, 2]
         return float(np.min(np.concatenate((to_points, to_obstacles)), initial=np.inf))
+
+    def has_drop(self, x: float, y: float) -> bool:
+        """Whether there is no floor at (x, y)."""
+        return any(west <= x <= east and south <= y <= north for west, south, east, north in self._drop_edges)
 
     @cached_property
     def _edges(self) -> tuple[Floats, Floats, Floats]:

@@ -119,6 +119,20 @@ def test_robot_and_obstacles_are_moved_by_pointer_and_keys(plain_page: Callable[
     assert "x 0.10 y 0.00 m" in (house.picture.get_attribute("aria-label") or "")
 
 
+def test_a_robot_over_the_edge_of_a_drop_says_so_until_it_is_dragged_back(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([OPEN.replace("0.3)])", "0.3)], drops=[(0.6, -2, 2, 0.4)])")], width=760)
+    house, notice = House(nb), nb.widget(0).locator(".rw-notice-text")
+    expect(notice).to_be_hidden()
+    assert (house.picture.get_attribute("aria-label") or "").endswith("1 obstacle, 1 drop")
+    nb.python("robot.drive(0.5, 0)\nrobot.run(until=lambda: robot.has_fallen)")
+    expect(notice).to_have_text("the robot is over an edge: drag it back")
+    shoot(nb.widget(0), "simulator-fallen")
+    house.drag(house.told("robot.pose[:2]"), (-1.0, 1.0))
+    expect(notice).to_be_hidden()
+
+
 def test_a_finger_drags_the_robot_and_scrolls_elsewhere(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([OPEN], width=500, height=300, touch=True)
     house = House(nb)

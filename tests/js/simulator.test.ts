@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { fit, toFloor, toPixel } from "../../robowidgets/js/shared/floor.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 import type { Shape } from "../../robowidgets/js/shared/traits.ts";
+import { drawDrops } from "../../robowidgets/js/simulator/draw.ts";
 import { drawShapes } from "../../robowidgets/js/simulator/draw_shapes.ts";
 import { Edits } from "../../robowidgets/js/simulator/edits.ts";
 import {
@@ -74,15 +75,17 @@ test("a ray that met nothing ends at its reach, and one without a reading nowher
 });
 
 test("the floor holds walls, obstacles and a robot beyond them, and some of a floor without walls", () => {
-  assert.deepEqual(boundsOf(ROOM, scene()), { west: -2, east: 2, south: -1, north: 1 });
+  assert.deepEqual(boundsOf([ROOM], scene()), { west: -2, east: 2, south: -1, north: 1 });
   const away = withThing(scene(), "robot", { x: 5.3, y: 0, yaw: 0 });
-  assert.deepEqual(boundsOf(ROOM, away), { west: -2, east: 6, south: -1, north: 1 });
-  const open = boundsOf(new Float32Array(), { ...scene(), obstacles: [] });
+  assert.deepEqual(boundsOf([ROOM], away), { west: -2, east: 6, south: -1, north: 1 });
+  const beside = boundsOf([ROOM, Float32Array.of(1, 0, 4, 1)], scene());
+  assert.equal(beside.east, 4, "a drop beyond the walls is shown, too");
+  const open = boundsOf([new Float32Array()], { ...scene(), obstacles: [] });
   assert.deepEqual(open, { west: -4, east: 4, south: -4, north: 4 });
 });
 
 test("the picture is to scale, north up, and places come back from pixels", () => {
-  const projection = fit(boundsOf(ROOM, scene()), { width: 424, height: 440 });
+  const projection = fit(boundsOf([ROOM], scene()), { width: 424, height: 440 });
   assert.equal(projection.scale, 100);
   const [west, north] = [toPixel(projection, { x: -2, y: 0 }), toPixel(projection, { x: 0, y: 1 })];
   assert.equal(west.x, 12);
@@ -91,7 +94,7 @@ test("the picture is to scale, north up, and places come back from pixels", () =
 });
 
 test("the nearest thing within the slop is grabbed", () => {
-  const projection = fit(boundsOf(ROOM, scene()), { width: 424, height: 440 });
+  const projection = fit(boundsOf([ROOM], scene()), { width: 424, height: 440 });
   const at = (x: number, y: number, slop = 6) => thingAt(projection, scene(), toPixel(projection, { x, y }), slop);
   assert.deepEqual([at(0.1, 0), at(1.1, 0.5), at(-1.5, 0)], ["robot", 0, null]);
   assert.equal(thingAt(projection, scene(), handleOf(projection, scene().robot), 6), "heading");
@@ -144,7 +147,8 @@ test("a place of the scanner's frame is where the scanner stands and looks, mirr
   assert.deepEqual(ray && rounded(ray), [3, 1], "so are its rays");
 });
 
-test("what a program drew stands in the room, where it is seen from the scanner, and has its name", () => {
+/** A context that draws nothing, and what was called of it. */
+function recorder(): { calls: [string, ...unknown[]][]; context: CanvasRenderingContext2D } {
   const calls: [string, ...unknown[]][] = [];
   const context = new Proxy(
     {},
@@ -156,6 +160,26 @@ test("what a program drew stands in the room, where it is seen from the scanner,
       set: () => true,
     },
   );
+  return { calls, context: context as CanvasRenderingContext2D };
+}
+
+test("a drop is hatched to scale, in any order of its corners, and has its name where there is room", () => {
+  const { calls, context } = recorder();
+  const projection = fit({ west: -2, east: 2, south: -2, north: 2 }, { width: 424, height: 440 });
+  drawDrops(context, projection, Float32Array.of(1, 1, 0, -1, -2, 0, -1.75, 2), {} as Theme);
+  const { x, y } = toPixel(projection, { x: 0, y: 1 });
+  const { x: west, y: north } = toPixel(projection, { x: -2, y: 2 });
+  const named = (name: string) => calls.filter(([called]) => called === name).map(([, ...given]) => given);
+  assert.deepEqual(named("rect"), [
+    [x, y, 100, 200],
+    [west, north, 25, 200],
+  ]);
+  assert.deepEqual(named("fillText"), [["drop", x + 50, y + 100]]);
+  assert.ok(named("lineTo").length > 30);
+});
+
+test("what a program drew stands in the room, where it is seen from the scanner, and has its name", () => {
+  const { calls, context } = recorder();
   const shapes: Shape[] = [
     { name: "gap", kind: "line", at: [0, [0, 1]] },
     {
@@ -170,7 +194,7 @@ test("what a program drew stands in the room, where it is seen from the scanner,
   ];
   const shown = { ...scene(), scan: { ...scene().scan, yaw: Math.PI / 2 } };
   const projection = fit({ west: -2, east: 2, south: -2, north: 2 }, { width: 424, height: 440 });
-  drawShapes(context as CanvasRenderingContext2D, projection, shown, shapes, {} as Theme);
+  drawShapes(context, projection, shown, shapes, {} as Theme);
   const pixels = calls
     .filter(([name]) => /moveTo|lineTo/.test(name))
     .map(([, x, y]) => [x, y].map(Number).map(Math.round));

@@ -1,10 +1,12 @@
-import { type Context, circle, fill, line, stroke } from "../shared/canvas.ts";
+import { type Context, circle, fill, line, stroke, write } from "../shared/canvas.ts";
 import { drawBody, floorOf, type Place, type Projection, toPixel } from "../shared/floor.ts";
-import type { Theme } from "../shared/theme.ts";
+import { type Theme, textFont } from "../shared/theme.ts";
 import { endsOf, handleOf, robotRadius, type Scene, type Thing } from "./scene.ts";
 
 const WALL = 3;
 const DOT = 2.5;
+/** Pixels between the lines over a drop, and of the smallest one that has its name. */
+const [HATCH, NAMED] = [10, 34];
 /** Seconds after which a path has faded. */
 const FADED = 30;
 /** Metres between two places of a path beyond which the robot was put elsewhere. */
@@ -33,6 +35,34 @@ export function clipToFloor(context: Context, projection: Projection, draw: () =
   context.clip();
   draw();
   context.restore();
+}
+
+/** Places without floor: hatched, with their name where there is room. */
+export function drawDrops(context: Context, projection: Projection, drops: Float32Array, theme: Theme): void {
+  const boxes = Array.from({ length: drops.length / 4 }, (_, i) => {
+    const [x1, y1, x2, y2] = drops.subarray(4 * i, 4 * i + 4) as unknown as [number, number, number, number];
+    const [from, to] = [toPixel(projection, { x: x1, y: y1 }), toPixel(projection, { x: x2, y: y2 })];
+    return [Math.min(from.x, to.x), Math.min(from.y, to.y), Math.abs(to.x - from.x), Math.abs(to.y - from.y)] as const;
+  });
+  context.save();
+  context.beginPath();
+  for (const box of boxes) context.rect(...box);
+  stroke(context, theme.guide, 3);
+  fill(context, theme.line);
+  context.clip();
+  context.beginPath();
+  for (const [left, top, width, height] of boxes) {
+    const first = Math.floor((left - top - height) / HATCH) * HATCH;
+    for (let x = first; x < left + width - top; x += HATCH) {
+      line(context, { x: x + top, y: top }, { x: x + top + height, y: top + height });
+    }
+  }
+  stroke(context, theme.guide, 1);
+  context.restore();
+  for (const [left, top, width, height] of boxes) {
+    if (Math.min(width, height) < NAMED) continue;
+    write(context, "drop", left + width / 2, top + height / 2, theme.ink, textFont(theme), "center", theme.line);
+  }
 }
 
 export function drawWalls(context: Context, projection: Projection, walls: Float32Array, theme: Theme): void {

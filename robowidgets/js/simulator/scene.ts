@@ -51,7 +51,7 @@ function triples(values: Float32Array): [number, number, number][] {
 
 type Triple = [number, number, number];
 
-/** The walls as x1, y1, x2, y2 of each. */
+/** The walls, or the drops, as x1, y1, x2, y2 of each. */
 export function toWalls(bytes: unknown): Float32Array {
   const view = toBytes(bytes);
   return view ? new Float32Array(copyOf(view, 0, view.byteLength)) : new Float32Array();
@@ -81,8 +81,8 @@ export function endsOf(scan: Scan): (Place | null)[] {
 /** Metres round the robot that are shown at least, where no wall says how far the floor goes. */
 const OPEN = 3;
 
-/** The floor that is shown: all walls and obstacles, and the robot, to the metre where it is beyond them. */
-export function boundsOf(walls: Float32Array, { robot, obstacles }: Pick<Scene, "robot" | "obstacles">): Bounds {
+/** The floor that is shown: all walls, drops and obstacles, and the robot, to the metre where it is beyond them. */
+export function boundsOf(edges: Float32Array[], { robot, obstacles }: Pick<Scene, "robot" | "obstacles">): Bounds {
   const bounds = { west: Infinity, east: -Infinity, south: Infinity, north: -Infinity };
   const hold = (x: number, y: number, margin = 0) => {
     bounds.west = Math.min(bounds.west, x - margin);
@@ -90,9 +90,9 @@ export function boundsOf(walls: Float32Array, { robot, obstacles }: Pick<Scene, 
     bounds.south = Math.min(bounds.south, y - margin);
     bounds.north = Math.max(bounds.north, y + margin);
   };
-  for (let i = 0; i < walls.length; i += 2) hold(walls[i] as number, walls[i + 1] as number);
+  for (const ends of edges) for (let i = 0; i < ends.length; i += 2) hold(ends[i] as number, ends[i + 1] as number);
   for (const { x, y, radius } of obstacles) hold(x, y, radius);
-  const margin = walls.length ? robot.radius : OPEN;
+  const margin = edges.some(({ length }) => length) ? robot.radius : OPEN;
   const isInside =
     robot.x - margin >= bounds.west &&
     robot.x + margin <= bounds.east &&

@@ -5,6 +5,8 @@ export interface SimulatorTraits extends CardTraits {
   _frame: DataView;
   /** The walls as float32: x1, y1, x2, y2 of each, metres. */
   _walls: DataView;
+  /** The rectangles without floor as float32: x1, y1, x2, y2 of each, metres. */
+  _drops: DataView;
   /** What programs drew on the newest scan. */
   _shapes: Shape[];
   /** Why the robot moves no more; empty while it may. */

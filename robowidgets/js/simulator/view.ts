@@ -6,7 +6,7 @@ import { BELOW, drawFloor, fit, MARGIN, type Place, type Pose, type Projection, 
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
 import { READING_MS, throttle } from "../shared/schedule.ts";
-import { drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
+import { drawDrops, drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
 import { drawShapes } from "./draw_shapes.ts";
 import { Edits } from "./edits.ts";
 import { boundsOf, draggedTo, movedBy, poseOf, type Scene, type Thing, thingAt, toScene, toWalls } from "./scene.ts";
@@ -43,6 +43,7 @@ export class SimulatorView {
   readonly #tell: () => void;
   #scene: Scene | null;
   #walls: Float32Array;
+  #drops: Float32Array;
   #projection: Projection | null = null;
   #selected: Thing = "robot";
   #drag: Drag | null = null;
@@ -53,6 +54,7 @@ export class SimulatorView {
     this.#model = model;
     this.#scene = toScene(model.get("_frame"));
     this.#walls = toWalls(model.get("_walls"));
+    this.#drops = toWalls(model.get("_drops"));
     this.#card = new Card(element, "simulator", model, () => this.#draw(), signal);
     const { picture, controls, footer } = this.#card;
     this.#canvas = new Canvas(picture);
@@ -64,7 +66,7 @@ export class SimulatorView {
     footer.append(this.#pose, this.#pointed);
     this.#tell = throttle(() => this.#updateText(), READING_MS, signal);
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
-    onChange(model, ["_walls"], () => this.#onWalls(), signal);
+    onChange(model, ["_walls", "_drops"], () => this.#onWalls(), signal);
     onChange(model, ["_shapes", "_status"], this.#card.redraw, signal);
     this.#watchInput(picture, signal);
     // A kernel that is restarted sends nothing any more.
@@ -81,6 +83,7 @@ export class SimulatorView {
 
   #onWalls(): void {
     this.#walls = toWalls(this.#model.get("_walls"));
+    this.#drops = toWalls(this.#model.get("_drops"));
     this.#card.redraw();
   }
 
@@ -100,7 +103,7 @@ export class SimulatorView {
     const status = scene ? said : "waiting for the robot";
     this.#card.updateFrame(status ? [status] : [], "status");
     if (!scene) return;
-    const bounds = boundsOf(this.#walls, this.#drag ? (this.#scene as Scene) : scene);
+    const bounds = boundsOf([this.#walls, this.#drops], this.#drag ? (this.#scene as Scene) : scene);
     const { picture, theme, noticeHeight: top } = this.#card;
     const [wide, high] = [bounds.east - bounds.west, bounds.north - bounds.south];
     picture.style.aspectRatio = `${50 * wide + 2 * MARGIN} / ${50 * high + MARGIN + BELOW}`;
@@ -110,6 +113,7 @@ export class SimulatorView {
     const context = this.#canvas.begin(size);
     drawFloor(context, projection, theme);
     drawFree(context, projection, scene, theme);
+    drawDrops(context, projection, this.#drops, theme);
     drawWalls(context, projection, this.#walls, theme);
     const isActive = picture.matches(":focus-within, :hover") && this.#isEditable;
     const [selected, moved] = [isActive ? this.#selected : null, this.#edits.thing];
@@ -125,7 +129,7 @@ export class SimulatorView {
     const { robot, obstacles, time } = scene;
     const { picture } = this.#card;
     const isEditable = this.#isEditable;
-    const { west, east, south, north } = boundsOf(this.#walls, scene);
+    const { west, east, south, north } = boundsOf([this.#walls, this.#drops], scene);
     this.#card.updateFacts([
       `${toFixed(east - west, 1)} \u00D7 ${toFixed(north - south, 1)} m`,
       `${toFixed(time, 1)} s`,
@@ -135,7 +139,8 @@ export class SimulatorView {
     setText(this.#pointed, this.#pointer ? toWords(this.#pointer) : isEditable ? HINT : "");
     this.#put.disabled = !isEditable;
     this.#remove.disabled = !isEditable || typeof this.#selected !== "number";
-    picture.ariaLabel = `robot at ${words}, ${toMany(obstacles.length, "obstacle")}`;
+    const drops = this.#drops.length ? `, ${toMany(this.#drops.length / 4, "drop")}` : "";
+    picture.ariaLabel = `robot at ${words}, ${toMany(obstacles.length, "obstacle")}${drops}`;
     picture.ariaDescription =
       "n: next thing. Arrows: move it. Brackets: turn the robot. o: put an obstacle ahead. Delete: remove it.";
   }
