@@ -20,7 +20,7 @@ from cyclonedds.util import duration
 from ..messages.decoding import Decode, DecodeError
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
-from ._ros2_common import adverts_of, not_coming, not_received, queue_depth
+from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
 from .middleware import EVENTS, Advert, FeedError, Listener
 
 _MANY = 1000
@@ -29,7 +29,7 @@ _NEW = ViewState.Any | SampleState.NotRead | InstanceState.Any
 _LATCHED = (Policy.Durability.TransientLocal, Policy.Durability.Transient, Policy.Durability.Persistent)
 
 _MATCHING = 0.3
-"""Seconds for which the first message on a topic waits until a subscriber matches."""
+"""Seconds for which the first message on a topic waits until subscribers match."""
 
 _SETTLING = 0.05
 """Seconds for which it waits after that. The subscriber must discover our writer, too, and DDS does not report when it
@@ -120,6 +120,10 @@ class Session:
             self.messages(wish)
         if self._changed:
             self._changed, self._followed = False, None
+            for topic in {topic for topic, _ in list(self._writers)}:
+                if self._without_writer(topic):
+                    with self._writing:
+                        self._create_writers(topic, self._without_writer(topic))
             self._listener.on_topics(self._adverts())
         self._report_unheard()
 
@@ -165,14 +169,16 @@ class Session:
         return [wish for wish in self._readers if wish.topic != NODES]
 
     def publish(self, topic: str, type_name: str, raw: bytes) -> None:
-        """Write a message, in any thread; the first one on a topic waits a moment until a subscriber matches.
+        """Write a message, in any thread; the first one on a topic waits a moment until subscribers match.
 
         Raises:
             FeedError: Cyclone DDS refuses it.
         """
         with self._writing:
             try:
-                writer = self._writers.get((topic, type_name)) or self._create_writer(topic, type_name)
+                if (topic, type_name) not in self._writers:
+                    self._create_writers(topic, {type_name} | self._without_writer(topic))
+                writer = self._writers[topic, type_name]
                 writer.write(writer.data_type(raw))
             except (DDSException, DecodeError) as error:
                 raise FeedError(f"cannot publish on {topic}: {error}") from None
@@ -211,6 +217,21 @@ class Session:
         self._waitset.attach(condition)
         self._readers[wish] = _Reader(reader, condition, decode)
 
+    def _without_writer(self, topic: str) -> set[str]:
+        """The types of speeds that subscribers of a topic expect and that have no writer yet."""
+        subscribed = {(want.topic, want.type) for want in list(self._wants.values())}
+        return {kind for kind in speed_types(topic, subscribed) if (topic, kind) not in self._writers}
+
+    def _create_writers(self, topic: str, types: Iterable[str]) -> None:
+        """Create writers, and wait until the first ones of a topic match. Called with the lock held."""
+        is_first = all(name != topic for name, _ in self._writers)
+        new = [self._create_writer(topic, kind) for kind in types]
+        until = time.monotonic() + _MATCHING * is_first
+        while not all(map(self._is_settled, new)) and time.monotonic() < until:
+            time.sleep(0.005)
+        if is_first and any(map(self._matched, new)):
+            time.sleep(_SETTLING)
+
     def _create_writer(self, topic: str, type_name: str) -> Any:
         qos = Qos(
             Policy.Reliability.Reliable(duration(milliseconds=100)),
@@ -220,14 +241,10 @@ class Session:
         )
         writer = DataWriter(self._participant, Topic(self._participant, dds_topic(topic), struct(type_name)), qos)
         self._writers[topic, type_name] = writer
-        until = time.monotonic() + _MATCHING
-        while not (matched := self._matched(writer)) and time.monotonic() < until:
-            if writer.get_offered_incompatible_qos_status().total_count:
-                break
-            time.sleep(0.005)
-        if matched:
-            time.sleep(_SETTLING)
         return writer
+
+    def _is_settled(self, writer: Any) -> bool:
+        return bool(self._matched(writer) or writer.get_offered_incompatible_qos_status().total_count)
 
     def _matched(self, writer: Any) -> set[UUID]:
         """The GUIDs of the subscribers that match a writer, without ours."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from ..kinds import counts_every_message
+from ..messages.standard import TWIST, TWIST_STAMPED
 from .middleware import EVENTS, Advert
 
 LAST_DOMAIN = 232
@@ -49,6 +50,14 @@ def adverts_of(
         Advert(*key, key in publishers, key in subscribed, tuple(sorted(filter(None, publishers.get(key, ())))))
         for key in sorted({*publishers, *subscribed})
     ]
+
+
+def speed_types(topic: str, subscribed: Collection[tuple[str, str]]) -> set[str]:
+    """The types of speeds that subscribers of a topic expect, of their topics and types.
+
+    Each needs a publisher before a robot moves by another one: who waits for a match meanwhile cannot send a zero.
+    """
+    return {kind for kind in (TWIST, TWIST_STAMPED) if (topic, kind) in subscribed}
 
 
 def queue_depth(type_name: str) -> int:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from typing import Any
 
-from ._ros2_common import adverts_of, not_coming, not_received, queue_depth
+from ._ros2_common import adverts_of, not_coming, not_received, queue_depth, speed_types
 from ._twist import fill
 from .middleware import SEND_TIMEOUT, Advert, Listener, NotYetError
 
@@ -123,6 +123,10 @@ class Session:
                 self._unheard.discard(topic)
                 self._listener.on_unheard(topic, "")
         self._note_matches()
+        for topic in {topic for topic, _ in list(self._publishers)}:
+            if any((topic, kind) not in self._publishers for kind in speed_types(topic, wanted)):
+                with self._publishing:
+                    self._create_publishers(topic, speed_types(topic, wanted))
         return adverts_of(offered, wanted)
 
     def follow(self, topics: Iterable[str]) -> None:
@@ -135,7 +139,7 @@ class Session:
             self._subscribe(wish)
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any], until: float) -> None:
-        """Publish a message. The first one of a publisher waits, up to a time, for a matched subscriber.
+        """Publish a message. The first one on a topic waits, up to a time, for matched subscribers.
 
         Raises:
             NotYetError: a subscriber of an earlier session has not been discovered again.
@@ -143,20 +147,21 @@ class Session:
         """
         key = (topic, message_type)
         with self._publishing:
-            publisher = self._publishers.get(key)
-            if publisher is None:
-                publisher = self._publishers[key] = self._publisher(key)
-                self._unmatched.add(key)
-            if key in self._unmatched:
-                if self._await_match(publisher, key, until):
-                    self._matched.add(key)
-                    self._missed.discard(key)
-                    time.sleep(_MATCH_LAG)
-                elif key in self._matched and self.is_young:
-                    self._missed.add(key)
-                    raise NotYetError(f"the subscriber of {topic} is not discovered again since rclpy was shut down")
-                self._unmatched.discard(key)
-            publisher.publish(fill(message_class(message_type)(), message))
+            if key not in self._publishers:
+                subscribed = {(topic, kind) for kind in self._types_wanted(topic)}
+                self._create_publishers(topic, {message_type} | speed_types(topic, subscribed))
+            waiting = {one for one in self._unmatched if one[0] == topic}
+            found = {one for one in waiting if self._await_match(one, until)}
+            late = {one for one in waiting - found if one in self._matched and self.is_young}
+            self._unmatched -= waiting - late
+            self._matched |= found
+            if key in late:
+                self._missed.add(key)
+                raise NotYetError(f"the subscriber of {topic} is not discovered again since rclpy was shut down")
+            self._missed -= found & {key}
+            if found:
+                time.sleep(_MATCH_LAG)
+            self._publishers[key].publish(fill(message_class(message_type)(), message))
 
     def close(self) -> None:
         """Wait a moment until every subscriber has what was published, perhaps a zero; then end everything."""
@@ -167,6 +172,14 @@ class Session:
                 self._made.close()
         for topic in self._unheard:
             self._listener.on_unheard(topic, "")
+
+    def _create_publishers(self, topic: str, types: Iterable[str]) -> None:
+        """Create those that are missing; the first ones of a topic are awaited. Called with the lock held."""
+        is_first = all(name != topic for name, _ in self._publishers)
+        for key in {(topic, kind) for kind in types} - self._publishers.keys():
+            self._publishers[key] = self._publisher(key)
+            if is_first:
+                self._unmatched.add(key)
 
     def _publisher(self, key: tuple[str, str]) -> Any:
         from rclpy.qos import QoSProfile
@@ -183,16 +196,19 @@ class Session:
 
         return _with_events(make, "PublisherEventCallbacks", refused)
 
-    def _await_match(self, publisher: Any, key: tuple[str, str], until: float) -> bool:
+    def _await_match(self, key: tuple[str, str], until: float) -> bool:
         """Wait for a subscriber of another node, which would miss earlier messages; returns whether there is one."""
         topic, message_type = key
-        while not self._is_matched(publisher, key):
-            wanted = {info.topic_type for info in self._others(self._node.get_subscriptions_info_by_topic(topic))}
+        while not self._is_matched(self._publishers[key], key):
+            wanted = self._types_wanted(topic)
             may_come = message_type in wanted or (self.is_young and not wanted)
             if not may_come or time.monotonic() >= until:
                 return False
             time.sleep(_MATCH_POLL)
         return True
+
+    def _types_wanted(self, topic: str) -> set[str]:
+        return {info.topic_type for info in self._others(self._node.get_subscriptions_info_by_topic(topic))}
 
     def _is_matched(self, publisher: Any, key: tuple[str, str]) -> bool:
         """Whether a subscriber of another node is matched."""

@@ -48,7 +48,7 @@ class TwistPublisher:
             self._publish(topic, _types_to_send(topic, adverts), linear, angular)
             return
         with ExitStack() as each:  # every zero is sent, even after one of them raised
-            for name in {topic, *self._owed}:
+            for name in dict.fromkeys((topic, *self._owed)):  # from the last to the first, which may be new, and wait
                 each.callback(self._send_zero, name, adverts)
 
     def _send_zero(self, topic: str, adverts: Sequence[Advert]) -> None:

@@ -23,7 +23,7 @@ import pytest
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install cyclonedds")
 
-from robowidgets.feeds import _dds_session, _threaded
+from robowidgets.feeds import Driving, Feed, _dds_session, _threaded
 from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
@@ -60,6 +60,10 @@ class Robot:
 
     def heard(self) -> Any:
         return json.loads(self._told.get(timeout=20.0))
+
+    @property
+    def has_heard(self) -> bool:
+        return not self._told.empty()
 
     def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
         """Let it tell what it hears on a topic from now on."""
@@ -372,6 +376,50 @@ def test_the_first_message_waits_for_nobody_when_nobody_comes(dds: Dds, heard: E
     since = time.monotonic()
     dds.publish("/cmd_vel", TWIST, {})
     assert time.monotonic() - since < 4 * SEND_TIMEOUT  # 0.3 s on a machine that does nothing else
+
+
+def test_subscribers_of_two_types_match_before_the_first_message(
+    dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = Robot()
+    robot.hear("/of_two_types", "Twist")
+    other.hear("/of_two_types", "TwistStamped", False)
+    wait_for(lambda: [one.name for one in heard.topics or ()].count("/of_two_types") == 2, "both are known")
+    dds.publish("/of_two_types", TWIST, {"linear": {"x": 0.25}})
+    monkeypatch.setattr(_dds_session, "_SETTLING", 5.0)  # what waits from now on, waits for long
+    since = time.monotonic()
+    dds.publish("/of_two_types", STAMPED, {"twist": {"linear": {"x": 0.25}}})
+    assert time.monotonic() - since < 1.0
+    assert other.heard()["twist"]["linear"]["x"] == 0.25
+    other.kill()
+
+
+def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = Robot()
+    robot.hear("/retyped", "Twist")
+    with Feed(Dds(DOMAIN, interface="lo")) as feed:
+        feed.driving = Driving("/retyped", hold=60.0)
+        feed.drive(0.25)
+        assert robot.heard()["linear"]["x"] == 0.25
+        other.hear("/retyped", "TwistStamped")
+        wait_for(lambda: Advert("/retyped", STAMPED, False, True) in feed.connection.adverts, "the other is known")
+        for wait in ("_MATCHING", "_SETTLING"):  # what waits from now on, waits for long
+            monkeypatch.setattr(_dds_session, wait, 5.0)
+        feed.drive(0.25)
+        since = time.monotonic()
+        feed.stop()
+        while robot.heard()["linear"]["x"]:
+            pass
+        assert time.monotonic() - since < 1.0
+
+        def moves() -> bool:
+            feed.drive(0.25)
+            return other.has_heard
+
+        wait_for(moves, "the other moves, too")
+    other.kill()
 
 
 def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Robot) -> None:

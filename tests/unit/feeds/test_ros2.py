@@ -407,6 +407,28 @@ def test_stop_of_a_feed_arrives_within_a_tenth_of_a_second_whatever_becomes_of_t
     assert statistics.median(late) < 0.1
 
 
+@pytest.mark.parametrize("both_at_first", [True, False])
+def test_no_message_waits_for_a_subscriber_of_another_type_after_the_first(
+    ros2: Ros2, graph: Graph, robot: Robot, heard: Ears, monkeypatch: pytest.MonkeyPatch, both_at_first: bool
+) -> None:
+    stamped = Advert("/cmd_vel", STAMPED, offered=False, wanted=True)
+    if not both_at_first:
+        ros2.publish("/cmd_vel", TWIST, FORWARD)
+    with Robot(graph, STAMPED) as other:
+        wait_for(lambda: stamped in (heard.topics or ()), "the other is known")
+        if both_at_first:
+            ros2.publish("/cmd_vel", TWIST, FORWARD)
+        monkeypatch.setattr(_ros2_session, "_MATCH_LAG", 5.0)
+
+        def publish() -> list[float]:
+            began = time.monotonic()
+            ros2.publish("/cmd_vel", STAMPED, {"twist": FORWARD})
+            assert time.monotonic() - began < 1.0
+            return other.speeds
+
+        wait_for(publish, "the other moves, too")
+
+
 def test_what_cannot_be_published_is_refused(ros2: Ros2) -> None:
     with pytest.raises(FeedError, match=r"cannot publish on '/bump': .*the package x_msgs is not installed"):
         ros2.publish("/bump", "x_msgs/msg/Bump", {})
