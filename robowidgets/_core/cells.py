@@ -5,12 +5,15 @@ ipywidgets keeps every widget until it is closed, and IPython keeps the results 
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import Any, Protocol
 from weakref import WeakSet
 
 from .error_routing import ipython_shell
 from .platform_fixes import call_before_traceback, call_on_idle_interrupt, call_on_interrupt
+
+log = logging.getLogger("robowidgets")
 
 
 class Closable(Protocol):
@@ -86,7 +89,7 @@ def on_interrupt(call: Callable[[], None]) -> None:
 
 def _interrupted() -> None:
     for call in (*_on_failed, *_on_interrupt):
-        call()
+        _attempt(call)
 
 
 def _after_cell(result: Any) -> None:
@@ -96,7 +99,15 @@ def _after_cell(result: Any) -> None:
 
 def _call_on_failed() -> None:
     for call in _on_failed:
+        _attempt(call)
+
+
+def _attempt(call: Callable[[], None]) -> None:
+    """Call it, and log its error: the other calls must follow, and then the user's own error or interrupt."""
+    try:
         call()
+    except Exception as error:
+        log.exception("a robot may drive on, as it could not be stopped: %s", error)
 
 
 def close_all(widget: Any) -> None:

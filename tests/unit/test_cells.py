@@ -87,3 +87,23 @@ def test_a_feed_is_closed_when_its_cell_opens_another(begin: Callable[[str, str]
     begin("a", "3")
     with feeds.simulator() as now:
         assert (earlier.connection.is_closed, now.connection.is_closed) == (True, False)
+
+
+def test_the_traceback_of_a_cell_is_shown_and_each_robot_stopped_though_one_cannot_be(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    done: list[str] = []
+
+    def cannot() -> None:
+        raise RuntimeError("can't start new thread")
+
+    shell = SimpleNamespace(
+        events=SimpleNamespace(register=lambda *_: None), showtraceback=lambda: done.append("the traceback is shown")
+    )
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setattr(_cells, "_on_failed", [])
+    _cells.on_failed_cell(cannot)
+    _cells.on_failed_cell(lambda: done.append("the other is stopped"))
+    shell.showtraceback()
+    assert done == ["the other is stopped", "the traceback is shown"]
+    assert "a robot may drive on, as it could not be stopped: can't start new thread" in caplog.text
