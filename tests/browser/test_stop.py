@@ -134,7 +134,7 @@ def test_stop_acts_on_press_stays_in_its_place_and_is_released_by_hand_or_by_cod
     driven_page: Callable[..., PlainPage],
 ) -> None:
     nb = driven_page([FEED])
-    says(nb, PROGRAM, "Escape stops, too")
+    says(nb, PROGRAM, "Escape here stops, too")
     expect(allow_of(nb)).not_to_be_visible()
     place = stop_of(nb).bounding_box()
     assert place is not None
@@ -211,7 +211,7 @@ def test_a_kernel_that_does_not_answer_is_interrupted_and_a_cell_that_goes_on_is
     assert heard[-1][0] - at < 2
     nb.page.mouse.up()
     allow_of(nb).click()
-    says(nb, PROGRAM, "Escape stops, too")
+    says(nb, PROGRAM, "Escape here stops, too")
 
     stop = nb.lab.files / f"{nb.path}-stop"
     busy = nb.append(STUBBORN.format(stop=str(stop)))

@@ -18,7 +18,7 @@ export class StopButtons {
     this.#control = control;
     keepKeys(root, signal);
     const press = () => control.stop();
-    this.stop = makeButton("rw-stop", "Stop the robot (Escape), and let nobody drive", () => {}, signal);
+    this.stop = makeButton("rw-stop", "Stop the robot (Escape in its view), and let nobody drive", () => {}, signal);
     this.stop.append(makeIcon(SIGN), this.#word);
     const onAllow = () => control.allow();
     this.allow = makeButton("rw-allow", "Let programs and hands drive again", onAllow, signal, "Allow driving");

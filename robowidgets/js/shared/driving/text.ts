@@ -47,7 +47,7 @@ export function toDriverText(situation: Situation): Text {
   const stop = toStopText(situation);
   if (stop) return stop;
   const busy = `kernel busy: Stop ${canInterrupt ? "interrupts the cell" : "cannot reach it"}`;
-  const hint = hears ? told.status || "Escape stops, too" : busy;
+  const hint = hears ? told.status || "Escape here stops, too" : busy;
   if (!told.ready) return rest(told.cause || "no feed", hint);
   const topic = told.topic && ` ${told.topic}`;
   if (told.driver === "program") return { text: `a program drives${topic}: ${toSpeed(told)}`, hint, kind: "drive" };
