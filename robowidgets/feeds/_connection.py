@@ -110,6 +110,7 @@ class Connection(Observed):
         ours, functions = sorted_targets(targets)
         self._connect(topic, ours)
         with self._changed:
+            self.functions.connect(topic, [target.call for target in ours if not target.is_ours], raw=True)
             self.functions.connect(topic, functions, raw)
             self._table.prune()
         self._subscribe()
@@ -119,7 +120,7 @@ class Connection(Observed):
         check_name(topic)
         ours, functions = sorted_targets(targets)
         with self._changed:
-            self.functions.disconnect(topic, functions if targets else None)
+            self.functions.disconnect(topic, [*functions, *(one.call for one in ours)] if targets else None)
             self._table.disconnect(topic, ours if targets else None)
             self._show_status(topic)
         self._subscribe()

@@ -15,11 +15,11 @@ from ._two_scanners import TwoScanners
 log = logging.getLogger("robowidgets")
 
 
-class Target(NamedTuple):
-    """Code of this package that takes the messages of a topic in the transport's thread, and its widget, if any.
+_PACKAGE = __name__.partition(".")[0]
 
-    Functions of a program are called by `FunctionCaller` instead.
-    """
+
+class Target(NamedTuple):
+    """What takes the messages of a topic, and its widget, if any. Functions of a program are no targets."""
 
     call: Callable[[Any], object]
     widget: RobotWidget[Any] | None
@@ -28,6 +28,14 @@ class Target(NamedTuple):
     def is_primary(self) -> bool:
         """Whether the widget shows the topic itself; a commanded speed, for one, is shown beside the measured one."""
         return self.widget is not None and getattr(self.call, "__name__", "") == "update"
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether it is code of this package, which the transport's thread and the one that sends speeds may call.
+
+        Methods that a user's class of widget defines are called by `FunctionCaller`, as functions are.
+        """
+        return self.widget is None or str(getattr(self.call, "__module__", "")).partition(".")[0] == _PACKAGE
 
 
 def _target_of(given: Any) -> Target | Callable[[Any], object]:
@@ -76,9 +84,9 @@ class Subscription:
         self._log = LogOnce(log.exception)
 
     def take(self, message: Any) -> bool:
-        """Pass a message to the targets; returns whether the status may have changed. Raises nothing."""
+        """Pass a message to the targets that are ours; returns whether the status may have changed. Raises nothing."""
         before = (self.receives, self._failed, self._scanners.status)
-        failures = [self._pass_on(target, message) for target in self.targets]
+        failures = [self._pass_on(target, message) for target in self.targets if target.is_ours]
         self._scanners.see(message)
         self._failed = next(filter(None, reversed(failures)), "")
         self.receives = self.has_received = True

@@ -127,14 +127,14 @@ def test_a_robot_feeds_them_the_undecided_ones_once_a_message_has_come() -> None
             "/scan": "LaserWidget", "/depth": "NumberWidget"
         }  # fmt: skip
         script.listener.on_message("/depth", {"data": 2.5})
-        assert view.widgets["/depth"].number == Number(2.5)
+        wait_for(lambda: view.widgets["/depth"].number == Number(2.5), "its widget shows it")
         sonar = {"header": {"frame_id": "sonar"}, "range": 1.5, "min_range": 0.1, "max_range": 4.0}
         script.listener.on_message("/sonar", sonar)
         script.listener.on_message("/cliff", {**sonar, "range": float("inf"), "min_range": 4.0})
         shown = {name: type(widget).__name__ for name, widget in view.widgets.items()}
         assert (shown["/sonar"], shown["/cliff"]) == ("NumberWidget", "TouchWidget")
         script.listener.on_message("/depth", {"data": "deep"})
-        assert "error" in view.widgets["/depth"].get_state()["_about"]
+        wait_for(lambda: "error" in view.widgets["/depth"].get_state()["_about"], "its widget says so")
 
 
 def test_without_its_row_the_topics_are_only_listed(path: Path) -> None:

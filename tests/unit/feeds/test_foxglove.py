@@ -397,6 +397,39 @@ def test_a_feed_that_drives_stops_the_robot_when_it_is_closed() -> None:
     assert (speeds[0], speeds[-1]) == ([0.25, 0, 0, 0, 0, -0.5], [0.0] * 6)
 
 
+def test_a_widget_of_a_user_s_class_whose_update_hangs_holds_back_neither_speed_nor_zero() -> None:
+    entered, gate = threading.Event(), threading.Event()
+
+    class Slow(LaserWidget):
+        def update(self, message: Any) -> None:
+            entered.set()
+            assert gate.wait(20.0)
+            super().update(message)
+
+    def speeds() -> list[float]:
+        return [float(np.frombuffer(payload[4:])[0]) for payload in taken.payloads]
+
+    taken, laser = Taken(), Slow()
+    real = Real(capabilities=[Capability.ClientPublish], supported_encodings=["cdr"], server_listener=taken)
+    try:
+        with feeds.foxglove(real.address) as feed:
+            feed.connect("/scan", laser)
+            wait_for(lambda: real.scan.log(cdr()) or entered.is_set(), "it hangs")
+            feed.drive(0.25)
+            wait_for(lambda: speeds() == [0.25, 0.0], "the speed came, and the zero of its hold")
+            feed.drive(0.25)
+            feed.stop()
+            wait_for(lambda: speeds()[-2:] == [0.25, 0.0], "stop came")
+            gate.set()
+            wait_for(lambda: laser.scan, "it shows the scan")
+            assert laser.title == "/scan"
+            feed.disconnect("/scan", laser)
+            assert feed.functions == ()
+    finally:
+        gate.set()
+        real.server.stop()
+
+
 def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     frame_on = Foxglove._frame_on
 
