@@ -240,6 +240,48 @@ def test_rays_are_typed_and_what_names_none_is_said(plain_page: Callable[..., Pl
     eventually(lambda: Picture(card).count(POINTER), 0)
 
 
+def test_rays_are_typed_where_nothing_is_picked_also_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([FIRST, "LaserWidget()"])
+    expect(nb.widget(1).locator(".rw-type")).to_be_disabled()  # there are no rays yet
+    card, keys = nb.widget(0).locator(".rw-card"), nb.page.keyboard
+    field, error, button = (card.locator(name) for name in (".rw-chip-expression", ".rw-chip-error", ".rw-type"))
+    for width in (700, 400):
+        nb.resize(width)
+        place = locate(card)
+        tops = card.locator(".rw-header .rw-button:visible").evaluate_all("(all) => all.map((one) => one.offsetTop)")
+        assert len(set(tops)) == 1, "the controls are in one row"
+        with nb.busy():
+            button.click()
+            expect(field).to_be_focused()
+            expect(card.locator(".rw-picture .rw-chip")).to_have_count(int(width == 700))
+            expect(chip(card).get_by_role("button")).to_have_count(1)  # that which closes it
+            keys.type("ranges[9:14")
+            keys.press("Enter")
+            expect(error).to_have_text("expected a slice, as ranges[240:300]")
+            assert Picture(card).count(POINTER) == 0
+            chip(card).get_by_role("button").click()
+            expect(chip(card)).to_have_count(0)
+            keys.press("t")
+            expect(field).to_be_focused()
+            keys.type("ranges[9:14]")
+            keys.press("Enter")
+            says(card, "ranges[9:14]", "1.68 m")
+            eventually(lambda place=place: Picture(card).colour(*place.at(RIM, 20)), POINTER)
+            keys.press("t")
+            keys.type("ranges[40:50]")
+            keys.press("Enter")
+            expect(error).to_have_text("no such ray: this scan has 19")
+            assert Picture(card).colour(*place.at(RIM, 20)) == POINTER, "what was lit stays"
+        assert nb.python("laser.pinned, laser.selection.slice") == "(None, slice(9, 14, None))"
+        for _ in range(2):  # leaves the field, then deselects
+            keys.press("Escape")
+        expect(chip(card)).to_have_count(0)
+        keys.press("t")
+        keys.press("Escape")
+        expect(chip(card)).to_have_count(0)
+        expect(card.locator(".rw-picture")).to_be_focused()
+
+
 def ring(middle: tuple[float, float]) -> tuple[float, float]:
     """A point of the ring round a pinned reading."""
     return middle[0] - 6, middle[1]

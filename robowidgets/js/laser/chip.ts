@@ -33,7 +33,7 @@ interface ChipActions {
 
 const LONGEST_NAME = 40;
 
-/** The numbers of the picked sector, its code and its name. */
+/** The numbers of the picked sector, its code and its name; without one, a field in which its rays are typed. */
 export class Chip {
   readonly element = make("div", "rw-floating rw-chip rw-over");
   readonly #expression = makeField("rw-chip-expression", "rays as a slice, such as ranges[240:300]");
@@ -52,6 +52,8 @@ export class Chip {
   constructor(picture: HTMLElement, actions: ChipActions, signal: AbortSignal) {
     this.#picture = picture;
     this.#signal = signal;
+    this.#expression.placeholder = "ranges[240:300]";
+    this.#error.role = "alert";
     const rows = [
       ["rw-chip-angles", "rw-strong"],
       ["rw-chip-distance", "rw-chip-nearest", "rw-index"],
@@ -96,7 +98,11 @@ export class Chip {
       setText(this.#error, "");
       this.#leave(this.#expression);
     };
-    onEnter(this.#expression, type, undo, signal);
+    const leave = () => {
+      undo();
+      if (!this.#given) actions.onClose();
+    };
+    onEnter(this.#expression, type, leave, signal);
     // A field that is left without Enter shows again what is so.
     on(this.#expression, "blur", undo, signal);
   }
@@ -105,17 +111,22 @@ export class Chip {
     return { width: this.element.offsetWidth, height: this.element.offsetHeight };
   }
 
-  /** @param isBelow whether it stands below the picture, not in it */
-  show(texts: ChipTexts, isBelow: boolean): void {
+  /**
+   * @param texts null without a sector
+   * @param isBelow whether it stands below the picture, not in it
+   */
+  show(texts: ChipTexts | null, isBelow: boolean): void {
     if (this.element.parentElement === null || this.element.classList.contains("rw-chip-below") !== isBelow) {
       this.element.classList.toggle("rw-chip-below", isBelow);
       this.element.style.transform = "";
       if (isBelow) this.#picture.after(this.element);
       else this.#picture.append(this.element);
     }
-    this.element.ariaLabel = `sector ${texts.name}`.trim();
-    this.#given = texts.expression;
+    this.element.ariaLabel = `sector ${texts?.name ?? ""}`.trim();
+    this.element.classList.toggle("rw-chip-empty", !texts);
+    this.#given = texts?.expression ?? "";
     if (document.activeElement !== this.#expression) this.#write();
+    if (!texts) return;
     const { angles, state, distance, nearest, index, median, valid } = texts;
     for (const [i, text] of [angles, state, distance, nearest, index, median, valid].entries()) {
       setText(this.#texts[i] as HTMLElement, text);
@@ -143,6 +154,12 @@ export class Chip {
     this.#nameField.value = proposal;
     this.#nameField.focus({ preventScroll: true });
     this.#nameField.select();
+  }
+
+  /** Asks for rays in the text field. */
+  askRays(): void {
+    this.#expression.focus({ preventScroll: true });
+    this.#expression.select();
   }
 
   copy(): void {

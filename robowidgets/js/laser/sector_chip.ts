@@ -4,12 +4,15 @@ import { Chip, type ChipTexts } from "./chip.ts";
 import { placeChip } from "./chip_place.ts";
 import { type Form, toCode } from "./code.ts";
 import type { Host, Stage } from "./layer.ts";
+import type { Sector } from "./sector.ts";
 import type { SectorNumbers } from "./sector_numbers.ts";
 import type { Named, SectorStore } from "./sector_store.ts";
 import { describeSector, sayOf, sectorOfText } from "./sector_words.ts";
 
 /** A picture narrower or lower than this has the chip below it. Pixels. */
 const LEAST = { width: 480, height: 300 };
+
+const AHEAD: Sector = { start: 0, end: 0 };
 
 /** What the chip leaves to the layer. */
 interface Owner {
@@ -18,7 +21,7 @@ interface Owner {
   deselect(): void;
 }
 
-/** The chip of the picked sector: there is none without one. */
+/** The chip of the picked sector. Without one it is there only while a person types its rays. */
 export class SectorChip {
   /** Where it stands in the picture; null where it is not in it. */
   box: Box | null = null;
@@ -28,6 +31,7 @@ export class SectorChip {
   readonly #owner: Owner;
   readonly #tell: () => void;
   #chip: Chip | null = null;
+  #isAsking = false;
   #key = "";
 
   constructor(host: Host, store: SectorStore, numbers: SectorNumbers, owner: Owner) {
@@ -47,7 +51,8 @@ export class SectorChip {
 
   #placeBox(stage: Stage, before: Box | null): Box | null {
     const { picked } = this.#store;
-    if (!picked || !stage.scan) {
+    if (picked) this.#isAsking = false;
+    if (!(picked || this.#isAsking) || !stage.scan) {
       this.#chip?.hide();
       this.#chip = null;
       this.#key = "";
@@ -61,10 +66,25 @@ export class SectorChip {
     else this.#show();
     this.#key = key;
     if (isBelow) return null;
-    const box = placeChip(this.#chip.size, stage, picked.sector, before);
+    const box = placeChip(this.#chip.size, stage, picked?.sector ?? AHEAD, before);
     this.#chip.place(box);
     stage.covered.push(box);
     return box;
+  }
+
+  /** Asks for the rays of the picked sector, or of a new one. */
+  askRays(): void {
+    this.#isAsking = true;
+    this.#host.card.drawNow();
+    this.#chip?.askRays();
+  }
+
+  /** Asks no more for the rays of a new sector; returns whether it did. */
+  close(): boolean {
+    const wasAsking = this.#isAsking;
+    this.#isAsking = false;
+    this.#host.card.redraw();
+    return wasAsking;
   }
 
   askName(proposal: string): void {
@@ -95,8 +115,7 @@ export class SectorChip {
   }
 
   #show(): void {
-    const texts = this.#texts;
-    if (texts) this.#chip?.show(texts, this.#isBelow);
+    this.#chip?.show(this.#texts, this.#isBelow);
   }
 
   get #isBelow(): boolean {
@@ -128,10 +147,10 @@ export class SectorChip {
   #type(text: string): string {
     const scan = this.#host.stream.shown;
     const { picked } = this.#store;
-    if (!scan || !picked) return "";
+    if (!scan) return "";
     const found = sectorOfText(scan, text);
     if (typeof found === "string") return found;
-    this.#store.put({ ...picked, sector: { ...picked.sector, ...found } });
+    this.#store.put({ name: "", ...picked, sector: { ...picked?.sector, ...found } });
     this.#owner.say();
     return "";
   }

@@ -25,8 +25,10 @@ export function onSectorKey(event: KeyboardEvent, layer: SectorLayer): boolean {
     return true;
   }
   if (key === "Escape") return layer.escape();
-  if (!layer.store.picked || !isPlain(event)) return false;
-  if (key === "Enter" && onPicture) layer.keep();
+  if (!isPlain(event)) return false;
+  if (key === "t") layer.askRays();
+  else if (!layer.store.picked) return false;
+  else if (key === "Enter" && onPicture) layer.keep();
   else if (key === "Delete" || key === "Backspace") layer.remove();
   else if (key === "c") layer.copy();
   else return false;

@@ -200,6 +200,11 @@ export class SectorLayer implements Layer {
     if (!this.store.picked?.name) this.askName();
   }
 
+  /** Asks for rays in a text field. */
+  askRays(): void {
+    if (this.#host.stream.shown) this.#chip.askRays();
+  }
+
   askName(): void {
     const taken = Object.keys(this.store.kept);
     let number = 1;
@@ -209,7 +214,7 @@ export class SectorLayer implements Layer {
 
   /** Undoes the change of an edge, else deselects; returns false where there is nothing to undo. */
   escape(): boolean {
-    if (!this.store.picked) return false;
+    if (!this.store.picked) return this.#chip.close();
     if (this.#edge) this.#undo?.();
     else this.store.pick(null);
     this.#leaveEdge();
@@ -218,6 +223,7 @@ export class SectorLayer implements Layer {
   }
 
   deselect(): void {
+    this.#chip.close();
     this.#leaveEdge();
     this.store.pick(null);
     this.#host.card.picture.focus({ preventScroll: true });

@@ -45,6 +45,7 @@ export class LaserView implements Host {
   readonly #range = make("span", "rw-range");
   readonly #fit: HTMLButtonElement;
   readonly #pin: HTMLButtonElement;
+  readonly #type: HTMLButtonElement;
   readonly #ghost: Ghost;
   readonly #tell: () => void;
   #strip: { view: Strip; end: AbortController } | null = null;
@@ -62,6 +63,7 @@ export class LaserView implements Host {
     this.#legend = new Legend(footer, model, signal);
     this.#ghost = new Ghost(model, stream, this.card.redraw, signal);
     const spread = new SpreadLayer(model, stream);
+    const sectors = new SectorLayer(this);
     this.#layers = [
       new FreeLayer(model, stream),
       new GuideLayer(model, this.#scene.measure),
@@ -75,7 +77,7 @@ export class LaserView implements Host {
       new PointerLayer(this, spread.wordsOf),
       new HighlightLayer(model),
       new PinLayer(this),
-      new SectorLayer(this),
+      sectors,
     ];
     picture.append(this.#empty);
 
@@ -84,7 +86,8 @@ export class LaserView implements Host {
     this.#fit = makeButton("rw-fit", "Fit the view to readings", () => this.#onFit(), signal, "Fit");
     this.#pin = makeButton("rw-pin", "", () => this.#ghost.toggle(), signal);
     this.#pin.append(makeIcon(GHOST));
-    this.card.addControls(farther, this.#range, closer, this.#fit, this.#pin);
+    this.#type = makeButton("rw-type", "Type rays to see them (t)", () => sectors.askRays(), signal, "[:]");
+    this.card.addControls(farther, this.#range, closer, this.#fit, this.#pin, this.#type);
 
     const traits = [...SETTINGS, "index_view", ...this.#layers.flatMap((layer) => layer.traits)] as const;
     onChange(model, traits, this.card.redraw, signal);
@@ -134,6 +137,7 @@ export class LaserView implements Host {
     if (isNow) this.#drawLegend();
     else this.#tell();
     setText(this.#range, scan ? toShortMetres(this.#viewRange) : "");
+    this.#type.disabled = !scan;
     this.#fit.ariaPressed = String(this.model.get("view_range") === "data");
     for (const layer of [...this.#layers].reverse()) layer.place?.(this.stage);
     const hasGhost = this.#ghost.isSet;
