@@ -193,7 +193,7 @@ def test_freezing_moves_nothing_in_a_narrow_header(plain_page: Callable[..., Pla
         assert header.evaluate("(header) => header.offsetHeight") == before
 
 
-def test_the_map_of_a_feed_stands_below_the_laser_however_high_the_column_beside_it_is(plain_page):
+def test_the_map_of_a_feed_stands_below_the_laser_and_its_one_stop_stays_in_view(plain_page):
     page = plain_page(
         [
             """
@@ -224,3 +224,8 @@ robot.show()
     page.set_viewport_size({"width": 1400, "height": 900})
     assert path.bounding_box()["y"] == laser.bounding_box()["y"]
     assert path.bounding_box()["x"] > narrow.bounding_box()["x"]
+    page.set_viewport_size({"width": 400, "height": 900})
+    stop = page.locator(".rw-stop:visible")
+    expect(stop).to_have_count(1)
+    path.scroll_into_view_if_needed()
+    assert stop.bounding_box()["y"] >= 0, "it stays in view"
