@@ -12,8 +12,9 @@ import traitlets
 from ._core.base_widget import bundle
 from ._core.robot_widget import RobotWidget
 from .behaviors.machine import Fired, Machine, MachineStep
-from .behaviors.program import Program, Version
+from .behaviors.program import Program
 from .behaviors.programs import Programs
+from .behaviors.version import Version
 from .samples.state_span import StateSpan, rows_of
 
 MOST_FIRED = 30

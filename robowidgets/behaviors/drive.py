@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from ..samples.checks import finite
 
@@ -32,3 +33,12 @@ class Drive:
 
 
 STANDSTILL = Drive()
+
+
+def drive_of(result: Any, before: Drive) -> Drive:
+    """The speed that a step returned; None keeps the one before."""
+    if result is None:
+        return before
+    if not isinstance(result, Drive):
+        raise TypeError(f"expected a step to return Drive(linear, angular), or None to keep the speed, got {result!r}")
+    return result

@@ -6,8 +6,7 @@ import logging
 import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from math import isnan
 from typing import Any
 
@@ -18,14 +17,12 @@ from .._core.rate import RateMeter
 from .._core.user_function import line_of, say_what_was_meant
 from .._core.user_threads import UserThread, frames_of
 from ._prints import Prints, capture, release
-from .drive import STANDSTILL, Drive
+from .drive import STANDSTILL, drive_of
 from .robot import GIVEN, NotReadyError, Robot
 from .variables import State, Variables
+from .version import Version
 
 log = logging.getLogger("robowidgets")
-
-RATE = 10.0
-"""Steps a second, where a program names neither a rate nor a topic."""
 
 TICK = 0.025
 """Seconds between two looks at a step that has not returned."""
@@ -46,23 +43,6 @@ SILENCE = 1.0
 """Seconds without a message of the topic ``on``, after which the program says that it waits for it."""
 
 RUNNING, PAUSED, FAILED, ENDED = "running", "paused", "failed", "ended"
-
-
-@dataclass(frozen=True)
-class Version:
-    """One version of a program.
-
-    ``asks_for`` are the parameters of the function, ``topics`` the topics that were named for some of them. It steps
-    ``rate`` times a second, or on each message of the topic ``on``. ``text`` is that of the cell or file it stands in.
-    """
-
-    function: Callable[..., Any]
-    asks_for: tuple[str, ...] = ()
-    topics: Mapping[str, str] = field(default_factory=dict)
-    rate: float = RATE
-    on: str | None = None
-    number: int = 1
-    text: str = ""
 
 
 class Program(Observed):
@@ -389,12 +369,3 @@ class Program(Observed):
 def _code_of(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function of the user that runs: of a state machine, one of many."""
     return getattr(function, "current", function)
-
-
-def drive_of(result: Any, before: Drive) -> Drive:
-    """The speed that a step returned; None keeps the one before."""
-    if result is None:
-        return before
-    if not isinstance(result, Drive):
-        raise TypeError(f"expected a step to return Drive(linear, angular), or None to keep the speed, got {result!r}")
-    return result

@@ -13,9 +13,10 @@ from .._core.user_function import calling_text
 from ..samples.checks import finite
 from ._parameters import parameters_of, program_name
 from .machine import Machine
-from .program import ENDED, RATE, Program, Version
+from .program import ENDED, Program
 from .robot import Robot
 from .variables import Variables
+from .version import RATE, Version
 
 log = logging.getLogger("robowidgets")
 

@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 from ..samples.checks import finite
 from ..simulator import Robot
 from ._parameters import parameters_of, program_name
-from .drive import STANDSTILL, Drive
+from .drive import STANDSTILL, Drive, drive_of
 from .machine import Machine
-from .program import RATE, Program, drive_of
+from .program import Program
 from .variables import State, Variables
+from .version import RATE
 
 
 class Step(NamedTuple):

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import atexit
 import logging
-import os
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, wait
-from weakref import WeakSet
 
 from .._core.cells import on_failed_cell
 from .._core.observed import Observed
 from .._core.platform_fixes import run_beside_debugger
 from .._core.user_threads import is_abandoned
+from .stop_all import SEND_TIMEOUT, running, stop_driven_by_cell
 
 log = logging.getLogger("robowidgets")
 
@@ -34,9 +32,6 @@ LINGER = 0.5
 
 RETRY = 1.0
 """Seconds after which a zero that could not be sent is sent again."""
-
-SEND_TIMEOUT = 1.0
-"""Seconds for which a caller waits until its speed is sent."""
 
 RECENT = 30.0
 """Seconds for which a dead connection may go unnoticed, at most."""
@@ -81,12 +76,14 @@ class CommandWatchdog(Observed):
         """The time at which zero is due; None while nothing moves."""
         self._next_speed_at = self._next_zero_at = 0.0
         self._moved_at = float("-inf")
-        self._lost = self._stopped = self._closed = self._from_cell = False
+        self._lost = self._stopped = self._closed = False
         self._hand, self._hand_until = "", 0.0
         self._driver = ""
         self._entered: float | None = None
         self._is_logged = False
         """Whether the log says that zero could not be sent."""
+        self.from_cell = False
+        """Whether a cell of a notebook drives, not a thread."""
         self.stops = 0
         """Number of requests for zero, by any caller."""
         self.sent: Velocity = ZERO
@@ -157,13 +154,13 @@ class CommandWatchdog(Observed):
             return self.stop()
         is_main = threading.current_thread() is threading.main_thread()
         if is_main:
-            on_failed_cell(_stop_driven_by_cell)
+            on_failed_cell(stop_driven_by_cell)
         with self._changed:
             self._check(driver)
             now = time.monotonic()
             self._wanted, self._expires, self._driver = velocity, now + hold, driver
             if driver == PROGRAM:
-                self._from_cell = is_main
+                self.from_cell = is_main
             else:  # of a page that is gone, no release comes
                 self._expires = self._hand_until = now + min(hold, HOLD)
             request = Request()
@@ -257,7 +254,7 @@ class CommandWatchdog(Observed):
         if self._thread is None:
             thread = threading.Thread(target=self._run, name="robowidgets-drive", daemon=True)
             run_beside_debugger(thread)
-            _running.add(self)
+            running.add(self)
             self._thread = thread  # before it starts: the handler of an interrupt meanwhile starts no second one
             try:
                 thread.start()
@@ -313,7 +310,7 @@ class CommandWatchdog(Observed):
                 due = ends_at
             else:
                 self._thread = None
-                _running.discard(self)
+                running.discard(self)
                 return None, []
             if due > now:
                 self._changed.wait(due - now)
@@ -369,30 +366,3 @@ def _resolve(requests: list[Request], error: BaseException | None) -> None:
             request.set_result(None)
         else:
             request.set_exception(error)
-
-
-_running: WeakSet[CommandWatchdog] = WeakSet()
-"""The watchdogs that owe a zero."""
-
-
-def stop_all(timeout: float = SEND_TIMEOUT) -> None:
-    """Send zero from every watchdog that owes one, and wait for all of them together."""
-    zeros = [(watchdog, watchdog.stop()) for watchdog in list(_running) if watchdog.owes_zero]
-    wait([zero for _, zero in zeros], timeout)
-    for watchdog, zero in zeros:
-        if not zero.done():
-            log.error(
-                "a robot could not be told to stop: the function that sends speeds has not returned (%.1f s)",
-                watchdog.busy_for,
-            )
-
-
-def _stop_driven_by_cell() -> None:
-    for watchdog in list(_running):
-        if watchdog._from_cell and watchdog.owes_zero:
-            watchdog.stop()
-
-
-atexit.register(stop_all)
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_running.clear)

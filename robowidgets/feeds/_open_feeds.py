@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from .._core.platform_fixes import call_before_end
-from ..driving.command_watchdog import stop_all
+from ..driving.stop_all import stop_all
 
 if TYPE_CHECKING:
     from ._connection import Connection

@@ -13,7 +13,8 @@ from .._core.coalesced_call import CoalescedCall
 from .._core.output_file import checked_output
 from .._core.text import many
 from ..behaviors.machine import Machine
-from ..behaviors.program import ENDED, Version
+from ..behaviors.program import ENDED
+from ..behaviors.version import Version
 from ..kinds import is_undecided
 from ..recordings.live_writer import LiveWriter
 from ..recordings.program_log import PROGRAM, TEXT, program_text, state_topic

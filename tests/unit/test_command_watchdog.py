@@ -11,7 +11,8 @@ from itertools import pairwise
 
 import pytest
 
-from robowidgets.driving.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError, stop_all
+from robowidgets.driving.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError
+from robowidgets.driving.stop_all import stop_all
 
 from .waiting import wait_for
 

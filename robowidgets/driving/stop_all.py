@@ -1,0 +1,45 @@
+"""Zero for every robot that moves: when the process ends, and for those that a cell drives when it fails."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import os
+from concurrent.futures import wait
+from typing import TYPE_CHECKING
+from weakref import WeakSet
+
+if TYPE_CHECKING:
+    from .command_watchdog import CommandWatchdog
+
+log = logging.getLogger("robowidgets")
+
+SEND_TIMEOUT = 1.0
+"""Seconds for which a caller waits until its speed is sent."""
+
+running: WeakSet[CommandWatchdog] = WeakSet()
+"""The watchdogs that owe a zero, or did a moment ago."""
+
+
+def stop_all(timeout: float = SEND_TIMEOUT) -> None:
+    """Send zero from every watchdog that owes one, and wait for all of them together."""
+    zeros = [(watchdog, watchdog.stop()) for watchdog in list(running) if watchdog.owes_zero]
+    wait([zero for _, zero in zeros], timeout)
+    for watchdog, zero in zeros:
+        if not zero.done():
+            log.error(
+                "a robot could not be told to stop: the function that sends speeds has not returned (%.1f s)",
+                watchdog.busy_for,
+            )
+
+
+def stop_driven_by_cell() -> None:
+    """Send zero from every watchdog whose robot a cell drives."""
+    for watchdog in list(running):
+        if watchdog.from_cell and watchdog.owes_zero:
+            watchdog.stop()
+
+
+atexit.register(stop_all)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=running.clear)
