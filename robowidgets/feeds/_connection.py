@@ -295,6 +295,8 @@ class Connection(Observed):
         subscription = self._table.by_topic.get(topic)
         if subscription is not None and not self.topic_of(topic).offered:
             subscription.take(speed)
+            if not all(target.is_ours for target in subscription.targets):
+                self.functions.put(self.topic_of(topic), speed)
             self._show_status(topic)
 
     def on_fork(self) -> None:

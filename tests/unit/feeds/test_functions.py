@@ -103,6 +103,24 @@ def test_a_function_that_hangs_holds_back_no_speed_no_zero_and_no_widget(opened:
     assert time.monotonic() - began < 2.0
 
 
+def test_a_widget_of_a_user_s_class_that_hangs_on_what_is_sent_holds_back_no_zero(
+    opened: Opened, gate: threading.Event
+) -> None:
+    feed, script = opened(CMD_VEL)
+
+    class Slow(SpeedWidget):
+        def command(self, message: Any) -> None:
+            gate.wait(20.0)
+            super().command(message)
+
+    speed = Slow()
+    feed.connect("/cmd_vel", speed.command)
+    feed.drive(0.3)
+    wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero follows", 10.0)
+    gate.set()
+    wait_for(lambda: speed.commanded is not None and speed.commanded.linear[0] == 0.0, "it shows what was sent last")
+
+
 def test_a_bump_and_turn_function_sends_each_of_its_speeds_while_it_sleeps(opened: Opened) -> None:
     feed, script = opened(BUMPER, CMD_VEL)
 
