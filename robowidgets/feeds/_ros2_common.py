@@ -16,18 +16,12 @@ _DEPTH = 5
 _OTHER_FIELDS = "defines the fields of its type in another way"
 _DOES = {
     "durability": "keeps no earlier messages (durability)",
-    "deadline": "promises no rate (deadline)",
-    "ownership": "wants to be the only one (exclusive ownership)",
-    "liveliness": "promises no sign of life (liveliness)",
     "reliability": "is best-effort",
     "data representation": "encodes its messages in another way (XCDR2)",
     "type consistency": _OTHER_FIELDS,
 }
 _EXPECTS = {
     "durability": "expects earlier messages (durability)",
-    "deadline": "expects messages at a promised rate (deadline)",
-    "ownership": "expects one publisher only (exclusive ownership)",
-    "liveliness": "expects a sign of life (liveliness)",
     "data representation": "expects messages encoded in another way (XCDR2)",
     "type consistency": _OTHER_FIELDS,
 }

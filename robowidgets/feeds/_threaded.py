@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import random
 import threading
 from abc import ABC, abstractmethod
 
@@ -19,9 +18,6 @@ FIRST = 0.5
 LONGEST = 8.0
 """Seconds of the longest pause."""
 
-JITTER = 0.1
-"""Share by which a pause may be shorter, so that a hundred clients of one robot do not reconnect all at once."""
-
 
 class Backoff:
     """The pauses between attempts: half a second, then twice as long each time, up to eight."""
@@ -32,7 +28,7 @@ class Backoff:
     def next_pause(self) -> float:
         """Seconds to wait before the next attempt."""
         pause, self._pause = self._pause, min(2 * self._pause, LONGEST)
-        return pause * random.uniform(1 - JITTER, 1)
+        return pause
 
     def reset(self) -> None:
         """Reset: after the next loss, the first pause is the short one again."""
