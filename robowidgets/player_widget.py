@@ -42,6 +42,10 @@ class PlayerWidget(anywidget.AnyWidget):
     _followers = traitlets.List(traitlets.Unicode()).tag(sync=True)
     _first = traitlets.List(traitlets.Dict()).tag(sync=True, echo_update=False)
     _start = traitlets.Float(None, allow_none=True, help="Seconds since the epoch; None: no date.").tag(sync=True)
+    _shown = traitlets.Float(None, allow_none=True, help="Seconds that the widgets show; the view writes it.").tag(
+        sync=True, echo_update=False
+    )
+    _leader = traitlets.Dict(help="The player that this one follows, and where to; empty: none.").tag(sync=True)
     _status = traitlets.Unicode().tag(sync=True)
     _note = traitlets.Unicode(help="A line under it, which stays.").tag(sync=True)
 

@@ -12,12 +12,12 @@ import numpy as np
 from .._core.progress import without_bars
 from .._core.timed_frame import FRAME_HEADER, TimedFrame, table_of
 from .._widget_choice import WidgetChoice
-from ..kinds import PATH
 from ..laser_widget import LaserWidget
 from ..path_widget import PathPoint, PathWidget
 from ..poses.path import Path
 from ..poses.recent import FARTHEST, RecentPoses
 from ..recordings import RecordingData
+from ..recordings.places import odometry
 from ..recordings.topics import Moment
 from ..samples import Pose, Touch
 from ..speed_widget import Reading
@@ -89,8 +89,7 @@ class ScanFrames(SampleFrames):
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
         super().__init__(recording, choice, widget)
-        odometry = (topic.name for topic in recording.topics if topic.widget and topic.type in PATH.types)
-        self._odometry = min(odometry, default=None)
+        self._odometry = odometry(recording.topics)
         self._poses = RecentPoses(None)
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:

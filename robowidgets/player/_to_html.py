@@ -189,6 +189,7 @@ def _models(
             "_segment": seconds,
             "_followers": [picture.model_id] if picture else [],
             "_first": [],
+            "_leader": {},
             "_status": "",
             "_note": "",
         },

@@ -29,11 +29,13 @@ from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
 from ..player_widget import PlayerWidget
 from ..recordings import RecordingData
+from ..recordings.places import WITHIN
 from ..recordings.times import has_date
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
 from ._frames import Track
+from ._leader import Leader
 from ._overview import is_planar, whole_drive
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._screen import on_one_screen
@@ -88,6 +90,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds from the start. Settable.")
 
     _prefetcher: Prefetcher | None = None
+    _leader: Leader | None = None
     scanogram: ScanogramWidget | None = None
 
     def __init__(
@@ -150,6 +153,31 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """
         self.time = seconds
 
+    def follow(self, other: Player | None, origin: Sequence[Any] = (0, 0, 0), within: float = WITHIN) -> None:
+        """Go to the same place whenever another player moves, in the page and from Python; None: no longer.
+
+        The same place is the scan that was made nearest to where the other robot made its scan on show, by the odometry
+        of both. Where none was made near, this player stays where it is, and its bar says so.
+
+        Args:
+            other: the player of another run, or of the same recording.
+            origin: x and y in metres and yaw in radians, or as "20deg", at which the odometry of this recording starts
+                in that of the other. As it is, both started at the same place.
+            within: most metres between both; a radian of heading counts as a metre.
+
+        Raises:
+            UnknownTopicError: one of the recordings has no odometry.
+            ValueError: the robots were never near each other; or the other player follows this one.
+            TypeError: ``other`` is no player.
+        """
+        if not isinstance(other, Player | None):
+            raise TypeError(f"follow: expected another player or None, got {type(other).__name__}")
+        leader = Leader(self, other, origin, within) if other else None
+        if self._leader:
+            self._leader.leave()
+        self._leader = leader
+        self.bar._leader = leader.state if leader else {}
+
     def to_html(
         self,
         path: str | os.PathLike[str],
@@ -186,6 +214,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def close(self) -> None:
         """Remove the player from the page and close the recording."""
         if self._prefetcher:
+            self.follow(None)
             self._prefetcher.close()
             close_all(self.bar)
         if self.scanogram:

@@ -9,6 +9,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+
 from .._core.tables import Table
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..repair import RecordingError
@@ -23,6 +25,7 @@ from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .files import open_source
+from .places import WITHIN, Places, places_of, to_place
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
 from .time_slice import TimeSlice
 from .times import seconds_at, span_ns, to_ns
@@ -150,6 +153,24 @@ class RecordingData:
             RecordingError: the recording has no date, for example because its clock is that of a simulation.
         """
         return seconds_at(when, self.path.name, self.start_ns, self.end_ns)
+
+    def seconds_near(self, pose: Sequence[float], within: float = WITHIN) -> float | None:
+        """Seconds from the start at which the robot was nearest to a pose when it scanned; None if it never came near.
+
+        ``run_b.seconds_near(run_a.at("/odom", 12.0).sample.pose)`` is the same place in another run, if the odometry of
+        both began at the same place. Of several topics of odometry the first by name counts.
+
+        Args:
+            pose: x and y in metres and yaw in radians, in the frame of the odometry.
+            within: most metres between both; a radian of heading counts as a metre.
+
+        Raises:
+            UnknownTopicError: the recording has no odometry.
+            TypeError: ``pose`` is no pose. ValueError: it is not finite.
+        """
+        place = Places(np.zeros(1), np.array([to_place("pose", pose)]))
+        (seconds,), (apart,) = places_of(self).nearest(place)
+        return float(seconds) if apart <= within else None
 
     @property
     def memory(self) -> int:

@@ -14,7 +14,7 @@ from playwright.sync_api import Locator, Position, expect
 import robowidgets
 from robowidgets.player import _overview, _prefetcher
 
-from ..unit.recordings import robot, sweeps
+from ..unit.recordings import corridor, robot, sweeps
 from ..unit.waiting import wait_for
 from .chromium import shoot
 from .notebook import CellError, Notebook
@@ -503,3 +503,39 @@ def test_a_cell_that_runs_again_replaces_its_player_which_goes_on_where_it_was_o
     expect(tile).to_contain_text("touched")
     bar(nb).get_by_title("Play (space)").click()
     passes(nb, 22.5)
+
+
+def test_two_players_stay_at_one_place_while_the_kernel_is_busy(plain_page: Open, tmp_path: Path) -> None:
+    corridor.write(tmp_path / "fast")
+    corridor.write(tmp_path / "slow", speed=0.4)
+    setup = f"""
+import robowidgets
+fast, slow = (robowidgets.open({str(tmp_path)!r} + name).show(scanogram=False) for name in ("/fast", "/slow"))
+fast.views[0].widget.ghost = slow.views[0].widget
+slow.follow(fast)"""
+    nb = plain_page([setup, "fast", "slow"], width=900)
+    nb.resize(900)
+    other = nb.output(2).locator(".rw-player")
+    now_there, words = other.locator(".rw-play-now"), other.locator(".rw-play-words")
+    strip = nb.output(1).locator(".rw-laser .rw-strip")
+    expect(strip).to_be_visible()
+    for time in (1.0, 9.0):
+        to_time(nb, time)  # the page fetches what lies around
+        wait_for(lambda: nb.python("print(fast.time)").strip() == str(time), "Python knows")  # noqa: B023
+    expect(words).to_have_text("no place within 0.5 m of fast")
+    with nb.busy():
+        for time, there in ((2.0, "4.00"), (3.0, "6.00")):
+            to_time(nb, time)
+            expect(now_there).to_have_text(there)
+            expect(words).to_be_empty()
+        to_time(nb, 8.0)
+        expect(words).to_have_text("no place within 0.5 m of fast")
+        expect(now_there).to_have_text("6.00")
+        shoot(other, "same-place-lost")
+        to_time(nb, 3.0)
+        bar(nb).get_by_title("Play (space)").click()
+        nb.page.wait_for_function("() => document.querySelectorAll('.rw-play-now')[1].textContent > '7.00'")
+    bar(nb).get_by_title("Stop here (space)").click()
+    apart = "print(abs(slow.time - 2 * fast.time) < 0.3, fast.playing, slow.playing)"
+    wait_for(lambda: nb.python(apart).split() == ["True", "False", "False"], "Python knows both times")
+    shoot(nb.output(1), "same-place")

@@ -128,9 +128,12 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
     _begin: 0,
     _first: [],
     _pauses: [],
+    _leader: {},
     ...values,
   });
-  Object.assign(fake, { send: (content: unknown) => sent.push(content) });
+  const leader = new FakeModel({ _shown: null });
+  const get_model = async (id: string) => (id === "leader" ? leader : Promise.reject(new Error(id)));
+  Object.assign(fake, { send: (content: unknown) => sent.push(content), widget_manager: { get_model } });
   const { state, host: target, on } = host();
   const controller = new AbortController();
   const follower = new FakeModel({ time: 0, selection: null });
@@ -149,7 +152,7 @@ async function play(values: Record<string, unknown> = {}, segments = [0, 1, 2]) 
     frame = undefined;
     call?.();
   };
-  return { fake, follower, playback, state, on, sent, give, pass, end: () => controller.abort() };
+  return { fake, leader, follower, playback, state, on, sent, give, pass, end: () => controller.abort() };
 }
 
 test("what is old is told with its age, whether it is new on show or not", async () => {
@@ -265,7 +268,10 @@ test("a page that has nothing says so, and shows what comes without a word to th
 test("Python hears at once of a moment that is missing, and now and then of others", async () => {
   const { fake, playback, sent, give, end } = await play({ duration: 9 });
   for (const time of [0.5, 1, 7.2, 1.5, 8.4]) playback.seek(time);
-  assert.deepEqual(fake.saved, [{ time: 0.5 }, { time: 7.2 }, { time: 8.4 }]);
+  assert.deepEqual(
+    fake.saved.map(({ time }) => time),
+    [0.5, 7.2, 8.4],
+  );
   assert.deepEqual(sent.slice(1), [{ pointed: 7.2 }]);
   give(7);
   assert.deepEqual(sent.slice(1), [{ pointed: 7.2 }, { pointed: 8.4 }]);
@@ -512,4 +518,48 @@ test("the words say which mark of how many a time lies in or after", () => {
   ];
   assert.deepEqual(said, [["2 marks", ""], first, first, second, second]);
   assert.equal(describeMark([[1, 2, "x"]], 0).number, "1 mark");
+});
+
+test("a player follows another to the same place, stays where there is none, and says so", async () => {
+  const floats = (...values: number[]) => new DataView(new Float64Array(values).buffer);
+  const _leader = { model: "leader", times: floats(1, 2, 3), seconds: floats(0.5, NaN, 2.5), lost: "no place there" };
+  const { fake, leader, playback, end } = await play({ _leader });
+  const at = (_shown: number) => {
+    leader.receive({ _shown });
+    return [playback.time, playback.lost];
+  };
+  assert.deepEqual(at(0.9), [0, "no place there"], "it has no pose before the first");
+  assert.deepEqual(at(1), [0.5, ""]);
+  assert.deepEqual(at(2.9), [0.5, "no place there"]);
+  assert.deepEqual(at(9), [2.5, ""]);
+  assert.deepEqual(fake.saved.at(0)?.time, 0.5, "Python is told");
+  playback.seek(1);
+  assert.deepEqual([playback.time, playback.lost], [1, ""], "it can be moved by itself");
+  fake.receive({ _leader: { ..._leader, seconds: floats(0.25, 0.5, 0.75) } });
+  await Promise.resolve();
+  await Promise.resolve();
+  assert.equal(playback.time, 0.75, "it goes where the new one is");
+  fake.receive({ _leader: { ..._leader, model: "closed" } });
+  await Promise.resolve();
+  assert.deepEqual(at(1), [0.75, ""]);
+  fake.receive({ _leader: {} });
+  assert.deepEqual(at(2), [0.75, ""]);
+  end();
+  assert.equal(leader.listening, 0);
+});
+
+test("a player tells its followers what its widgets show", async () => {
+  const { fake, playback, state, on, end } = await play();
+  const shown = () => fake.get("_shown");
+  playback.seek(1.25);
+  assert.equal(shown(), 1.25);
+  playback.preview({ time: 2.25, ray: null });
+  assert.equal(shown(), 2.25);
+  playback.preview(null);
+  assert.equal(shown(), 1.25);
+  state.paused = true;
+  on["change:paused"]?.();
+  playback.seek(2);
+  assert.equal(shown(), 1.25, "they are frozen there");
+  end();
 });

@@ -154,7 +154,8 @@ export class PlayerBar {
     this.#loop.ariaPressed = String(this.#model.get("loop"));
     const { held } = this.#playback;
     const part = held && `${NO_KERNEL}: it has ${toFixed(held[0], 0)} to ${toFixed(held[1], 0)} s`;
-    setText(this.#words, this.#model.get("_status") || (waits ? (part ?? "waiting for the kernel") : ""));
+    const waiting = waits ? (part ?? "waiting for the kernel") : "";
+    setText(this.#words, this.#model.get("_status") || waiting || this.#playback.lost);
     setText(this.#note, this.#model.get("_note"));
     this.#drawSpeed();
     this.#drawMarks(begin, duration);

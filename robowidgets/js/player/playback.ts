@@ -5,6 +5,7 @@ import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shar
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Span } from "../shared/time_axis.ts";
 import type { Pointing } from "../shared/traits.ts";
+import { followLeader } from "./leader.ts";
 import type { Follower, Host, Moved, Target } from "./moved.ts";
 import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Shown, type Track } from "./segments.ts";
@@ -42,6 +43,8 @@ export class Playback {
   #movesFrozen = false;
   /** Index of the ray that the laser shows because a person points at it on the scanogram. */
   #ray: number | null = null;
+  /** Whether the player that this one follows is at no place of this recording. */
+  #isLost = false;
   #last = 0;
   /** Whether the segment of the current time is missing. */
   #lacks = true;
@@ -57,6 +60,7 @@ export class Playback {
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
     onChange(model, ["speed", "loop", "selection", "marks", "_status"], () => this.#changed(), signal);
     onMessage(model, (message: Message, buffers) => this.#onMessage(message, buffers), signal);
+    followLeader(model, (time) => this.#goToPlace(time), signal);
     for (const first of model.get("_first")) this.#onMessage(first, first.tracks);
     moved.then((found) => {
       this.#followers = found.followers;
@@ -91,6 +95,11 @@ export class Playback {
   /** Whether a segment is missing: of the current time, or of a step. */
   get waits(): boolean {
     return this.#lacks || this.#wished !== null;
+  }
+
+  /** What is said while the player that this one follows is at no place of this recording; else empty. */
+  get lost(): string {
+    return (this.#isLost && this.#model.get("_leader").lost) || "";
   }
 
   get begin(): number {
@@ -134,6 +143,13 @@ export class Playback {
 
   seek(time: number): void {
     this.#goTo(time, false);
+  }
+
+  /** Follows another player; where there is no same place, what was shown stays. */
+  #goToPlace(time: number): void {
+    this.#isLost = Number.isNaN(time);
+    if (this.#isLost) this.#changed();
+    else if (time !== this.#time) this.seek(time);
   }
 
   #goTo(time: number, isStep: boolean): void {
@@ -254,6 +270,8 @@ export class Playback {
     for (const follower of this.#followers) {
       if (follower.get("time") !== this.#time) follower.set_state({ time: this.#time });
     }
+    // For players that follow this one; Python gets it with the next time.
+    this.#model.set("_shown", this.#frozenAt ?? time);
     this.#changed();
   }
 

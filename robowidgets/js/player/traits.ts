@@ -26,9 +26,25 @@ export interface PlayerTraits {
   _first: SegmentMessage[];
   /** Seconds since the epoch. */
   _start: number | null;
+  /** Seconds that the widgets show: the time, what a person points at, or where they are frozen. */
+  _shown: number | null;
+  /** The player that this one follows; empty without one. */
+  _leader: Partial<Leader>;
   /** Why the recording can be read no further; else empty. */
   _status: string;
   _note: string;
+}
+
+/** Another player, and when the robot of this one was where the robot of that one is. */
+export interface Leader {
+  /** Name of its model. */
+  model: string;
+  /** Its times in seconds, in order, as float64. */
+  times: DataView;
+  /** For each of them, the time of the same place here; NaN where there is none. */
+  seconds: DataView;
+  /** What is said where there is none. */
+  lost: string;
 }
 
 /** A segment of the recording: the frames of each target, in the buffers of the message. */

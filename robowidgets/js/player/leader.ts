@@ -1,0 +1,31 @@
+import { copyOf, toBytes } from "../shared/bytes.ts";
+import { type Model, onChange } from "../shared/model.ts";
+import { firstWhere } from "../shared/search.ts";
+import type { PlayerTraits } from "./traits.ts";
+
+/** Calls back with the time of the place to which the leader of a player moves; NaN where there is no such place. */
+export function followLeader(model: Model<PlayerTraits>, goTo: (time: number) => void, signal: AbortSignal): void {
+  let leader = model.get("_leader");
+  const follow = async () => {
+    const own = model.get("_leader");
+    leader = own;
+    if (!own.model) return;
+    // A player that was closed leads nowhere.
+    const other = (await model.widget_manager.get_model(own.model).catch(() => null)) as Model<PlayerTraits> | null;
+    if (!other || signal.aborted) return;
+    const [times, seconds] = [toFloats(own.times), toFloats(own.seconds)];
+    const onMove = () => {
+      const shown = other.get("_shown");
+      if (leader === own && shown !== null) goTo(seconds[firstWhere(times, (time) => time > shown) - 1] ?? NaN);
+    };
+    onChange(other, ["_shown"], onMove, signal);
+    onMove();
+  };
+  onChange(model, ["_leader"], follow, signal);
+  follow();
+}
+
+function toFloats(view: DataView | undefined): Float64Array {
+  const bytes = toBytes(view);
+  return new Float64Array(bytes ? copyOf(bytes, 0, bytes.byteLength) : []);
+}

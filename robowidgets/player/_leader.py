@@ -1,0 +1,65 @@
+"""The player that another one follows to the same places."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..recordings.places import Places, places_of, to_place
+from ..samples.checks import not_negative
+
+if TYPE_CHECKING:
+    from .player import Player
+
+
+class Leader:
+    """A player, and when the robot of a follower was where the robot of that player is: see `Player.follow`."""
+
+    player: Player
+
+    def __init__(self, follower: Player, player: Player, origin: Any, within: float) -> None:
+        one: Player | None = player
+        while one:
+            if one is follower:
+                raise ValueError("follow: expected another player, which does not follow this one; got " + repr(player))
+            one = one._leader.player if one._leader else None
+        within, origin = not_negative("within", within, "metres"), to_place("origin", origin)
+        own, theirs = _places(follower), _places(player)
+        seconds, apart = own.seen_from(origin).nearest(theirs)
+        name = player.recording.path.name
+        if not (apart <= within).any():
+            raise ValueError(
+                f"follow: {follower.recording.path.name} has no place within {within:g} m of one of {name}, only of "
+                f"{np.fmin.reduce(apart):.2f} m. Odometry starts where a robot is switched on: give "
+                "origin=(x, y, yaw), the place in the other's odometry where this one's starts"
+            )
+        self.player, self._follower = player, follower
+        self._times, self._seconds = theirs.seconds, np.where(apart <= within, seconds, nan)
+        self.state = {
+            "model": player.bar.model_id,
+            "times": self._times.tobytes(),
+            "seconds": self._seconds.tobytes(),
+            "lost": f"no place within {within:g} m of {name}",
+        }
+        """For the page, which moves the follower by itself."""
+        player.observe(self._on_time, "time")
+        self._on_time()
+
+    def leave(self) -> None:
+        """Follow it no longer."""
+        self.player.unobserve(self._on_time, "time")
+
+    def _on_time(self, _change: Any = None) -> None:
+        # A page in which somebody moves the leader moves the follower itself.
+        if "time" in self.player.bar._property_lock:
+            return
+        row = int(np.searchsorted(self._times, self.player.time, "right")) - 1
+        if row >= 0 and not isnan(self._seconds[row]):
+            self._follower.time = float(self._seconds[row])
+
+
+def _places(player: Player) -> Places:
+    with player._seeking:
+        return places_of(player.recording)

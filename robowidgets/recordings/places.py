@@ -1,0 +1,94 @@
+"""Where the robot of a recording was by odometry, and when it was nearest to a place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kinds import LASER, PATH
+from ..poses.recent import FARTHEST
+from ..samples import Pose
+from ..samples.checks import finite, to_radians
+from .topics import Topic, UnknownTopicError, named
+
+if TYPE_CHECKING:
+    from .data import RecordingData
+
+WITHIN = 0.5
+"""How far apart two poses of the same place are at most."""
+
+
+class Places:
+    """Where a robot was at some times, searched by place.
+
+    Poses are as far apart as the robots in metres and their headings in radians say together: who drives back through a
+    corridor is at other places.
+
+    Args:
+        seconds: times in order, shape (N,).
+        poses: x and y in metres and yaw in radians, shape (N, 3); NaN where it is not known.
+    """
+
+    def __init__(self, seconds: NDArray[np.float64], poses: NDArray[np.float64]) -> None:
+        self.seconds, self.poses = seconds, poses
+        x, y, yaw = poses.T
+        # As points, which are as far apart as the poses.
+        self._points = np.array([x, y, np.cos(yaw), np.sin(yaw)])
+
+    def seen_from(self, origin: Pose) -> Places:
+        """The same places in another frame, in which the origin of theirs has a pose."""
+        return Places(self.seconds, np.stack(origin.offset(*self.poses.T), axis=1))
+
+    def nearest(self, to: Places) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Seconds at which the robot was nearest to each of some places, and how far away; NaN where it is not known.
+
+        Of several times that are equally near the first counts. Drives of an hour take some seconds.
+        """
+        seconds, apart = np.full((2, len(to.seconds)), np.nan)
+        known = np.isfinite(self._points).all(axis=0)
+        points, times = self._points.compress(known, axis=1), self.seconds[known]
+        for i in np.flatnonzero(np.isfinite(to._points).all(axis=0) & known.any()):
+            squares = ((points - to._points[:, i, None]) ** 2).sum(axis=0)
+            row = squares.argmin()
+            seconds[i], apart[i] = times[row], np.sqrt(squares[row])
+        return seconds, apart
+
+
+def odometry(topics: Iterable[Topic]) -> str | None:
+    """The topic of odometry, of several the first by name; None without one."""
+    return min((topic.name for topic in topics if topic.widget and topic.type in PATH.types), default=None)
+
+
+def places_of(recording: RecordingData) -> Places:
+    """Where the robot was at each of its scans, by odometry; without scans, at each message of odometry.
+
+    Raises:
+        UnknownTopicError: the recording has no odometry.
+    """
+    topic = odometry(recording.topics)
+    speeds = recording.speeds(topic) if topic else None
+    poses = speeds.poses if speeds else np.empty((0, 3))
+    known = np.isfinite(poses).all(axis=1)
+    if not speeds or not known.any():
+        raise UnknownTopicError(
+            f"{recording.path.name} has no odometry, which says where the robot was: record nav_msgs/Odometry, too"
+        )
+    times, (x, y, yaw) = speeds.seconds[known], poses[known].T
+    scanned = named(recording.topics, LASER.name)
+    seconds = ((recording.scans(scanned[0]) if scanned else None) or speeds).seconds
+    at = np.stack([np.interp(seconds, times, column) for column in (x, y, np.unwrap(yaw))], axis=1)
+    at[(seconds < times[0] - FARTHEST) | (seconds > times[-1] + FARTHEST)] = np.nan
+    return Places(seconds, at)
+
+
+def to_place(name: str, value: Any) -> Pose:
+    """A pose of three numbers; TypeError or ValueError for anything else."""
+    try:
+        x, y, yaw = value
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected x and y in metres and yaw in radians, got {repr(value)[:60]}") from None
+    x, y = finite(name, x, "metres"), finite(name, y, "metres")
+    return Pose(x, y, finite(name, to_radians(name, yaw), "radians"))

@@ -1,0 +1,165 @@
+"""The same place in two recordings: by the odometry of both, in Python and by two players."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robowidgets.player.player import Player
+from robowidgets.recording import open
+from robowidgets.recordings import RecordingError
+from robowidgets.recordings.places import Places, places_of
+from robowidgets.samples import Pose
+
+from . import corridor
+
+ORIGIN = Pose(1.0, 2.0, pi / 2)
+
+Show = Callable[[str], Player]
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The runs fast (forth and back), slow (forth, at half the speed), elsewhere (slow, with another origin)."""
+    folder = tmp_path_factory.mktemp("runs")
+    corridor.write(folder / "fast")
+    corridor.write(folder / "slow", speed=0.4)
+    corridor.write(folder / "elsewhere", speed=0.4, origin=ORIGIN)
+    corridor.write(folder / "blind", odometry=False)
+    return folder
+
+
+@pytest.fixture
+def show(runs: Path) -> Iterator[Show]:
+    made: list[Player] = []
+
+    def show(name: str) -> Player:
+        with open(runs / name) as recording:
+            made.append(recording.show(scanogram=False))
+        return made[-1]
+
+    yield show
+    for player in made:
+        player.close()
+
+
+def test_a_recording_tells_when_the_robot_was_at_a_place(runs: Path) -> None:
+    with open(runs / "fast") as fast, open(runs / "slow") as slow:
+        pose = fast.at("/odom", 2.0).sample.pose
+        assert slow.seconds_near(pose) == pytest.approx(4.0)
+        assert (fast.at("/scan", 2.0).sample - slow.at("/scan", 4.0).sample) == pytest.approx(0.0, abs=1e-6)
+        on_the_way_back = fast.at("/odom", 8.0).sample.pose
+        assert on_the_way_back.x == pytest.approx(pose.x)
+        assert slow.seconds_near(on_the_way_back) is None, "the heading is another one"
+        assert slow.seconds_near((4.4, 0, "0deg"), within=0.3) is None
+        assert slow.seconds_near((4.4, 0, "0deg")) == pytest.approx(10.0)
+
+
+def test_what_is_no_place_is_refused(runs: Path) -> None:
+    with open(runs / "slow") as slow, open(runs / "blind") as blind:
+        with pytest.raises(RecordingError, match=r"blind has no odometry.*record nav_msgs/Odometry"):
+            blind.seconds_near((0, 0, 0))
+        with pytest.raises(TypeError, match=r"pose: expected x and y in metres and yaw in radians, got \(1, 2\)"):
+            slow.seconds_near((1, 2))
+        with pytest.raises(ValueError, match="pose: expected a finite number of metres, got nan"):
+            slow.seconds_near((np.nan, 0, 0))
+
+
+def test_a_player_follows_another_to_the_same_place_and_stays_where_there_is_none(show: Show) -> None:
+    fast, slow = show("fast"), show("slow")
+    fast.time = 1.0
+    slow.follow(fast)
+    assert slow.time == pytest.approx(2.0)
+    fast.time = 3.0
+    assert slow.time == pytest.approx(6.0)
+    lasers = [player.views[0].widget for player in (fast, slow)]
+    assert lasers[0].scan - lasers[1].scan == pytest.approx(0.0, abs=1e-6)
+    fast.time = 8.0
+    assert slow.time == pytest.approx(6.0)
+    slow.time = 1.0
+    assert fast.time == 8.0
+    slow.follow(None)
+    fast.time = 3.0
+    assert slow.time == 1.0
+    assert slow.bar._leader == {}
+
+
+def test_the_page_gets_when_and_where_to(show: Show) -> None:
+    fast, slow = show("fast"), show("slow")
+    slow.follow(fast, within=0.25)
+    state = slow.bar._leader
+    times, seconds = (np.frombuffer(state[name]) for name in ("times", "seconds"))
+    assert state["model"] == fast.bar.model_id
+    assert state["lost"] == "no place within 0.25 m of fast"
+    assert times == pytest.approx(np.arange(101) / 10)
+    assert seconds[[0, 20, 50]] == pytest.approx([0.0, 4.0, 10.0])
+    assert np.isnan(seconds[51:]).all()
+
+
+def test_a_follower_takes_the_place_where_its_odometry_starts(show: Show) -> None:
+    fast, elsewhere = show("fast"), show("elsewhere")
+    elsewhere.follow(fast, origin=(1, 2, "90deg"))
+    fast.time = 3.0
+    assert elsewhere.time == pytest.approx(6.0)
+    with pytest.raises(ValueError, match=r"elsewhere has no place within 0\.5 m of one of fast, .* give origin="):
+        elsewhere.follow(fast)
+    fast.time = 2.0
+    assert elsewhere.time == pytest.approx(4.0), "it follows as before"
+
+
+def test_who_cannot_be_followed_is_refused(show: Show) -> None:
+    fast, slow, blind = show("fast"), show("slow"), show("blind")
+    slow.follow(fast)
+    for player, other in ((fast, fast), (fast, slow)):
+        with pytest.raises(ValueError, match="expected another player, which does not follow this one; got <Player"):
+            player.follow(other)
+    for player, other in ((fast, blind), (blind, fast)):
+        with pytest.raises(RecordingError, match="blind has no odometry"):
+            player.follow(other)
+    with pytest.raises(TypeError, match="follow: expected another player or None, got Recording"):
+        fast.follow(slow.recording)  # type: ignore[arg-type]
+
+
+def test_a_follower_that_is_closed_lets_the_other_go_on(show: Show) -> None:
+    fast, slow = show("fast"), show("slow")
+    slow.follow(fast)
+    slow.close()
+    fast.time = 3.0
+    assert fast.time == 3.0
+
+
+def test_a_page_in_a_file_follows_nobody(show: Show, tmp_path: Path) -> None:
+    slow = show("slow")
+    slow.follow(show("fast"))
+    assert slow.to_html(tmp_path / "slow.html").is_file()
+
+
+@pytest.mark.parametrize(
+    ("file", "until", "most"), [("good/turtlebot3_gazebo.bag", 46.0, 0.1), ("good/edmonton.log.gz", 450.0, 0.5)]
+)
+def test_real_scans_of_a_second_round_are_like_those_of_the_first(
+    data: Path, file: str, until: float, most: float
+) -> None:
+    with open(data / file) as recording:
+        places, topic = places_of(recording), recording.scans().topic
+        first, second = (
+            Places(places.seconds[rows], places.poses[rows])
+            for rows in (places.seconds < until, places.seconds >= until)
+        )
+        seconds, apart = second.nearest(first)
+        same = apart <= 0.5
+        assert same.sum() >= 10
+
+        def difference(one: float, other: float) -> float:
+            scans = (recording.at(topic, time) for time in (one, other))
+            before, after = (moment.sample for moment in scans if moment)
+            change = np.abs(before - after)
+            return float(np.median(change[np.isfinite(change)]))
+
+        there = [difference(*times) for times in zip(first.seconds[same], seconds[same], strict=True)]
+        later = [difference(*times) for times in zip(first.seconds[same], seconds[same] - 10, strict=True)]
+        assert np.median(there) < most < np.median(later) / 4
