@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import pi
+from math import cos, pi, sin
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,8 @@ from robowidgets.recordings import RecordingError
 from robowidgets.recordings.places import Places, places_of
 from robowidgets.samples import Pose
 
-from . import corridor
+from . import corridor, recorded, sweeps
+from .recorded import START_NS
 
 ORIGIN = Pose(1.0, 2.0, pi / 2)
 
@@ -57,6 +58,17 @@ def test_a_recording_tells_when_the_robot_was_at_a_place(runs: Path) -> None:
         assert slow.seconds_near(on_the_way_back) is None, "the heading is another one"
         assert slow.seconds_near((4.4, 0, "0deg"), within=0.3) is None
         assert slow.seconds_near((4.4, 0, "0deg")) == pytest.approx(10.0)
+
+
+def test_a_scan_was_made_between_two_poses_and_nobody_knows_where_long_after_the_last(tmp_path: Path) -> None:
+    poses = [
+        (seconds, "/odom", {"pose": {"pose": {"orientation": {"z": sin(yaw / 2), "w": cos(yaw / 2)}}}})
+        for seconds, yaw in ((0.0, 3.0), (1.0, -3.0))
+    ]
+    scans = [(seconds, "/scan", sweeps.scan(START_NS, [1.0])) for seconds in (0.5, 1.9, 2.1)]
+    path = recorded.write(tmp_path / "turn", {"/odom": "nav_msgs/msg/Odometry", "/scan": sweeps.TYPE}, poses + scans)
+    with open(path) as recording:
+        assert places_of(recording).poses[:, 2] == pytest.approx([pi, 2 * pi - 3.0, np.nan], nan_ok=True)
 
 
 def test_what_is_no_place_is_refused(runs: Path) -> None:
