@@ -10,7 +10,7 @@ RUNNABLE := .venv/.runnable
 INSTALLED := .venv/.installed
 MODULES := $(JS)/node_modules/.package-lock.json
 EXPORT_MODULES := tests/browser/node_modules/.package-lock.json
-BUNDLES := $(patsubst $(JS)/%.ts,robowidgets/static/%.js,$(wildcard $(JS)/*_widget.ts $(JS)/export_*.ts))
+BUNDLES := $(patsubst $(JS)/%.ts,robowidgets/static/%.js,$(wildcard $(JS)/*_widget.ts $(JS)/export_*.ts $(JS)/run_once.ts))
 PYTEST := .venv/bin/python -m pytest
 # Twice as many as cores: unit tests wait for half of their time.
 UNITS := $(PYTEST) --numprocesses 4 --dist loadfile tests/unit

@@ -9,7 +9,7 @@ from typing import Any
 
 import traitlets
 
-from ._core.base_widget import bundle
+from ._core.front_end import bundle
 from ._core.limit_traits import LARGEST
 from ._core.traits import Flag
 from .driving.command_watchdog import HOLD, PROGRAM, ZERO, CommandWatchdog

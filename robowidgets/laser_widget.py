@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from ._core.base_widget import bundle, check_given, refuse_unnamed
+from ._core.base_widget import check_given, refuse_unnamed
+from ._core.front_end import bundle
 from ._core.timed_frame import FRAME_HEADER
 from ._core.traits import Angle, Angles, Flag
 from .laser.ghost import HasGhost

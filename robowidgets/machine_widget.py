@@ -9,7 +9,7 @@ from typing import Any
 
 import traitlets
 
-from ._core.base_widget import bundle
+from ._core.front_end import bundle
 from ._core.robot_widget import RobotWidget
 from .behaviors.machine import Fired, Machine, MachineStep
 from .behaviors.program import Program

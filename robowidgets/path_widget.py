@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core.base_widget import bundle, check_given, refuse_unnamed
+from ._core.base_widget import check_given, refuse_unnamed
+from ._core.front_end import bundle
 from ._core.pacer import pacer
 from ._core.robot_widget import RobotWidget
 from ._core.timed_frame import FRAME_HEADER

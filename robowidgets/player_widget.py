@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import anywidget
 import traitlets
 
-from ._core.base_widget import bundle
+from ._core.front_end import FrontEndWidget, bundle
 from ._core.time_traits import Marks, Seconds, States, TimeSpan
 from ._core.traits import Flag
 
 Span = tuple[float, float]
 
 
-class PlayerWidget(anywidget.AnyWidget):
+class PlayerWidget(FrontEndWidget):
     """Buttons and a slider to play, stop, step, jump and drag through a recording; none of it needs the kernel.
 
     It shows frames in the widgets whose models it is given, from segments of the recording that Python sends ahead.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from ._core.base_widget import bundle
+from ._core.front_end import bundle
 from ._core.pacer import pacer
 from .behaviors.machine import Machine
 from .behaviors.program import Program

@@ -11,7 +11,8 @@ import numpy as np
 import traitlets
 from numpy.typing import ArrayLike, NDArray
 
-from ._core.base_widget import NamedWidget, bundle
+from ._core.base_widget import NamedWidget
+from ._core.front_end import bundle
 from ._core.limit_traits import Pair
 from ._core.png import SavesPng
 from ._core.time_traits import Marks, States, TimeSpan

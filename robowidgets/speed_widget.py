@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 
 import traitlets
 
-from ._core.base_widget import bundle, check_given, refuse_unnamed
+from ._core.base_widget import check_given, refuse_unnamed
+from ._core.front_end import bundle
 from ._core.limit_traits import AxisLimits, Limits, Pair, is_past, unit_of
 from ._core.robot_widget import RobotWidget
 from ._core.timed_frame import FRAME_HEADER

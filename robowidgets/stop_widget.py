@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ._core.base_widget import bundle
+from ._core.front_end import bundle
 from .driving.command_watchdog import CommandWatchdog
 from .driving.driving_widget import DrivingWidget
 

@@ -182,5 +182,5 @@ def test_the_page_on_a_new_sensor_shows_the_code_that_the_tests_build() -> None:
     for name, text in zip(("number_widget.ts", "number_widget.css"), front_end, strict=True):
         assert text == (folder / "js" / name).read_text("utf-8").replace("../../../robowidgets/js/", "./")
     written = (folder / "number_widget.py").read_text("utf-8").splitlines()
-    ours = {"from robowidgets._core.base_widget import bundle", '    _esm, _css = bundle("number_widget")'}
+    ours = {'    _esm, _css = bundle("number_widget")'}
     assert {line for line in python.splitlines() if line not in written} == ours

@@ -4,56 +4,22 @@ from __future__ import annotations
 
 import difflib
 import logging
-import os
 import reprlib
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any, ClassVar
 
-import anywidget
 import traitlets
 
+from .front_end import FrontEndWidget
 from .log_once import LogOnce
 from .traits import Flag
 
 log = logging.getLogger("robowidgets")
 
-STATIC = Path(__file__).parents[1] / "static"
-
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
 
-def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
-    """The built script and stylesheet of a widget, by its name, like "laser_widget", from a folder of such files.
-
-    Returns:
-        Their texts; their paths, for hot reload, when ROBOWIDGETS_DEV is set.
-
-    Raises:
-        ImportError: one is missing.
-    """
-    files = [built_file((folder or STATIC) / f"{name}.{kind}") for kind in ("js", "css")]
-    script, style = files if os.environ.get("ROBOWIDGETS_DEV") else [file.read_text(encoding="utf-8") for file in files]
-    return script, style
-
-
-def built_file(path: Path) -> Path:
-    """The path of a file of the front end, which is there; ImportError says how to build a missing one."""
-    if not path.is_file():
-        if path.parent != STATIC:
-            raise ImportError(f"{path} is missing: `node build.mjs` in robowidgets/js builds it")
-        raise ImportError(
-            f"robowidgets was installed without its front end ({path.name} is missing); "
-            "in a checkout run `make build`, else install it again"
-        )
-    return path
-
-
-_with_front_end: dict[type, type] = {}
-"""By widget class, its subclass that has the front end as traits."""
-
-
-class NamedWidget(anywidget.AnyWidget):
+class NamedWidget(FrontEndWidget):
     """A widget with a title, which refuses unknown keywords and traits, and logs each error once."""
 
     title = traitlets.Unicode(help="What is shown, for the header: the topic. Plain text.").tag(sync=True)
@@ -85,20 +51,6 @@ class NamedWidget(anywidget.AnyWidget):
             if name not in settable:
                 raise TypeError(_unknown(f"{type(self).__name__}()", "keyword", name, settable, self._meant))
         super().__init__(**kwargs)
-
-    def add_traits(self, **traits: Any) -> None:
-        """Give the widget the front end as traits, as anywidget does for every widget, but make the class only once.
-
-        Making a class for every widget would double the time of making a widget.
-        """
-        known = _with_front_end.get(type(self))
-        if known is not None and traits.keys() <= vars(known).keys():
-            self.__class__ = known
-            return
-        plain = type(self)
-        super().add_traits(**traits)
-        if isinstance(getattr(plain, "_esm", None), str):  # with hot reload the class differs from widget to widget
-            _with_front_end[plain] = type(self)
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):

@@ -9,7 +9,7 @@ from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
-from .._core.base_widget import STATIC, built_file
+from .._core.front_end import STATIC, built_file
 from .._core.output_file import whole_file
 from .._core.text import megabytes
 from .segments import compressed

@@ -7,14 +7,14 @@ from pathlib import Path
 from re import search
 from typing import Any
 
-from .._core.base_widget import bundle
+from .._core.front_end import bundle
 from .html import Program, inlined, static
 from .segments import compressed
 
 _BUILT_IN = ("laser_widget", "path_widget", "player_widget", "scanogram_widget", "speed_widget", "touch_widget")
 """The widgets in the script of each page."""
 
-_OF_HOST = ("layout", "tabbable", "tooltip", "_anywidget_id", "_css", "_esm")
+_OF_HOST = ("layout", "tabbable", "tooltip", "_anywidget_id", "_css", "_esm", "_script", "_style")
 
 
 class Models:
@@ -59,7 +59,7 @@ class Models:
         name = owner.__module__.rpartition(".")[2]
         if name in _BUILT_IN and vars(owner)["_esm"] == bundle(name)[0]:
             return name
-        script = str(widget._esm)
+        script = str(vars(owner)["_esm"])
         key = search(r'export default globalThis\[Symbol\.for\("(robowidgets \w+)"\)\]', script)
         if key is None:
             raise ValueError(
@@ -67,7 +67,7 @@ class Models:
                 "put into a page; leave its topic out"
             )
         self._keys[name] = key[1]
-        self._foreign[name] = inlined(script, name), inlined(str(getattr(widget, "_css", "")), name)
+        self._foreign[name] = inlined(script, name), inlined(str(getattr(owner, "_css", "")), name)
         return name
 
 

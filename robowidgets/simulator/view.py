@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from .._core.base_widget import NamedWidget, bundle
+from .._core.base_widget import NamedWidget
+from .._core.front_end import bundle
 from .._core.pacer import pacer
 from .._core.platform_fixes import route_by_message
 from .._core.traits import Flag, bytes_trait

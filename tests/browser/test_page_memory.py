@@ -10,10 +10,10 @@ from .page_memory import Kept, PageMemory
 
 WARM_UP = 2
 RUNS = 6
-# JupyterLab and ipywidgets keep about 10 nodes, 35 listeners and, with the scripts of the widgets, 450 kB per run.
+# JupyterLab and ipywidgets keep about 10 nodes, 35 listeners and 190 kB per run; scripts and stylesheets have 250 kB.
 NODES_PER_RUN = 20
 LISTENERS_PER_RUN = 50
-BYTES_PER_RUN = 600_000
+BYTES_PER_RUN = 300_000
 # Of widgets that are closed they keep 160 kB at most; all their scripts and stylesheets have 250 kB.
 BYTES_PER_CLOSED_RUN = 220_000
 PATIENCE_S = 10.0

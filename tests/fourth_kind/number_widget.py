@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from robowidgets._core.front_end import bundle
 from robowidgets._core.robot_widget import RobotWidget
 
 from ..conftest import ROOT
@@ -49,9 +50,9 @@ class NumberWidget(RobotWidget[Number]):
         return Number(*_VALUE.unpack(frame[-_VALUE.size :]))
 
 
-def build(folder: Path) -> tuple[str, str]:
+def build(folder: Path) -> tuple[Any, Any]:
     """Script and stylesheet of the widget, built into a folder by the project's own build."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     command = ["node", "build.mjs", str(Path(__file__).parent / "js"), str(folder)]
     subprocess.run(command, cwd=JS, env={**os.environ, "PATH": path}, check=True)
-    return (folder / "number_widget.js").read_text("utf-8"), (folder / "number_widget.css").read_text("utf-8")
+    return bundle("number_widget", folder)

@@ -21,8 +21,8 @@ from ..conftest import ROOT
 JS = ROOT / "robowidgets" / "js"
 FILES = sorted((*JS.glob("*/*.ts"), *JS.glob("shared/*/*.ts")))
 NAMES = sorted(file.stem.removesuffix("_widget") for file in JS.glob("*_widget.ts"))
-OF_ANYWIDGET = {"_css": traitlets.Unicode()}
-"""Traits that anywidget gives to each instance, and the front end reads."""
+OF_INSTANCES = {"_style": traitlets.Unicode()}
+"""Traits of the front end itself, which each instance is given, and the front end reads."""
 
 PLAIN: dict[type[Any], str] = {
     traitlets.Unicode: "string",
@@ -108,13 +108,13 @@ def expected(trait: traitlets.TraitType[Any, Any]) -> set[str]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_front_end_knows_each_trait_and_no_other(name: str) -> None:
-    assert set(fields_of(name)) - OF_ANYWIDGET.keys() == our_traits(name).keys()
+    assert set(fields_of(name)) - OF_INSTANCES.keys() == our_traits(name).keys()
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_both_halves_have_the_same_types(name: str) -> None:
     front = fields_of(name)
-    for key, trait in (our_traits(name) | {k: v for k, v in OF_ANYWIDGET.items() if k in front}).items():
+    for key, trait in (our_traits(name) | {k: v for k, v in OF_INSTANCES.items() if k in front}).items():
         said = kinds(front[key])
         if isinstance(trait, (*PLAIN, traitlets.Enum)):
             assert said == expected(trait), f"{name}: {key} is {front[key]!r}"

@@ -65,7 +65,7 @@ function toModels(facts: PageFacts, bytes: Uint8Array<ArrayBuffer>): Map<string,
   }
   const css = [...document.querySelectorAll("style")].map((style) => style.textContent).join("\n");
   const models = new Map<string, PageModel>();
-  for (const [id, state] of states) models.set(id, new PageModel({ ...state, _css: css }, models));
+  for (const [id, state] of states) models.set(id, new PageModel({ ...state, _style: css }, models));
   return models;
 }
 

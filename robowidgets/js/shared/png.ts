@@ -13,7 +13,7 @@ export function offerPng(card: Card, model: Model<NamedTraits>, signal: AbortSig
   const take = () => {
     const ratio = Math.max(2, devicePixelRatio);
     card.drawNow(ratio);
-    const png = toPng(card, model.get("_css"), ratio);
+    const png = toPng(card, model.get("_style"), ratio);
     card.drawNow();
     return png;
   };

@@ -2,8 +2,8 @@
 export interface NamedTraits {
   title: string;
   header: boolean;
-  /** The widget's stylesheet, of anywidget. */
-  _css: string;
+  /** The widget's stylesheet. */
+  _style: string;
 }
 
 /** Of a widget with a card: a picture between header and footer. */

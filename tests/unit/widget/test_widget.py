@@ -18,9 +18,8 @@ from IPython.core.formatters import DisplayFormatter
 from ipywidgets.embed import dependency_state
 
 from robowidgets import LaserWidget
-from robowidgets._core import base_widget as _named_widget
-from robowidgets._core import paced_widget
-from robowidgets._core.base_widget import bundle
+from robowidgets._core import base_widget, front_end, paced_widget
+from robowidgets._core.front_end import bundle
 from robowidgets._core.log_once import MOST_LOGGED
 from robowidgets._core.paced_widget import RESYNC_S, RESYNC_TRAITS
 from robowidgets._core.pacer import pacer
@@ -268,7 +267,7 @@ class TestToThePage:
         if child == 0:
             try:
                 told: list[str] = []
-                _named_widget.log.addFilter(lambda record: told.append(record.getMessage()))
+                base_widget.log.addFilter(lambda record: told.append(record.getMessage()))
                 for value in range(3):
                     widget.update(value)
                     pacer.flush()
@@ -373,7 +372,7 @@ class TestRate:
 
 class TestBundle:
     def test_a_missing_front_end_says_how_to_get_it(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-        monkeypatch.setattr(_named_widget, "STATIC", tmp_path)
+        monkeypatch.setattr(front_end, "STATIC", tmp_path)
         with pytest.raises(ImportError) as missing:
             bundle("laser_widget")
         assert str(missing.value) == (
@@ -382,7 +381,7 @@ class TestBundle:
         )
 
     def test_it_is_text_and_a_path_for_hot_reload_only(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-        monkeypatch.setattr(_named_widget, "STATIC", tmp_path)
+        monkeypatch.setattr(front_end, "STATIC", tmp_path)
         (tmp_path / "a.js").write_text("größe", encoding="utf-8")
         (tmp_path / "a.css").write_text(".größe {}", encoding="utf-8")
         monkeypatch.delenv("ROBOWIDGETS_DEV", raising=False)
@@ -392,9 +391,13 @@ class TestBundle:
 
     def test_instances_share_one_text(self) -> None:
         one, other = LaserWidget(), LaserWidget()
-        assert one._esm is other._esm is LaserWidget._esm
-        assert one._css is other._css is LaserWidget._css
-        assert isinstance(LaserWidget._css, str)
+        assert one._script is other._script
+        assert one._style is other._style is LaserWidget._css
+
+    def test_what_the_host_runs_for_each_instance_is_small(self) -> None:
+        state = LaserWidget().get_state()
+        assert state["_script"] == LaserWidget._esm
+        assert len(state["_esm"]) + len(state["_css"]) < 2000
 
     def test_the_class_with_the_front_end_is_made_once(self) -> None:
         one, other = NumberWidget(), NumberWidget()

@@ -1,0 +1,79 @@
+"""The front end of a widget: its script and stylesheet, and how they reach the page."""
+
+from __future__ import annotations
+
+import functools
+import os
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import traitlets
+
+STATIC = Path(__file__).parents[1] / "static"
+
+
+class Script(str):
+    """A script that `bundle` read: each page runs it once, for all of its widgets."""
+
+    __slots__ = ()
+
+
+def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
+    """The built script and stylesheet of a widget, by its name, like "laser_widget", from a folder of such files.
+
+    Returns:
+        Their texts; their paths, for hot reload, when ROBOWIDGETS_DEV is set.
+
+    Raises:
+        ImportError: one is missing.
+    """
+    script, style = (built_file((folder or STATIC) / f"{name}.{kind}") for kind in ("js", "css"))
+    if os.environ.get("ROBOWIDGETS_DEV"):
+        return script, style
+    return Script(script.read_text(encoding="utf-8")), style.read_text(encoding="utf-8")
+
+
+def built_file(path: Path) -> Path:
+    """The path of a file of the front end, which is there; ImportError says how to build a missing one."""
+    if not path.is_file():
+        if path.parent != STATIC:
+            raise ImportError(f"{path} is missing: `node build.mjs` in robowidgets/js builds it")
+        raise ImportError(
+            f"robowidgets was installed without its front end ({path.name} is missing); "
+            "in a checkout run `make build`, else install it again"
+        )
+    return path
+
+
+@functools.cache
+def _run_once() -> str:
+    return built_file(STATIC / "run_once.js").read_text(encoding="utf-8")
+
+
+_with_front_end: dict[type, type] = {}
+"""By widget class, its subclass that has the front end as traits."""
+
+
+class FrontEndWidget(anywidget.AnyWidget):
+    """A widget whose script and stylesheet a page keeps once, for all of its kind."""
+
+    def add_traits(self, **traits: Any) -> None:
+        """Give the widget the front end as traits, as anywidget does for every widget, but make the class only once.
+
+        Making a class for every widget would double the time of making a widget. The page keeps what Jupyter runs for
+        each widget, so that is a small script, which runs the widget's own once.
+        """
+        plain = type(self)
+        known = _with_front_end.get(plain)
+        if known is not None and traits.keys() <= vars(known).keys():
+            self.__class__ = known
+            return
+        if "_esm" in traits:
+            texts = {"_style": getattr(plain, "_css", "")}
+            if isinstance(plain._esm, Script):
+                texts |= {"_script": plain._esm, "_esm": _run_once(), "_css": ""}
+            traits |= {name: traitlets.Unicode(str(text)).tag(sync=True) for name, text in texts.items()}
+        super().add_traits(**traits)
+        if isinstance(getattr(plain, "_esm", None), str):  # with hot reload the class differs from widget to widget
+            _with_front_end[plain] = type(self)

@@ -1,0 +1,70 @@
+/** What Jupyter imports for each widget, and keeps as long as the widget: it runs the widget's own script once per page. */
+
+interface Given {
+  model: {
+    get(name: string): string;
+    set(name: string, value: string): void;
+    widget_manager: { get_state?: unknown };
+  };
+  el: HTMLElement;
+}
+
+interface Widget {
+  initialize?(given: Given): unknown;
+  render(given: Given): unknown;
+}
+
+/** A script that has run. */
+type Ran = Promise<{ default: Widget | (() => Widget) }>;
+
+const scripts = new Map<string, Ran>();
+const copies = new Map<string, string>();
+/** The stylesheets that the document's head and shadow roots have. */
+const styled = new WeakMap<Node, Set<string>>();
+
+/** The page's copy of a text. V8 frees the memory of another copy that it has looked up. */
+function copyOf(text: string): string {
+  if (!copies.has(text)) copies.set(text, text);
+  return copies.get(text) as string;
+}
+
+function run(script: string): Ran {
+  const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
+  const ran: Ran = import(url).finally(() => URL.revokeObjectURL(url));
+  scripts.set(script, ran);
+  return ran;
+}
+
+function style(place: Node, text: string): void {
+  const has = styled.get(place) ?? new Set();
+  if (has.has(text)) return;
+  styled.set(place, has.add(text));
+  const element = document.createElement("style");
+  element.textContent = text;
+  place.appendChild(element);
+}
+
+export default () => {
+  let widget: Widget;
+  return {
+    async initialize(given: Given) {
+      const { model } = given;
+      const script = copyOf(model.get("_script"));
+      const sheet = copyOf(model.get("_style"));
+      if (model.widget_manager.get_state) {
+        // A model of ipywidgets lets go of its own texts, and sends nothing, because these are equal; another host would
+        // send them. It keeps what was there before the last set.
+        model.set("_script", script);
+        for (let i = 0; i < 2; i++) model.set("_style", sheet);
+      }
+      const { default: make } = await (scripts.get(script) ?? run(script));
+      widget = typeof make === "function" ? make() : make;
+      return widget.initialize?.(given);
+    },
+    render(given: Given) {
+      const root = given.el.getRootNode();
+      style(root instanceof ShadowRoot ? root : document.head, copyOf(given.model.get("_style")));
+      return widget.render(given);
+    },
+  };
+};
