@@ -11,9 +11,16 @@ export function on<K extends keyof Events>(
   target.addEventListener(type, callback as (event: Event) => void, { ...options, signal });
 }
 
-/** Calls back when the signal aborts: the view or the model has ended. */
+const ends = new WeakMap<AbortSignal, (() => void)[]>();
+
+/** Calls back when the signal aborts: the view or the model has ended. One listener does for all: a page has many models. */
 export function onAbort(signal: AbortSignal, callback: () => void): void {
-  signal.addEventListener("abort", callback, { once: true });
+  const callbacks = ends.get(signal) ?? [];
+  if (!callbacks.length) {
+    ends.set(signal, callbacks);
+    signal.addEventListener("abort", () => callbacks.forEach((end) => void end()), { once: true });
+  }
+  callbacks.push(callback);
 }
 
 /** Whether a key is pressed without Ctrl, Alt or Meta. */
