@@ -261,6 +261,7 @@ class CommandWatchdog(Observed):
             except BaseException:
                 if thread.ident is None:
                     self._thread = None
+                    running.discard(self)
                 raise
         self._changed.notify_all()
 

@@ -7,7 +7,6 @@ import logging
 import os
 from concurrent.futures import wait
 from typing import TYPE_CHECKING
-from weakref import WeakSet
 
 if TYPE_CHECKING:
     from .command_watchdog import CommandWatchdog
@@ -17,8 +16,8 @@ log = logging.getLogger("robowidgets")
 SEND_TIMEOUT = 1.0
 """Seconds for which a caller waits until its speed is sent."""
 
-running: WeakSet[CommandWatchdog] = WeakSet()
-"""The watchdogs that owe a zero, or did a moment ago."""
+running: set[CommandWatchdog] = set()
+"""The watchdogs that owe a zero, or did a moment ago. Copied at once: threads add and remove theirs meanwhile."""
 
 
 def stop_all(timeout: float = SEND_TIMEOUT) -> None:

@@ -12,7 +12,7 @@ from itertools import pairwise
 import pytest
 
 from robowidgets.driving.command_watchdog import HOLD, INTERVAL, PROGRAM, ZERO, CommandWatchdog, RefusedError
-from robowidgets.driving.stop_all import stop_all
+from robowidgets.driving.stop_all import running, stop_all, stop_driven_by_cell
 
 from .waiting import wait_for
 
@@ -322,6 +322,28 @@ def test_at_the_end_zero_goes_to_all_at_once_though_one_of_them_hangs(watchdog: 
     assert sink.speeds == [FORWARD, ZERO]
     hanging.gate.set()
     wait_for(lambda: hanging.speeds[-1] == ZERO, "the other is told when it comes back")
+
+
+def test_a_failed_cell_stops_its_robot_while_others_begin_and_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    others, ended = [CommandWatchdog(Sink()) for _ in range(50)], threading.Event()
+
+    def begin_and_end() -> None:
+        while not ended.is_set():
+            for change in (running.add, running.discard):
+                for other in others:
+                    change(other)
+
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    thread = threading.Thread(target=begin_and_end)
+    thread.start()
+    try:
+        for _ in range(3000):
+            stop_driven_by_cell()
+    finally:
+        ended.set()
+        thread.join()
+        sys.setswitchinterval(before)
 
 
 def test_the_end_of_the_process_sends_zero(tmp_path: object) -> None:
