@@ -174,11 +174,14 @@ class Session:
             self._listener.on_unheard(topic, "")
 
     def _create_publishers(self, topic: str, types: Iterable[str]) -> None:
-        """Create those that are missing; the first ones of a topic are awaited. Called with the lock held."""
+        """Create those that are missing. Called with the lock held.
+
+        Awaited are the first ones of a topic, and those whose subscriber an earlier session had: it is owed a zero.
+        """
         is_first = all(name != topic for name, _ in self._publishers)
         for key in {(topic, kind) for kind in types} - self._publishers.keys():
             self._publishers[key] = self._publisher(key)
-            if is_first:
+            if is_first or key in self._matched:
                 self._unmatched.add(key)
 
     def _publisher(self, key: tuple[str, str]) -> Any:

@@ -666,10 +666,13 @@ def test_a_feed_that_is_closed_after_such_an_interrupt_stops_the_robot(graph: Gr
 
 def test_a_zero_that_the_robot_cannot_have_received_is_not_called_sent(ros2: Ros2, graph: Graph, robot: Robot) -> None:
     ros2.publish("/cmd_vel", TWIST, FORWARD)
+    ros2._matched.add(("/cmd_vel", STAMPED))
     graph.discovery = 1.0
     graph.contexts[0].interrupt()
     with pytest.raises(FeedError, match="the subscriber of /cmd_vel is not discovered again since rclpy was shut"):
         ros2.publish("/cmd_vel", TWIST, ZERO)
+    with pytest.raises(FeedError, match="not discovered again"):
+        ros2.publish("/cmd_vel", STAMPED, {"twist": ZERO})
     assert robot.speeds == [0.25]
 
     def arrived() -> bool:
