@@ -7,7 +7,7 @@ import threading
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from types import FunctionType
 from typing import Any
 
@@ -50,6 +50,10 @@ class Function:
         """Its name, for a person."""
         return name_of(self.call)
 
+    def takes(self, topic: str, calls: Sequence[Any] | None) -> bool:
+        """Whether it takes a message of a topic that is for these functions; None: for all."""
+        return self.topic == topic and (calls is None or self.call in calls)
+
     def replaces(self, other: Function) -> bool:
         """Whether it replaces another: one from an earlier run of its cell, or one that had its name before."""
         if self.cell and self.cell == other.cell and self.run != other.run:
@@ -71,7 +75,7 @@ class FunctionCaller:
         self._on_change = on_change
         self._changed = threading.Condition()
         self._functions: list[Function] = []
-        self._waiting: dict[str, deque[tuple[Any, Topic]]] = {}
+        self._waiting: dict[str, deque[tuple[Any, Topic, Sequence[Any] | None]]] = {}
         self._thread: UserThread | None = None
         self._current: Function | None = None
         self._slow_topic = ""
@@ -96,7 +100,9 @@ class FunctionCaller:
         for call in calls:
             new = Function(topic, call, raw)
             with self._changed:
-                if any((old.topic, old.call, old.raw) == (topic, call, raw) for old in self._functions):
+                same = [old for old in self._functions if (old.topic, old.call, old.raw) == (topic, call, raw)]
+                if same:  # by the newest run of its cell, so that what else this run connects does not replace it
+                    same[0].cell, same[0].run = new.cell, new.run
                     continue
                 self._drop([old for old in self._functions if new.replaces(old)])
                 self._functions.append(new)
@@ -109,13 +115,13 @@ class FunctionCaller:
             here = [function for function in self._functions if function.topic == topic]
             self._drop([f for f in here if gone is None or f.call in gone or _full_name(f.call) in names])
 
-    def put(self, topic: Topic, message: Any) -> None:
-        """Queue a message; it replaces a queued one, unless every message counts."""
+    def put(self, topic: Topic, message: Any, calls: Sequence[Any] | None = None) -> None:
+        """Queue a message for these functions, None: all; it replaces a queued one, unless every message counts."""
         with self._changed:
-            if self._closed or not any(function.topic == topic.name for function in self._functions):
+            if self._closed or not any(function.takes(topic.name, calls) for function in self._functions):
                 return
             waiting = self._waiting.setdefault(topic.name, deque(maxlen=queue_length(topic.type)))
-            waiting.append((message, topic))
+            waiting.append((message, topic, calls))
             if self._thread is None:
                 self._start()
             self._changed.notify()
@@ -181,10 +187,10 @@ class FunctionCaller:
                     return
                 name = next(iter(self._waiting))
                 waiting = self._waiting.pop(name)
-                message, topic = waiting.popleft()
+                message, topic, calls = waiting.popleft()
                 if waiting:  # after the other topics
                     self._waiting[name] = waiting
-                functions = [function for function in self._functions if function.topic == name]
+                functions = [function for function in self._functions if function.takes(name, calls)]
             before = self.status_of(name)
             for function in functions:
                 with self._changed:

@@ -107,10 +107,10 @@ class Connection(Observed):
         check_name(topic)
         if not targets:
             raise TypeError(f"connect({topic!r}) needs a widget, or a function of a sample")
-        ours, functions = sorted_targets(targets)
-        self._connect(topic, ours)
+        of_widgets, functions = sorted_targets(targets)
+        self._connect(topic, of_widgets)
         with self._changed:
-            self.functions.connect(topic, [target.call for target in ours if not target.is_ours], raw=True)
+            self.functions.connect(topic, [target.call for target in of_widgets if not target.is_ours], raw=True)
             self.functions.connect(topic, functions, raw)
             self._table.prune()
         self._subscribe()
@@ -118,10 +118,10 @@ class Connection(Observed):
     def disconnect(self, topic: str, *targets: Any) -> None:
         """See `Feed.disconnect`."""
         check_name(topic)
-        ours, functions = sorted_targets(targets)
+        of_widgets, functions = sorted_targets(targets)
         with self._changed:
-            self.functions.disconnect(topic, [*functions, *(one.call for one in ours)] if targets else None)
-            self._table.disconnect(topic, ours if targets else None)
+            self.functions.disconnect(topic, [*functions, *(one.call for one in of_widgets)] if targets else None)
+            self._table.disconnect(topic, of_widgets if targets else None)
             self._show_status(topic)
         self._subscribe()
 
@@ -295,8 +295,8 @@ class Connection(Observed):
         subscription = self._table.by_topic.get(topic)
         if subscription is not None and not self.topic_of(topic).offered:
             subscription.take(speed)
-            if not all(target.is_ours for target in subscription.targets):
-                self.functions.put(self.topic_of(topic), speed)
+            users = [target.call for target in subscription.targets if not target.is_ours]
+            self.functions.put(self.topic_of(topic), speed, users)
             self._show_status(topic)
 
     def on_fork(self) -> None:

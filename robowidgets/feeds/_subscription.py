@@ -14,7 +14,6 @@ from ._two_scanners import TwoScanners
 
 log = logging.getLogger("robowidgets")
 
-
 _PACKAGE = __name__.partition(".")[0]
 
 
@@ -58,8 +57,8 @@ def _target_of(given: Any) -> Target | Callable[[Any], object]:
 def sorted_targets(targets: Sequence[Any]) -> tuple[list[Target], list[Callable[[Any], object]]]:
     """The targets of `connect`, separated into those of widgets and functions."""
     every = [_target_of(target) for target in targets]
-    ours = [one for one in every if isinstance(one, Target)]
-    return ours, [one for one in every if not isinstance(one, Target)]
+    of_widgets = [one for one in every if isinstance(one, Target)]
+    return of_widgets, [one for one in every if not isinstance(one, Target)]
 
 
 class Subscription:

@@ -113,12 +113,14 @@ def test_a_widget_of_a_user_s_class_that_hangs_on_what_is_sent_holds_back_no_zer
             gate.wait(20.0)
             super().command(message)
 
-    speed = Slow()
+    speed, told = Slow(), []
     feed.connect("/cmd_vel", speed.command)
+    feed.connect("/cmd_vel", told.append, raw=True)
     feed.drive(0.3)
     wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero follows", 10.0)
     gate.set()
     wait_for(lambda: speed.commanded is not None and speed.commanded.linear[0] == 0.0, "it shows what was sent last")
+    assert told == [], "nobody else sends messages"
 
 
 def test_a_bump_and_turn_function_sends_each_of_its_speeds_while_it_sleeps(opened: Opened) -> None:
@@ -267,6 +269,28 @@ def test_a_cell_that_is_run_again_replaces_all_that_it_connected(
     script.listener.on_message("/scan", scan())
     wait_for(lambda: got == ["three", "four"], "those of the newest run are called")
     assert script.asked[-1] == ("unsubscribe", "/odom")
+
+
+def test_what_a_cell_connects_again_when_it_is_run_again_stays_connected(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = opened(SCAN)
+    cell = ["cell", "run 1"]
+    monkeypatch.setattr("robowidgets.feeds._callbacks.running_cell", lambda: tuple(cell))
+    got: list[float] = []
+
+    class Mine(LaserWidget):
+        def update(self, message: Any) -> None:
+            super().update(message)
+            got.append(1.0)
+
+    laser = Mine()
+    for run in ("run 1", "run 2"):
+        cell[1] = run
+        feed.connect("/scan", laser)
+        feed.connect("/scan", lambda _: got.append(2.0))
+    script.listener.on_message("/scan", scan())
+    wait_for(lambda: got == [1.0, 2.0], "both are called")
 
 
 def test_a_function_that_was_replaced_while_it_hung_drives_no_more_and_the_next_version_runs(
