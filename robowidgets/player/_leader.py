@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..poses.recent import FARTHEST
 from ..recordings.places import Places, places_of, to_place
 from ..samples.checks import not_negative
 
@@ -29,10 +30,15 @@ class Leader:
         own, theirs = _places(follower), _places(player)
         seconds, apart = own.seen_from(origin).nearest(theirs)
         name = player.recording.path.name
+        if not np.isfinite(apart).any():
+            raise ValueError(
+                f"follow: in {follower.recording.path.name} or in {name}, no scan was made within {FARTHEST:g} s of a "
+                "pose of odometry, so nobody knows where the robot was"
+            )
         if not (apart <= within).any():
             raise ValueError(
                 f"follow: {follower.recording.path.name} has no place within {within:g} m of one of {name}, only of "
-                f"{np.fmin.reduce(apart):.2f} m. Odometry starts where a robot is switched on: give "
+                f"{np.nanmin(apart):.2f} m. Odometry starts where a robot is switched on: give "
                 "origin=(x, y, yaw), the place in the other's odometry where this one's starts"
             )
         self.player, self._follower = player, follower

@@ -15,6 +15,7 @@ from .._core.tables import Table
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..repair import RecordingError
 from ..samples import Problem
+from ..samples.checks import not_negative
 from ..samples.state_span import StateSpan
 from ._info import heading, table_of
 from ._sample_reader import Messages
@@ -166,8 +167,9 @@ class RecordingData:
 
         Raises:
             UnknownTopicError: the recording has no odometry.
-            TypeError: ``pose`` is no pose. ValueError: it is not finite.
+            TypeError: ``pose`` is no pose. ValueError: it is not finite, or ``within`` is below 0 or not finite.
         """
+        within = not_negative("within", within, "metres")
         place = Places(np.zeros(1), np.array([to_place("pose", pose)]))
         (seconds,), (apart,) = places_of(self).nearest(place)
         return float(seconds) if apart <= within else None

@@ -79,6 +79,8 @@ def test_what_is_no_place_is_refused(runs: Path) -> None:
             slow.seconds_near((1, 2))
         with pytest.raises(ValueError, match="pose: expected a finite number of metres, got nan"):
             slow.seconds_near((np.nan, 0, 0))
+        with pytest.raises(ValueError, match="within: expected a finite number of metres, got nan"):
+            slow.seconds_near((0, 0, 0), within=np.nan)
 
 
 def test_a_player_follows_another_to_the_same_place_and_stays_where_there_is_none(show: Show) -> None:
@@ -121,6 +123,14 @@ def test_a_follower_takes_the_place_where_its_odometry_starts(show: Show) -> Non
         elsewhere.follow(fast)
     fast.time = 2.0
     assert elsewhere.time == pytest.approx(4.0), "it follows as before"
+
+
+def test_a_player_whose_scans_and_poses_are_of_other_times_follows_nobody(show: Show, tmp_path: Path) -> None:
+    pose = (0.0, "/odom", {"pose": {"pose": {"orientation": {"w": 1.0}}}})
+    scan = (5.0, "/scan", sweeps.scan(START_NS, [1.0]))
+    path = recorded.write(tmp_path / "late", {"/odom": "nav_msgs/msg/Odometry", "/scan": sweeps.TYPE}, [pose, scan])
+    with pytest.raises(ValueError, match=r"^follow: in late or in fast, no scan was made within 1 s of a pose of odom"):
+        show(str(path)).follow(show("fast"))
 
 
 def test_who_cannot_be_followed_is_refused(show: Show) -> None:
