@@ -120,8 +120,6 @@ def grid_of_text(text: str, cell: float) -> Grid:
                 )
     width = max(map(len, drawn), default=0)
     cells = np.array([list(line.ljust(width)) for line in reversed(drawn)], dtype="U1").reshape(len(drawn), width)
-    if not np.isin(cells, [" ", ".", *_HEADINGS]).any():
-        raise ValueError("text: expected free floor, as spaces or dots, got none")
     marks = np.argwhere(np.isin(cells, list(_HEADINGS)))
     if len(marks) > 1:
         raise ValueError(f"text: expected one robot, as one of > < ^ v; got {len(marks)}")
@@ -134,5 +132,9 @@ def grid_of_text(text: str, cell: float) -> Grid:
         marked = (float(column + 0.5) * cell, float(row + 0.5) * cell, _HEADINGS[str(cells[row, column])])
     occupied, is_drawn = cells == "#", cells != " "
     inside = np.maximum.accumulate(is_drawn, axis=1) & np.maximum.accumulate(is_drawn[:, ::-1], axis=1)[:, ::-1]
+    if not np.isin(cells[inside], [" ", ".", *_HEADINGS]).any():
+        raise ValueError(
+            "text: expected free floor, as spaces or dots, got none; spaces at the ends of a line lie outside"
+        )
     drops = [(x1 * cell, y1 * cell, x2 * cell, y2 * cell) for x1, y1, x2, y2 in _rectangles(cells == "=")]
     return Grid(occupied, inside & ~occupied, cell, obstacles=obstacles, drops=drops, marked=marked)
