@@ -131,8 +131,8 @@ class Trace:
         self._comparisons: list[_Comparison] = []
         self._rays: list[Ray] = []
         self._sectors: list[tuple[Scan, Asked | None]] = []
-        self._of_parts: dict[int, Scan] = {}
-        """The nearest ray of each part of the ranges that was read at once."""
+        self._of_parts: dict[tuple[int, int], Scan] = {}
+        """By its id and an index, the scan of the nearest ray of each part of the ranges that was read at once."""
         self._single: tuple[float, Scan, Any] | None = None
         """The nearest of the rays that were read one by one: its range, scan and index."""
 
@@ -181,7 +181,7 @@ class Trace:
             return
         away = np.where(np.isnan(part), np.inf, part)
         if part.size and away.min() < np.inf:
-            self._of_parts[int(np.arange(len(scan))[key].flat[away.argmin()])] = scan
+            self._of_parts[id(scan), int(np.arange(len(scan))[key].flat[away.argmin()])] = scan
 
     def value(self, result: Any) -> bool | None:
         """What the function says by its result.
@@ -196,7 +196,7 @@ class Trace:
 
     def nearest(self) -> Ray | None:
         """The ray that met the nearest thing among what was read."""
-        found = self._seen
+        found = [ray for ray in self._seen if not isnan(ray.range)]
         for scan, sector in [(c.scan, c.sector) for c in self._decisive] or self._sectors:
             if ray := Scan.nearest(scan, sector):
                 found.append(ray)
@@ -231,7 +231,7 @@ class Trace:
     @property
     def _seen(self) -> list[Ray]:
         """The rays that were read."""
-        seen = [*self._rays, *(scan[index] for index, scan in self._of_parts.items())]
+        seen = [*self._rays, *(scan[index] for (_, index), scan in self._of_parts.items())]
         if self._single:
             _, scan, key = self._single
             seen.append(scan[int(np.arange(len(scan))[key])])

@@ -122,6 +122,15 @@ class TestFunction:
         np.testing.assert_array_equal(found[0], expected)
         assert getattr(found[0], "dtype", None) == getattr(expected, "dtype", None)
 
+    def test_the_nearest_is_a_ray_that_met_something_of_any_scan(self) -> None:
+        verdict = judged(lambda s: not s.ranges[0] > 1 and s.distance() < 1, scan(NAN, 0.4))
+        assert verdict.nearest
+        assert verdict.nearest.range == 0.4
+        assert judged(lambda s: not s.ranges[0] > 1, scan(NAN, 0.4)).nearest is None
+        verdict = judged(lambda a, b: a.ranges[:2].min() < b.ranges[:2].min(), scan(0.3, 1.0), scan(0.9, 1.0))
+        assert verdict.nearest
+        assert verdict.nearest.range == 0.3
+
     def test_marks_no_ray_of_a_part_that_met_nothing(self) -> None:
         assert judged(lambda s: s.ranges[:2].min() > 1, scan(INF, NAN, INF)).rays.tolist() == []
         assert judged(lambda s: s.ranges[0:1].min() > 1, scan(INF, NAN)).rays.tolist() == []
