@@ -18,7 +18,7 @@ export function onAbort(signal: AbortSignal, callback: () => void): void {
   const callbacks = ends.get(signal) ?? [];
   if (!callbacks.length) {
     ends.set(signal, callbacks);
-    signal.addEventListener("abort", () => callbacks.forEach((end) => void end()), { once: true });
+    signal.addEventListener("abort", () => callbacks.splice(0).forEach((end) => void end()), { once: true });
   }
   callbacks.push(callback);
 }
