@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from copy import copy
 from math import isnan
 from typing import Any, NamedTuple
 
@@ -91,10 +92,19 @@ _Distance.__name__ = "float"  # for errors of the function, such as a comparison
 
 
 class _TracedScan(Scan):
-    """A scan that notes which distances and ranges a function reads, and to what it compares distances."""
+    """A scan that notes which distances and ranges a function reads, and to what it compares distances.
+
+    A copy of it, and what `dataclasses.replace` makes of it, is a plain scan.
+    """
 
     _trace: Trace
     _scan: Scan
+
+    def __new__(cls, *fields: Any, **named: Any) -> Any:
+        return Scan(*fields, **named)
+
+    def __reduce__(self) -> Any:
+        return copy, (self._scan,)
 
     def distance(self, sector: Asked | None = None, *, percentile: float | None = None) -> float:
         """See `Scan`."""

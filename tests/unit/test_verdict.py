@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
+from copy import copy, deepcopy
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -151,6 +154,19 @@ class TestFunction:
         assert repr(seen[0].ranges) == repr(SEEN.ranges)
         assert repr(seen[0]) == repr(SEEN)
         assert seen[0].turned(0.1).angle_min == pytest.approx(-0.3)
+
+    @pytest.mark.parametrize(
+        "made",
+        [
+            copy,
+            deepcopy,
+            lambda s: pickle.loads(pickle.dumps(s)),
+            lambda s: replace(s, ranges=np.maximum(s.ranges, 0.1)),
+        ],
+    )
+    def test_makes_plain_scans_of_the_one_that_it_is_given(self, made: Any) -> None:
+        assert judged(lambda s: made(s).distance() < 0.5, SEEN).value is True
+        assert judged(lambda s: type(made(s)) is Scan, SEEN).value is True
 
     def test_raises_what_the_function_raises(self) -> None:
         with pytest.raises(ZeroDivisionError):
