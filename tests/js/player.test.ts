@@ -542,8 +542,15 @@ test("a player follows another to the same place, stays where there is none, and
   fake.receive({ _leader: { ..._leader, model: "closed" } });
   await Promise.resolve();
   assert.deepEqual(at(1), [0.75, ""]);
+  fake.receive({ _leader: { ..._leader } });
+  await Promise.resolve();
+  await Promise.resolve();
+  assert.deepEqual(at(2), [0.5, "no place there"]);
+  const said: string[] = [];
+  playback.listen(() => said.push(playback.lost), new AbortController().signal);
   fake.receive({ _leader: {} });
-  assert.deepEqual(at(2), [0.75, ""]);
+  assert.deepEqual(said, [""], "the bar takes it back");
+  assert.deepEqual(at(1), [0.5, ""]);
   end();
   assert.equal(leader.listening, 0);
 });

@@ -58,7 +58,7 @@ export class Playback {
     this.#nextFrame = perAnimationFrame(() => this.#advance(), signal);
     onChange(model, ["time"], () => this.#onTime(), signal);
     onChange(model, ["playing"], () => this.#onPlaying(), signal);
-    onChange(model, ["speed", "loop", "selection", "marks", "_status"], () => this.#changed(), signal);
+    onChange(model, ["speed", "loop", "selection", "marks", "_status", "_leader"], () => this.#changed(), signal);
     onMessage(model, (message: Message, buffers) => this.#onMessage(message, buffers), signal);
     followLeader(model, (time) => this.#goToPlace(time), signal);
     for (const first of model.get("_first")) this.#onMessage(first, first.tracks);
