@@ -10,7 +10,7 @@ import numpy as np
 from ..samples import Pose
 from .world import World
 
-Places = Mapping[str, tuple[float, float]]
+PlacesOnBody = Mapping[str, tuple[float, float]]
 """By name, places on a body: radians counter-clockwise from forward, and the share of the radius from its middle."""
 
 PRESSED_WITHIN = 0.002
@@ -58,7 +58,7 @@ def pressed(angles: list[float], bumpers: Mapping[str, tuple[float, float]]) -> 
     }
 
 
-def over_drop(world: World, pose: Pose, radius: float, places: Places) -> dict[str, bool]:
+def over_drop(world: World, pose: Pose, radius: float, places: PlacesOnBody) -> dict[str, bool]:
     """Whether there is no floor below each of these places of a body, by name."""
     x, y, yaw = pose
     return {

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from ..samples import Touch
-from ._contact import Places
+from ._contact import PlacesOnBody
 from ._scanners import SCANNERS
 from .motors import Motors
 from .scanner import Scanner
@@ -37,7 +37,7 @@ class Model(NamedTuple):
     bumpers: Bumpers
     touch_type: str
     to_message: Callable[[Touch], Any]
-    drop_sensors: Places = MappingProxyType({})
+    drop_sensors: PlacesOnBody = MappingProxyType({})
 
 
 def _degrees(**bumpers: tuple[float, float]) -> Bumpers:
@@ -66,6 +66,7 @@ def _hazards(touch: Touch) -> Any:
 
 
 def _hazard(name: str) -> Any:
+    # The types are BUMP 1, CLIFF 2 and WHEEL_DROP 4.
     kind = name.split()[0]
     code, frame = {"cliff": (2, name), "wheel": (4, name.replace("wheel", "wheel drop"))}.get(kind, (1, f"bump {name}"))
     return {"header": {"frame_id": frame.replace(" ", "_")}, "type": code}

@@ -32,6 +32,7 @@ def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[
         while not _is_blocked(robot):
             yield
 
+        # The last word of a sensor's name is its side: "right", "front right", "cliff side right".
         sides = {name.split()[-1] for name, is_touched in robot.touch().touched.items() if is_touched}
         turn = angular if "right" in sides and "left" not in sides else -angular
 
