@@ -537,6 +537,7 @@ slow.follow(fast)"""
         bar(nb).get_by_title("Play (space)").click()
         nb.page.wait_for_function("() => document.querySelectorAll('.rw-play-now')[1].textContent > '7.00'")
     bar(nb).get_by_title("Stop here (space)").click()
-    apart = "print(abs(slow.time - 2 * fast.time) < 0.3, fast.playing, slow.playing)"
-    wait_for(lambda: nb.python(apart).split() == ["True", "False", "False"], "Python knows both times")
+    told = "print(f'{slow.time:.2f}', fast.playing, slow.playing)"
+    # On a busy machine the first may have played on to where it turns back, and the second stays.
+    wait_for(lambda: nb.python(told).split() == [now_there.text_content(), "False", "False"], "Python knows")
     shoot(nb.output(1), "same-place")
