@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, expect
 
+from ..unit.waiting import wait_for
 from .chromium import shoot
 from .notebook import Notebook
 from .plain_page import PlainPage
@@ -219,7 +220,7 @@ robot.show()
 
     expect(path).to_be_visible()
     expect(narrow.locator(".rw-program")).to_be_visible()
-    assert -1 < gap() < 12
+    wait_for(lambda: -1 < gap() < 12, "the map stands below the laser")
     assert narrow.bounding_box()["height"] > laser.bounding_box()["height"] + 100
     page.set_viewport_size({"width": 1400, "height": 900})
     assert path.bounding_box()["y"] == laser.bounding_box()["y"]

@@ -247,7 +247,7 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
     path = sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100))
     nb = opened(plain_page, path)
     # Not by one cell that waits: the kernel must hear the page, which asks for them.
-    wait_for(lambda: nb.python("sum(player._prefetcher._sent.values()) >= 90_000") == "True", "segments were sent")
+    wait_for(lambda: nb.python("sum(player._prefetcher._sent.values()) >= 90_000") == "True", "segments were sent", 120)
     asked, has = "print(player._prefetcher._pointed)", "print(sorted(player._prefetcher._sent))"
 
     def fetches(act: Callable[[], object]) -> None:
@@ -398,7 +398,7 @@ def test_a_first_look_is_there_though_the_kernel_is_busy_at_once(notebook: Open)
 
 def test_while_a_cell_runs_it_plays_steps_points_and_seeks(notebook: Open) -> None:
     nb = opened(notebook, Path(robowidgets.SAMPLE), width=1280, height=720)
-    wait_for(lambda: nb.python("len(player._prefetcher._sent) == 59") == "True", "all segments were sent")
+    wait_for(lambda: nb.python("len(player._prefetcher._sent) == 59") == "True", "all segments were sent", 120)
     busy = nb.append(BUSY)
     nb.start(busy)
     shown = nb.output(1)

@@ -549,7 +549,8 @@ class TestProgram:
         wait_for(lambda: pad.heard, "it drives")
         pad.stop()
         pad.rests()
-        assert pad.heard == [(0.5, 0.0), ZERO]
+        # On a slow machine the press has lapsed before.
+        assert (pad.heard[0], set(pad.heard[1:])) == ((0.5, 0.0), {ZERO})
         assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "released"
 
     def test_switched_off_it_stops_and_drives_no_more(self, pad: Pad) -> None:
@@ -557,7 +558,8 @@ class TestProgram:
         wait_for(lambda: pad.heard, "it drives")
         pad.enabled = False
         pad.rests()
-        assert pad.heard == [(0.5, 0.0), ZERO]
+        # On a slow machine the press has lapsed before.
+        assert (pad.heard[0], set(pad.heard[1:])) == ((0.5, 0.0), {ZERO})
         assert pad.hear("press") == {"press": "p", "over": "disabled"}
         pad.enabled = True
         assert "token" in pad.hear("press")
