@@ -17,7 +17,7 @@ from ..path_widget import PathPoint, PathWidget
 from ..poses.path import Path
 from ..poses.recent import FARTHEST, RecentPoses
 from ..recordings import RecordingData
-from ..recordings.places import odometry
+from ..recordings.odometry import odometry
 from ..recordings.topics import Moment
 from ..samples import Pose, Touch
 from ..speed_widget import Reading

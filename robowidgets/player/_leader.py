@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..poses.places import Places, to_place
 from ..poses.recent import FARTHEST
-from ..recordings.places import Places, places_of, to_place
+from ..recordings.odometry import places_of
 from ..samples.checks import not_negative
 
 if TYPE_CHECKING:

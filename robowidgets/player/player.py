@@ -28,8 +28,8 @@ from ..find.silence import longest_pause, usual_step
 from ..in_rerun.widget import RerunWidget
 from ..kinds import LASER, load
 from ..player_widget import PlayerWidget
+from ..poses.places import WITHIN
 from ..recordings import RecordingData
-from ..recordings.places import WITHIN
 from ..recordings.times import has_date
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget

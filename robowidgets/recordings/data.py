@@ -13,6 +13,7 @@ import numpy as np
 
 from .._core.tables import Table
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
+from ..poses.places import WITHIN, Places, to_place
 from ..repair import RecordingError
 from ..samples import Problem
 from ..samples.checks import not_negative
@@ -26,7 +27,7 @@ from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .files import open_source
-from .places import WITHIN, Places, places_of, to_place
+from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
 from .time_slice import TimeSlice
 from .times import seconds_at, span_ns, to_ns

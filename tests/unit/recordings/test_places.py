@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from robowidgets.player.player import Player
+from robowidgets.poses.places import Places
 from robowidgets.recording import open
 from robowidgets.recordings import RecordingError
-from robowidgets.recordings.places import Places, places_of
+from robowidgets.recordings.odometry import places_of
 from robowidgets.samples import Pose
 
 from . import corridor, recorded, sweeps

@@ -1,0 +1,43 @@
+"""Where the robot of a recording was, by odometry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..kinds import LASER, PATH
+from ..poses.places import Places
+from ..poses.recent import FARTHEST
+from .topics import Topic, UnknownTopicError, named
+
+if TYPE_CHECKING:
+    from .data import RecordingData
+
+
+def odometry(topics: Iterable[Topic]) -> str | None:
+    """The topic of odometry, of several the first by name; None without one."""
+    return min((topic.name for topic in topics if topic.widget and topic.type in PATH.types), default=None)
+
+
+def places_of(recording: RecordingData) -> Places:
+    """Where the robot was at each of its scans, by odometry; without scans, at each message of odometry.
+
+    Raises:
+        UnknownTopicError: the recording has no odometry.
+    """
+    topic = odometry(recording.topics)
+    speeds = recording.speeds(topic) if topic else None
+    poses = speeds.poses if speeds else np.empty((0, 3))
+    known = np.isfinite(poses).all(axis=1)
+    if not speeds or not known.any():
+        raise UnknownTopicError(
+            f"{recording.path.name} has no odometry, which says where the robot was: record nav_msgs/Odometry, too"
+        )
+    times, (x, y, yaw) = speeds.seconds[known], poses[known].T
+    scanned = named(recording.topics, LASER.name)
+    seconds = ((recording.scans(scanned[0]) if scanned else None) or speeds).seconds
+    at = np.stack([np.interp(seconds, times, column) for column in (x, y, np.unwrap(yaw))], axis=1)
+    at[(seconds < times[0] - FARTHEST) | (seconds > times[-1] + FARTHEST)] = np.nan
+    return Places(seconds, at)
