@@ -33,10 +33,10 @@ class Master:
 
     def state(self) -> State:
         """All publishers, subscribers and types."""
-        # A subscriber that takes any type gives `*`. Types are requested first, so that every topic with a type is
-        # listed; a topic that appears in between has none yet.
-        types = {name: kind for name, kind in _call(self.uri, "getTopicTypes") if "/" in kind}
+        # Types are requested last: a topic that appears in between has a type, but is not listed yet. Without its type
+        # a robot would get a publisher of another one. A subscriber that takes any type gives `*`.
         publishers, subscribers, _ = _call(self.uri, "getSystemState")
+        types = {name: kind for name, kind in _call(self.uri, "getTopicTypes") if "/" in kind}
         return State(dict(publishers), dict(subscribers), types)
 
     def register_subscriber(self, node: str, topic: str, kind: str, node_uri: str) -> None:

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from robowidgets import LaserWidget, Speed, SpeedWidget, feeds
+from robowidgets.feeds import _ros1_master
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError
 
 from ..conftest import ROOT
@@ -345,6 +346,27 @@ def test_a_publisher_stays_when_its_feed_is_closed_so_that_no_robot_is_ever_refu
         node = MODULE.Master(os.environ["ROS_MASTER_URI"]).state().publishers["/often/cmd_vel"]
         assert len(node) == 1
     assert "is not a publisher of" not in caplog.text
+
+
+def test_a_topic_that_is_listed_has_its_type_though_it_appeared_a_moment_ago(feed, monkeypatch):
+    """Without the type a robot would get a publisher of another one, and refuse it."""
+    call, uri = _ros1_master._call, os.environ["ROS_MASTER_URI"]
+
+    def called(*given: Any, **caller: str) -> Any:
+        answer = call(*given, **caller)
+        if not appeared:
+            appeared.append(
+                call(uri, "registerSubscriber", "/now/cmd_vel", STAMPED.replace("/msg", ""), "http://127.0.0.1:1")
+            )
+        return answer
+
+    appeared: list[Any] = []
+    monkeypatch.setattr(_ros1_master, "_call", called)
+    try:
+        state = _ros1_master.Master(uri).state()
+        assert state.subscribers.keys() <= state.types.keys() | {"/rosout"}
+    finally:
+        call(uri, "unregisterSubscriber", "/now/cmd_vel", "http://127.0.0.1:1")
 
 
 def test_a_robot_that_was_refused_is_told_of_and_asked_again_until_it_connects(middleware, robot, monkeypatch):
