@@ -88,6 +88,8 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             heard, self._heard = self._heard, None
             if heard is not None:
                 self._shown = heard
+            elif not self._agrees:
+                self._shown = None
         if heard is not None:
             self.time = heard / 1e9
         self._send_time()
@@ -110,7 +112,8 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
                 pacer.mark_at(self, self._sent_at + PATIENCE)
                 return
             self._shown, self._sent_at = now, time.monotonic()
-            self._sent.append(now)
+            if now not in self._sent:
+                self._sent.append(now)
         self._viewer.set_time_ctrl(SECONDS, duration_nanos=now, play=False)
 
     def _on_event(self, text: str) -> None:
@@ -141,6 +144,8 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             elif self._agrees and now != self._shown:
                 self._heard = now
                 pacer.mark_at(self, self._next)
+            elif not self._agrees:  # until it has a timeline it drops what it is told, so it is told again
+                pacer.mark_at(self, self._sent_at + PATIENCE)
 
 
 def _pieces(path: Path, topics: Sequence[str]) -> Iterator[bytes]:

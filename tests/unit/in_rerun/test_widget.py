@@ -91,6 +91,20 @@ def test_what_python_sets_goes_to_the_viewer_and_its_answer_is_no_news(widget: R
     assert viewer.told == [21.96, 22.5, 3.0]
 
 
+def test_a_viewer_that_had_no_timeline_yet_is_told_again(widget: RerunWidget, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(widget_module, "PATIENCE", 0.05)
+    viewer = Viewer(widget)
+    widget.time = 12.5
+    viewer.opens()
+    assert viewer.told == [12.5]
+    viewer.at(0)
+    tells(viewer, 12.5, 12.5)
+    viewer.at(12.5)
+    viewer.at(13.0)
+    becomes(widget, 13.0)
+    assert not widget._sent
+
+
 def test_a_late_answer_does_not_take_the_time_back(widget: RerunWidget, viewer: Viewer) -> None:
     seen: list[float] = []
     widget.observe(lambda change: seen.append(change["new"]), "time")
