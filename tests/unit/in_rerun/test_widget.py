@@ -121,6 +121,21 @@ def test_a_late_answer_does_not_take_the_time_back(widget: RerunWidget, viewer: 
     assert seen == [1.0, 2.0, 3.0, 9.0]
 
 
+def test_late_answers_to_a_time_that_was_sent_twice_do_not_take_the_time_back(
+    widget: RerunWidget, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(widget_module, "PATIENCE", 0.0)
+    for seconds in (1.0, 2.0, 1.0, 3.0):
+        widget.time = seconds
+        tells(viewer, seconds)
+    for seconds in (1.0, 2.0, 1.0, 3.0):
+        viewer.at(seconds)
+        widget.send_newest()
+        assert widget.time == 3.0
+    viewer.at(9.0)
+    becomes(widget, 9.0)
+
+
 def test_a_viewer_that_is_still_drawing_is_told_only_the_newest_time(
     widget: RerunWidget, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
