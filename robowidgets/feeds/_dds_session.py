@@ -121,9 +121,9 @@ class Session:
         if self._changed:
             self._changed, self._followed = False, None
             for topic in {topic for topic, _ in list(self._writers)}:
-                if self._without_writer(topic):
+                if missing := self._without_writer(topic):
                     with self._writing:
-                        self._create_writers(topic, self._without_writer(topic))
+                        self._create_writers(topic, missing)
             self._listener.on_topics(self._adverts())
         self._report_unheard()
 
@@ -219,13 +219,13 @@ class Session:
 
     def _without_writer(self, topic: str) -> set[str]:
         """The types of speeds that subscribers of a topic expect and that have no writer yet."""
-        subscribed = {(want.topic, want.type) for want in list(self._wants.values())}
-        return {kind for kind in speed_types(topic, subscribed) if (topic, kind) not in self._writers}
+        types = speed_types(want.type for want in list(self._wants.values()) if want.topic == topic)
+        return {kind for kind in types if (topic, kind) not in self._writers}
 
     def _create_writers(self, topic: str, types: Iterable[str]) -> None:
-        """Create writers, and wait until the first ones of a topic match. Called with the lock held."""
+        """Create those that are missing, and wait until the first ones of a topic match. Called with the lock held."""
         is_first = all(name != topic for name, _ in self._writers)
-        new = [self._create_writer(topic, kind) for kind in types]
+        new = [self._create_writer(topic, kind) for kind in types if (topic, kind) not in self._writers]
         until = time.monotonic() + _MATCHING * is_first
         while not all(map(self._is_settled, new)) and time.monotonic() < until:
             time.sleep(0.005)

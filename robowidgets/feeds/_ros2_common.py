@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from ..kinds import counts_every_message
 from ..messages.standard import TWIST, TWIST_STAMPED
@@ -46,12 +46,12 @@ def adverts_of(
     ]
 
 
-def speed_types(topic: str, subscribed: Collection[tuple[str, str]]) -> set[str]:
-    """The types of speeds that subscribers of a topic expect, of their topics and types.
+def speed_types(expected: Iterable[str]) -> set[str]:
+    """The types of speeds among those that the subscribers of a topic expect.
 
     Each needs a publisher before a robot moves by another one: who waits for a match meanwhile cannot send a zero.
     """
-    return {kind for kind in (TWIST, TWIST_STAMPED) if (topic, kind) in subscribed}
+    return {TWIST, TWIST_STAMPED}.intersection(expected)
 
 
 def queue_depth(type_name: str) -> int:

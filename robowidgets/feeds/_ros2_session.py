@@ -124,9 +124,10 @@ class Session:
                 self._listener.on_unheard(topic, "")
         self._note_matches()
         for topic in {topic for topic, _ in list(self._publishers)}:
-            if any((topic, kind) not in self._publishers for kind in speed_types(topic, wanted)):
+            types = speed_types(kind for name, kind in wanted if name == topic)
+            if any((topic, kind) not in self._publishers for kind in types):
                 with self._publishing:
-                    self._create_publishers(topic, speed_types(topic, wanted))
+                    self._create_publishers(topic, types)
         return adverts_of(offered, wanted)
 
     def follow(self, topics: Iterable[str]) -> None:
@@ -148,8 +149,7 @@ class Session:
         key = (topic, message_type)
         with self._publishing:
             if key not in self._publishers:
-                subscribed = {(topic, kind) for kind in self._types_wanted(topic)}
-                self._create_publishers(topic, {message_type} | speed_types(topic, subscribed))
+                self._create_publishers(topic, {message_type} | speed_types(self._types_wanted(topic)))
             waiting = {one for one in self._unmatched if one[0] == topic}
             found = {one for one in waiting if self._await_match(one, until)}
             late = {one for one in waiting - found if one in self._matched and self.is_young}

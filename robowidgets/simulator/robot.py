@@ -132,7 +132,7 @@ class Robot(Observed):
     @property
     def has_fallen(self) -> bool:
         """Whether its middle or a wheel is over a drop: it stands there until `move_to` puts it elsewhere."""
-        return any(over_drop(self.world, self._pose, self.radius, _STANDS_ON).values())
+        return self._falls_at(self._pose)
 
     @property
     def odometry(self) -> Pose:
@@ -301,9 +301,12 @@ class Robot(Observed):
     def _fitting(self, x: float, y: float, yaw: float) -> Pose:
         self._check_room(self.world, x, y, self.radius)
         pose = Pose(x, y, _wrapped(yaw))
-        if any(over_drop(self.world, pose, self.radius, _STANDS_ON).values()):
+        if self._falls_at(pose):
             raise ValueError(f"pose: expected floor below the robot and its wheels, got ({x:g}, {y:g}) over a drop")
         return pose
+
+    def _falls_at(self, pose: Pose) -> bool:
+        return any(over_drop(self.world, pose, self.radius, _STANDS_ON).values())
 
     def _check_room(self, world: World, x: float, y: float, radius: float) -> None:
         room = world.clearance(x, y)
