@@ -4,7 +4,7 @@ interface Given {
   model: {
     get(name: string): string;
     set(name: string, value: string): void;
-    widget_manager: { get_state?: unknown };
+    widget_manager?: { get_state?: unknown };
   };
   el: HTMLElement;
 }
@@ -51,7 +51,7 @@ export default () => {
       const { model } = given;
       const script = copyOf(model.get("_script"));
       const sheet = copyOf(model.get("_style"));
-      if (model.widget_manager.get_state) {
+      if (model.widget_manager?.get_state) {
         // A model of ipywidgets lets go of its own texts, and sends nothing, because these are equal; another host would
         // send them. It keeps what was there before the last set.
         model.set("_script", script);
