@@ -184,9 +184,9 @@ class DriveWidget(DrivingWidget):
 
     def _on_failed(self, failure: str, error: BaseException) -> None:
         if self._lease.press:
-            self._log_once(failure)
             self._cause = str(error) or type(error).__name__
             self._end_press("failed")
+            self._log_once(failure)
 
     @traitlets.observe("enabled")
     def _after_enabled(self, _change: Any) -> None:

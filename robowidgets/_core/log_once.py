@@ -1,8 +1,13 @@
-"""Logging each text once."""
+"""Logging each text once, and from threads that must not wait."""
 
 from __future__ import annotations
 
+import logging
+import threading
 from collections.abc import Callable
+from functools import partial
+
+log = logging.getLogger("robowidgets")
 
 MOST_LOGGED = 50
 """Different texts that one logger writes; a faulty source must not fill the log."""
@@ -24,3 +29,15 @@ class LogOnce:
         if (key or text) not in self._logged and len(self._logged) < MOST_LOGGED:
             self._logged.add(key or text)
             self._log(text)
+
+
+def log_in_thread(text: str, error: BaseException | None = None) -> None:
+    """Log a text, with the traceback of an error if there is one, in a thread of its own.
+
+    For threads that carry speeds: a handler of the log may hang, and zero must be sent all the same.
+    """
+    write = partial(log.error, text, exc_info=error)
+    try:
+        threading.Thread(target=write, name="robowidgets-log", daemon=True).start()
+    except RuntimeError:  # Python 3.12 starts no thread at the end of the process
+        write()

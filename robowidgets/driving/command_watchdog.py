@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, wait
 
 from .._core.cells import on_failed_cell
+from .._core.log_once import log_in_thread
 from .._core.observed import Observed
 from .._core.platform_fixes import run_beside_debugger
 from .._core.user_threads import is_abandoned
 from .stop_all import SEND_TIMEOUT, running, stop_driven_by_cell
-
-log = logging.getLogger("robowidgets")
 
 Velocity = tuple[float, float]
 """Linear in m/s and angular in rad/s."""
@@ -346,19 +344,11 @@ class CommandWatchdog(Observed):
                 self._is_logged = False
             elif not self._is_logged:
                 self._is_logged = True
-                _log_in_thread(f"the robot could not be told to stop: {error}")
+                log_in_thread(f"the robot could not be told to stop: {error}")
         elif error is None:
             self._moved_at, self._zero_at, self._next_speed_at = now, self._expires, now + INTERVAL
         elif not isinstance(error, self._not_sent):  # it may have reached the robot, or may still
             self._moved_at, self._zero_at = now, 0.0
-
-
-def _log_in_thread(text: str) -> None:
-    """Log an error in a thread of its own: where the log hangs, zero must still be sent again."""
-    try:
-        threading.Thread(target=log.error, args=(text,), name="robowidgets-log", daemon=True).start()
-    except RuntimeError:  # Python 3.12 starts no thread at the end of the process
-        log.error(text)
 
 
 def _resolve(requests: list[Request], error: BaseException | None) -> None:

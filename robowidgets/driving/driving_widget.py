@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import traitlets
 
 from .._core.base_widget import NamedWidget
+from .._core.log_once import LogOnce, log_in_thread
 from .._core.pacer import pacer
 from .._core.platform_fixes import route_by_message
 from .command_watchdog import HOLD, ZERO, CommandWatchdog
 from .press import PadMessage, Tokens, to_pad_message
+from .stop_all import stop_at_end
 
 if TYPE_CHECKING:
     from ..feeds.feed import Feed
@@ -49,6 +51,7 @@ class DrivingWidget(NamedWidget):
         self._forget_errors()
         self._idle = self._watchdog = CommandWatchdog(lambda *_: None)
         super().__init__(**kwargs)
+        self._error_log = LogOnce(log_in_thread)  # the watchdog's thread logs, too
         self.on_msg(self._on_page)
 
     def open(self) -> None:
@@ -88,6 +91,8 @@ class DrivingWidget(NamedWidget):
         self._forget_errors()
         self._watchdog, self._feed, self._owns, self._cause = watchdog, feed, owns, ""
         watchdog.observe(self._on_change)
+        if owns:
+            stop_at_end()
         if feed is not None:
             feed.connection.observe(self._on_change)
         self._on_change()
@@ -232,8 +237,8 @@ class DrivingWidget(NamedWidget):
                 else:
                     self._on_press(message)
             except ValueError as error:
-                self._log_once(f"the page sent an invalid message: {error}")
                 self.stop()
+                self._log_once(f"the page sent an invalid message: {error}")
 
     def _allow(self, message: PadMessage) -> None:
         """Release the latch, unless the message was delayed by a busy kernel: its sender may have left since."""

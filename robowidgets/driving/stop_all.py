@@ -5,8 +5,11 @@ from __future__ import annotations
 import atexit
 import logging
 import os
+from collections.abc import Callable
 from concurrent.futures import wait
 from typing import TYPE_CHECKING
+
+from .._core.platform_fixes import call_before_end
 
 if TYPE_CHECKING:
     from .command_watchdog import CommandWatchdog
@@ -18,6 +21,19 @@ SEND_TIMEOUT = 1.0
 
 running: set[CommandWatchdog] = set()
 """The watchdogs that owe a zero, or did a moment ago. Copied at once: threads add and remove theirs meanwhile."""
+
+before_stop: list[Callable[[], object]] = []
+"""What a process does before it sends its last zeros."""
+
+
+def stop_at_end() -> None:
+    """Stop all robots before the process ends, and before the exit handlers that are registered already.
+
+    That of rospy, for one, would end its node before zero is sent.
+    """
+    atexit.unregister(_end)
+    atexit.register(_end)
+    call_before_end(_end)
 
 
 def stop_all(timeout: float = SEND_TIMEOUT) -> None:
@@ -39,6 +55,12 @@ def stop_driven_by_cell() -> None:
             watchdog.stop()
 
 
-atexit.register(stop_all)
+def _end() -> None:
+    for call in before_stop:
+        call()
+    stop_all()
+
+
+atexit.register(_end)
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=running.clear)

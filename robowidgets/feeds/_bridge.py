@@ -15,6 +15,10 @@ from ._topics import queue_length
 from ._websocket import LARGEST, Frame, WebSocket, checked
 from .middleware import FeedError, Listener
 
+_MATCHED = 0.3
+"""Seconds within which the subscribers of the robot find a publisher that its bridge has made for us. Until then they
+miss messages, and the bridge does not know."""
+
 Read = Callable[[Any], Any]
 """Decodes a frame into a message, or raises UnreadableError."""
 
@@ -46,6 +50,8 @@ class Bridge(ThreadedMiddleware):
         self._too_big: frozenset[str] = frozenset()
         """The wanted topics that are not subscribed to, because of a message that was too big."""
         self._pending: dict[str, deque[tuple[Read, Any]]] = {}
+        self._unmatched: dict[Any, Frame | None] = {}
+        """By new publisher of the bridge: the frame that was sent last, if it was zero."""
         self._begin()
 
     @property
@@ -113,7 +119,7 @@ class Bridge(ThreadedMiddleware):
 
     def on_open(self) -> None:
         """The connection is established."""
-        self._followed, self._received, self._pending = frozenset(), set(), {}
+        self._followed, self._received, self._pending, self._unmatched = frozenset(), set(), {}, {}
         self._begin()
         self._follow(self._wanted)
 
@@ -134,6 +140,8 @@ class Bridge(ThreadedMiddleware):
 
     async def finish(self) -> None:
         """Return when the robot has processed what was published; cancelled when that takes too long."""
+        while any(self._unmatched.values()):
+            await asyncio.sleep(0.01)
 
     def on_frame(self, frame: Frame) -> None:
         """A frame was received: keep it in place of an older one of its topic, because more may follow at once."""
@@ -158,6 +166,19 @@ class Bridge(ThreadedMiddleware):
     def _flaw(self, topic: str, message: Any) -> str:  # noqa: ARG002
         """The reason why a decoded message is refused; empty if it is not."""
         return ""
+
+    def _await_match(self, publisher: Any) -> None:
+        """Note that the bridge makes a publisher now; a zero that it may lose is sent once more."""
+        self._unmatched[publisher] = None
+        self._later(_MATCHED, lambda: self._send_again(self._unmatched.pop(publisher)))
+
+    def _note_sent(self, publisher: Any, frame: Frame, *, is_zero: bool) -> None:
+        if publisher in self._unmatched:
+            self._unmatched[publisher] = frame if is_zero else None
+
+    def _send_again(self, frame: Frame | None) -> None:
+        if frame is not None and self._socket is not None:
+            self._socket.write(frame)
 
     def _write(self, operation: Mapping[str, Any]) -> None:
         if self._socket is not None:

@@ -18,6 +18,7 @@ from .._core.tables import Table
 from .._core.text import many
 from .._core.user_function import line_of, name_of
 from .._core.user_threads import UserThread, frames_of
+from ..samples import HasAge
 from ._topics import Topic, queue_length, sample_of
 
 log = logging.getLogger("robowidgets")
@@ -75,7 +76,8 @@ class FunctionCaller:
         self._on_change = on_change
         self._changed = threading.Condition()
         self._functions: list[Function] = []
-        self._waiting: dict[str, deque[tuple[Any, Topic, Sequence[Any] | None]]] = {}
+        self._waiting: dict[str, deque[tuple[Any, Topic, Sequence[Any] | None, float]]] = {}
+        """By topic, messages with the functions that they are for and the time at which they came."""
         self._thread: UserThread | None = None
         self._current: Function | None = None
         self._slow_topic = ""
@@ -121,7 +123,7 @@ class FunctionCaller:
             if self._closed or not any(function.takes(topic.name, calls) for function in self._functions):
                 return
             waiting = self._waiting.setdefault(topic.name, deque(maxlen=queue_length(topic.type)))
-            waiting.append((message, topic, calls))
+            waiting.append((message, topic, calls, time.monotonic()))
             if self._thread is None:
                 self._start()
             self._changed.notify()
@@ -187,7 +189,7 @@ class FunctionCaller:
                     return
                 name = next(iter(self._waiting))
                 waiting = self._waiting.pop(name)
-                message, topic, calls = waiting.popleft()
+                message, topic, calls, came_at = waiting.popleft()
                 if waiting:  # after the other topics
                     self._waiting[name] = waiting
                 functions = [function for function in self._functions if function.takes(name, calls)]
@@ -199,7 +201,7 @@ class FunctionCaller:
                     if function not in self._functions:
                         continue
                     self._current = function
-                self._call(function, message, topic)
+                self._call(function, message, topic, came_at)
                 with self._changed:
                     if self._thread is not me:
                         return
@@ -207,9 +209,11 @@ class FunctionCaller:
             if self.status_of(name) != before:
                 self._on_change(name)
 
-    def _call(self, function: Function, message: Any, topic: Topic) -> None:
+    def _call(self, function: Function, message: Any, topic: Topic, came_at: float) -> None:
         try:
             sample = message if function.raw else sample_of(message, topic)
+            if not function.raw and isinstance(sample, HasAge):
+                sample._arrive(came_at)
         except (TypeError, ValueError) as error:
             function.error = f"a message of {function.topic} cannot be read for `{function.name}`: {error}"
             self._log(function.error)

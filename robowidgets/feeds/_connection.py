@@ -15,11 +15,12 @@ from .._core.platform_fixes import let_threads_print, shorten_switch_interval
 from .._core.robot_widget import RobotWidget
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
+from ..driving.stop_all import stop_at_end
 from ..messages.standard import TWIST
 from ..samples import Speed
 from ._callbacks import FunctionCaller
 from ._driver import Driver
-from ._open_feeds import close_at_end, open_feeds
+from ._open_feeds import open_feeds
 from ._program_inputs import robot_of
 from ._subscription import Target, sorted_targets
 from ._subscription_table import SubscriptionTable
@@ -80,7 +81,7 @@ class Connection(Observed):
         except BaseException:
             open_feeds.discard(self)
             raise
-        close_at_end()
+        stop_at_end()
 
     @property
     def where(self) -> str:

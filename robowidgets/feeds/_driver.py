@@ -113,6 +113,8 @@ class Driver:
         except (FeedError, OSError) as error:
             follows = "; zero follows when it can be sent" if self.watchdog.owes_zero else ""
             raise FeedError(f"cannot stop: {self._connection.status or error}{follows}") from None
+        finally:
+            self._log_status()
 
     def close(self) -> None:
         """Send zero if one is owed, and refuse every speed from now on. A subscriber that is connecting is awaited.

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import atexit
 import logging
 import os
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from .._core.platform_fixes import call_before_end
-from ..driving.stop_all import stop_all
+from ..driving.stop_all import before_stop, stop_all
 
 if TYPE_CHECKING:
     from ._connection import Connection
@@ -25,21 +23,13 @@ open_feeds: set[Connection] = set()
 """The feeds that are closed at the end of the process; a forked process has none."""
 
 
-def close_at_end() -> None:
-    """Close the feeds before the process ends, and before the exit handlers that are registered already.
-
-    That of rospy, for one, would end its node before zero is sent.
-    """
-    atexit.unregister(_close_all)
-    atexit.register(_close_all)
-    call_before_end(_close_all)
-
-
 def _close_all() -> None:
     there, until = list(open_feeds), time.monotonic() + END_TIMEOUT
     for one in there:  # no program may drive after the zeros
         _try(one.programs.close)
     stop_all()  # before closing, which may take seconds for each feed
+    for one in there:  # nor may anybody else, while other feeds are closed
+        _try(one.driver.close)
     for one in there:
         if time.monotonic() > until:
             log.error("the process ends without waiting for a feed to close: %s", one.where)
@@ -60,5 +50,6 @@ def _try(close: Callable[[], object]) -> None:
         log.exception("a feed could not be closed")
 
 
+before_stop.append(_close_all)
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_forget_all)

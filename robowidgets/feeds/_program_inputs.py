@@ -118,6 +118,8 @@ class FeedInputs:
 
     def __init__(self, connection: Connection, wake: Callable[[], None]) -> None:
         self._connection, self._wake = connection, wake
+        self._lock = threading.RLock()
+        """Held by the thread that chooses and by that of the program, never by one of the transport."""
         self._wanted: dict[str, str | None] = {}
         self._on: str | None = None
         self._latest: dict[str, _Latest] = {}
@@ -128,19 +130,20 @@ class FeedInputs:
     def choose(self, wanted: Mapping[str, str | None], on: str | None) -> None:
         """See `Inputs`."""
         self._connection.check_open()
-        self._wanted, self._on, self._chosen = dict(wanted), on, {}
-        self._find()
-        self._prune()
+        with self._lock:
+            self._wanted, self._on, self._chosen = dict(wanted), on, {}
+            self._find()
+            self._prune()
 
     def take(self) -> dict[str, Any]:
         """See `Inputs`."""
-        if len(self._chosen) < len(self._wanted):
-            self._find()
-        chosen = dict(self._chosen)
-        for name in self._wanted:
-            if name not in chosen:
-                raise NotReadyError(self._missing(name))
-        return {name: self._latest[topic].read(name) for name, topic in chosen.items()}
+        with self._lock:
+            if len(self._chosen) < len(self._wanted):
+                self._find()
+            for name in self._wanted:
+                if name not in self._chosen:
+                    raise NotReadyError(self._missing(name))
+            return {name: self._latest[topic].read(name) for name, topic in self._chosen.items()}
 
     def why_silent(self, on: str) -> str:
         """See `Inputs`."""
@@ -148,8 +151,9 @@ class FeedInputs:
 
     def close(self) -> None:
         """See `Inputs`."""
-        self._wanted, self._on, self._chosen = {}, None, {}
-        self._prune()
+        with self._lock:
+            self._wanted, self._on, self._chosen = {}, None, {}
+            self._prune()
 
     def _find(self) -> None:
         """Find the topics that are not chosen yet; they may appear at any time."""

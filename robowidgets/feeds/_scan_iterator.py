@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from .._core.newest_sample import NewestSample
 from ..messages import to_scan
 from ..samples import Scan
 
@@ -19,28 +19,28 @@ FIRST_TIMEOUT = 10.0
 
 def scans_of(connection: Connection, topic: str, timeout: float) -> Iterator[Scan]:
     """See `Feed.scans`."""
-    arrived = threading.Condition()
-    newest: list[Any] = []
-
-    def take(message: Any) -> None:
-        with arrived:
-            newest[:] = [message]
-            arrived.notify()
-
-    target = connection.attach(topic, take)
+    newest: NewestSample[Any] = NewestSample()
+    taken = 0
+    target = connection.attach(topic, lambda message: newest.put(message, {}, counts=True))
     limit = max(timeout, FIRST_TIMEOUT)
+
+    def has_next() -> bool:  # not one that came early in a loop body which took long: nothing has come since
+        return newest.sequence > taken and newest.age <= timeout
+
     try:
         while True:
             until = time.monotonic() + limit
-            with arrived:
+            with newest.lock:
                 # In short steps, to notice when the feed is closed.
-                while not newest and not connection.is_closed and (left := until - time.monotonic()) > 0:
-                    arrived.wait(min(left, 0.1))
-                message = newest.pop() if newest else None
-            if message is None:
+                while not (there := has_next()) and not connection.is_closed and (left := until - time.monotonic()) > 0:
+                    newest.wait_for(has_next, min(left, 0.1))
+                message, arrived, taken = newest.sample, newest.arrived, newest.sequence
+            if not there:
                 why = connection.status_of(topic)
                 raise TimeoutError(f"no scan of {topic} for {limit:g} s" + (f": {why}" if why else ""))
             limit = timeout
-            yield to_scan(message)
+            scan = to_scan(message)
+            scan._arrive(arrived)
+            yield scan
     finally:
         connection.detach(topic, target)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import logging
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from .._core.log_once import LogOnce
+from .._core.log_once import LogOnce, log_in_thread
 from .._core.robot_widget import RobotWidget
 from ..drive_widget import DriveWidget
 from ._topics import Topic, no_such
 from ._two_scanners import TwoScanners
-
-log = logging.getLogger("robowidgets")
 
 _PACKAGE = __name__.partition(".")[0]
 
@@ -80,7 +78,7 @@ class Subscription:
         self._retyped = ""
         self._failed = ""
         self._scanners = TwoScanners()
-        self._log = LogOnce(log.exception)
+        self._log = LogOnce(lambda text: log_in_thread(text, sys.exc_info()[1]))
 
     def take(self, message: Any) -> bool:
         """Pass a message to the targets that are ours; returns whether the status may have changed. Raises nothing."""

@@ -55,11 +55,12 @@ class SubscriptionTable:
         self.show(subscription)
 
     def disconnect(self, topic: str, targets: Sequence[Target] | None) -> None:
-        """Remove these targets from a topic; None: all."""
+        """Remove these targets from a topic; None: its widgets."""
         subscription = self.by_topic.get(topic)
         if subscription is None:
             return
-        gone = subscription.targets if targets is None else targets
+        widgets = [target for target in subscription.targets if target.widget is not None]
+        gone = widgets if targets is None else targets
         subscription.targets = tuple(target for target in subscription.targets if target not in gone)
         for target in gone:
             if target.widget is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import contextlib
+import itertools
 import math
 import socket
 import threading
@@ -34,6 +35,15 @@ _OVERDUE = 0.005  # seconds for which a flood of frames may delay everything els
 _GOODBYE = 0.5
 
 
+class _Ping:
+    """A ping, which its pong repeats. The robot has then read every frame before it."""
+
+    def __init__(self, mark: bytes) -> None:
+        self.mark = mark
+        self.sent_at = time.monotonic()
+        self.answered = asyncio.Event()
+
+
 class WebSocket:
     """A connection to an address, made in the event loop of a thread that runs it. Only that thread may use it.
 
@@ -60,9 +70,13 @@ class WebSocket:
         self._stream: Any = None
         self._early: deque[Frame | None] = deque(maxlen=1000)
         self._written: asyncio.Future[None] | None = None
-        self._asked_at: float | None = None
-        """The time of the unanswered ping; None once anything was received."""
-        self._answered, self._ended = asyncio.Event(), asyncio.Event()
+        self._pings = itertools.count()
+        self._unanswered: tuple[_Ping, ...] = ()
+        """The pings without a pong, from the oldest on. Other frames are no answer: a robot that no longer reads may
+        still send."""
+        self._is_heard = False
+        """Whether anything came since the last look."""
+        self._ended = asyncio.Event()
         self._kept_since: float | None = None
         self._opened_at = math.inf
         self._silent = False
@@ -166,7 +180,7 @@ class WebSocket:
         self._connection, self._stream = connection, stream
         stream.set_nodelay(True)
         report_close_code(connection, self._on_close_code)
-        connection.on_message, connection.on_pong = self._on_frame, self._on_answer
+        connection.on_message, connection.on_pong = self._on_frame, self._on_pong
         self._opened_at = time.monotonic()
         try:
             self._bridge.on_open()
@@ -181,14 +195,19 @@ class WebSocket:
         return self._ending(connection)
 
     async def _watch(self) -> None:
-        """Return when the connection has ended, or the robot has not answered for `_ALIVE` seconds."""
-        # Counts intervals without an answer, not seconds: while this process stalls, nothing is read either.
-        unanswered = 0
-        while unanswered < _PINGS and not self._ended.is_set():
-            self._ping()
+        """Return when the connection has ended, or nothing came for `_ALIVE` seconds.
+
+        Where more data come than the network carries, answers are late, but the data are good.
+        """
+        # Counts intervals without a frame, not seconds: while this process stalls, nothing is read either.
+        silent = 0
+        while silent < _PINGS and not self._ended.is_set():
+            self._is_heard = False
+            if not self._unanswered:
+                self._ping()
             with contextlib.suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._ended.wait(), _ALIVE / _PINGS)
-            unanswered = unanswered + 1 if self._asked_at is not None else 0
+            silent = 0 if self._is_heard else silent + 1
         self._silent = not self._ended.is_set()
 
     async def _end(self, connection: Any) -> None:
@@ -212,22 +231,29 @@ class WebSocket:
         elif frame is None:
             self._ended.set()
         else:
-            self._on_answer()
+            self._is_heard = True
             self._bridge.on_frame(frame)
             return self._deliver_soon()
         return None
 
-    def _on_answer(self, _data: bytes = b"") -> None:
-        self._asked_at = None
-        self._answered.set()
+    @property
+    def _oldest_unanswered(self) -> _Ping | None:
+        return next(iter(self._unanswered), None)
 
-    def _ping(self) -> None:
-        """Send a ping, unless one is unanswered."""
-        if self._asked_at is None:
-            self._asked_at = time.monotonic()
-            self._answered.clear()
-            with contextlib.suppress(Exception):  # the connection ended
-                self._connection.ping()
+    def _ping(self) -> _Ping:
+        ping = _Ping(b"%d" % next(self._pings))
+        self._unanswered += (ping,)
+        with contextlib.suppress(Exception):  # the connection ended
+            self._connection.ping(ping.mark)
+        return ping
+
+    def _on_pong(self, mark: bytes) -> None:
+        """Take the answer to a ping and to those before it: a robot need not answer each of several that waited."""
+        self._is_heard = True
+        count = next((i for i, ping in enumerate(self._unanswered, 1) if ping.mark == mark), 0)
+        for ping in self._unanswered[:count]:
+            ping.answered.set()
+        self._unanswered = self._unanswered[count:]
 
     def _deliver_soon(self) -> asyncio.Future[None] | None:
         # While the network has more frames, tornado reads on and nothing else runs in this thread, so that only the
@@ -255,14 +281,15 @@ class WebSocket:
     def _why_late(self) -> str:
         if self._written is not None and not self._written.done():
             return f"{self.address} does not take what is sent"
-        silence = max(SEND_TIMEOUT, time.monotonic() - (self._asked_at or math.inf))
+        oldest = self._oldest_unanswered
+        silence = max(SEND_TIMEOUT, time.monotonic() - oldest.sent_at if oldest else 0.0)
         return f"{self.address} has not answered for {silence:.1f} s"
 
     async def _publish(self, frame: Callable[[], Frame], confirm: bool, taken: threading.Lock) -> None:
         # A speed that cannot be sent now must not reach the robot later, and tornado cannot cancel a write. So tornado
         # gets a frame only when it has written the one before, and a speed only while the robot answers.
-        if not confirm and self._asked_at is not None and time.monotonic() - self._asked_at > SEND_TIMEOUT:
-            await self._answered.wait()
+        while not confirm and (ping := self._oldest_unanswered) and time.monotonic() - ping.sent_at > SEND_TIMEOUT:
+            await ping.answered.wait()
         if self._written is not None:
             await asyncio.shield(self._written)
         if not taken.acquire(blocking=False):
@@ -271,8 +298,7 @@ class WebSocket:
         assert self._written is not None
         await asyncio.shield(self._written)
         if confirm:
-            self._ping()
-            await self._answered.wait()
+            await self._ping().answered.wait()
 
     def _failure(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):

@@ -124,7 +124,10 @@ class Feed:
         self.connection.connect(topic, *targets, raw=raw)
 
     def disconnect(self, topic: str, *targets: Any) -> None:
-        """Pass no more messages of a topic to these targets of `connect`; without targets, to none at all."""
+        """Pass no more messages of a topic to these targets of `connect`; without targets, to none of them.
+
+        Programs, recorders and loops over its scans still get them.
+        """
         self.connection.disconnect(topic, *targets)
 
     def scans(self, topic: str, timeout: float = 0.5) -> Iterator[Scan]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 from collections.abc import Mapping
 from functools import partial
 from struct import Struct
@@ -78,7 +79,8 @@ class Foxglove(Bridge):
         is_json = encoding == "json"
         payload = json.dumps(message).encode() if is_json else encode(encoding, message_type, message)
         key = topic, message_type, encoding
-        self._publish(lambda: self._frame_on(key, payload), confirm=is_zero(message))
+        zero = is_zero(message)
+        self._publish(lambda: self._frame_on(key, payload, is_zero=zero), confirm=zero)
 
     def on_frame(self, frame: Frame) -> None:
         """See `Bridge`."""
@@ -103,6 +105,8 @@ class Foxglove(Bridge):
     def _begin(self) -> None:
         self._info: dict[str, Any] | None = None
         self._channels: dict[int, Channel] = {}
+        self._settled_at: dict[int, float] = {}
+        """For each channel, the time from which it can be subscribed to."""
         self._streams: dict[int, _Stream] = {}
         self._graph = Graph()
         self._sent_on: dict[tuple[str, str, str], int] = {}
@@ -126,6 +130,7 @@ class Foxglove(Bridge):
             if channel is not None:
                 self._end({channel.id})
                 self._channels[channel.id] = channel
+                self._settled_at[channel.id] = time.monotonic() + _SETTLE
         self._change({channel.topic for channel in self._channels.values()})
 
     def _on_unadvertise(self, operation: dict[str, Any]) -> None:
@@ -136,10 +141,6 @@ class Foxglove(Bridge):
 
     def _change(self, topics: set[str]) -> None:
         self._listener.on_topics(self._graph.adverts(self._channels.values()))
-        if topics & self._followed:
-            self._later(_SETTLE, lambda: self._start_all(topics & self._followed))
-
-    def _start_all(self, topics: set[str]) -> None:
         for topic in topics:
             self._start(topic)
 
@@ -156,11 +157,18 @@ class Foxglove(Bridge):
                 self._listener.on_trouble(topic, f"the robot's bridge says: {one_line(text)}")
 
     def _start(self, topic: str) -> None:
-        """Subscribe to each channel of a topic that can be decoded, and report when none can."""
+        """Subscribe to each channel of a followed topic that can be decoded, and report when none can."""
+        if topic not in self._followed:
+            return
+        channels = [channel for channel in self._channels.values() if channel.topic == topic]
+        wait = max((self._settled_at[channel.id] for channel in channels), default=0.0) - time.monotonic()
+        if wait > 0:
+            self._later(wait, lambda: self._start(topic))
+            return
         had = {stream.channel_id for stream in self._streams.values()}
         reason = ""
-        for channel in self._channels.values():
-            if channel.topic != topic or channel.id in had:
+        for channel in channels:
+            if channel.id in had:
                 continue
             try:
                 decode = decoder(channel)
@@ -184,7 +192,7 @@ class Foxglove(Bridge):
         if ids:
             self._write({"op": "unsubscribe", "subscriptionIds": ids})
 
-    def _frame_on(self, key: tuple[str, str, str], payload: bytes) -> bytes:
+    def _frame_on(self, key: tuple[str, str, str], payload: bytes, *, is_zero: bool) -> bytes:
         """The frame of a message on our channel for a topic, a type and an encoding; advertises the channel first."""
         if key not in self._sent_on:
             topic, message_type, encoding = key
@@ -192,7 +200,10 @@ class Foxglove(Bridge):
             kind = short_type(message_type) if encoding == "ros1" else message_type
             channel = {"id": self._sent_on[key], "topic": topic, "encoding": encoding, "schemaName": kind}
             self._write({"op": "advertise", "channels": [channel]})
-        return _CLIENT_DATA.pack(_MESSAGE, self._sent_on[key]) + payload
+            self._await_match(key)
+        frame = _CLIENT_DATA.pack(_MESSAGE, self._sent_on[key]) + payload
+        self._note_sent(key, frame, is_zero=is_zero)
+        return frame
 
 
 def _encoding_for(info: Mapping[str, Any]) -> str | None:

@@ -60,18 +60,22 @@ class Rosbridge(Bridge):
         """See `Middleware`."""
         fields = _ros1_stamps(message) if self._is_ros1 else message
         frame = json.dumps({"op": "publish", "topic": topic, "msg": fields})
+        key, zero = (topic, message_type), is_zero(message)
 
         def advertised() -> str:
-            if (topic, message_type) not in self._advertised:
-                self._advertised.add((topic, message_type))
+            if key not in self._advertised:
+                self._advertised.add(key)
                 kind = self._as_written(message_type)
                 self._write({"op": "advertise", "id": f"advertise:{topic}", "topic": topic, "type": kind})
+                self._await_match(key)
+            self._note_sent(key, frame, is_zero=zero)
             return frame
 
-        self._publish(advertised, confirm=is_zero(message))
+        self._publish(advertised, confirm=zero)
 
     async def finish(self) -> None:
         """See `Bridge`."""
+        await super().finish()
         # When the connection ends, a server drops what it has not processed. It answers in order: await an answer.
         if self._advertised:
             self._requests.clear()

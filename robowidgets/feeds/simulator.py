@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..laser_widget import LaserWidget
 from ..messages import to_speed
 from ..messages.standard import TWIST
 from ..samples.checks import finite
-from ..shapes.drawing import DrawsShapes
 from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of
 from ..simulator.real_time import RealTime
@@ -100,9 +100,12 @@ class SimulatorFeed(Feed):
         super().__init__(Simulated(robot, hz, wander, process))
 
     def drawn(self) -> list[dict[str, Any]]:
-        """What programs draw on the laser widgets that are connected, as the page reads it."""
-        widgets = [widget for widget in self.connection.widgets if isinstance(widget, DrawsShapes)]
-        return [form for widget in widgets for form in widget.forms()]
+        """What programs draw on the laser widgets that are connected, as the page reads it.
+
+        ``turned`` are the radians that a widget adds to the angles of the scanner.
+        """
+        widgets = [widget for widget in self.connection.widgets if isinstance(widget, LaserWidget)]
+        return [{**form, "turned": widget.angle_offset} for widget in widgets for form in widget.forms()]
 
 
 def simulator(

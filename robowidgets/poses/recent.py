@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from math import isfinite, nan
 
 import numpy as np
@@ -13,6 +14,24 @@ from ..samples import Pose
 KEPT = 500
 FARTHEST = 1.0
 """Seconds from a sample to the nearest pose; beyond that nobody knows where the robot was."""
+
+
+def poses_at(
+    seconds: float | NDArray[np.float64], times: NDArray[np.float64], poses: Sequence[NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """Where a robot was at some seconds, shape (M,), between two poses; NaN where no pose is near.
+
+    Args:
+        seconds: shape (M,), or one number.
+        times: seconds of the poses in order, shape (N,).
+        poses: x and y in metres and yaw in radians without jumps, shape (N,) each.
+
+    Returns:
+        X, y and yaw, shape (3, M).
+    """
+    after = np.searchsorted(times, seconds)
+    apart = np.abs(times.take([after - 1, after], mode="clip") - seconds).min(axis=0)
+    return np.where(apart <= FARTHEST, [np.interp(seconds, times, column) for column in poses], np.nan)
 
 
 class RecentPoses:
@@ -49,6 +68,6 @@ class RecentPoses:
             self._columns[-1] = np.unwrap(self._columns[-1])
         arrivals, stamps, *pose = self._columns
         for times, time in ((stamps, stamp_ns / 1e9 if stamp_ns else nan), (arrivals, arrived)):
-            if np.isfinite(times).all() and times[0] - FARTHEST <= time <= times[-1] + FARTHEST:
-                return Pose(*(float(np.interp(time, times, column)) for column in pose))
+            if np.isfinite(times).all() and np.isfinite(at := poses_at(time, times, pose)).all():
+                return Pose(*at.tolist())
         return None

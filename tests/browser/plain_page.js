@@ -1,6 +1,9 @@
 // The host of widgets on a page without Jupyter: models that hold what Python's widgets sent, and views of them.
 // `plain_page.py` is the other end of the socket. Each message is a header in JSON, its length before it, and buffers.
 
+// As in a page that comes over plain http, from a robot.
+delete Crypto.prototype.randomUUID;
+
 const models = new Map();
 const settled = [];
 const socket = new WebSocket(`ws://${location.host}/socket/${location.hash.slice(1)}`);

@@ -192,6 +192,21 @@ def test_keys_stop_from_the_bar_and_escape_from_anywhere_in_its_view(notebook: C
     assert nb.python("feed.stopped") == "False"
 
 
+def test_escape_stops_in_a_shadow_root_as_hosts_put_widgets_there(driven_page: Callable[..., PlainPage]) -> None:
+    nb = driven_page([FEED])
+    says(nb, PROGRAM)
+    nb.page.evaluate("""() => {
+        const card = document.querySelector(".rw-stop").closest(".rw-card"), host = document.createElement("div");
+        card.before(host);
+        host.attachShadow({ mode: "open" }).append(card);
+    }""")
+    nb.page.keyboard.press("Escape")
+    stop_of(nb).focus()
+    expect(stop_of(nb)).to_have_text("Stop")
+    nb.page.keyboard.press("Escape")
+    expect(stop_of(nb)).to_have_text("Stopped")
+
+
 def test_a_kernel_that_does_not_answer_is_interrupted_and_a_cell_that_goes_on_is_named(
     notebook: Callable[..., Notebook],
 ) -> None:

@@ -110,6 +110,25 @@ for (const [where, interrupt] of [
   });
 }
 
+test("a server that does not answer the interrupt is told, until its answer comes after all", async () => {
+  let answer = () => {};
+  const { control, state, pass, close } = open(() => new Promise((resolve) => (answer = resolve)), {
+    driver: "program",
+  });
+  control.stop();
+  await pass(ANSWER_MS + END_MS - 100);
+  assert.equal(control.note, "asking");
+  await pass(200);
+  assert.equal(control.note, "unreachable");
+  answer();
+  await pass(100);
+  assert.equal(control.note, "interrupted");
+  state({ stopped: true });
+  await pass(END_MS + 100);
+  assert.equal(control.note, "interrupted");
+  close();
+});
+
 test("allowing carries the newest token, and a refusal is for the view that asked", () => {
   const { control, fake, sent, answer, close } = open(undefined, { stopped: true });
   answer(7);
@@ -195,6 +214,7 @@ test("the bar tells before Stop is pressed what it can do", () => {
 test("stopped is only what Python confirmed", () => {
   const text = (note: Note, stopped: boolean) => say({ stopped, driver: stopped ? "" : "program" }, { note }).text;
   assert.equal(text("asking", false), "stopping");
+  assert.equal(say({ driver: "program" }, { note: "asking", isNews: false }).text, "no news from the kernel");
   assert.equal(text("interrupted", false), "stopping");
   assert.equal(text("ignored", false), "the kernel was interrupted, but its cell goes on");
   assert.equal(text("unreachable", false), "Stop cannot reach the busy kernel");

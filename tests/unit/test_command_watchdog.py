@@ -143,7 +143,7 @@ def test_zero_is_sent_again_also_where_the_log_hangs(
 ) -> None:
     monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 0.02)
     gate = threading.Event()
-    monkeypatch.setattr("robowidgets.driving.command_watchdog.log.error", lambda _text: gate.wait(20.0))
+    monkeypatch.setattr("robowidgets._core.log_once.log.error", lambda *_, **__: gate.wait(20.0))
     drive(watchdog, FORWARD)
     sink.error = OSError("the wire is cut")
     watchdog.stop()

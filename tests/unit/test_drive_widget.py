@@ -161,7 +161,7 @@ class TestFromThePage:
     ) -> None:
         token = pad.press()
         pad._handle_custom_msg({"act": "hold", "press": "p", "token": token, "forward": 1, **message}, [])
-        assert f"the page sent an invalid message: {text}" in caplog.text
+        wait_for(lambda: f"the page sent an invalid message: {text}" in caplog.text, "it is logged")
         assert pad.hear("hold", token=token, forward=1)["over"] == "released"
         pad.rests()
         assert pad.heard
@@ -170,7 +170,8 @@ class TestFromThePage:
     @pytest.mark.parametrize("content", [None, 3, [1, 2], "drive", {}])
     def test_what_is_no_message_is_logged(self, pad: Pad, content: Any, caplog: pytest.LogCaptureFixture) -> None:
         pad._handle_custom_msg(content, [])
-        assert "the page sent an invalid message: expected a message of the pad" in caplog.text
+        words = "the page sent an invalid message: expected a message of the pad"
+        wait_for(lambda: words in caplog.text, "it is logged")
 
 
 class TestSink:
@@ -235,7 +236,7 @@ class TestSink:
         wait_for(lambda: heard, "it was asked to stop")
         text = "The robot could not be driven: OSError: no route to the robot"
         assert pad.told["error"] == text
-        assert text in caplog.text
+        wait_for(lambda: text in caplog.text, "it is logged")
         assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "failed"
         assert pad.told["cause"] == "no route to the robot"
         token = pad.press("q")
@@ -243,6 +244,19 @@ class TestSink:
         pad.hear("release", "q")
         assert pad.hear("hold", "q", token=token, forward=1)["over"] == "released"
         pad.close()
+
+    def test_what_it_raises_ends_the_press_also_where_the_log_hangs(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        def send(linear: float, angular: float) -> None:
+            if linear:
+                raise OSError("no route to the robot")
+            heard.append(linear)
+
+        gate, heard = threading.Event(), list[float]()
+        monkeypatch.setattr(logging.getLogger("robowidgets"), "error", lambda *_, **__: gate.wait(20.0))
+        pad = Pad(send=send)
+        pad.hold(forward=1)
+        wait_for(lambda: heard, "it is asked to stop", 5.0)
+        gate.set()
 
     def test_what_it_raises_at_every_speed_is_said_with_the_first_error(self) -> None:
         def send(linear: float) -> None: ...
@@ -393,7 +407,7 @@ class TestFeed:
         assert pad.told["cause"] == "no room"
         assert pad.told["speed"] == (0.1, 0.0), "as far as is known it moves"
         assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
-        assert words in caplog.text
+        wait_for(lambda: words in caplog.text, "it is logged")
         script.broken = ""
         wait_for(lambda: pad.told["error"] == words, "the zero that was owed was sent")
         assert script.speeds[-1] == ZERO

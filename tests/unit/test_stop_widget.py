@@ -112,7 +112,7 @@ def test_a_zero_that_fails_is_told_until_it_was_sent(feed: Feed, script: Scripte
 
 def test_a_bar_has_no_press(bar: StopWidget, caplog: pytest.LogCaptureFixture) -> None:
     hear(bar, "press")
-    assert "act: a Stop has no press" in caplog.text
+    wait_for(lambda: "act: a Stop has no press" in caplog.text, "it is logged")
 
 
 @pytest.mark.parametrize("robot", [None, 3, print, SimpleNamespace(watchdog=3)])

@@ -1,15 +1,15 @@
 import { make, makeIcon, mount, setText } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
+import { Readout } from "../shared/driving/readout.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
-import { type Model, onChange, onMessage } from "../shared/model.ts";
+import { type Model, newName, onChange, onMessage } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
 import { watchInput } from "./input.ts";
 import { CENTER, type Knob, toPlace } from "./knob.ts";
 import { type Answer, PressLease } from "./press.ts";
-import { Readout } from "./readout.ts";
 import { toText } from "./text.ts";
 import type { DriveTraits } from "./traits.ts";
 
@@ -28,8 +28,8 @@ export class DriveView {
   readonly #knob = make("div", "rw-knob");
   readonly #text = make("div", "rw-words");
   readonly #hint = make("div", "rw-hint");
-  readonly #linear = new Readout("linear", "m/s", 1);
-  readonly #angular = new Readout("angular", "rad/s", -1);
+  readonly #linear = new Readout("linear", "m/s", 1, true);
+  readonly #angular = new Readout("angular", "rad/s", -1, true);
   readonly #lease: PressLease;
   readonly #stop: StopControl;
   readonly #buttons: StopButtons;
@@ -37,7 +37,7 @@ export class DriveView {
   #place: Knob = CENTER;
 
   constructor(model: Model<DriveTraits>, element: HTMLElement, signal: AbortSignal) {
-    const name = crypto.randomUUID().slice(0, 8);
+    const name = newName();
     this.#model = model;
     this.#redraw = perAnimationFrame(() => this.#draw(), signal);
     this.#lease = new PressLease(name, (message) => model.send(message), this.#redraw);

@@ -81,18 +81,17 @@ class Row {
     this.root.append(label, value);
     if (kind !== "text") this.root.append(track);
     const input = this.#input;
-    on(input, "pointerdown", () => (this.#before = input.valueAsNumber), signal);
-    on(input, "pointerup", () => (this.#before = null), signal);
+    if (kind === "range") {
+      on(input, "pointerdown", () => (this.#before = input.valueAsNumber), signal);
+      for (const type of ["pointerup", "pointercancel"] as const) on(input, type, () => (this.#before = null), signal);
+    }
     on(input, kind === "number" ? "change" : "input", () => this.#send(), signal);
     on(input, "keydown", (event) => event.key !== "Escape" && event.stopPropagation(), signal);
   }
 
   update(variable: Variable): void {
     const { value, before, low, high, unit } = variable;
-    if (
-      performance.now() - this.#setAt < ECHO_MS ||
-      (this.kind === "number" && document.activeElement === this.#input)
-    ) {
+    if (performance.now() - this.#setAt < ECHO_MS || (this.kind === "number" && this.#input.matches(":focus"))) {
       return;
     }
     setText(this.#value, toValue(variable));
@@ -107,7 +106,7 @@ class Row {
   }
 
   cancel(): void {
-    if (this.#before === null || !Number.isFinite(this.#before)) return;
+    if (this.#before === null) return;
     this.#input.value = String(this.#before);
     this.#before = null;
     this.#input.blur();

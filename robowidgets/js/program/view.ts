@@ -1,10 +1,10 @@
 import { make, makeButton, mount, setLabel, setText } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
-import { toBar, toDriverText } from "../shared/driving/text.ts";
+import { Readout } from "../shared/driving/readout.ts";
+import { toDriverText } from "../shared/driving/text.ts";
 import { on } from "../shared/events.ts";
-import { toFixed } from "../shared/format.ts";
-import type { Model } from "../shared/model.ts";
+import { type Model, newName } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
 import { toCode, toMode, toNotice } from "./text.ts";
@@ -26,14 +26,14 @@ export class ProgramView {
   readonly #facts = [make("b", ""), make("b", ""), make("b", "")];
   readonly #active = make("div", "rw-program-active");
   readonly #code = make("code", "rw-program-code");
-  readonly #axes = [new Axis("linear", "m/s", 1), new Axis("angular", "rad/s", -1)];
+  readonly #axes = [new Readout("linear", "m/s", 1, false), new Readout("angular", "rad/s", -1, false)];
   readonly #prints = make("div", "rw-prints");
   readonly #hint = make("div", "rw-hint");
 
   constructor(model: Model<ProgramTraits>, element: HTMLElement, signal: AbortSignal) {
     this.#model = model;
     const redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#control = new StopControl(model, crypto.randomUUID().slice(0, 8), redraw, signal);
+    this.#control = new StopControl(model, newName(), redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
     this.#variables = new VariableRows((name, value) => this.#control.send({ program: "set", name, value }), signal);
     this.#run = makeButton("rw-program-run", "Run", () => this.#onRun(), signal);
@@ -136,27 +136,5 @@ export class ProgramView {
         return line;
       }),
     );
-  }
-}
-
-/** One number of the speed, and its bar from zero. That of a turn to the left goes left, as on a pad. */
-class Axis {
-  readonly root = make("div", "rw-program-axis");
-  readonly #value = make("b", "");
-  readonly #bar = make("i", "rw-program-bar");
-  readonly #side: 1 | -1;
-
-  constructor(name: string, unit: string, side: 1 | -1) {
-    this.#side = side;
-    const value = make("div", "rw-program-value");
-    value.append(this.#value, ` ${unit}`);
-    const track = make("div", "rw-program-track");
-    track.append(this.#bar);
-    this.root.append(make("span", "", name), value, track);
-  }
-
-  update(value: number, limit: number): void {
-    setText(this.#value, toFixed(value, 2));
-    Object.assign(this.#bar.style, toBar(this.#side * value, limit));
   }
 }

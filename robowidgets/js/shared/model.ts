@@ -35,6 +35,11 @@ export interface Rendered<T> extends Initialized<T> {
   el: HTMLElement;
 }
 
+/** A name that no other view of any page has. `crypto.randomUUID` is missing where a page comes over plain http. */
+export function newName(): string {
+  return crypto.getRandomValues(new Uint32Array(2)).join("");
+}
+
 /** What a picture says where no kernel will ever answer. */
 export const NO_KERNEL = "no kernel in this page";
 

@@ -3,7 +3,7 @@ import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { toDriverText } from "../shared/driving/text.ts";
 import type { StopTraits } from "../shared/driving/traits.ts";
-import type { Model } from "../shared/model.ts";
+import { type Model, newName } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
 
@@ -18,7 +18,7 @@ export class StopView {
 
   constructor(model: Model<StopTraits>, element: HTMLElement, signal: AbortSignal) {
     const redraw = perAnimationFrame(() => this.#draw(), signal);
-    this.#control = new StopControl(model, crypto.randomUUID().slice(0, 8), redraw, signal);
+    this.#control = new StopControl(model, newName(), redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
     const texts = make("div", "rw-stop-words");
     texts.role = "status";

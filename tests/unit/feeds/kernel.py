@@ -30,12 +30,12 @@ class Log:
 
     def __init__(self, path: Path) -> None:
         path.touch()
-        self._path = path
+        self.path = path
         self._read = 0
         self._heard: list[tuple[float, float, float]] = []
 
     def heard(self) -> list[tuple[float, float, float]]:
-        with self._path.open("rb") as file:
+        with self.path.open("rb") as file:
             file.seek(self._read)
             new = file.read()
         whole = new[: new.rfind(b"\n") + 1]

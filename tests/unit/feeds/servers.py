@@ -28,6 +28,7 @@ class Server:
         self._sockets = bind_sockets(port, "127.0.0.1")
         self.port = self._sockets[0].getsockname()[1]
         self._ready = threading.Event()
+        self._read: asyncio.Future[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), daemon=True)
 
     @property
@@ -58,6 +59,17 @@ class Server:
         self._loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(20)))
         assert stalled.wait(20)
         return go_on.set
+
+    def hang(self) -> None:
+        """Read the next message and nothing after it, not even a ping, but go on sending."""
+        ready = threading.Event()
+
+        def stop_reading() -> None:
+            self._read = self._loop.create_future()
+            ready.set()
+
+        self._loop.call_soon_threadsafe(stop_reading)
+        assert ready.wait(20)
 
     def send(self, said: Any) -> None:
         """Say something to every client, from any thread: bytes and text as they are, all else as JSON."""
@@ -95,10 +107,11 @@ class Server:
                 server.clients.append(self)
                 server.on_open(self)
 
-            def on_message(self, message: str | bytes) -> None:
+            def on_message(self, message: str | bytes) -> asyncio.Future[None] | None:
                 said = json.loads(message) if isinstance(message, str) else message
                 server.heard.append(said)
                 server.on_said(self, said)
+                return server._read
 
             def on_close(self) -> None:
                 if self in server.clients:

@@ -528,6 +528,13 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
     assert feed.drive_status == ""
 
 
+def test_a_stop_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+    feed, _ = driven(SCAN, CMD_VEL._replace(name="/base/cmd_vel"))
+    feed.stop()
+    feed.stop()
+    assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel; speeds go to /base/cmd_vel"]
+
+
 @pytest.mark.parametrize(
     ("speed", "words"),
     [

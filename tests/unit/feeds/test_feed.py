@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import signal
 import subprocess
@@ -191,6 +192,22 @@ def test_a_callback_may_connect_and_close(opened: Opened) -> None:
     feed.connect("/other", lambda _: feed.close())
     script.listener.on_message("/other", scan())
     wait_for(lambda: script.closed == 1, "the feed is closed")
+
+
+def test_where_the_log_hangs_the_thread_that_brings_messages_does_not(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script = opened(SCAN)
+    gate, laser = threading.Event(), LaserWidget()
+    monkeypatch.setattr(logging.getLogger("robowidgets"), "error", lambda *_, **__: gate.wait(20.0))
+    feed.connection.attach("/scan", lambda _: 1 / 0)
+    feed.connect("/scan", laser)
+    sender = threading.Thread(target=lambda: script.listener.on_message("/scan", scan(3.0)))
+    sender.start()
+    wait_for(lambda: laser.scan, "the message goes on to the others", 5.0)
+    assert "ZeroDivisionError" in source(laser)["status"]
+    gate.set()
+    sender.join()
 
 
 def test_words_for_what_cannot_be_connected(opened: Opened) -> None:

@@ -75,6 +75,31 @@ def log_until(server: Real, ears: Ears, payload: bytes, topic: str = "/scan") ->
     return ears.of(topic)[-1]
 
 
+def test_a_topic_that_is_followed_as_soon_as_it_appears_is_subscribed_to_when_the_server_has_settled() -> None:
+    class Timed(OldFoxglove):
+        at: float
+
+        def on_said(self, client: Any, said: Any) -> None:
+            self.at = time.monotonic()
+            super().on_said(client, said)
+
+    class Follower(Ears):
+        def on_topics(self, topics: Any) -> None:
+            super().on_topics(topics)
+            middleware.follow(frozenset(topic.name for topic in topics))
+
+    with Timed([]) as server:
+        middleware = Foxglove(server.address)
+        middleware.open(ears := Follower())
+        wait_for(lambda: ears.connected, "it is connected")
+        advertised = time.monotonic()
+        server.send({"op": "advertise", "channels": [channel(1)]})
+        wait_for(lambda: server.subscribed, "it subscribed")
+        middleware.close()
+    assert list(server.subscribed) == [1]
+    assert server.at - advertised >= 0.05, "the SDK's server loses a subscription that comes at once"
+
+
 def test_a_scan_of_the_real_server_arrives_as_it_was_sent(real: Real, ears: Ears) -> None:
     middleware = opened(real.address, ears, "/scan")
     try:
@@ -433,10 +458,10 @@ def test_a_widget_of_a_user_s_class_whose_update_hangs_holds_back_neither_speed_
 def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     frame_on = Foxglove._frame_on
 
-    def slowly(self: Foxglove, key: tuple[str, str, str], payload: bytes) -> bytes:
+    def slowly(self: Foxglove, key: tuple[str, str, str], payload: bytes, *, is_zero: bool) -> bytes:
         monkeypatch.setattr(Foxglove, "_frame_on", frame_on)
         time.sleep(0.7)  # as where a busy program leaves no time for it
-        return frame_on(self, key, payload)
+        return frame_on(self, key, payload, is_zero=is_zero)
 
     with (
         OldFoxglove([channel(1)], capabilities=["clientPublish"], supportedEncodings=["json"]) as server,

@@ -339,6 +339,25 @@ def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_drop
         assert first.connection.is_closed
 
 
+def test_the_age_of_a_sample_counts_while_it_waits_for_a_function(opened: Opened, gate: threading.Event) -> None:
+    feed, script = opened(SCAN)
+    ages: list[float] = []
+
+    def behave(scan: Scan) -> None:
+        gate.wait(20.0)
+        ages.append(scan.age)
+
+    feed.connect("/scan", behave)
+    script.listener.on_message("/scan", scan(1.0))
+    wait_for(lambda: feed.connection.functions.functions[0].entered, "it runs")
+    script.listener.on_message("/scan", scan(2.0))
+    waits = Speed((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    wait_for(lambda: waits.age > 0.1, "it has waited")
+    gate.set()
+    wait_for(lambda: len(ages) == 2, "it got both")
+    assert ages[1] >= 0.1
+
+
 class TestScans:
     def test_a_loop_gets_each_scan_once_and_the_newest(self, opened: Opened) -> None:
         feed, script = opened(SCAN)
@@ -354,6 +373,21 @@ class TestScans:
         with pytest.raises(TimeoutError, match=r"^no scan of /scan for 0\.2 s$"):
             next(scans)
         assert script.asked == [("subscribe", "/scan"), ("unsubscribe", "/scan")]
+
+    def test_a_scan_that_came_long_before_the_loop_asks_is_not_handed_out(self, opened: Opened) -> None:
+        feed, script = opened(SCAN)
+        patient, hasty = feed.scans("/scan", timeout=20.0), feed.scans("/scan", timeout=0.2)
+        for scans in (patient, hasty):
+            sender = threading.Timer(0.05, lambda: script.listener.on_message("/scan", scan(1.0)))
+            sender.start()
+            first = next(scans)
+        script.listener.on_message("/scan", scan(2.0))
+        body_ends = first.age + 0.25
+        wait_for(lambda: first.age > body_ends, "the loop body has taken long")
+        second = next(patient)
+        assert (second.ranges[0], second.age >= 0.25) == (2.0, True)
+        with pytest.raises(TimeoutError, match=r"^no scan of /scan for 0\.2 s$"):
+            next(hasty)
 
     def test_where_none_ever_came_it_says_why(self, opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("robowidgets.feeds._scan_iterator.FIRST_TIMEOUT", 0.1)

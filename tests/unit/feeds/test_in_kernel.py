@@ -22,6 +22,11 @@ def kernel(tmp_path: Path) -> Iterator[Kernel]:
     made.close()
 
 
+@pytest.fixture
+def log(tmp_path: Path) -> Log:
+    return Log(tmp_path / "heard.txt")
+
+
 HOLD = "feed.driving = feeds.Driving(hold=60.0)\n"
 LOOP = """
 while True:
@@ -102,8 +107,10 @@ def test_a_cell_that_is_run_again_leaves_nothing_of_its_old_version_driving(kern
     kernel.run("behave", BEHAVE.format(body="feed.drive(0.3)"))
     wait_for(lambda: 0.3 in kernel.heard_since(0.0), "the first version drives")
     kernel.run("behave", BEHAVE.format(body="raise RuntimeError('no')"))
-    since = time.monotonic()
-    wait_for(lambda: kernel.heard_since(since) == [0.0], "zero follows, and nothing else")
+    wait_for(lambda: kernel.heard[-1][1] == 0.0, "zero follows")
+    stopped = kernel.heard[-1][0]
+    time.sleep(0.3)
+    assert not any(kernel.heard_since(stopped)), "nothing drives any more"
     reply = kernel.run("look", "shown = repr(feed); assert shown.count('behave') == 2, shown")
     assert reply["status"] == "ok", reply
     kernel.run("elsewhere", BEHAVE.format(body="feed.drive(0.1)"))
@@ -131,10 +138,8 @@ def test_the_end_of_the_kernel_sends_zero_though_a_function_hangs(kernel: Kernel
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_that_ends_the_process_sends_zero_first_though_functions_and_threads_drive(
-    tmp_path: Path, start: Callable[..., subprocess.Popen[bytes]], number: signal.Signals
+    log: Log, start: Callable[..., subprocess.Popen[bytes]], number: signal.Signals
 ) -> None:
-    path = tmp_path / "heard.txt"
-    log = Log(path)
     threads = """
 def on():
     while True: feed.drive(0.3)
@@ -143,24 +148,63 @@ import threading
 threading.Thread(target=on, daemon=True).start()
 time.sleep(60)
 """
-    process = start([sys.executable, "-c", OPEN.format(path=str(path)) + HOLD + threads], stderr=subprocess.DEVNULL)
+    process = start([sys.executable, "-c", OPEN.format(path=str(log.path)) + HOLD + threads], stderr=subprocess.DEVNULL)
     wait_for(lambda: len(log.heard()) > 5, "it drives")
     process.send_signal(number)
     assert process.wait(20) == -number
     assert log.heard()[-1][1] == 0.0
 
 
-def test_a_kernel_whose_server_is_gone_sends_zero_before_it_ends(
-    tmp_path: Path, start: Callable[..., subprocess.Popen[bytes]]
+def test_nobody_drives_a_robot_while_the_feeds_of_others_are_closed(
+    log: Log, start: Callable[..., subprocess.Popen[bytes]]
 ) -> None:
-    path = tmp_path / "heard.txt"
-    log = Log(path)
+    two = """
+from contextlib import suppress
+Simulated.close = lambda self: time.sleep(5)
+other = feeds.simulator(hz=20, wander=False)
+def on():
+    while True:
+        for one, linear in ((feed, 0.3), (other, 0.2)):
+            with suppress(Exception): one.drive(linear)
+import threading
+threading.Thread(target=on, daemon=True).start()
+time.sleep(60)
+"""
+    process = start([sys.executable, "-c", OPEN.format(path=str(log.path)) + two], stderr=subprocess.DEVNULL)
+    wait_for(lambda: len(log.heard()) > 5, "both are driven")
+    process.send_signal(signal.SIGTERM)
+    process.wait(20)
+    first_zero = next(at for at, linear, _ in log.heard() if linear == 0.0)
+    assert [linear for at, linear, _ in log.heard() if at > first_zero + 2.0 and linear] == []
+
+
+def test_a_signal_that_ends_the_process_sends_zero_first_from_a_pad_without_a_feed(
+    log: Log, start: Callable[..., subprocess.Popen[bytes]]
+) -> None:
+    pad = f"""
+import time
+from robowidgets import DriveWidget
+file = open({str(log.path)!r}, "a", buffering=1)
+pad = DriveWidget(send=lambda *speeds: print((time.monotonic(), *speeds), file=file))
+pad._watchdog.drive((0.3, 0.0), hold=60.0)
+time.sleep(60)
+"""
+    process = start([sys.executable, "-c", pad], stderr=subprocess.DEVNULL)
+    wait_for(log.heard, "it drives")
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(20) == -signal.SIGTERM
+    assert log.heard()[-1][1] == 0.0
+
+
+def test_a_kernel_whose_server_is_gone_sends_zero_before_it_ends(
+    log: Log, start: Callable[..., subprocess.Popen[bytes]]
+) -> None:
     kernel = f"""
 import inspect, os
 from ipykernel.parentpoller import ParentPollerUnix
 known = {{"parent_pid": os.getppid()}} if "parent_pid" in inspect.signature(ParentPollerUnix).parameters else {{}}
 poller = ParentPollerUnix(**known)  # older ones look for process 1 as their parent
-{OPEN.format(path=str(path))}{HOLD}
+{OPEN.format(path=str(log.path))}{HOLD}
 poller.start()
 {LOOP}
 """

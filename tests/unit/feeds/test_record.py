@@ -74,6 +74,26 @@ def decoded(path: Path) -> dict[str, list[Any]]:
     return found
 
 
+def test_disconnecting_a_topic_leaves_it_to_the_recorder_the_program_and_loops(tmp_path: Path) -> None:
+    steps: list[float] = []
+    with Feed(script := Scripted(SCAN, CMD_VEL)) as feed:
+        laser = robowidgets.LaserWidget()
+        feed.connect("/scan", laser, lambda _: None)
+        recorder = feed.record(tmp_path / "run.mcap", "/scan")
+        feed.program(lambda scan: steps.append(scan.ranges[0]), on="/scan")
+        scans = feed.scans("/scan")
+        sender = threading.Timer(0.05, lambda: script.listener.on_message("/scan", scan(1.0)))
+        sender.start()
+        next(scans)
+        feed.disconnect("/scan")
+        script.listener.on_message("/scan", scan(2.0))
+        wait_for(lambda: steps[-1:] == [2.0], "the program steps on it")
+        assert next(scans).ranges[0] == 2.0
+        wait_for(lambda: recorder.written["/scan"] == 2, "both are recorded")
+        assert laser.scan.ranges[0] == 1.0
+        assert not feed.connection.functions.functions
+
+
 @pytest.mark.slow
 def test_a_run_opens_here_and_in_other_tools_with_its_states_and_the_text_of_its_program(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"

@@ -26,13 +26,12 @@ export class StopButtons {
     on(this.stop, "pointerdown", ({ button }) => button === 0 && press(), signal);
     on(this.stop, "click", ({ detail }) => detail === 0 && press(), signal);
     const onKey = (event: KeyboardEvent) => {
-      const { activeElement: focused } = document;
       if (!isPlain(event)) return;
-      if (event.key === "Escape" && (root.closest(".widget-vbox") ?? root).contains(focused)) press();
+      if (event.key === "Escape" && (root.closest(".widget-vbox") ?? root).matches(":focus-within")) press();
+      // The document does not know what has the focus in a shadow root.
+      const focused = [this.stop, this.allow].find((button) => button.matches(":focus"));
       // JupyterLab would edit the cell.
-      if (event.key === "Enter" && (focused === this.stop || focused === this.allow)) {
-        focused.toggleAttribute("data-lm-suppress-shortcuts", true);
-      }
+      if (event.key === "Enter") focused?.toggleAttribute("data-lm-suppress-shortcuts", true);
       if (focused !== this.stop || !["Enter", " "].includes(event.key)) return;
       event.preventDefault();
       press();

@@ -147,10 +147,13 @@ export class StopControl {
   }
 
   async #interrupt(): Promise<void> {
+    // A network that is gone keeps the request waiting for minutes.
+    this.#wait(END_MS, () => this.#turn("unreachable"));
     try {
       if (!this.canInterrupt) throw new Error("no kernel");
       await this.#kernel?.interrupt?.();
     } catch {
+      clearTimeout(this.#timer);
       return this.told.stopped ? undefined : this.#turn("unreachable");
     }
     this.#turn("interrupted");

@@ -29,11 +29,11 @@ const NOTES: Partial<Record<Note, Text>> = {
 /** The status of Stop, which comes before any other; null when there is none. */
 export function toStopText({ told, note, hasKernel, hears, isNews }: Situation): Text | null {
   if (!hasKernel) return warn(NO_KERNEL, "Stop reaches nothing; what the robot does is not known");
-  if (!told.stopped && note === "asking") return rest("stopping");
-  if (!told.stopped && note === "interrupted") return rest("stopping", "the kernel was interrupted");
   const failed = told.stopped ? undefined : NOTES[note];
   if (failed) return failed;
   if (!isNews) return warn("no news from the kernel", "what the robot does is not known");
+  if (!told.stopped && note === "asking") return rest("stopping");
+  if (!told.stopped && note === "interrupted") return rest("stopping", "the kernel was interrupted");
   if (!told.stopped) return null;
   if (isMoving(told)) return rest("stopping");
   if (note === "interrupted") return rest("nobody may drive", "the kernel was interrupted");

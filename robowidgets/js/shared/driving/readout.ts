@@ -1,8 +1,8 @@
-import { make, setText } from "../shared/dom.ts";
-import { toBar } from "../shared/driving/text.ts";
-import { toFixed } from "../shared/format.ts";
+import { make, setText } from "../dom.ts";
+import { toFixed } from "../format.ts";
+import { toBar } from "./text.ts";
 
-/** A speed as a number and as a bar from zero, with its limit. The bar of a turn to the left goes left. */
+/** A speed as a number and as a bar from zero to its limit. The bar of a turn to the left goes left. */
 export class Readout {
   readonly root = make("div", "rw-readout");
   readonly #value = make("span", "rw-readout-value");
@@ -11,13 +11,15 @@ export class Readout {
   readonly #unit: string;
   readonly #side: 1 | -1;
 
-  constructor(name: string, unit: string, side: 1 | -1) {
+  /** @param namesLimit whether the limit is written above the bar, too */
+  constructor(name: string, unit: string, side: 1 | -1, namesLimit: boolean) {
     this.#unit = unit;
     this.#side = side;
     const track = make("div", "rw-readout-track");
     track.append(this.#bar);
     const row = make("div", "rw-readout-row");
-    row.append(make("span", "rw-readout-name", name), this.#limit);
+    row.append(make("span", "rw-readout-name", name));
+    if (namesLimit) row.append(this.#limit);
     const number = make("div", "rw-readout-number");
     number.append(this.#value, make("span", "rw-readout-unit", unit));
     this.root.append(row, number, track);
