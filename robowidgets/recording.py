@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .recordings.data import RecordingData
+from .recordings.topics import shown
 
 if TYPE_CHECKING:
     from .doctor.report import Report
@@ -104,7 +105,7 @@ class Recording(RecordingData):
         # Imported lazily: reading samples needs no check-up.
         from .doctor.report import examine
 
-        series = {name: self.series(name) for name in self._by_name()}
+        series = {name: self.series(name) for name in shown(self.topics)}
         for one in series.values():
             len(one)  # Reads it, which finds the problems of its clock and of its messages.
         silences = {name: clock.silences for name, clock in self._note_clocks().items()}
@@ -217,11 +218,12 @@ class Recording(RecordingData):
         """Write a file for Rerun, and return its path; without a path, the viewer for the page: see `RerunWidget`.
 
         Args:
-            path: the file, such as ``"drive.rrd"``; an existing one is replaced.
+            path: the file, such as ``"drive.rrd"``; an existing one is replaced when the new one is complete.
             *topics: as for `show`.
 
         Raises:
-            ImportError: Rerun is not installed (extra ``rerun``); and as `show`, and OSError.
+            ImportError: Rerun is not installed (extra ``rerun``); and as `show`. ValueError: the name does not end in
+                ``.rrd``. OSError: the file cannot be written.
         """
         from .in_rerun.export import to_rerun  # Imported lazily: Rerun is optional.
 

@@ -29,11 +29,14 @@ _ALWAYS_THERE = ("/rosout", "/rosout_agg", "/parameter_events", "/events/write_s
 _OF_SERVICES = "/_service_event"
 
 _SELDOM = 0.02
-"""Share of the scans in which a problem of ranges, and of samples that are lost, is no problem of the recording."""
+"""Share of the samples in which a problem of ranges, a loss, or a stamp out of order is no problem of the recording."""
 
 _SKEW_S = 1.0
 """Seconds between stamps and log times from which transforms of other computers do not fit any more."""
 _LEAST_STAMPS = 10
+
+_LATE_NS = 1_000_000_000
+"""Nanoseconds by which a late stamp may lie before the one before it. Farther back, the clock was set."""
 
 _NO_SILENCES = np.empty((0, 2))
 _DAY = 86400.0
@@ -52,9 +55,10 @@ class Geometry(NamedTuple):
 class TopicReport(NamedTuple):
     """What one topic holds.
 
-    ``rate`` is the mean of the samples per second, None where that means nothing. ``timing`` is that of the scans and
-    measured speeds. ``ray_counts`` has the number of scans for each number of rays, ``geometry`` is that of most scans,
-    ``frame_ids`` are those of all; they are empty and None for other samples than scans.
+    ``samples`` are those that came as messages. ``rate`` is their mean number per second, None where that means
+    nothing. ``timing`` is that of the scans and measured speeds. ``ray_counts`` has the number of scans for each number
+    of rays, ``geometry`` is that of most scans, ``frame_ids`` are those of all; they are empty and None for other
+    samples than scans.
     """
 
     topic: str
@@ -149,14 +153,21 @@ def _examine(topic: Topic, series: Series[Any], silences: NDArray[np.float64]) -
         rays = series.ray_counts
         geometry, frames, of_scans = _of_scans(series)
         found += of_scans
-    return TopicReport(topic.name, len(series), topic.rate, timing, rays, geometry, frames), found
+    return TopicReport(topic.name, int(series.said.sum()), topic.rate, timing, rays, geometry, frames), found
 
 
 def _timing(series: Series[Any]) -> Timing:
-    """The timing by the stamps; by the log times, which come in bursts and tell of no loss, where there are none."""
+    """The timing by the stamps; by the log times, which come in bursts and tell of no loss, where there are none.
+
+    A few stamps may be late or repeated. Many out of order are of several sensors, one far back is of a clock that was
+    set: then the log times count, too.
+    """
     stamps, seconds = series.stamps_ns, series.seconds
-    if (stamps > 0).all() and (np.diff(stamps) > 0).all():
-        return timing_of((stamps - stamps[:1]) / 1e9, seconds)
+    steps = np.diff(stamps)
+    is_in_order = np.count_nonzero(steps <= 0) <= _SELDOM * len(stamps) and (steps > -_LATE_NS).all()
+    if (stamps > 0).all() and is_in_order:
+        stamps, first = np.unique(stamps, return_index=True)
+        return timing_of((stamps - stamps[:1]) / 1e9, seconds[first])
     return Timing(*timing_of(seconds, seconds)[:2])
 
 

@@ -142,6 +142,7 @@ class Function(Condition):
         going_stale: dict[str, list[int]] = {t.name: [] for t in topics if t.widget and KINDS[t.widget].goes_stale}
         value = UNKNOWN
         used: frozenset[str] = frozenset()
+        sets: dict[frozenset[str], frozenset[str]] = {}
         now = instant._now
         looked = 0
         try:
@@ -153,6 +154,8 @@ class Function(Condition):
                 if not times or TIME in instant._used or not instant._used.isdisjoint(samples):
                     value = self._call(instant, search)
                     used = frozenset(instant._used)
+                    # One set for all samples at which the function read the same.
+                    used = sets.setdefault(used, used)
                 for topic in going_stale.keys() & samples:
                     going_stale[topic].append(time_ns)
                 # In this order, so that an interrupt in between leaves no time without a value.

@@ -96,7 +96,8 @@ class Search:
     def found(self, result: Steps) -> list[Span]:
         """The spans in which a condition is true, with what was met, and the topics that were silent, in each."""
         inside = result.times <= self.end_ns
-        found = spans(Steps(result.times[inside], result.values[inside]), self.end_ns)
+        # A nanosecond later, because a span that lasts to the end holds the last sample.
+        found = spans(Steps(result.times[inside], result.values[inside]), self.end_ns + 1)
         silences = [
             (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
         ]
@@ -110,9 +111,10 @@ class Search:
                 a,
                 b,
                 tuple(_silent(silences, a, b)),
-                *nearest.between(a, b),
+                *nearest.between(a, stop),
             )
-            for a, b in found
+            for a, stop in found
+            for b in [min(stop, self.end_ns)]
         ]
 
 

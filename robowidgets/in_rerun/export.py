@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .._core.cells import take_the_place
+from .._core.output_file import checked_output, whole_file
 from ..recordings import RecordingData
 from .rerun_log import Log
 from .widget import RerunWidget
@@ -23,14 +24,16 @@ def to_rerun(
         viewer = RerunWidget(recording, topics)
         take_the_place(viewer)
         return viewer
-    where = Path(os.fsdecode(path)).expanduser()
+    where = checked_output("to_rerun", path, (".rrd",))
     log = Log(recording, topics)
-    with where.open("wb"):  # raises if the file cannot be written
-        pass
     stream = log.stream()
-    stream.save(where)
-    for number, _ in enumerate(log.steps(stream), start=1):
-        if number % _TOGETHER == 0:
-            stream.flush()
-    stream.disconnect()
+    with whole_file(where) as file:
+        stream.save(file.name)
+        try:
+            for number, _ in enumerate(log.steps(stream), start=1):
+                if number % _TOGETHER == 0:
+                    stream.flush()
+            stream.flush()  # raises where not all was written
+        finally:
+            stream.disconnect()
     return where

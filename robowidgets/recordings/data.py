@@ -121,7 +121,7 @@ class RecordingData:
             UnknownTopicError: the recording has no such topic, or no widget shows it.
             RecordingError: the recording is closed.
         """
-        names = [topics] if isinstance(topics, str) else list(topics) if topics is not None else list(self._by_name())
+        names = list(shown(self.topics) if topics is None else [topics] if isinstance(topics, str) else topics)
         for name in names:
             self.check(name)
         times = span_ns(self.start_ns, start, end)
@@ -317,7 +317,7 @@ class RecordingData:
         found = self._messages.problems
         if self.start_ns is None:
             return (*found, Problem("there is no message in it: nothing was recorded", _NOTHING))
-        if not self._by_name():
+        if not shown(self.topics):
             return (*found, Problem("none of its topics has a widget that shows it", _NO_WIDGET))
         return (*found, *(Problem(line, _CLOCKS) for line in about_clocks(self._note_clocks())))
 
@@ -325,26 +325,21 @@ class RecordingData:
         if self._closed:
             raise RecordingError(f"{self.path.name} is closed: open it again")
 
-    def _by_name(self) -> dict[str, Topic]:
-        return shown(self.topics)
-
     def _of_kind(self, topic: str | None, kind: Kind, series: type[AnySeries]) -> AnySeries:
         name = only(self.path.name, self.topics, kind.name) if topic is None else topic
-        self.check(name)
-        widget = self._by_name()[name].widget
-        if widget != kind.name:
-            there = ", ".join(named(self.topics, kind.name)) or "none"
-            raise UnknownTopicError(
-                f"{self.path.name}: {name!r} is a topic of {KINDS[widget or ''].noun}: those of {kind.noun} are {there}"
-            )
         found = self.series(name)
-        assert isinstance(found, series)
+        if not isinstance(found, series):
+            there = ", ".join(named(self.topics, kind.name)) or "none"
+            noun = KINDS[shown(self.topics)[name].widget or ""].noun
+            raise UnknownTopicError(
+                f"{self.path.name}: {name!r} is a topic of {noun}: those of {kind.noun} are {there}"
+            )
         return found
 
     def _note_clocks(self) -> dict[str, Clock]:
         """Store the clocks of topics that were read from start to end, so that they outlive `close`; returns them."""
         for name, series in self._series.items():
-            topic = self._by_name()[name]
+            topic = shown(self.topics)[name]
             grows_stale = KINDS[topic.widget or ""].goes_stale and not topic.commanded
             if grows_stale and series.is_read and name not in self._clocks:
                 self._clocks[name] = clock_of(series.times_ns, self.start_ns or 0)

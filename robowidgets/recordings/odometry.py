@@ -9,7 +9,7 @@ import numpy as np
 
 from ..kinds import LASER, PATH
 from ..poses.places import Places
-from ..poses.recent import FARTHEST
+from ..poses.recent import poses_at
 from .topics import Topic, UnknownTopicError, named
 
 if TYPE_CHECKING:
@@ -38,6 +38,4 @@ def places_of(recording: RecordingData) -> Places:
     times, (x, y, yaw) = speeds.seconds[known], poses[known].T
     scanned = named(recording.topics, LASER.name)
     seconds = ((recording.scans(scanned[0]) if scanned else None) or speeds).seconds
-    at = np.stack([np.interp(seconds, times, column) for column in (x, y, np.unwrap(yaw))], axis=1)
-    at[(seconds < times[0] - FARTHEST) | (seconds > times[-1] + FARTHEST)] = np.nan
-    return Places(seconds, at)
+    return Places(seconds, poses_at(seconds, times, (x, y, np.unwrap(yaw))).T)

@@ -27,7 +27,8 @@ class TimeSlice:
     Args:
         recording: the recording.
         which: a slice of seconds from the start as in ``recording[2:5]``, a `ScanogramWidget.selection`, or a span of
-            `Recording.find`. A span of 0 seconds selects the samples at that moment.
+            `Recording.find`. A span of 0 seconds selects the samples at that moment. A selection or a span that lasts
+            to the end of the recording holds its last sample.
 
     ``start`` and ``end`` are seconds from the start, the end not included; None if the slice is open there. ``rays`` is
     a slice of the selected rays, or of all rays without a selection: ``scan.ranges[part.rays]``. The samples themselves
@@ -49,14 +50,14 @@ class TimeSlice:
                 raise ValueError(f"recording[{self.start}:{self.end}]: expected a start before the end, in seconds")
             return
         if isinstance(which, Span):
-            self.start, self.end = which.start, max(which.end, which.start + _MOMENT)
-            return
-        if not isinstance(which, (tuple, list)):
+            self.start, end = which.start, max(which.end, which.start + _MOMENT)
+        elif isinstance(which, (tuple, list)):
+            self.start, end, *rays = time_span("recording[...]", which, rays=True)
+            if rays:
+                self.rays = slice(*rays)
+        else:
             raise TypeError(f"recording[...]: expected seconds, as [2:5], a selection or a span; got {which!r}")
-        span = time_span("recording[...]", which, rays=True)
-        self.start, self.end = span[:2]
-        if len(span) == 4:
-            self.rays = slice(*span[2:])
+        self.end = None if end >= recording.duration else end
 
     def samples(self, topics: str | Iterable[str] | None = None) -> Iterator[Moment]:
         """The samples in the span, as in `Recording.samples`."""

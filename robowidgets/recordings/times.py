@@ -27,10 +27,8 @@ def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
 
 def span_ns(start_ns: int | None, start: Any, end: Any) -> tuple[int | None, int | None]:
     """The times by the clock of a start and an end in seconds from the start, as by `to_ns`; None stays None."""
-    first, last = (
-        None if seconds is None else to_ns(start_ns, name, seconds)
-        for name, seconds in (("start", start), ("end", end))
-    )
+    first = None if start is None else to_ns(start_ns, "start", start)
+    last = None if end is None else to_ns(start_ns, "end", end)
     return first, last
 
 

@@ -32,6 +32,14 @@ class TestPoses:
         assert poses.at(11.4, None) == pytest.approx((1.0, 1.0, 2 * pi - 3.0)), "the last one holds for a second"
         assert poses.at(11.6, None) is None
 
+    def test_nobody_knows_where_it_was_between_poses_that_are_seconds_apart(self) -> None:
+        poses = RecentPoses()
+        poses.add(Pose(0.0, 0.0, 0.0), 0.0, None)
+        poses.add(Pose(10.0, 0.0, 0.0), 10.0, None)
+        assert poses.at(5.0, None) is None
+        assert poses.at(9.0, None) == pytest.approx((9.0, 0.0, 0.0))
+        assert poses.at(1.1, 5 * S) is None
+
     def test_stamps_count_where_all_have_some_of_one_clock(self) -> None:
         poses = RecentPoses()
         assert poses.at(0.0, None) is None

@@ -92,9 +92,7 @@ class ScanDecoder(TemplateDecoder):
         return scan_template(raw, message, scan, self.shape, self.encoding), single_scan(scan, time_ns)
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> ScanChunk:
-        number = np.dtype("<f4")
-        intensities = template.cut(rows, template.more, number)
-        ranges = template.cut(rows, template.numbers, number)
+        ranges, intensities = (template.cut(rows, part, np.dtype("<f4")) for part in (template.numbers, template.more))
         return ScanChunk(0, times, template.stamps(rows), ranges, intensities, template.sample)
 
 

@@ -178,10 +178,9 @@ def join(chunks: list[AnyChunk]) -> AnyChunk:
 def compact(chunk: AnyChunk) -> AnyChunk:
     """The chunk with read-only columns; a column that is a small part of its buffer is copied."""
     columns: Any = {}
-    for name, value in vars(chunk).items():
-        if isinstance(value, np.ndarray):
-            columns[name] = value.copy() if _keeps_alive_more(value) else value.view()
-            columns[name].flags.writeable = False
+    for name, value in chunk.columns().items():
+        columns[name] = value.copy() if _keeps_alive_more(value) else value.view()
+        columns[name].flags.writeable = False
     return replace(chunk, **columns)
 
 

@@ -52,7 +52,7 @@ class Scans(Series[Scan]):
         if len(self.ray_counts) < 2:
             return (self,)
         rays = self._rays
-        return tuple(self._with(self.rows[rays == count]) for count in self.ray_counts)
+        return tuple(self._with(self._row_numbers[rays == count]) for count in self.ray_counts)
 
     @property
     def ray_count(self) -> int:

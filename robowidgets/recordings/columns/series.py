@@ -70,11 +70,6 @@ class Series(Generic[Taken]):
         return self._picked(self._store.stamps_ns)
 
     @property
-    def rows(self) -> NDArray[np.int64]:
-        """The indices of the samples among all of the topic, shape (N,)."""
-        return np.arange(len(self._all_times)) if self._rows is None else self._rows
-
-    @property
     def times_ns(self) -> NDArray[np.int64]:
         """Log times in nanoseconds since the epoch, shape (N,)."""
         return frozen(self._picked(self._all_times))
@@ -103,11 +98,11 @@ class Series(Generic[Taken]):
     def __getitem__(self, which: int) -> Moment: ...
     def __getitem__(self, which: int | slice | NDArray[np.bool_]) -> Self | Moment:
         if isinstance(which, slice):
-            return self._with(self.rows[which])
+            return self._with(self._row_numbers[which])
         if isinstance(which, np.ndarray) and which.dtype == bool:
             if which.shape != (len(self),):
                 raise IndexError(f"{self.topic}: expected a mask of {len(self):,} values, got shape {which.shape}")
-            return self._with(self.rows[np.ma.filled(which, False)])
+            return self._with(self._row_numbers[np.ma.filled(which, False)])
         try:
             number = as_index(which)
         except TypeError:
@@ -117,7 +112,7 @@ class Series(Generic[Taken]):
             ) from None
         if not -len(self) <= number < len(self):
             raise IndexError(f"{self.topic}: number {number}, and there are {len(self):,}")
-        row = int(self.rows[number])
+        row = int(self._row_numbers[number])
         return self._moment(int(self._all_times[row]), self._sample(row))
 
     def __iter__(self) -> Iterator[Moment]:
@@ -154,13 +149,9 @@ class Series(Generic[Taken]):
         if start is None and end is None:
             return self
         first_ns, stop_ns = span_ns(self._start_ns, start, end)
-        times = self.times_ns
-        inside = np.ones(len(times), bool)
-        if first_ns is not None:
-            inside &= times >= first_ns
-        if stop_ns is not None:
-            inside &= times < stop_ns
-        return self._with(self.rows[inside])
+        is_after = first_ns is None or self.times_ns >= first_ns
+        is_before = stop_ns is None or self.times_ns < stop_ns
+        return self._with(self._row_numbers[is_after & is_before])
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
         """The columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``."""
@@ -197,6 +188,11 @@ class Series(Generic[Taken]):
 
     def _title(self) -> str:
         return f"{type(self).__name__} of {self.topic}: {len(self):,}"
+
+    @property
+    def _row_numbers(self) -> NDArray[np.int64]:
+        """The rows among all that the store holds, shape (N,): all of the topic, or those of a span."""
+        return np.arange(len(self._all_times)) if self._rows is None else self._rows
 
     @property
     def _all_times(self) -> NDArray[np.int64]:

@@ -79,7 +79,7 @@ class Touches(Series[Touch]):
 
     def sample(self, number: int) -> Touch:
         """The states of all sensors in the row with this index."""
-        return self._sample(int(self.rows[number]))
+        return self._sample(int(self._row_numbers[number]))
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
         """Times, and True, False or None (unknown) for each sensor by its label."""
@@ -107,7 +107,7 @@ class Touches(Series[Touch]):
         return Touch(touched, stamp_ns=int(table.stamps_ns[row]) or None, dialect=table.dialect)
 
     def _samples(self) -> Iterator[tuple[int, Touch]]:
-        for row in self.rows.tolist():
+        for row in self._row_numbers.tolist():
             yield int(self._table.times_ns[row]), self._sample(row)
 
 

@@ -45,7 +45,8 @@ class FallbackSource:
             except Exception:  # rosbags raises anything; repair reports the damage
                 if self._closed:
                     raise RecordingError("the recording is closed: open it again") from None
-                self._repaired = self._open_repaired()
+                # Another iterator may have met the damage meanwhile.
+                self._repaired = self._repaired or self._open_repaired()
         yield from self._resume(self._repaired, channels, latest, stop_ns, given)
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:

@@ -5,6 +5,7 @@ Files are read by rosbags only in this folder.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
 from pathlib import Path
@@ -92,7 +93,8 @@ class RosbagsSource:
         asked = {channel.id: channel for channel in channels}
         if asked:
             connections = [self._connections[i] for i in asked]
-            for connection, time_ns, raw in self._reader.messages(connections, start_ns, stop_ns):
+            read = self._messages_in_bag if isinstance(self._reader, BagReader) else self._reader.messages
+            for connection, time_ns, raw in read(connections, start_ns, stop_ns):
                 yield asked[connection.id], time_ns, plain(raw)
 
     @cached_property
@@ -109,6 +111,25 @@ class RosbagsSource:
         if self._open:
             self._open = False
             self._reader.close()
+
+    def _messages_in_bag(
+        self, connections: list[Connection], start_ns: int | None, stop_ns: int | None
+    ) -> Iterator[tuple[Connection, int, bytes]]:
+        """As `BagReader.messages`, which would go through the index from its start to the start that is asked for."""
+        reader, whole, part = self._reader, self._reader.indexes, {}
+        start, stop = (start_ns or 0,), (_NEVER if stop_ns is None else stop_ns,)
+        for connection in connections:
+            index = whole[connection.id]
+            part[connection.id] = index[bisect_left(index, start) : bisect_left(index, stop)]
+        found = reader.messages(connections, start_ns, stop_ns)
+        try:
+            reader.indexes = part
+            first = next(found, None)  # takes the index
+        finally:
+            reader.indexes = whole
+        if first:
+            yield first
+            yield from found
 
 
 def _channel(connection: Connection) -> Channel:

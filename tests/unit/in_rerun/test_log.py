@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import robowidgets
+from robowidgets.in_rerun.rerun_log import Log
 from robowidgets.in_rerun.widget import _pieces
 from robowidgets.poses.frame_tree import Poses, _rotated
 from robowidgets.recording import Recording
@@ -166,6 +167,41 @@ def test_scans_of_several_ray_counts_keep_their_indices(tmp_path: Path, data: Pa
     read = Read(tmp_path / "odd.rrd")
     (entity,) = (entity for entity in read.entities if entity.startswith("/world/scans/"))
     assert sorted(len(row[1] or ()) for row in read.rows(entity, "recording_time", "Points3D:positions")) == counts
+
+
+def test_only_a_file_for_rerun_is_replaced(recording: Recording, tmp_path: Path) -> None:
+    own = tmp_path / "drive.mcap"
+    own.write_bytes(robowidgets.SAMPLE.read_bytes())
+    with (
+        robowidgets.open(own) as copy,
+        pytest.raises(ValueError, match=r"expected a name that ends in \.rrd, got .*mcap"),
+    ):
+        copy.to_rerun(copy.path)
+    assert own.read_bytes() == robowidgets.SAMPLE.read_bytes()
+    with pytest.raises(ValueError, match=r"to_rerun\(\): expected a name that ends in \.rrd, got '/scan'"):
+        recording.to_rerun("/scan")
+
+
+def test_a_file_is_replaced_when_the_new_one_is_whole(
+    recording: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "drive.rrd"
+    path.write_text("before")
+    steps = Log.steps
+
+    def interrupted(log: Log, stream: Any) -> Iterator[None]:
+        yield from islice(steps(log, stream), 3)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as context:
+        context.setattr(Log, "steps", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            recording.to_rerun(path)
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("drive.rrd", "before")]
+
+    recording.to_rerun(path)
+    assert Read(path).entities > {SCAN}
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_errors_are_those_of_show(recording: Recording, tmp_path: Path) -> None:

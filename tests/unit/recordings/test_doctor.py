@@ -15,7 +15,7 @@ import robowidgets
 from robowidgets import RecordingError
 from robowidgets.samples.problem import LONGEST
 
-from . import sweeps
+from . import hazards, sweeps
 from .test_digest import TOLD
 
 GOOD = [2.0] * 11
@@ -84,6 +84,29 @@ class TestTiming:
         assert found.topics[0].timing.lost == 10
         assert lines(found) == ["/scan: 10 of 200 samples were lost"]
 
+    @pytest.mark.parametrize("stamps", [(5.0, 5.0, 5.2), (5.0, 5.2, 5.1), (5.0, 5.2, 5.2)])
+    def test_single_stamps_that_are_late_or_repeated_hide_no_loss_and_no_pause(
+        self, report: Callable[..., Any], stamps: Sequence[float]
+    ) -> None:
+        times = [time for i, time in enumerate([*steady(0, 20), *steady(25, 45)]) if i % 10 != 7]
+        times[45:48] = stamps
+        found = report([(i / 9, raw) for i, (_, raw) in enumerate(taken(times))])
+        missing = {5.0, 5.1, 5.2} - set(stamps)
+        assert found.topics[0].timing.lost == 40 + len(missing)
+        assert [pause for _, pause in found.topics[0].timing.pauses] == [pytest.approx(5.1)]
+
+    @pytest.mark.parametrize(
+        "times",
+        [
+            [time for pair in zip(steady(0, 10), steady(0.04, 10), strict=True) for time in reversed(pair)],
+            [*steady(10, 20), *steady(5, 15)],
+        ],
+        ids=["two sensors", "a clock that was set"],
+    )
+    def test_stamps_in_no_order_tell_of_no_loss(self, report: Callable[..., Any], times: list[float]) -> None:
+        found = report([(i / 10, raw) for i, (_, raw) in enumerate(taken(times))])
+        assert found.topics[0].timing.lost is None
+
     def test_bursts_of_the_recorder_are_no_loss(self, report: Callable[..., Any]) -> None:
         times = steady(0, 20)
         scans = [(np.ceil(seconds) + i * 1e-3, raw) for i, (seconds, raw) in enumerate(taken(times))]
@@ -120,6 +143,12 @@ class TestTiming:
     def test_stamps_of_a_simulation_are_meant_so(self, report: Callable[..., Any]) -> None:
         scans = [(seconds, sweeps.scan(round((seconds + 1) * 1e9), GOOD)) for seconds in steady(0, 5)]
         assert lines(report(scans)) == []
+
+
+def test_releases_without_a_message_are_no_samples(tmp_path: Path) -> None:
+    with robowidgets.open(hazards.write(tmp_path / "drive", {0.0: True, 2.0: True, 4.0: False})) as recording:
+        assert len(recording.touches()) == 5
+        assert [topic.samples for topic in recording.doctor().topics] == [3]
 
 
 class TestScans:

@@ -67,6 +67,20 @@ def test_the_repaired_one_is_opened_only_when_it_is_needed() -> None:
     assert len(list(FallbackSource(Held(held()), refuse).messages([SCAN, SPEED]))) == 6
 
 
+def test_a_file_that_is_read_in_turns_is_repaired_once() -> None:
+    opened: list[Held] = []
+
+    def repair() -> Held:
+        opened.append(Held(held()))
+        return opened[-1]
+
+    source = FallbackSource(Held(held(), 2), repair)
+    for messages in zip(source.messages([SCAN, SPEED]), source.messages([SCAN, SPEED]), strict=True):
+        assert messages[0] == messages[1]
+    source.close()
+    assert [repaired.closed for repaired in opened] == [1]
+
+
 def test_what_is_wrong_is_told_once_it_is_known() -> None:
     source = FallbackSource(Held(held(), 2), lambda: Held(held(), problems=("damaged in 1 place",)))
     assert source.problems == ()

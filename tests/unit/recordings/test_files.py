@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import gzip
+import heapq
 import os
 import re
 import shutil
 import sqlite3
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import closing
+from itertools import zip_longest
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+import rosbags.rosbag1.reader
 
 from robowidgets import SAMPLE
 from robowidgets.messages.compression import zstd
@@ -36,6 +40,28 @@ def test_a_bag_is_known_by_its_content(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     path.parent.mkdir(exist_ok=True)
     assert read_count(write_bag(path, messages(30))) == {"/scan": 20, "/cmd_vel": 10}
+
+
+def test_what_is_asked_of_a_bag_is_looked_up_in_its_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    held = messages(300)
+    looked_at: list[int] = []
+
+    def merge(*indexes: list[tuple[int, ...]]) -> Iterator[tuple[int, ...]]:
+        looked_at.append(sum(map(len, indexes)))
+        return heapq.merge(*indexes)
+
+    monkeypatch.setattr(rosbags.rosbag1.reader, "heapq", SimpleNamespace(merge=merge))
+    with closing(open_source(write_bag(tmp_path / "drive.bag", held))) as source:
+        asked = [(0, 300), (290, 295), (0, 5), (100, 100), (299, 301), (150, 160)]
+        parts = [source.messages(source.channels, START_NS + a * STEP_NS, START_NS + b * STEP_NS) for a, b in asked]
+        parts += [source.messages(source.channels, None, START_NS), source.messages(source.channels, held[-1][1])]
+        read: list[list[Message]] = [[] for _ in parts]
+        for turn in zip_longest(*parts):  # in turns, as several topics are read
+            for one, message in zip(read, turn, strict=True):
+                if message:
+                    one.append((message[0].topic, message[1], message[2]))
+    assert read == [*(held[a:b] for a, b in asked), [], held[-1:]]
+    assert looked_at == [*(max(0, min(b, 300) - a) for a, b in asked), 0, 1]
 
 
 @pytest.mark.parametrize("write", [write_db3, write_indexed_mcap])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -238,9 +239,47 @@ class TestFunctions:
         with pytest.raises(RecordingError, match="is closed: open it again"):
             drive.find(bool)
 
+    def test_what_it_reads_is_kept_once_and_not_for_each_sample(self, drive: robowidgets.Recording) -> None:
+        kept = []
+
+        def far(scan: Any) -> bool:
+            if scan.ranges[0] > 1.895:
+                kept.append(sum(type(one) is frozenset and one == {"/scan"} for one in gc.get_objects()))
+            return bool(scan.ranges[0] > 1.5)
+
+        assert found(drive, far) == [(5.1, 10)]
+        assert kept[0] == 1
+
     def test_what_is_no_condition_is_refused(self, drive: robowidgets.Recording) -> None:
         with pytest.raises(TypeError, match=r"condition: expected a function of one moment, or one of .*, got 'bump'"):
             drive.find("bump")  # type: ignore[arg-type]
+
+
+class TestWhatWasMet:
+    @pytest.mark.parametrize("condition", [conditions.nearest_below(1.0), lambda scan: scan.distance() < 1.0])
+    def test_in_the_last_scan_counts_where_the_span_lasts_to_the_end(self, tmp_path: Path, condition: Any) -> None:
+        seen = [0.9, 0.5, 0.1]
+        scans = ((i, sweeps.scan(START_NS, [2.0] * i + [near])) for i, near in enumerate(seen))
+        with robowidgets.open(sweeps.write(tmp_path / "x", scans)) as recording:
+            (span,) = recording.find(condition)
+        assert (span.start, span.end, span.nearest, span.index) == (0, 2, 0.1, 2)
+
+    def test_in_the_last_scan_is_not_of_a_span_that_it_ends(self, tmp_path: Path) -> None:
+        scans = ((i, sweeps.scan(START_NS, [near])) for i, near in enumerate([0.9, 0.5, 0.1]))
+        with robowidgets.open(sweeps.write(tmp_path / "x", scans)) as recording:
+            (span,) = recording.find(conditions.nearest_below(1.0) & (lambda scan: scan.ranges[0] > 0.2))
+        assert (span.start, span.end, span.nearest) == (0, 2, 0.5)
+
+    def test_in_the_last_scan_before_an_interrupt_counts(self, tmp_path: Path) -> None:
+        def stopped(scan: Any) -> bool:
+            if scan.ranges[0] < 0.2:
+                raise KeyboardInterrupt
+            return bool(scan.distance() < 1.0)
+
+        scans = ((i, sweeps.scan(START_NS, [near])) for i, near in enumerate([0.9, 0.5, 0.1]))
+        with robowidgets.open(sweeps.write(tmp_path / "x", scans)) as recording:
+            (span,) = recording.find(stopped)
+        assert (span.start, span.end, span.nearest) == (0, 1, 0.5)
 
 
 class TestInterrupts:

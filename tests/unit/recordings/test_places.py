@@ -72,6 +72,18 @@ def test_a_scan_was_made_between_two_poses_and_nobody_knows_where_long_after_the
         assert places_of(recording).poses[:, 2] == pytest.approx([pi, 2 * pi - 3.0, np.nan], nan_ok=True)
 
 
+def test_nobody_knows_where_a_scan_was_made_while_odometry_was_silent(tmp_path: Path) -> None:
+    poses = [
+        (seconds, "/odom", {"pose": {"pose": {"position": {"x": x}, "orientation": {"w": 1.0}}}})
+        for seconds, x in ((0.0, 0.0), (60.0, 10.0), (61.0, 11.0))
+    ]
+    scans = [(seconds, "/scan", sweeps.scan(START_NS, [1.0])) for seconds in (0.0, 30.0, 58.9, 60.0, 60.5)]
+    path = recorded.write(tmp_path / "gap", {"/odom": "nav_msgs/msg/Odometry", "/scan": sweeps.TYPE}, poses + scans)
+    with open(path) as recording:
+        assert places_of(recording).poses[:, 0] == pytest.approx([0.0, np.nan, np.nan, 10.0, 10.5], nan_ok=True)
+        assert recording.seconds_near((5.0, 0.0, 0.0)) is None
+
+
 def test_what_is_no_place_is_refused(runs: Path) -> None:
     with open(runs / "slow") as slow, open(runs / "blind") as blind:
         with pytest.raises(RecordingError, match=r"blind has no odometry.*record nav_msgs/Odometry"):

@@ -38,6 +38,17 @@ def test_a_span_of_no_time_picks_what_came_then(tmp_path: Path) -> None:
         assert [moment.seconds for moment in recording[span]] == [1, 1]
 
 
+def test_a_span_that_lasts_to_the_end_has_the_last_sample(tmp_path: Path) -> None:
+    with robowidgets.open(sweeps.write(tmp_path / "x", sweeps.numbered(20))) as recording:
+        span = recording.find(lambda scan: scan.ranges[0] > 1.145)[-1]
+        for which in (span, span[:2], list(span[:2])):
+            part = recording[which]
+            assert [moment.seconds for moment in part] == [1.5, 1.6, 1.7, 1.8, 1.9]
+            assert len(part.scans()) == 5
+            assert repr(part) == "x from 1.50 to 1.90 s"
+        assert len(recording[1.5:1.9].scans()) == 4, "by seconds, the end is not included"
+
+
 def test_a_span_is_selected(drive: Recording) -> None:
     span = drive.find(conditions.touched())[0]
     player = drive.show(scanogram=True)
