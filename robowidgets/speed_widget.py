@@ -170,7 +170,10 @@ class SpeedWidget(RobotWidget[Reading]):
 
     @property
     def speed(self) -> Speed | None:
-        """The measured speed on show: the frozen one while paused, else the newest; None before the first."""
+        """The measured speed on show: the frozen one while paused, else the newest; None before the first.
+
+        A frozen one has no pose; use `wait` in loops, which gives the newest with its pose, frozen or not.
+        """
         return self._sample_on_show().measured
 
     @property

@@ -57,6 +57,9 @@ class FreezableWidget(NamedWidget):
         """Pack the newest sample into `_frame` and `_about` without sending them, as setting the traits would."""
         raise NotImplementedError
 
+    def _on_group(self) -> None:
+        """Called when the widget is in another group."""
+
     @traitlets.validate("paused")
     def _before_paused(self, proposal: Any) -> Any:
         """Keep the shown sample before `paused` is True, because another thread may read it at any moment."""
@@ -97,3 +100,5 @@ def freeze_together(widgets: Iterable[FreezableWidget]) -> None:
     name = uuid4().hex
     for widget in group:
         widget._group, widget._together = group, name
+    for widget in group:
+        widget._on_group()

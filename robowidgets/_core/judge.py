@@ -11,7 +11,7 @@ from .log_once import LogOnce
 from .newest_sample import NewestSample, Shot
 from .pacer import Sender, pacer
 from .user_function import line_of
-from .user_threads import frames_of
+from .user_threads import UserThread, frames_of
 from .watch import Watch
 
 log = logging.getLogger("robowidgets")
@@ -38,7 +38,7 @@ class Judge:
 
     The picture of a sample is sent once its verdicts are there, so that a lamp never tells of another sample than the
     one on show. A function that takes longer than `PATIENCE` does not hold the picture back: its lamp is unknown then.
-    A function that does not return is abandoned when its watch is removed or replaced.
+    A function that does not return is ended when its watch is removed or replaced.
 
     Args:
         widget: the widget.
@@ -48,7 +48,7 @@ class Judge:
         self._widget = widget
         self._newest = widget._newest
         self.watches: dict[str, Watch] = {}
-        self._thread: threading.Thread | None = None
+        self._thread: UserThread | None = None
         self._seen = self._done = 0
         """The versions that were last taken, and judged."""
         self._shot: Shot | None = None
@@ -63,27 +63,33 @@ class Judge:
         with self._newest.lock:
             before = self.watches.get(watch.name)
             self.watches[watch.name] = watch
-            self._restart(before)
-        if before:
+            left = self._restart(before)
+        if before is not None:  # as a truth value it is its verdict
             before.end("another condition has its name now")
+        _end(left)
 
     def remove(self, name: str) -> None:
         """Remove a watch."""
         with self._newest.lock:
             gone = self.watches.pop(name)
-            self._restart(gone)
-            if not self.watches:
-                self._thread = None
+            left = self._restart(gone)
         pacer.mark(self._widget)
         gone.end("it is watched no more")
+        _end(left)
 
     def close(self) -> None:
         """End the thread, and whatever waits for a watch."""
         with self._newest.lock:
-            self._thread = None
-            self._newest.wake()
+            left = self._leave_thread()
+        pacer.forget(self)
         for watch in self.watches.values():
             watch.end("its widget is closed")
+        _end(left)
+
+    def send_newest(self) -> int:
+        """Have the widget sent, by an appointment that the widget's own do not replace; the pacer's call."""
+        pacer.mark(self._widget)
+        return 0
 
     def choose(self, packed: int) -> tuple[Shot | None, list[dict[str, Any]]]:
         """What to send to the page, with its lamps; None while the verdicts are due in a moment.
@@ -104,7 +110,7 @@ class Judge:
         if self._shot is not None and self._shot.version > packed and not self._widget._packs_now:
             return self._shot, self._lamps
         is_late = self.is_late
-        pacer.mark_at(self._widget, time.monotonic() + (SLOW if is_late else PATIENCE))
+        pacer.mark_at(self, time.monotonic() + (SLOW if is_late else PATIENCE))
         if not is_late:
             return None, []
         return newest, [self._unknown(watch) for watch in self.watches.values()]
@@ -116,19 +122,37 @@ class Judge:
     @property
     def is_late(self) -> bool:
         """Whether the judgement of one sample takes longer than a picture waits for it."""
-        entered = self._entered
-        return entered is not None and time.monotonic() - entered > PATIENCE
+        return self.busy_for > PATIENCE
 
-    def _restart(self, gone: Watch | None) -> None:
-        """Judge the newest sample again, in another thread if this one is in a function that is not wanted any more."""
+    @property
+    def busy_for(self) -> float:
+        """Seconds since the judgement of a sample began; 0 while it waits for one."""
+        entered = self._entered
+        return 0.0 if entered is None else time.monotonic() - entered
+
+    def _restart(self, gone: Watch | None) -> UserThread | None:
+        """Judge the newest sample again, in another thread if this one is in a function that is not wanted any more.
+
+        Returns that thread, to be ended once its watch is.
+        """
         self._seen = self._done = 0
         self._shot = None
         self._newest.changed = True
-        if self._thread is None or (gone is not None and self._current is gone):
-            self._current = self._entered = None
-            self._thread = threading.Thread(target=self._run, name="robowidgets-judge", daemon=True)
+        is_in_it = gone is not None and self._current is gone
+        left = self._leave_thread() if is_in_it or not self.watches else None
+        if self.watches and self._thread is None:
+            self._thread = UserThread(self._run, "robowidgets-judge")
             self._thread.start()
         self._newest.wake()
+        return left
+
+    def _leave_thread(self) -> UserThread | None:
+        """Have the thread go no further; returns it if it is in a function. Called with the lock."""
+        is_in_one = self._current is not None and self._thread is not threading.current_thread()
+        left = self._thread if is_in_one else None
+        self._thread = self._current = self._entered = None
+        self._newest.wake()
+        return left
 
     def _run(self) -> None:
         me = threading.current_thread()
@@ -149,6 +173,7 @@ class Judge:
                 if self._seen == shot.version:  # else another watch was added meanwhile
                     self._done, self._shot = shot.version, shot
                     self._lamps = [watch.lamp() for watch in watches]
+                    self._newest.changed = True  # also where it is on show already, with unknown lamps
                 self._newest.wake()
             pacer.mark(self._widget)
 
@@ -164,7 +189,7 @@ class Judge:
             if now - self._checked > SLOW:
                 # Should a function not return, with no sample after this one, the picture is still to be shown.
                 self._checked = now
-                pacer.mark_at(self._widget, now + SLOW)
+                pacer.mark_at(self, now + SLOW)
             return newest.shot()
 
     def _unknown(self, watch: Watch) -> dict[str, Any]:
@@ -177,3 +202,10 @@ class Judge:
             line = line_of(watch.condition, frames_of(self._thread))
             text = f"takes {time.monotonic() - self._entered:.1f} s{line}"
         return {**lamp, "state": "unknown", "text": text, "rays": []}
+
+
+def _end(thread: UserThread | None) -> None:
+    """End a thread that stays in a function."""
+    if thread is not None:
+        thread.join(PATIENCE)
+        thread.end()

@@ -309,7 +309,10 @@ class RobotWidget(SavesPng, JudgesConditions, PacedWidget, Generic[S]):
     def _why_unknown(self) -> str:
         if self._newest_measured() is None:
             return f"no {self.sample_name} came"
-        age = self._newest.age
-        if self.goes_stale and self.has_rate and age > self._longest_silence():
+        limit, age = self._longest_silence(), self._newest.age
+        busy_for = self._judge.busy_for if self._judge else 0.0
+        if busy_for > limit:
+            return f"conditions at work for {busy_for:.1f} s"
+        if self.goes_stale and self.has_rate and age > limit:
             return self._source.get("status", "") or f"no new {self.sample_name} for {age:.1f} s"
         return ""

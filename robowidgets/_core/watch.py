@@ -158,7 +158,8 @@ class Watch:
         try:
             verdict = UNKNOWN if sample is None else self._judge(sample)
         except BaseException as error:  # not even a SystemExit may end the thread that judges
-            self._switch_off(error)
+            if not self._ended:  # else it was ended because it did not return
+                self._switch_off(error)
             return
         with self._changed:
             if self._sample is not None and verdict.value != self._verdict.value:

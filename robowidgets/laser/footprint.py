@@ -112,6 +112,10 @@ class HasFootprint(traitlets.HasTraits):
             "touch": self._model_of("touch", footprint.touch),
         }
 
+    def _on_group(self) -> None:
+        """See `FreezableWidget`: take the widgets of this group."""
+        self.footprint = self._footprint
+
     def _model_of(self, kind: str, widget: Any) -> str:
         """The model of a widget, or of the only one of its kind in this view; empty for none."""
         found = [one for one in self._group if one.sample_name == kind] if widget is None else [widget]

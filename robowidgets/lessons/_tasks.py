@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf, isnan, nan, pi
+from math import inf, isfinite, isnan, nan, pi
 
 import numpy as np
 
@@ -111,12 +111,22 @@ def stop_at_wall() -> Sequence[Case]:
     ]  # fmt: skip
 
 
+def _drive(robot: Robot, answer: Answer) -> None:
+    speed = number(call(answer, robot.scan()), "speed forward in m/s")
+    if not isfinite(speed):
+        raise WrongError(
+            f"at {robot.time:.1f} s it returned {speed:g} m/s: a distance is inf where nothing is met, and nan where "
+            "it is unknown. Return a limited speed for the one, and 0 for the other"
+        )
+    robot.drive(speed, 0.0)
+    robot.step(_STEP_S)
+
+
 def _stop(title: str, world: World, wall: float, hint: str = "") -> Case:
     def judge(answer: Answer) -> None:
         robot = Robot(world, seed=9)
         while robot.time < 25:
-            robot.drive(number(call(answer, robot.scan()), "speed forward in m/s"), 0.0)
-            robot.step(_STEP_S)
+            _drive(robot, answer)
             if touches(robot):
                 raise WrongError(f"it hit the wall at {robot.time:.1f} s. Slow down earlier")
         left, speed = wall - robot.pose.x, robot.speed().linear[0]
@@ -198,8 +208,7 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
         while robot.pose.x < 2.5:
             if robot.time > 40:
                 raise WrongError(f"after 40 s it is no farther than {robot.pose.x + 3:.1f} m of 5.5 m: drive on")
-            robot.drive(number(call(answer, robot.scan()), "speed forward in m/s"), 0.0)
-            robot.step(_STEP_S)
+            _drive(robot, answer)
             x, speed = robot.pose.x, robot.speed().linear[0]
             if has_door and abs(x) < 0.05:
                 fastest_inside = max(fastest_inside, speed)

@@ -141,6 +141,8 @@ class Trace:
         self._comparisons: list[_Comparison] = []
         self._rays: list[Ray] = []
         self._sectors: list[tuple[Scan, Asked | None]] = []
+        self._parts: list[tuple[Scan, Any]] = []
+        """The scans, with the indices that gave all of their ranges or a part of them."""
         self._of_parts: dict[tuple[int, int], Scan] = {}
         """By its id and an index, the scan of the nearest ray of each part of the ranges that was read at once."""
         self._single: tuple[float, Scan, Any] | None = None
@@ -150,6 +152,7 @@ class Trace:
         """A scan that notes what is read in it; another sample as it is."""
         if not isinstance(sample, Scan):
             return sample
+        self._parts.append((sample, slice(None)))
         _ = sample.angles  # found once for the scan and all that trace it
         traced = object.__new__(_TracedScan)
         ranges = traced_ranges(sample.ranges, lambda key, part: self.looked(sample, key, part))
@@ -189,6 +192,7 @@ class Trace:
             if before is None or part < before[0] or isnan(before[0]):
                 self._single = part, scan, key
             return
+        self._parts.append((scan, key))
         away = np.where(np.isnan(part), np.inf, part)
         if part.size and away.min() < np.inf:
             self._of_parts[id(scan), int(np.arange(len(scan))[key].flat[away.argmin()])] = scan
@@ -230,7 +234,8 @@ class Trace:
 
     def _marked(self, result: Any) -> NDArray[np.intp]:
         if _is_mask(result):
-            return np.flatnonzero(result)
+            indices = (np.arange(len(scan))[key] for scan, key in self._parts)
+            return next((part[result] for part in indices if part.shape == result.shape), np.array([], np.intp))
         if isinstance(result, Ray):
             return np.array([result.index], np.intp)
         if self._comparisons:
@@ -249,15 +254,15 @@ class Trace:
 
 
 def _is_mask(result: Any) -> bool:
-    """Whether a function returned True or False for each ray."""
+    """Whether a function returned True or False for each ray, or for each of a part of them."""
     return isinstance(result, np.ndarray) and result.dtype == bool and result.ndim == 1
 
 
 def judged(function: Callable[..., Any], *samples: Any) -> Verdict:
     """The verdict of a function of some samples.
 
-    The function may return True or False, None for unknown, a `Ray`, or True or False for each ray, shape (R,), which
-    is true where any ray is. What it raises passes through.
+    The function may return True or False, None for unknown, a `Ray`, or True or False for each ray, shape (R,), or for
+    each of a part of the ranges, which is true where any ray is. What it raises passes through.
     """
     trace = Trace()
     return trace.verdict(function(*map(trace.of, samples)))

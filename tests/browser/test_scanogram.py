@@ -132,6 +132,47 @@ def test_a_person_points_clicks_and_drags_and_python_knows(plain_page: Callable[
         eventually(lambda: nb.python("print(scanogram.view[0] <= scanogram.time <= scanogram.view[1])").strip(), "True")
 
 
+def test_a_drag_that_is_cancelled_selects_nothing(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SETUP], touch=True)
+    nb.resize(900)
+    card = card_of(nb)
+    selected = card.locator(".rw-scanogram-selected")
+    box = picture_of(card).bounding_box()
+    assert box
+    session = nb.page.context.new_cdp_session(nb.page)
+
+    def touch(kind: str, *times: float) -> None:
+        places = [at(card, seconds) for seconds in times]
+        points = [{"x": box["x"] + place["x"], "y": box["y"] + place["y"], "id": i} for i, place in enumerate(places)]
+        session.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": points})
+
+    touch("Start", 100)
+    touch("Move", 120)
+    touch("Move", 150)
+    expect(selected).to_contain_text("100.00 \u2013 150.00 s")
+    touch("Start", 150, 300)
+    touch("Move", 150, 350)
+    touch("Move", 150)  # the second finger is lifted
+    expect(selected, "a second finger drags nothing").to_contain_text("100.00 \u2013 150.00 s")
+    touch("Cancel")
+    expect(selected, "the finger scrolls the page").to_have_text("")
+    assert nb.python("print(scanogram.selection)").strip() == "None"
+
+    nb.python("scanogram.selection = (1, 2)")
+    mouse, keys = nb.page.mouse, nb.page.keyboard
+    mouse.move(box["x"] + at(card, 100)["x"], box["y"] + 100)
+    mouse.down()
+    mouse.move(box["x"] + at(card, 150)["x"], box["y"] + 100, steps=3)
+    expect(selected).to_contain_text("500 scans")
+    keys.press("Escape")
+    mouse.move(box["x"] + at(card, 200)["x"], box["y"] + 100, steps=3)
+    expect(selected, "Escape puts back what was").to_contain_text("1.00 \u2013 2.00 s")
+    mouse.up()
+    assert nb.python("print(scanogram.selection)").strip() == "(1.0, 2.0)"
+    keys.press("Escape")
+    eventually(lambda: nb.python("print(scanogram.selection)").strip(), "None")
+
+
 def test_the_wheel_zooms_down_to_single_scans_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SETUP])
     nb.resize(900)

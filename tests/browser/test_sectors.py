@@ -326,6 +326,10 @@ def test_code_is_copied_by_hand_where_there_is_no_clipboard(plain_page: Callable
         card.locator(".rw-popup .rw-copy").first.click()
         eventually(lambda: len(nb.page.evaluate("() => copied")), 2)
         assert nb.python(f"print(laser.code(4, form={form!r}), end='')") == nb.page.evaluate("() => copied.pop()")
+    card.locator(".rw-popup select").first.select_option("scan")
+    card.locator(".rw-popup select").first.press("ArrowDown")
+    expect(card.locator(".rw-popup select").first).to_have_value("message")
+    assert nb.python("laser.pinned") == "4", "keys in the list do not walk the rays"
     nb.python("laser.pinned = 400")
     expect(card.locator(".rw-popup").first).to_contain_text("this scan has 19 rays")
     expect(card.locator(".rw-popup .rw-copy").first).to_be_hidden()

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from .chromium import LOOKS, shoot
-from .laser import LIGHT, SETUP, Picture, locate
+from .laser import LIGHT, SETUP, Picture, eventually, locate
 from .plain_page import PlainPage
 
 DRIVE = """
@@ -166,9 +166,22 @@ def test_in_the_middle_of_an_endless_loop(plain_page: Callable[..., PlainPage]) 
         assert said.inner_text() == frozen
         card.locator(".rw-picture").press("Space")
         expect(name).to_have_attribute("data-rw-state", "true", timeout=20_000)
-    # A lamp is not older than its scan: nothing is known when no more come.
+    # A lamp is not older than its scan: nothing is known when no more come, also of one that is folded and unfolded.
+    card.locator(".rw-title").hover()
+    nb.python("laser.update(**fan())")
+    place = locate(card)
+    behind = place.at(0.8 + 5 / place.scale, 0)
+    nb.python("laser.update(**fan({9: 0.8}))")
+    expect(card.locator(".rw-footer")).to_contain_text("0.80 m")
+    card.locator(".rw-picture").press("Space")
+    expect(name).to_have_attribute("data-rw-state", "true")
+    eventually(lambda: LIGHT["ink"] in Picture(card).around(*behind), True)
+    card.locator(".rw-picture").press("Space")
     expect(name).to_have_attribute("data-rw-state", "unknown", timeout=15_000)
     expect(said).to_contain_text("unknown")
+    eventually(lambda: LIGHT["ink"] in Picture(card).around(*behind), False)
+    for _ in range(2):
+        assert name.evaluate("name => (name.click(), name.dataset.rwState)") == "unknown"
 
 
 def width_of(card: Locator) -> float:
@@ -198,6 +211,17 @@ def test_in_a_player_the_lamp_shows_the_verdict_on_the_scan_of_its_time(plain_pa
     expect(lamp).to_have_attribute("data-rw-state", "true")
     expect(laser.locator(".rw-lamp-text")).to_contain_text("0.30 m")
     shoot(nb.output(0), "watch-player")
+
+    # Frozen, and after steps, it keeps the verdict on its own scan, wherever the player goes.
+    freeze, now = laser.locator(".rw-freeze"), nb.output(0).locator(".rw-play-now")
+    for button in (freeze, nb.output(0).get_by_role("button", name="One scan on (.)")):
+        button.click()
+        for seconds in (-1, -0.5):
+            nb.python(f"player.seek(bump.start + {seconds})")
+            expect(now).to_have_text(nb.python(f"print(f'{{bump.start + {seconds}:.2f}}')").strip())
+        expect(laser.locator(".rw-lamp-text")).to_contain_text("< 0.30 m")
+        expect(lamp).to_have_attribute("data-rw-state", "true")
+    freeze.click()
     nb.python("player.seek(bump.start - 1)")
     expect(lamp).to_have_attribute("data-rw-state", "false")
     nb.python("player.views[0].widget.unwatch('wall')")

@@ -7,8 +7,12 @@ import {
   outlineOf,
   partOf,
   reachOf,
+  speedAt,
+  touchesAt,
   wayOf,
 } from "../../robowidgets/js/laser/footprint.ts";
+import type { Speeds } from "../../robowidgets/js/shared/frames/speeds.ts";
+import type { Touch } from "../../robowidgets/js/shared/frames/touch.ts";
 
 const ROUND: Footprint = { radius: 0.2, polygon: [], bumpers: {}, scanner: [0, 0, 0], speed: "", touch: "" };
 const BOX: Footprint = {
@@ -52,4 +56,21 @@ test("a small robot is drawn larger, and one whose scanner is elsewhere stands w
   const turned = { ...ROUND, scanner: [0.1, 0, Math.PI] as [number, number, number] };
   near(asSeen(turned, { x: 0.2, y: 0 }).range, 0.1);
   near(Math.cos(asSeen(turned, { x: 0.2, y: 0 }).angle), -1);
+});
+
+test("a robot on a scan of another moment has no speed, and no touches that came later", () => {
+  const scan = { sequence: 9, rate: 10, arrived: 100 };
+  const speedOf = (arrived: number, rate = 10) =>
+    speedAt({ ...scan, rate }, { ...scan, arrived, measured: [0.4] } as Speeds)?.[0];
+  const touchOf = (arrived: number, rate = 10) => {
+    const sensors = [{ name: "left", state: "touched", touches: 1, seconds: 0 }];
+    return touchesAt({ ...scan, rate }, { ...scan, arrived, sensors } as Touch).get("left");
+  };
+  for (const near of [99.1, 100.9]) assert.deepEqual([speedOf(near), touchOf(near)], [0.4, "touched"]);
+  assert.deepEqual([speedOf(80), touchOf(80)], [undefined, "touched"], "a sensor may tell changes alone");
+  assert.deepEqual([speedOf(120), touchOf(120)], [undefined, undefined]);
+  // The next scan of a slow scanner is not due yet; in a player there is no rate.
+  assert.deepEqual([speedOf(103, 0.5), touchOf(103, 0.5)], [0.4, "touched"]);
+  assert.deepEqual([speedOf(900, NaN), touchOf(900, NaN)], [0.4, "touched"]);
+  assert.deepEqual([speedAt(null, null), touchesAt(scan, null).size], [null, 0]);
 });

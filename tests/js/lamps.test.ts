@@ -19,13 +19,13 @@ test("a lamp is lit only for the sample that was judged, and not when that is st
 });
 
 test("rays are marked only while their condition is lit", () => {
-  const shown = scanOf([1, 1, 1], { sequence: 5 });
   const about = { lamps: [LIT, { ...LIT, state: "false" as const }], judged: 5 };
-  assert.deepEqual(litRuns({ about, shown }), [
+  assert.deepEqual(litRuns(lampsOf(about, 5)), [
     [2, 4],
     [7, 8],
   ]);
-  assert.deepEqual(litRuns({ about, shown: { ...shown, sequence: 6 } }), []);
+  assert.deepEqual(litRuns(lampsOf(about, 6)), []);
+  assert.deepEqual(litRuns(lampsOf(about, 5, true)), [], "nor while nothing is known of the present");
 });
 
 test("changes are stepped through in both directions, past what is unknown", () => {

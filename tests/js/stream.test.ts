@@ -254,14 +254,38 @@ test("silence begins three periods after the last frame, from one second to ten"
     [0.01, 10_000],
     [1e-9, 10_000],
   ];
-  for (const [rate, limit] of limits) {
-    fake.receive({ _frame: frame(1, rate) });
+  for (const [i, [rate, limit]] of limits.entries()) {
+    fake.receive({ _frame: frame(i + 1, rate) });
     assert.equal(stream.rate, rate);
     t.mock.timers.tick(limit - 1);
     assert.equal(stream.silence, 0);
     t.mock.timers.tick(1);
     assert.ok(stream.silence > 0);
   }
+  end();
+});
+
+test("a frame that says more of the same sample ends no silence: a command, a touch that is over", (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const again = () => fake.receive({ _frame: frame(2) });
+  const { fake, stream, end } = open({ _frame: frame(1), _silence: 0.5 });
+  fake.receive({ _frame: frame(1) });
+  t.mock.timers.tick(500);
+  assert.ok(stream.silence > 0, "also when the page found the sample");
+  again();
+  assert.equal(stream.silence, 0);
+  t.mock.timers.tick(900);
+  again();
+  t.mock.timers.tick(100);
+  assert.equal(stream.live, false);
+  const before = stream.arrived;
+  again();
+  assert.equal(stream.live, false);
+  assert.ok(stream.arrived > before, "what it says is of now");
+  const restarted = frame(2);
+  restarted.setFloat64(24, 7, true);
+  fake.receive({ _frame: restarted });
+  assert.equal(stream.live, true, "a kernel that counts anew");
   end();
 });
 
@@ -341,6 +365,28 @@ test("what is said later of the newest sample stays with it, and with no other",
   end();
 });
 
+test("without a history, too, what is said of a frozen sample stays with it, also after a player stepped to it", () => {
+  const { fake, stream, end } = open({ history: 0 });
+  const said = () => [stream.about.frame_id, stream.last(9).at(-1)?.about.frame_id];
+  fake.receive({ _about: { frame_id: "front" }, _frame: frame(1) });
+  stream.toggle();
+  fake.receive({ _about: { frame_id: "front, later" } });
+  for (const i of [2, 3]) fake.receive({ _about: { frame_id: "rear" }, _frame: frame(i) });
+  assert.deepEqual(said(), ["front, later", "front, later"]);
+  const stepped = frame(4);
+  fake.receive({ _about: { frame_id: "stepped" }, _frame: stepped });
+  fake.set("_frozen_frame", stepped);
+  for (const i of [5, 6]) fake.receive({ _about: { frame_id: "rear" }, _frame: frame(i) });
+  assert.equal(stream.about.frame_id, "stepped");
+  // The player shows the same sample again, with a new number.
+  stepped.setFloat64(0, 7, true);
+  fake.receive({ _about: { frame_id: "again" }, _frame: stepped });
+  assert.equal(stream.about.frame_id, "stepped");
+  stream.toggle();
+  assert.deepEqual(said(), ["again", "again"]);
+  end();
+});
+
 /** A frame that arrived at a second of Python's clock. */
 function arrived(seconds: number): DataView {
   const bytes = frame(seconds * 10);
@@ -398,4 +444,38 @@ test("a group steps back as far as each of it remembers, and one whose view ende
   );
   forgetful.end();
   laser.end();
+});
+
+test("a moment is frozen only where its first sample since then is kept", () => {
+  const { fake, stream, end } = open({ history: 30 });
+  for (const second of [1, 2, 3]) fake.receive({ _frame: arrived(second) });
+  assert.equal(stream.freezeAt(1.5), true);
+  assert.deepEqual([stream.paused, stream.shown?.arrived], [true, 2]);
+  assert.equal(stream.freezeAt(3.5), false, "nothing came since");
+  assert.equal(stream.shown?.arrived, 2);
+  end();
+
+  const full = open({ history: 0.1 });
+  full.fake.receive({ _frame: arrived(1) });
+  full.stream.toggle();
+  for (const second of [2, 3, 4, 5]) full.fake.receive({ _frame: arrived(second) });
+  assert.equal(full.stream.freezeAt(3.5), false, "frozen for long, it keeps the newest without what came before it");
+  assert.deepEqual([full.stream.freezeAt(1.5), full.stream.shown?.arrived], [true, 2]);
+  full.end();
+
+  const forgetful = open({ history: 0 });
+  for (const second of [1, 2, 3]) forgetful.fake.receive({ _frame: arrived(second) });
+  assert.deepEqual([forgetful.stream.freezeAt(2.5), forgetful.stream.paused], [false, false]);
+  forgetful.end();
+
+  const reloaded = open({ history: 30, _frame: arrived(3) });
+  assert.deepEqual([reloaded.stream.freezeAt(1.5), reloaded.stream.paused], [false, false]);
+  for (const second of [4, 5]) reloaded.fake.receive({ _frame: arrived(second) });
+  assert.equal(reloaded.stream.freezeAt(1.5), false);
+  assert.deepEqual([reloaded.stream.freezeAt(4.5), reloaded.stream.shown?.arrived], [true, 5]);
+  reloaded.end();
+
+  const frozen = open({ history: 30, paused: true, _frozen_frame: arrived(1), _frame: arrived(3) });
+  assert.deepEqual([frozen.stream.freezeAt(2), frozen.stream.shown?.arrived], [false, 1]);
+  frozen.end();
 });

@@ -63,6 +63,7 @@ test("steps out end at what the sensor can see", () => {
   assert.equal(stepRange(5, 1, 5.6), 5.6);
   assert.equal(stepRange(5.6, 1, 5.6), 5.6);
   assert.equal(stepRange(60, 1, 60), 60);
+  assert.equal(stepRange(20, 1, 3.5), 20, "of a program that shows more, nothing is taken away");
 });
 
 test("any metres that a program set lead back to round numbers", () => {

@@ -34,6 +34,18 @@ def test_the_page_gets_the_outline_the_bumpers_and_the_widgets_of_the_view() -> 
     assert laser._robot == {}
 
 
+def test_a_footprint_takes_the_widgets_of_a_view_that_is_made_later() -> None:
+    laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
+    laser.footprint = Footprint(radius=0.18, bumpers={"left": ("15deg", "80deg")})
+    together(laser, speed)
+    assert (laser._robot["speed"], laser._robot["touch"]) == (speed.model_id, "")
+    together(laser, speed, touch)
+    assert (laser._robot["speed"], laser._robot["touch"]) == (speed.model_id, touch.model_id)
+    plain = LaserWidget()
+    together(plain, speed)
+    assert plain._robot == {}
+
+
 @pytest.mark.parametrize(
     ("fields", "error", "text"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -94,6 +95,8 @@ class TestWrongAnswers:
             ("stop_at_wall", lambda _scan: 0.3, "it hit the wall at "),
             ("stop_at_wall", lambda scan: 0.3 * (scan.distance("front") > 0.4), "take a narrower sector"),
             ("stop_at_wall", lambda scan: 0 if scan.distance((-0.3, 0.3)) < 0.4 else 0.3, "no comparison with NaN"),
+            ("stop_at_wall", lambda _scan: math.nan, "it returned nan m/s"),
+            ("slow_in_doorway", lambda scan: 0.3 * scan.distance("front"), "it returned inf m/s"),
             ("stop_at_wall", lambda _scan: 0.05, "after 25 s it still drives with 0.05 m/s"),
             ("stop_at_wall", lambda _scan: 0, "not 0.35 to 0.45 m: drive closer"),
             ("bumper_reflex", lambda _touch: (0.3, 0.0), "back up and turn right"),

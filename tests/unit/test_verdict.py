@@ -52,6 +52,9 @@ class TestFunction:
         ("function", "rays"),
         [
             (lambda s: s.ranges < 0.42, [0, 2]),
+            (lambda s: s.ranges[1:4] < 0.42, [2]),
+            (lambda s: s.ranges[s.valid] < 0.42, [0, 2]),
+            (lambda s: np.array([s.ranges[3] < 0.5, False]), []),
             (lambda s: s.nearest("front"), [0]),
             (lambda s: s.at(0.0).range < 0.5, [2]),
             (lambda s: (s.ranges < 0.42).any(), []),

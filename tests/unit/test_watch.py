@@ -14,6 +14,7 @@ import pytest
 import robowidgets
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget, conditions
 from robowidgets._core import judge
+from robowidgets._core.pacer import pacer
 from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets._core.watch import MOST_RUNS, _runs
 
@@ -98,6 +99,16 @@ class TestLamp:
         wait_for(lambda: lamp(page)["state"] == "true", "another condition takes its place")
         gate.set()
 
+    def test_of_a_slow_function_tells_its_verdict_when_it_is_there(self, laser: LaserWidget) -> None:
+        page = Page(laser)
+        gate = threading.Event()
+        laser.watch(lambda scan: gate.wait(20) and scan.distance() < 0.5, name="wall")
+        show(laser, 0.4)
+        wait_for(lambda: lamp(page).get("text", "").startswith("takes"), "the lamp is unknown")
+        gate.set()
+        wait_for(lambda: lamp(page)["state"] == "true", "the lamp is lit without another scan")
+        assert sequence(page.state) == 1
+
     def test_of_a_function_that_raises_says_so_and_is_off(
         self, laser: LaserWidget, caplog: pytest.LogCaptureFixture
     ) -> None:
@@ -179,6 +190,20 @@ class TestOtherWidgets:
                 assert (state["_about"]["lamps"][0]["state"] == "true") == is_touched
         touch.close()
 
+    def test_touch_is_shown_while_a_function_hangs(self) -> None:
+        touch = TouchWidget()
+        page = Page(touch)
+        gate = threading.Event()
+        touch.watch(lambda one: not one.touched["left"] or gate.wait(20), name="bump")
+        touch.update(left=False)
+        wait_for(lambda: lamp(page, "bump").get("state") == "true", "the first is judged")
+        touch.update(left=True)
+        wait_for(lambda: b'"touched"' in page.state["_frame"], "the second is shown without its verdict", 5)
+        assert lamp(page, "bump")["state"] == "unknown"
+        touch.close()
+        assert touch._judge not in pacer._timers
+        gate.set()
+
 
 class TestWaiting:
     def test_gives_the_sample_for_which_it_is_true(self, laser: LaserWidget) -> None:
@@ -215,6 +240,27 @@ class TestWaiting:
         assert wall.verdict.value is True
         with pytest.raises(TimeoutError, match=r"unknown: no new scan for 60.\d s"):
             wall.wait(0)
+
+    def test_the_verdict_on_an_old_scan_is_not_that_on_the_newest(
+        self, laser: LaserWidget, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        gate = threading.Event()
+        clear = laser.watch(lambda scan: scan.distance() > 0.5 or gate.wait(20), name="clear")
+        other = laser.watch(conditions.nearest_below(3.0), name="other")
+        show(laser, 2.0)
+        clear.wait(5)
+        other.wait(5)
+        show(laser, 0.11)
+        wait_for(lambda: laser._judge and laser._judge.is_late, "it is at work")
+        assert (clear.value, other.value) == (True, True)
+        now = time.monotonic()
+        monkeypatch.setattr(time, "monotonic", lambda: now + 60)
+        show(laser, 0.11)
+        assert (clear.value, other.value) == (None, None)
+        assert re.fullmatch(r"<clear: unknown: conditions at work for 60\.\d s, 2.00 > 0.50 m, 0 changes>", repr(clear))
+        with pytest.raises(TimeoutError, match=r"unknown: conditions at work for 60\.\d s"):
+            clear.wait(0)
+        gate.set()
 
     def test_ends_when_it_is_watched_no_more(self, laser: LaserWidget) -> None:
         wall = laser.watch(conditions.nearest_below(0.5), name="wall")
@@ -344,6 +390,39 @@ def test_no_user_function_runs_in_a_thread_that_carries_data(laser: LaserWidget)
     threading.Thread(target=show, args=(laser, 0.4), name="data").start()
     wall.wait(5)
     assert threads == {"robowidgets-judge"}
+
+
+def test_a_function_that_never_ends_is_ended_when_it_is_not_wanted_any_more(laser: LaserWidget) -> None:
+    ended: list[bool] = []
+
+    def endless(_scan: Any) -> None:
+        try:
+            while True:
+                time.sleep(0.001)
+        finally:
+            ended.append(True)
+
+    show(laser, 0.4)
+    for end, why in (
+        (lambda: laser.watch(conditions.nearest_below(0.5), name="wall"), "another condition has its name now"),
+        (lambda: laser.unwatch("wall"), "it is watched no more"),
+        (laser.close, "its widget is closed"),
+    ):
+        ended.clear()
+        wall = laser.watch(endless, name="wall")
+        wait_for(lambda: laser._judge and laser._judge.is_late, "it is at work")
+        end()
+        wait_for(lambda: ended, "it has ended")
+        assert wall.error == "", "that is no error of the function"
+        with pytest.raises(RuntimeError, match=f"wall: {why}"):
+            wall.wait(0)
+
+
+def test_a_function_may_end_its_own_watch(laser: LaserWidget) -> None:
+    done = threading.Event()
+    laser.watch(lambda _: (laser.unwatch("once"), time.sleep(0.01), done.set()) and True, name="once")
+    show(laser, 0.4)
+    assert done.wait(5)
 
 
 def test_the_thread_ends_with_the_last_watch_and_with_the_widget() -> None:

@@ -125,7 +125,7 @@ export class Chip {
     this.element.ariaLabel = `sector ${texts?.name ?? ""}`.trim();
     this.element.classList.toggle("rw-chip-empty", !texts);
     this.#given = texts?.expression ?? "";
-    if (document.activeElement !== this.#expression) this.#write();
+    if (!this.#expression.matches(":focus")) this.#write();
     if (!texts) return;
     const { angles, state, distance, nearest, index, median, valid } = texts;
     for (const [i, text] of [angles, state, distance, nearest, index, median, valid].entries()) {
@@ -184,7 +184,7 @@ export class Chip {
   /** Gives the focus of a field back to the picture, whose keys then work. */
   #leave(field: HTMLElement): void {
     this.#write();
-    if (document.activeElement === field && !this.#signal.aborted) this.#picture.focus({ preventScroll: true });
+    if (field.matches(":focus") && !this.#signal.aborted) this.#picture.focus({ preventScroll: true });
   }
 }
 

@@ -1,8 +1,8 @@
 import type { Point } from "../shared/box.ts";
-import { angleOf, type Scan, TOO_CLOSE } from "../shared/frames/scan.ts";
-import { lampsOf } from "../shared/lamps.ts";
-import type { Stream } from "../shared/stream.ts";
+import { angleOf, TOO_CLOSE } from "../shared/frames/scan.ts";
+import type { Lamps } from "../shared/lamps.ts";
 import type { Theme } from "../shared/theme.ts";
+import type { Lamp } from "../shared/traits.ts";
 import type { Depth, Layer, Painter, Stage, StripPainter, StripStage } from "./layer.ts";
 import { toDirection } from "./projection.ts";
 
@@ -19,10 +19,10 @@ const INNER = 17;
 const FOOT = 3.5;
 
 /** Runs of rays, each [first, stop), that made a lit condition true. */
-export function litRuns(stream: Pick<Stream<Scan>, "about" | "shown">): [number, number][] {
-  const lit = lampsOf(stream.about, stream.shown?.sequence).filter(({ state }) => state === "true");
-  return lit.flatMap(({ rays }) => {
-    return Array.from({ length: rays.length / 2 }, (_, i) => [rays[2 * i], rays[2 * i + 1]] as [number, number]);
+export function litRuns(lamps: Lamp[]): [number, number][] {
+  return lamps.flatMap(({ state, rays }) => {
+    const count = state === "true" ? rays.length / 2 : 0;
+    return Array.from({ length: count }, (_, i) => [rays[2 * i], rays[2 * i + 1]] as [number, number]);
   });
 }
 
@@ -69,17 +69,17 @@ export function linesBehind({ scan, projection }: Pick<Stage, "scan" | "projecti
 /** Underlines the rays that made a condition true. */
 export class ConditionLayer implements Layer {
   readonly traits = [] as const;
-  readonly #stream: Stream<Scan>;
+  readonly #lamps: Lamps;
   readonly #painters: Partial<Record<Depth, Painter>> = {
     conditions: (context, stage, theme) => this.#draw(context, stage, theme),
   };
 
-  constructor(stream: Stream<Scan>) {
-    this.#stream = stream;
+  constructor(lamps: Lamps) {
+    this.#lamps = lamps;
   }
 
   painters(): Partial<Record<Depth, Painter>> {
-    return this.#stream.about.lamps?.length ? this.#painters : {};
+    return this.#lamps.verdicts.length ? this.#painters : {};
   }
 
   strip(): Partial<Record<Depth, StripPainter>> {
@@ -89,7 +89,7 @@ export class ConditionLayer implements Layer {
   /** A bar at the foot of the index view, under the rays that made a condition true. */
   #drawFoot(context: CanvasRenderingContext2D, { box, count, xOf }: StripStage, theme: Theme): void {
     context.fillStyle = theme.ink;
-    for (const [first, stop] of litRuns(this.#stream)) {
+    for (const [first, stop] of litRuns(this.#lamps.verdicts)) {
       const [left, right] = [xOf(first - 0.5), xOf(Math.min(stop, count) - 0.5)];
       context.fillRect(left, box.y + box.height - FOOT, Math.max(FOOT, right - left), FOOT);
     }
@@ -97,7 +97,7 @@ export class ConditionLayer implements Layer {
 
   #draw(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
     context.beginPath();
-    for (const line of linesBehind(stage, litRuns(this.#stream))) {
+    for (const line of linesBehind(stage, litRuns(this.#lamps.verdicts))) {
       for (const [i, { x, y }] of line.entries()) {
         if (i) context.lineTo(x, y);
         else context.moveTo(x, y);

@@ -1,4 +1,5 @@
 import { make, makeButton, setText } from "../shared/dom.ts";
+import { on } from "../shared/events.ts";
 import { FORMS, type Form } from "./code.ts";
 
 const COPIED_MS = 2000;
@@ -30,6 +31,10 @@ export class CopyCode {
     this.#form.title = "for a Scan of robowidgets, for a ROS message without it, or the plain slice";
     this.#form.ariaLabel = "form of the code";
     this.row.append(this.#button, this.#form);
+    // Their keys are theirs: the picture would walk its rays.
+    for (const own of [this.#form, this.field]) {
+      on(own, "keydown", (event) => event.key !== "Escape" && event.stopPropagation(), signal);
+    }
     this.field.readOnly = true;
     this.field.hidden = true;
     this.field.ariaLabel = "code to copy";

@@ -1,4 +1,7 @@
 import type { Point } from "../shared/box.ts";
+import type { Speeds } from "../shared/frames/speeds.ts";
+import type { Touch, TouchState } from "../shared/frames/touch.ts";
+import type { Frame } from "../shared/stream.ts";
 import { type Sector, sweepOf } from "./sector.ts";
 
 /** The robot from above in its own frame, metres, with the models of the widgets that know its speed and touches. */
@@ -19,6 +22,8 @@ type Place = Point;
 /** Seconds of way that the arrow shows. */
 const AHEAD = 2;
 const STEPS = 24;
+/** Seconds between a scan and a speed or a touch, beyond which they are of different moments. */
+const APART = 1;
 /** Below these a robot stands: m/s and rad/s. */
 const STANDS = [0.005, 0.02] as const;
 
@@ -86,4 +91,23 @@ export function wayOf(robot: Footprint, vx: number, vy: number, turn: number): P
 /** Distance and angle, as a scan has them, of a place on the robot. */
 export function asSeen({ scanner: [sx, sy, yaw] }: Footprint, { x, y }: Place): { range: number; angle: number } {
   return { range: Math.hypot(x - sx, y - sy), angle: Math.atan2(y - sy, x - sx) - yaw };
+}
+
+/** What was measured when a scan arrived, by axis; null while it is unknown. */
+export function speedAt(scan: Frame | null, speeds: Speeds | null): number[] | null {
+  return (!isApart(scan, speeds) && speeds?.measured) || null;
+}
+
+/** The states of touch sensors when a scan arrived, by name. Earlier ones hold: a sensor may tell changes alone. */
+export function touchesAt(scan: Frame | null, touch: Touch | null): Map<string, TouchState> {
+  const isLater = scan && touch && touch.arrived > scan.arrived && isApart(scan, touch);
+  return new Map(isLater ? [] : touch?.sensors.map(({ name, state }) => [name, state]));
+}
+
+/** Never in a player: it has no rate, and a sample arrives when it is read. */
+function isApart(scan: Frame | null, sample: Frame | null): boolean {
+  if (!scan || !sample || !(scan.rate > 0)) return false;
+  const delay = sample.arrived - scan.arrived;
+  // The scan of a slow scanner is the last one for longer.
+  return delay < -APART || delay > Math.max(APART, 2 / scan.rate);
 }

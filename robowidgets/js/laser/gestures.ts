@@ -1,5 +1,5 @@
 import type { Point } from "../shared/box.ts";
-import { pointIn } from "../shared/dom.ts";
+import { isDragged, pointIn } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
 import type { Drag, Layer } from "./layer.ts";
@@ -13,8 +13,6 @@ interface Zoom {
 
 const ZOOM: Record<string, -1 | 1> = { "+": -1, "=": -1, "-": 1, _: 1 };
 const WHEEL_STEP = 40;
-/** Pixels; a press that moves less is a click. */
-const CLICK_SLOP = 4;
 
 /**
  * Offers what a person does to the picture to the layers, from the last of the list, until one takes it.
@@ -67,6 +65,7 @@ export function watchGestures(
   on(parentElement ?? element, "keydown", onKey, signal);
   let turned = 0;
   const onWheel = (event: WheelEvent): boolean => {
+    if (!event.deltaY) return false;
     const direction = event.deltaY < 0 ? -1 : 1;
     turned += event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 20 : 1);
     if (Math.abs(turned) >= WHEEL_STEP) {
@@ -129,7 +128,7 @@ function watchPresses(
   const onMove = (event: PointerEvent) => {
     if (press?.id !== event.pointerId) return;
     const point = toPoint(event);
-    if (!press.moved && Math.hypot(point.x - press.start.x, point.y - press.start.y) >= CLICK_SLOP) {
+    if (!press.moved && isDragged(press.start, point)) {
       press.moved = true;
       leave();
     }

@@ -2,12 +2,12 @@ import type { Point } from "../shared/box.ts";
 import { write } from "../shared/canvas.ts";
 import { toFixed } from "../shared/format.ts";
 import { decodeSpeeds, type Speeds } from "../shared/frames/speeds.ts";
-import { decodeTouch, type Touch, type TouchState } from "../shared/frames/touch.ts";
+import { decodeTouch, type Touch } from "../shared/frames/touch.ts";
 import { onChange } from "../shared/model.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import { Companion } from "./companion.ts";
 import { drawRobot } from "./draw_area.ts";
-import { asSeen, atLeast, type Footprint, outlineOf, partOf, wayOf } from "./footprint.ts";
+import { asSeen, atLeast, type Footprint, outlineOf, partOf, speedAt, touchesAt, wayOf } from "./footprint.ts";
 import { type Depth, type Host, isFree, type Layer, type Painter, type Stage } from "./layer.ts";
 import { toPixel } from "./projection.ts";
 
@@ -15,8 +15,6 @@ import { toPixel } from "./projection.ts";
 const LEAST = 26;
 /** Pixels from the outline to the middle of a bumper. */
 const OUTSIDE = 4;
-/** Seconds by which a speed may be older than the scan. */
-const STALE = 1;
 
 /** The robot to scale, when asked for, with its bumpers and the way that it makes in two seconds. */
 export class RobotLayer implements Layer {
@@ -79,9 +77,9 @@ export class RobotLayer implements Layer {
   #drawBumpers(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
     const robot = this.#robotOn(stage);
     if (!robot) return;
-    const states = new Map(this.#touch.shown?.sensors.map(({ name, state }) => [name, state]));
+    const states = touchesAt(stage.scan, this.#touch.shown);
     for (const [name, sector] of Object.entries(robot.bumpers)) {
-      const state: TouchState = states.get(name) ?? "unknown";
+      const state = states.get(name) ?? "unknown";
       trace(context, stage, robot, partOf(robot, sector), OUTSIDE);
       context.strokeStyle = state === "touched" ? theme.touch : theme.guide;
       context.lineWidth = state === "touched" ? 5.5 : 2.5;
@@ -90,7 +88,7 @@ export class RobotLayer implements Layer {
       context.setLineDash([]);
     }
     for (const { x, y } of outlineOf(robot).map((place) => pixelOf(stage, robot, place))) stage.occupied.mark(x, y);
-    const [vx = NaN, vy = NaN, , , , turn = NaN] = this.#measured ?? [];
+    const [vx = NaN, vy = NaN, , , , turn = NaN] = speedAt(stage.scan, this.#speed.shown) ?? [];
     const way = wayOf(robot, vx || 0, vy || 0, turn || 0).map((place) => pixelOf(stage, robot, place));
     if (way.length) drawArrow(context, way, theme);
     for (const { x, y } of way) stage.occupied.mark(x, y);
@@ -99,7 +97,7 @@ export class RobotLayer implements Layer {
   /** The speed in words below the robot, where nothing else is. */
   #drawSpeed(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
     const robot = this.#robotOn(stage);
-    const [vx = NaN, vy = 0] = this.#measured ?? [];
+    const [vx = NaN, vy = 0] = speedAt(stage.scan, this.#speed.shown) ?? [];
     if (!robot || Number.isNaN(vx)) return;
     const text = `${toFixed(Math.hypot(vx, vy || 0), 2)} m/s`;
     const font = textFont(theme);
@@ -111,15 +109,6 @@ export class RobotLayer implements Layer {
     if (!isFree(stage, box)) return;
     stage.labels.push(box);
     write(context, text, x, bottom + 8, theme.muted, font, "center", theme.area);
-  }
-
-  /** By axis; null while it is unknown, or older than the scan. */
-  get #measured(): number[] | null {
-    const speeds = this.#speed.shown;
-    const { scan } = this.#host.stage;
-    // In a player there is no rate, and a sample arrives when it is read.
-    const isOld = scan && speeds && scan.rate > 0 && scan.arrived - speeds.arrived > STALE;
-    return isOld ? null : (speeds?.measured ?? null);
   }
 }
 

@@ -71,7 +71,7 @@ export class LaserView implements Host {
       new GhostLayer(this.#ghost),
       spread,
       new RobotLayer(this),
-      new ConditionLayer(stream),
+      new ConditionLayer(this.card.lamps),
       new ReadingLayer(model),
       new ShapeLayer(this),
       new PointerLayer(this, spread.wordsOf),

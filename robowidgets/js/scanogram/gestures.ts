@@ -1,5 +1,5 @@
 import type { Point } from "../shared/box.ts";
-import { pointIn } from "../shared/dom.ts";
+import { isDragged, pointIn } from "../shared/dom.ts";
 import { isPlain, on as listen } from "../shared/events.ts";
 import { watchWheel } from "../shared/wheel.ts";
 
@@ -11,6 +11,8 @@ interface Gestures {
   onPick(point: Point): void;
   /** A span being dragged, with rays if `rays`; `done` when the button was released. */
   onSelect(from: Point, to: Point, rays: boolean, done: boolean): void;
+  /** The drag ends without a selection: what was selected before stays. */
+  onCancel(): void;
   onPan(pixels: number): void;
   /** A factor below 1 zooms in; around the time cursor where there is no point. */
   onZoom(factor: number, point: Point | null): void;
@@ -23,7 +25,6 @@ interface Gestures {
   onMark(direction: -1 | 1): void;
 }
 
-const FEW = 4;
 const STEPS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity };
 const ZOOMS: Record<string, number> = { "+": 0.5, "=": 0.5, "-": 2, _: 2 };
 const MANY = 10;
@@ -33,7 +34,7 @@ type Listen = <K extends keyof HTMLElementEventMap>(type: K, callback: (event: H
 export function watchGestures(element: HTMLElement, gestures: Gestures, signal: AbortSignal): void {
   const on: Listen = (type, callback) => listen(element, type, callback, signal);
   const toPoint = (event: MouseEvent): Point => pointIn(element, event);
-  watchDrag(on, element, toPoint, gestures);
+  const cancelDrag = watchDrag(on, element, toPoint, gestures);
   on("pointerleave", () => gestures.onHover(null));
   on("dblclick", () => gestures.onReset());
   on("keydown", (event) => {
@@ -43,8 +44,9 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
     else if (zoom !== undefined) gestures.onZoom(zoom, null);
     else if (event.key === "n" || event.key === "p") gestures.onMark(event.key === "n" ? 1 : -1);
     else if (event.key === "0") gestures.onReset();
-    else if (event.key === "Escape") gestures.onClear();
-    else return;
+    else if (event.key === "Escape") {
+      if (!cancelDrag()) gestures.onClear();
+    } else return;
     event.preventDefault();
   });
   const onWheel = (event: WheelEvent): boolean => {
@@ -62,17 +64,33 @@ export function watchGestures(element: HTMLElement, gestures: Gestures, signal: 
   watchWheel(element, onWheel, signal);
 }
 
-/** A press that moves is a drag; one that does not is a click. */
-function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent) => Point, gestures: Gestures): void {
+/**
+ * A press that moves is a drag; one that does not is a click. A second finger makes neither. Returns a function that
+ * cancels, and that returns false when nothing is pressed.
+ */
+function watchDrag(
+  on: Listen,
+  element: HTMLElement,
+  toPoint: (event: MouseEvent) => Point,
+  gestures: Gestures,
+): () => boolean {
   let from: Point | null = null;
   let last: Point = { x: 0, y: 0 };
   let kind: "select" | "rays" | "pan" | null = null;
+  let id = 0;
+  const cancel = (): boolean => {
+    if (!from) return false;
+    from = null;
+    gestures.onCancel();
+    return true;
+  };
   on("pointerdown", (event) => {
-    if (event.button > 1 || (event.target as HTMLElement).closest("button")) return;
+    if (from || !event.isPrimary || event.button > 1 || (event.target as HTMLElement).closest("button")) return;
     from = last = toPoint(event);
     gestures.onPress(from);
     kind = null;
-    element.setPointerCapture(event.pointerId);
+    id = event.pointerId;
+    element.setPointerCapture(id);
   });
   on("pointermove", (event) => {
     const point = toPoint(event);
@@ -80,8 +98,9 @@ function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent
       if (event.pointerType !== "touch") gestures.onHover(point);
       return;
     }
+    if (event.pointerId !== id) return;
     if (!kind) {
-      if (Math.hypot(point.x - from.x, point.y - from.y) < FEW) return;
+      if (!isDragged(from, point)) return;
       kind = event.altKey || event.buttons & 4 ? "pan" : event.shiftKey ? "rays" : "select";
       gestures.onHover(null);
     }
@@ -89,14 +108,13 @@ function watchDrag(on: Listen, element: HTMLElement, toPoint: (event: MouseEvent
     else gestures.onSelect(from, point, kind === "rays", false);
     last = point;
   });
-  const onEnd = (event: PointerEvent, cancelled: boolean) => {
-    if (!from) return;
+  on("pointerup", (event) => {
+    if (!from || event.pointerId !== id) return;
     const [start, point] = [from, toPoint(event)];
     from = null;
-    if (cancelled) return;
     if (!kind && event.button === 0) gestures.onPick(point);
     else if (kind !== "pan") gestures.onSelect(start, point, kind === "rays", true);
-  };
-  on("pointerup", (event) => onEnd(event, false));
-  on("pointercancel", (event) => onEnd(event, true));
+  });
+  on("pointercancel", ({ pointerId }) => pointerId === id && cancel());
+  return cancel;
 }

@@ -90,6 +90,11 @@ export class ScanogramView {
     this.#redrawTop();
   }
 
+  onCancel(): void {
+    this.#draft = null;
+    this.#redrawTop();
+  }
+
   onPan(pixels: number): void {
     const { whole, view } = this.#state;
     if (whole) this.#look(moved(view, (pixels / this.#scene.axis.width) * (view[1] - view[0]), whole.span));
@@ -118,7 +123,6 @@ export class ScanogramView {
   }
 
   onClear(): void {
-    this.#draft = null;
     this.#state.set({ selection: null });
   }
 

@@ -57,6 +57,14 @@ export function pointIn(element: HTMLElement, { clientX, clientY }: Pick<MouseEv
   return { x: clientX - left, y: clientY - top };
 }
 
+/** Pixels; a press that moves less is a click. */
+const CLICK_SLOP = 4;
+
+/** Whether a pointer that was pressed at a place has moved so far that it drags. */
+export function isDragged(from: Point, to: Point): boolean {
+  return Math.hypot(to.x - from.x, to.y - from.y) >= CLICK_SLOP;
+}
+
 /** An element of SVG. */
 export function makeSvg(tag: string, attributes: Record<string, string | number> = {}): SVGElement {
   const element = document.createElementNS("http://www.w3.org/2000/svg", tag);

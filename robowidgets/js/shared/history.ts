@@ -19,10 +19,12 @@ export class History {
 
   add(bytes: DataView, at: number, seconds: number, about: About = {}): void {
     const { moments } = this;
-    moments.push({ bytes, at, about });
+    const moment: Moment = { bytes, at, about };
+    moments.push(moment);
     if (!this.#frozen) this.#trim(seconds);
     else if (moments.length > this.#frozen.count + 1 && this.#isFull(seconds, this.#frozen.count, this.#frozen.at)) {
       moments.splice(-2, 1);
+      moment.isAfterGap = true;
     }
   }
 

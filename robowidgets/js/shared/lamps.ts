@@ -84,6 +84,8 @@ class Row {
 /** The conditions that Python judges on each sample: a lamp for each, below the picture. */
 export class Lamps {
   readonly root = make("div", "rw-lamps");
+  /** What they show: unknown while the source is silent. */
+  verdicts: Lamp[] = [];
   readonly #stream: Stream<Frame>;
   readonly #say: (words: string[]) => void;
   readonly #signal: AbortSignal;
@@ -91,6 +93,7 @@ export class Lamps {
   #states = new Map<string, string>();
   /** Names of the lamps that are unfolded, the last chosen first; a person may have folded others. */
   #open: string[] = [];
+  #isStale = false;
 
   /** @param say has a screen reader say words */
   constructor(stream: Stream<Frame>, say: (words: string[]) => void, signal: AbortSignal) {
@@ -105,9 +108,11 @@ export class Lamps {
   }
 
   /** @param isStale whether the source is silent, so that nothing is known of the present */
-  update(isStale: boolean): void {
+  update(isStale = this.#isStale): void {
     const { shown, about, paused } = this.#stream;
+    this.#isStale = isStale;
     const lamps = lampsOf(about, shown?.sequence, isStale && !paused);
+    this.verdicts = lamps;
     this.root.hidden = !lamps.length;
     if (!lamps.length && !this.#rows.size) return;
     if (lamps.map(({ name }) => name).join("\n") !== [...this.#rows.keys()].join("\n")) this.#arrange(lamps);
@@ -160,7 +165,7 @@ export class Lamps {
     const isFolded = !this.#open.includes(name) || this.#open[0] !== name;
     this.#open = isFolded ? [name, ...others].slice(0, MOST_OPEN) : others;
     this.#place();
-    this.update(false);
+    this.update();
     this.#rows.get(name)?.name.focus({ preventScroll: true });
   }
 

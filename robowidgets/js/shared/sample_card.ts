@@ -16,6 +16,7 @@ const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 
 /** A card with the newest of many samples, which a person can freeze, save, and step through its history. */
 export class SampleCard extends Card {
+  readonly lamps: Lamps;
   readonly #model: Model<SampleTraits>;
   readonly #stream: Stream<Frame>;
   readonly #silence = make("div", "rw-silence");
@@ -24,7 +25,6 @@ export class SampleCard extends Card {
   /** The words around the number are hidden in a narrow card. */
   readonly #freezeWords = ["rw-word", "rw-number", "rw-word"].map((name) => make("span", name));
   readonly #bar: Bar;
-  readonly #lamps: Lamps;
   readonly #tellFacts: () => void;
   readonly #numbers: TimeLinesView;
   #known: string[] = [];
@@ -49,8 +49,8 @@ export class SampleCard extends Card {
     offerPng(this, model, signal);
     this.picture.append(this.#silence);
     this.#bar = new Bar(stream, signal);
-    this.#lamps = new Lamps(stream, (words) => this.say(words), signal);
-    this.picture.after(this.#lamps.root, this.#bar.root);
+    this.lamps = new Lamps(stream, (words) => this.say(words), signal);
+    this.picture.after(this.lamps.root, this.#bar.root);
     this.#numbers = new TimeLinesView(this.picture, () => this.#drawNumbers(), signal);
     stream.listen(this.redraw, signal);
     onChange(model, ["_source"], this.redraw, signal);
@@ -90,7 +90,7 @@ export class SampleCard extends Card {
     // An empty picture shows the status of the source itself.
     const lines = [source.error ?? "", (shown && source.status) || "", ...said].filter(Boolean);
     this.updateFrame(lines, isError ? "error" : said.length + problems.length ? "note" : "status", problems);
-    this.#lamps.update(this.#isSilent);
+    this.lamps.update(this.#isSilent);
     this.#bar.update(this.footer.hidden ? null : place);
     this.#drawNumbers();
 

@@ -66,13 +66,15 @@ export class Stream<F extends Frame> implements Member {
   readonly #listeners = new Set<() => void>();
   /** While `paused` is set without `_frozen_frame`. */
   #frozenHere: DataView | null = null;
+  /** The frozen sample, if the history had it: a history of 0 seconds soon drops the one to which a player stepped. */
+  #frozen: Moment | undefined;
   #decoded: { bytes: DataView; frame: F } | null = null;
   #stale: ReturnType<typeof setTimeout> | undefined;
-  /** Time of the last frame, which may be before the page was loaded; 0: there was none. */
+  /** Time of the last sample, which may be before the page was loaded; 0: there was none. */
   #heard = 0;
   /** False while the source is silent. */
   live = false;
-  /** Time at which the newest sample arrived, in milliseconds of the page's clock. */
+  /** Time at which the newest frame arrived, in milliseconds of the page's clock. */
   arrived = 0;
   /** Whether a person has stepped away from the sample that was frozen. */
   stepped = false;
@@ -94,7 +96,7 @@ export class Stream<F extends Frame> implements Member {
     }
     onChange(model, ["_frame"], () => this.#onFrame(), signal);
     onChange(model, ["paused"], () => this.#onPaused(), signal);
-    onChange(model, ["_frozen_frame"], () => this.#tell(), signal);
+    onChange(model, ["_frozen_frame"], () => this.#onFrozen(), signal);
     onChange(model, ["_about"], () => this.#onAbout(), signal);
     onChange(model as Model<Recent>, ["_recent"], () => this.#tell(), signal);
     onAbort(signal, () => clearTimeout(this.#stale));
@@ -129,7 +131,8 @@ export class Stream<F extends Frame> implements Member {
 
   /** Python's words about the frame to draw. */
   get about(): About {
-    return this.#history.moments[this.place?.index ?? -1]?.about ?? this.#model.get("_about");
+    const frozen = this.paused ? (this.#frozen ?? this.#history.moments[this.#index]) : undefined;
+    return frozen?.about ?? this.#model.get("_about");
   }
 
   /** Number of samples since the frozen one. */
@@ -153,11 +156,18 @@ export class Stream<F extends Frame> implements Member {
     const { moments } = this.#history;
     const [count, newest] = [moments.length, moments.at(-1)];
     if (!this.paused || !this.#seconds || !newest || count < 2) return null;
+    const index = this.#index;
+    return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
+  }
+
+  /** Of the sample on show in the history; -1 when it is not there. */
+  get #index(): number {
+    const { moments } = this.#history;
+    if (!this.paused) return moments.length - 1;
     const { bytes } = this;
     const own = moments.findIndex((moment) => moment.bytes === bytes);
     // A frame frozen by Python, or found at page load, is not one of the history's own objects: compare sequences.
-    const index = own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
-    return { index, count, behind: newest.at - (moments[index]?.at ?? NaN) };
+    return own < 0 ? moments.map((m) => sequenceOf(m.bytes)).lastIndexOf(sequenceOf(bytes)) : own;
   }
 
   /** The samples of the history, oldest first. */
@@ -167,10 +177,9 @@ export class Stream<F extends Frame> implements Member {
 
   /** The last samples up to the one on show, oldest first, at most so many: of the history, or as a player gives them. */
   last(count: number): Moment[] {
-    const { moments, place } = this;
     // In a notebook that was saved there are no bytes in it.
     const given = (this.#model as Model<Recent>).get("_recent")?.filter(({ bytes }) => bytes instanceof DataView);
-    return (given ?? moments.slice(0, (place?.index ?? moments.length - 1) + 1)).slice(-count);
+    return (given ?? this.moments.slice(0, this.#index + 1)).slice(-count);
   }
 
   /** What a sample says, decoded once. */
@@ -232,13 +241,15 @@ export class Stream<F extends Frame> implements Member {
 
   /**
    * Freezes the pictures of its view at a moment of which this one tells: its first sample since then, and what was the
-   * newest of the others. Returns false where it is not kept any more.
+   * newest of the others. Returns false where it is not kept.
    */
   freezeAt(arrived: number): boolean {
     const { moments } = this.#history;
     const own = moments[firstWhere(moments, ({ bytes }) => arrivalOf(bytes) >= arrived)];
     const others = othersOf(this);
-    if (!own || [this, ...others].some((one) => one.oldest > arrived)) return false;
+    // After a gap, or in the state at page load, it need not be the first since then.
+    const isFirst = own?.at && !own.isAfterGap;
+    if (!this.#seconds || !isFirst || [this, ...others].some((one) => one.oldest > arrived)) return false;
     if (!this.paused) this.toggle();
     this.#show(own);
     for (const other of others) {
@@ -283,9 +294,13 @@ export class Stream<F extends Frame> implements Member {
   }
 
   #onFrame(): void {
-    this.#hear();
-    this.arrived = this.#heard;
-    this.#keep(this.#bytes("_frame"), this.arrived);
+    const [bytes, before] = [this.#bytes("_frame"), this.#history.moments.at(-1)?.bytes];
+    // A frame may say more of the same sample: a command beside a speed, a touch that is over.
+    const isSame =
+      bytes && before && sequenceOf(bytes) === sequenceOf(before) && arrivalOf(bytes) === arrivalOf(before);
+    if (!isSame) this.#hear();
+    this.arrived = performance.now();
+    this.#keep(bytes, this.arrived);
     this.#tell();
   }
 
@@ -298,7 +313,7 @@ export class Stream<F extends Frame> implements Member {
     this.#tell();
   }
 
-  /** Notes that a frame arrived some milliseconds ago. */
+  /** Notes that a sample arrived some milliseconds ago. */
   #hear(ago = 0): void {
     this.live = true;
     this.#heard = performance.now() - ago;
@@ -311,13 +326,18 @@ export class Stream<F extends Frame> implements Member {
     this.#stale = setTimeout(stale, limit - ago);
   }
 
+  #onFrozen(): void {
+    this.#frozen = this.#history.moments[this.#index];
+    this.#tell();
+  }
+
   #onPaused(): void {
     this.stepped = false;
     // A link between two widgets sets `paused` without `_frozen_frame`.
     this.#frozenHere = this.paused ? (this.#history.moments.at(-1)?.bytes ?? null) : null;
     if (this.paused) this.#history.freeze(performance.now());
     else this.#history.release(this.#seconds);
-    this.#tell();
+    this.#onFrozen();
   }
 
   #tell(): void {

@@ -39,6 +39,8 @@ export interface Moment {
   bytes: DataView;
   at: number;
   about: About;
+  /** Whether samples right before it were dropped, because the picture was frozen for long. */
+  isAfterGap?: boolean;
 }
 
 /** What Python says about the newest sample. */
