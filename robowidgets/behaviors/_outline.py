@@ -15,7 +15,8 @@ ACTIONS = ("entry", "running", "exit")
 DONE = "done"
 """The event that is true when the nested machines of a state are in a state that no move leaves."""
 
-_MOVE = re.compile(r"(\w+|\*)\s*->\s*(\w+)(?:\s+on\s+(\w+)|\s+after\s+([\w.]+)(?:\s+s)?|\s+at\s+once)")
+_SECONDS = r"\d+\.?\d*|\.\d+|[^\W\d]\w*"
+_MOVE = re.compile(rf"(\w+|\*)\s*->\s*(\w+)(?:\s+on\s+(\w+)|\s+after\s+({_SECONDS})(?:\s+s)?|\s+at\s+once)")
 _FORMS = "'state -> state on event', 'state -> state after 0.5', 'state -> state at once', '* -> state on event'"
 
 
@@ -144,6 +145,9 @@ def _machine(cls: type, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Out
     if not moves:
         raise ValueError(f"moves of {path}: expected at least one, as {_FORMS}")
     names = dict.fromkeys(name for move in moves for name in (move.source, move.target) if name != "*")
+    for name in names:
+        if name in ACTIONS:
+            raise TypeError(f"moves of {path}: {name!r} is an action of the state around; give the state another name")
     missing = [name for name in names if name not in body]
     if missing:
         near = difflib.get_close_matches(missing[0], [key for key in body if not key.startswith("_")], n=1)
@@ -171,7 +175,14 @@ def _move(line: str, path: str) -> Move:
 
 def _check(outline: Outline, move: Move) -> None:
     """TypeError unless the event of a move is there."""
-    if move.event is None or move.event == DONE:
+    if move.event == DONE:
+        says = f"{move}: {DONE} says that the machines in a state have ended"
+        if any(DONE in scope for scope in outline.scopes[:-1]):
+            raise TypeError(f"{says}; give your event another name")
+        if move.source != "*" and not outline.states[move.source].machines:
+            raise TypeError(f"{says}; {move.source} has none")
+        return
+    if move.event is None:
         return
     try:
         event = outline.look_up(move.event)

@@ -53,9 +53,9 @@ class _Router:
 
 _takes: dict[int, Callable[[str], bool]] = {}
 """By thread: what takes its prints."""
-_routers: list[_Router] = []
-"""All that were made, one for each stream. They stay, because ``print`` may hold no reference to ``sys.stdout`` while
-it writes there: one that went away meanwhile, when the last program ended, would take the process with it."""
+_routers: deque[_Router] = deque(maxlen=50)
+"""The last that were made, one for each stream. They stay, because ``print`` may hold no reference to ``sys.stdout``
+while it writes there: one that went away meanwhile, when the last program ended, would take the process with it."""
 _lock = threading.Lock()
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -169,6 +169,8 @@ class Machine:
         now: float = values["time"]
         if self._before is not None:
             before, self._before = self._before, None
+            while before._before is not None:  # a version that made no step has no states of its own
+                before = before._before
             self._states, self.fired, self._is_new = dict(before._states), before.fired, before._is_new
             self._left = before._left
         if not self._is_whole:
@@ -264,7 +266,7 @@ class Machine:
 
     def _judge(self, event: Any, name: str, since: float) -> Judged:
         if hasattr(event, "judge"):
-            verdict: Verdict = event.judge(SimpleNamespace(**self._values))
+            verdict: Verdict = event.judge(SimpleNamespace(**self._given(event.reads, name)))
             return Judged(verdict.value, verdict)
         trace = Trace()
         result = self._call(event, since, trace.of)
@@ -320,8 +322,18 @@ class Machine:
     def _call(self, function: Callable[..., Any], since: float, of: Callable[[Any], Any] = lambda value: value) -> Any:
         """Call a function of the user with what it asks for; ``of`` wraps the samples."""
         self.current = function
-        values = self._values
-        return function(**{name: since if name == SINCE else of(values[name]) for name in _parameters(function)})
+        self._values[SINCE] = since
+        given = self._given(_parameters(function), function.__name__)
+        return function(**{name: of(value) for name, value in given.items()})
+
+    def _given(self, asked: Iterable[str], name: str) -> dict[str, Any]:
+        """The values that a function or a condition asks for; TypeError if it was redefined, and asks for others."""
+        try:
+            return {one: self._values[one] for one in asked}
+        except KeyError as missing:
+            raise TypeError(
+                f"{name} asks for {missing}, which it did not when the machine was made: run the machine's cell again"
+            ) from None
 
 
 _KNOWN = (*(kind.sample_name for kind in KINDS.values()), *GIVEN, SINCE)

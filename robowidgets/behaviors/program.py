@@ -227,6 +227,11 @@ class Program(Observed):
                             self._leave()
                     self._call_observers()
                     return
+        except Exception as failure:  # in a step of the user's they are caught; here no thread may end without a word
+            error = f"{type(failure).__name__}: {failure}"
+            if self._thread is me:
+                self._end(FAILED, error=error)
+            log.error("program %s: %s", self.name, error, exc_info=failure)
         finally:
             release()
 

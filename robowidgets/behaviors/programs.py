@@ -10,18 +10,14 @@ from weakref import WeakSet
 from .._core.cells import on_interrupt
 from .._core.observed import Observed
 from .._core.user_function import calling_text
-from ..samples.checks import finite
 from ._parameters import parameters_of, program_name
 from .machine import Machine
 from .program import ENDED, Program
 from .robot import Robot
 from .variables import Variables
-from .version import RATE, Version
+from .version import RATE, Version, to_rate
 
 log = logging.getLogger("robowidgets")
-
-FASTEST = 200.0
-"""Steps a second."""
 
 
 class Programs(Observed):
@@ -48,9 +44,7 @@ class Programs(Observed):
         """Run a function as the robot's program; see `robowidgets.feeds.Feed.program`."""
         if rate is not None and on is not None:
             raise TypeError("program: expected rate=, steps a second, or on=, a topic; got both")
-        steps = finite("rate", RATE if rate is None else rate, "steps a second")
-        if not 0 < steps <= FASTEST:
-            raise ValueError(f"rate: expected steps a second, above 0 and at most {FASTEST:g}, got {rate!r}")
+        steps = to_rate(RATE if rate is None else rate)
         if isinstance(function, type):
             function = Machine(function)
         name = program_name(function)
@@ -65,7 +59,7 @@ class Programs(Observed):
         if program is None or program.mode == ENDED:
             program = self._known[name] = Program(name, self._robot, self.variables)
             if known is not None:
-                program.state = known.state
+                program.state, program.origin = known.state, known.origin
             program.observe(self._call_observers)
         if isinstance(function, Machine) and isinstance(program.version.function, Machine):
             function.adopt(program.version.function)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
-from ..samples.checks import finite
 from ..simulator import Robot
 from ._parameters import parameters_of, program_name
 from .drive import STANDSTILL, Drive, drive_of
 from .machine import Machine
 from .program import Program
 from .variables import State, Variables
-from .version import RATE
+from .version import RATE, to_rate
 
 
 class Step(NamedTuple):
@@ -66,7 +65,7 @@ def simulate(
     """
     function = function_of(program)
     asks_for = parameters_of(function, program_name(function), {})
-    period = 1 / finite("rate", rate, "steps a second")
+    period = 1 / to_rate(rate)
     own = {"state": State(), "variables": Variables() if variables is None else variables}
     start, drive = robot.time, STANDSTILL
     while (now := robot.time - start) < seconds and not (until and until()):

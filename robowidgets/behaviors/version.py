@@ -6,8 +6,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..samples.checks import finite
+
 RATE = 10.0
 """Steps a second, where a program names neither a rate nor a topic."""
+
+FASTEST = 200.0
+"""Steps a second."""
+
+
+def to_rate(value: Any) -> float:
+    """Steps a second; TypeError or ValueError for anything else."""
+    rate = finite("rate", value, "steps a second")
+    if not 0 < rate <= FASTEST:
+        raise ValueError(f"rate: expected steps a second, above 0 and at most {FASTEST:g}, got {value!r}")
+    return rate
 
 
 @dataclass(frozen=True)

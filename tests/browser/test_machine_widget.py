@@ -142,6 +142,14 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
         expect(widget.locator(".rw-machine-band-foot")).to_have_text("\u221230 sfrozen")
     widget.locator(".rw-freeze").click()
 
+    # What is not kept freezes nothing, and says so.
+    nb.python("machine.history = 0")
+    rows.nth(1).click()
+    expect(widget.locator(".rw-footer")).to_contain_text("this moment is not kept here")
+    shoot(widget, "machine-not-kept")
+    for card in (laser, widget):
+        expect(card.locator(".rw-freeze")).to_have_attribute("aria-pressed", "false")
+
     nb.run(nb.append(SPIN))
     expect(widget.locator(".rw-facts")).to_have_text("v2 ·\u00a0avoid \u203a turn")
     expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")

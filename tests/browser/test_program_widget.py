@@ -80,7 +80,7 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
     expect(widget.locator(".rw-title")).to_have_text("avoid")
     expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.25, -0.3)")
     # A turn to the right: its bar goes right.
-    expect(widget.locator(".rw-program-bar").nth(1)).to_have_attribute("style", re.compile("^left: 50%; width: [1-9]"))
+    expect(widget.locator(".rw-readout-bar").nth(1)).to_have_attribute("style", re.compile("^left: 50%; width: [1-9]"))
     expect(widget.locator(".rw-print-text").first).to_contain_text("<b>&amp;</b>")
     shoot(widget.locator(".rw-program"), "program-running")
 

@@ -105,6 +105,13 @@ def test_robot_and_obstacles_are_moved_by_pointer_and_keys(plain_page: Callable[
     wait_for(lambda: house.told("len(robot.world.obstacles)") == 1, "it has been removed")
 
     nb.python("robot.move_to(0, 0, 0)")
+    wait_for(lambda: house.is_at("robot.pose[:2]", 0, 0), "it is there")
+    x, y = house.at(0, 0)
+    nb.page.mouse.move(x, y)
+    nb.page.mouse.down()
+    nb.page.mouse.move(x + 2, y)
+    nb.page.mouse.up()
+    assert house.told("robot.pose[:3]") == (0, 0, 0), "an unsteady click moves nothing"
     house.picture.focus()
     for key in ("n", "Shift+ArrowUp", "ArrowLeft"):
         house.picture.press(key)

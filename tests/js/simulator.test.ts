@@ -1,8 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { fit, toFloor, toPixel } from "../../robowidgets/js/shared/floor.ts";
+import { fit, type Pose, toFloor, toPixel } from "../../robowidgets/js/shared/floor.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
-import type { Shape } from "../../robowidgets/js/shared/traits.ts";
 import { drawDrops } from "../../robowidgets/js/simulator/draw.ts";
 import { drawShapes } from "../../robowidgets/js/simulator/draw_shapes.ts";
 import { Edits } from "../../robowidgets/js/simulator/edits.ts";
@@ -20,6 +19,7 @@ import {
   toWalls,
   withThing,
 } from "../../robowidgets/js/simulator/scene.ts";
+import type { RoomShape } from "../../robowidgets/js/simulator/traits.ts";
 import { FakeModel } from "./models.ts";
 
 const ROOM = new Float32Array([-2, -1, 2, -1, 2, -1, 2, 1]);
@@ -108,6 +108,8 @@ test("a thing is dragged, turned and moved by keys", () => {
   assert.deepEqual(movedBy("ArrowUp", true, { x: 0, y: 0, yaw: 0 }), { x: 0, y: 0.5, yaw: 0 });
   assert.equal(movedBy("[", false, { x: 0, y: 0, yaw: 0 })?.yaw, Math.PI / 12);
   assert.equal(movedBy("x", false, pose), null);
+  const turned = Array.from({ length: 30 }).reduce<Pose>((before) => movedBy("[", false, before) ?? before, pose);
+  assert.ok(Math.abs(turned.yaw) <= Math.PI, "never more than half a turn to either side");
 });
 
 test("what was moved stays there until Python has answered the last edit and sent a frame", () => {
@@ -136,6 +138,38 @@ test("what was moved stays there until Python has answered the last edit and sen
   assert.equal(edits.apply(scene()).obstacles[0]?.x, 9);
   model.tell({ edit: "a-3", refused: "no room" });
   assert.deepEqual([edits.thing, refusals], [null, ["no room"]]);
+});
+
+test("obstacles that were removed stay away, and edits that follow mean those that are left", () => {
+  const model = new FakeModel();
+  const sent: { act: string; index: number }[] = [];
+  const ours = Object.assign(model.model, { send: (content: never) => sent.push(content) });
+  const edits = new Edits(ours, "a", () => {}, new AbortController().signal);
+  const discs = [1, 2, 3, 4].map((x) => ({ x, y: 0, radius: 0.1 }));
+  const shown = (left = discs) => edits.apply({ ...scene(), obstacles: left }).obstacles.map(({ x }) => x);
+  edits.move(2, { x: 9, y: 0, yaw: 0 });
+  edits.remove(1);
+  edits.remove(0);
+  assert.deepEqual(shown(), [9, 4], "the moved one has another index now");
+  edits.remove(1);
+  assert.deepEqual(
+    sent.map(({ act, index }) => [act, index]),
+    [
+      ["move", 2],
+      ["remove", 1],
+      ["remove", 0],
+      ["remove", 1],
+    ],
+  );
+  model.tell({ edit: "a-1", refused: "" });
+  model.tell({ edit: "a-2", refused: "" });
+  edits.onFrame();
+  const [first, , , last] = discs;
+  assert.deepEqual(shown([first, { x: 9, y: 0, radius: 0.1 }, last] as typeof discs), [9], "those not made yet");
+  model.tell({ edit: "a-3", refused: "" });
+  model.tell({ edit: "a-4", refused: "expected an obstacle" });
+  edits.onFrame();
+  assert.deepEqual(shown([{ x: 9, y: 0, radius: 0.1 }, last] as typeof discs), [9, 4], "the last one was refused");
 });
 
 test("a place of the scanner's frame is where the scanner stands and looks, mirrored where it hangs upside down", () => {
@@ -180,8 +214,8 @@ test("a drop is hatched to scale, in any order of its corners, and has its name 
 
 test("what a program drew stands in the room, where it is seen from the scanner, and has its name", () => {
   const { calls, context } = recorder();
-  const shapes: Shape[] = [
-    { name: "gap", kind: "line", at: [0, [0, 1]] },
+  const shapes: RoomShape[] = [
+    { name: "gap", kind: "line", at: [0, [0, 1]], turned: 0 },
     {
       name: "gap",
       kind: "line",
@@ -189,8 +223,9 @@ test("what a program drew stands in the room, where it is seen from the scanner,
         [1, 1],
         [1, 0.5],
       ],
+      turned: 0,
     },
-    { name: "gone", kind: "points", at: [1] },
+    { name: "gone", kind: "points", at: [1], turned: 0 },
   ];
   const shown = { ...scene(), scan: { ...scene().scan, yaw: Math.PI / 2 } };
   const projection = fit({ west: -2, east: 2, south: -2, north: 2 }, { width: 424, height: 440 });
@@ -204,5 +239,15 @@ test("what a program drew stands in the room, where it is seen from the scanner,
     calls.filter(([name]) => name === "fillText").map(([, text]) => text),
     ["gap"],
     "no ray, no shape",
+  );
+  calls.length = 0;
+  drawShapes(context, projection, shown, [{ ...(shapes[0] as RoomShape), turned: Math.PI }], {} as Theme);
+  const turned = calls
+    .filter(([name]) => /moveTo|lineTo/.test(name))
+    .map(([, x, y]) => [x, y].map(Number).map(Math.round));
+  assert.deepEqual(
+    turned.slice(0, 2),
+    [at(0, 1), at(1, 0)],
+    "a widget that turns the scanner round means the other side",
   );
 });

@@ -27,7 +27,7 @@ export class Entries {
     if (!this.root.matches(":hover")) this.#list(fired);
     const current = shown === null ? undefined : fired.filter(({ at }) => at <= shown).at(-1);
     const rows = [...this.#rows.values()];
-    const focus = rows.find((row) => row === document.activeElement) ?? rows[0];
+    const focus = rows.find((row) => row.matches(":focus")) ?? rows[0];
     for (const [key, row] of this.#rows) {
       row.ariaCurrent = String(current !== undefined && key === keyOf(current));
       row.tabIndex = row === focus ? 0 : -1;

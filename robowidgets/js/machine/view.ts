@@ -1,4 +1,5 @@
 import { make, setText } from "../shared/dom.ts";
+import { onAbort } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
 import { type Model, onChange } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
@@ -16,6 +17,8 @@ const PADDING = 12;
 /** Of what fired, where there is room for it beside the picture. */
 const LIST_WIDTH = 236;
 const SAY_MS = 1000;
+const REFUSAL = "this moment is not kept here";
+const REFUSAL_MS = 4000;
 
 /** One view of a machine: its picture, and what fired. */
 export class MachineView {
@@ -29,12 +32,14 @@ export class MachineView {
   readonly #empty = make("div", "rw-empty");
   readonly #time = make("b", "");
   readonly #rate = make("span", "");
+  readonly #refusal = make("b", "");
   readonly #text = make("canvas", "").getContext("2d");
   readonly #sayActive: () => void;
   #placed = "";
   #active = "";
   #said = "";
   #followed: HTMLElement | null = null;
+  #refused: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     model: Model<MachineTraits>,
@@ -53,7 +58,8 @@ export class MachineView {
     this.#card.picture.after(this.#entries.root, this.#band.root);
     const pace = make("span", "");
     pace.append(this.#time, " \u00b7 ", this.#rate);
-    this.#card.footer.append(pace);
+    this.#card.footer.append(pace, this.#refusal);
+    onAbort(signal, () => clearTimeout(this.#refused));
     this.#sayActive = throttle(() => this.#say(), SAY_MS, signal);
     onChange(model, ["_outline"], this.#card.redraw, signal);
   }
@@ -123,7 +129,12 @@ export class MachineView {
   }
 
   #show(time: number): void {
-    if (!this.#stream.freezeAt(time)) this.#card.say(["this moment is not kept any more"]);
+    clearTimeout(this.#refused);
+    const words = this.#stream.freezeAt(time) ? "" : REFUSAL;
+    setText(this.#refusal, words);
+    if (!words) return;
+    this.#card.say([words]);
+    this.#refused = setTimeout(() => setText(this.#refusal, ""), REFUSAL_MS);
   }
 
   #say(): void {

@@ -4,27 +4,28 @@ import { drawShape, pathOf } from "../shared/shapes/draw.ts";
 import { boxAt, LINE, PLACES, widthOf, writeLabel } from "../shared/shapes/labels.ts";
 import { type Metres, placesOf } from "../shared/shapes/places.ts";
 import type { Theme } from "../shared/theme.ts";
-import type { Shape } from "../shared/traits.ts";
 import { clipToFloor } from "./draw.ts";
-import { endOf, robotRadius, type Scene, toPlace } from "./scene.ts";
+import { endOf, robotRadius, type Scene, toPlace, turnedBy } from "./scene.ts";
+import type { RoomShape } from "./traits.ts";
 
 /** What programs drew on the newest scan, where it is on the floor; its names stand beside it. */
 export function drawShapes(
   context: CanvasRenderingContext2D,
   projection: Projection,
   { scan, robot }: Scene,
-  shapes: Shape[],
+  shapes: RoomShape[],
   theme: Theme,
 ): void {
   const floor = floorOf(projection);
-  const toPoint = (place: Metres) => toPixel(projection, toPlace(scan, place));
-  const readingOf = (index: number) => (Number.isFinite(scan.ranges[index]) ? endOf(scan, index) : null);
   const drawn = shapes.flatMap((shape) => {
-    const places = placesOf(shape.at, readingOf);
-    return places ? [{ shape, places, path: pathOf(toPoint, (point) => holds(floor, point), shape, places) }] : [];
+    const seen = turnedBy(scan, shape.turned);
+    const toPoint = (place: Metres) => toPixel(projection, toPlace(seen, place));
+    const places = placesOf(shape.at, (index) => (Number.isFinite(seen.ranges[index]) ? endOf(seen, index) : null));
+    const isOnFloor = (point: Place) => holds(floor, point);
+    return places ? [{ shape, places, toPoint, path: pathOf(toPoint, isOnFloor, shape, places) }] : [];
   });
   clipToFloor(context, projection, () => {
-    for (const { shape, places } of drawn) drawShape(context, toPoint, shape, places, theme);
+    for (const { shape, places, toPoint } of drawn) drawShape(context, toPoint, shape, places, theme);
   });
 
   const paths = drawn.flatMap(({ shape, path }) => (shape.kind === "text" ? [] : path));

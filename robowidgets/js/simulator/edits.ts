@@ -1,6 +1,6 @@
 import type { Pose } from "../shared/floor.ts";
 import { type Model, onMessage } from "../shared/model.ts";
-import { type Scene, type Thing, withThing } from "./scene.ts";
+import { type Scene, type Thing, withoutObstacle, withThing } from "./scene.ts";
 import type { SimulatorTraits } from "./traits.ts";
 
 /** What the page asks of Python. */
@@ -10,9 +10,9 @@ type Edit =
   | { act: "move"; index: number; x: number; y: number }
   | { act: "remove"; index: number };
 
-/** Python's answer to an edit: why it was not made; empty if it was. */
+/** Python's answer to an edit, null if it had no name: why it was not made; empty if it was. */
 interface Answer {
-  edit: string;
+  edit: string | null;
   refused: string;
 }
 
@@ -20,8 +20,8 @@ interface Answer {
 const SPACING_MS = 50;
 
 /**
- * Edits of the page that Python has not made yet. The thing is shown where a person has put it until Python has
- * answered the last edit, which a busy kernel may do late, and has sent what follows from it.
+ * Edits of the page that Python has not made yet. The thing is shown where a person has put it, and what a person has
+ * removed is not shown, until Python has answered, which a busy kernel may do late, and has sent what follows from it.
  */
 export class Edits {
   readonly #model: Model<SimulatorTraits>;
@@ -31,6 +31,10 @@ export class Edits {
   #sentAt = 0;
   #waiting: { thing: Thing; pose: Pose } | null = null;
   #isAnswered = false;
+  /** The removals that are not made yet, with the numbers of their edits; an index counts without those before it. */
+  #removed: { index: number; edit: number }[] = [];
+  /** The number of the last edit that was answered. */
+  #answered = 0;
 
   /** @param name unique among the views of all pages */
   constructor(model: Model<SimulatorTraits>, name: string, onRefused: (why: string) => void, signal: AbortSignal) {
@@ -47,7 +51,8 @@ export class Edits {
 
   /** The scene as a person has left it. */
   apply(scene: Scene): Scene {
-    return this.#waiting ? withThing(scene, this.#waiting.thing, this.#waiting.pose) : scene;
+    const left = this.#removed.reduce((scene, { index }) => withoutObstacle(scene, index), scene);
+    return this.#waiting ? withThing(left, this.#waiting.thing, this.#waiting.pose) : left;
   }
 
   /** Moves a thing. During a drag not every place is sent, but the last one. */
@@ -59,6 +64,15 @@ export class Edits {
     this.send(typeof thing === "number" ? { act: "move", index: thing, x, y } : { act: "robot", x, y, yaw });
   }
 
+  /** Removes an obstacle. */
+  remove(index: number): void {
+    const thing = this.#waiting?.thing;
+    if (thing === index) this.#waiting = null;
+    else if (this.#waiting && typeof thing === "number" && thing > index) this.#waiting.thing = thing - 1;
+    this.#removed.push({ index, edit: this.#count + 1 });
+    this.send({ act: "remove", index });
+  }
+
   send(edit: Edit): void {
     this.#sentAt = performance.now();
     this.#count++;
@@ -66,17 +80,23 @@ export class Edits {
       this.#model.send({ ...edit, edit: `${this.#name}-${this.#count}` });
     } catch {
       this.#waiting = null;
+      this.#removed = [];
       this.#onRefused("the kernel is gone");
     }
   }
 
   /** Python has sent a frame. */
   onFrame(): void {
+    this.#removed = this.#removed.filter(({ edit }) => edit > this.#answered);
     if (this.#isAnswered) this.#waiting = null;
   }
 
   #onAnswer({ edit, refused }: Answer): void {
-    if (edit !== `${this.#name}-${this.#count}`) return;
+    const [name, number] = edit?.split("-") ?? [];
+    if (name !== this.#name) return;
+    this.#answered = Number(number);
+    if (refused) this.#removed = this.#removed.filter(({ edit }) => edit !== this.#answered);
+    if (this.#answered !== this.#count) return;
     this.#isAnswered = true;
     if (!refused) return;
     this.#waiting = null;

@@ -63,6 +63,11 @@ export function toPlace({ x, y, yaw, turn }: Scan, [ahead, left]: Metres): Place
   return { x: x + cos * ahead - sin * turn * left, y: y + sin * ahead + cos * turn * left };
 }
 
+/** A scan with some radians added to its angles, as a laser widget shows it; the readings stay where they are. */
+export function turnedBy(scan: Scan, radians: number): Scan {
+  return { ...scan, angleMin: scan.angleMin + radians, yaw: scan.yaw - scan.turn * radians };
+}
+
 /** The end of a ray, in the frame of the scanner: of one that met nothing that of its reach; null without a reading. */
 export function endOf({ angleMin, angleIncrement, rangeMax, ranges }: Scan, index: number): Metres | null {
   const [range = NaN, angle] = [ranges[index], angleMin + index * angleIncrement];
@@ -143,6 +148,11 @@ export function withThing(scene: Scene, thing: Thing, { x, y, yaw }: Pose): Scen
   return { ...scene, obstacles: scene.obstacles.map((disc, i) => (i === thing ? { ...disc, x, y } : disc)) };
 }
 
+/** The scene without one obstacle. */
+export function withoutObstacle(scene: Scene, index: number): Scene {
+  return { ...scene, obstacles: scene.obstacles.filter((_, i) => i !== index) };
+}
+
 /** Where a thing is now; obstacles have no heading. */
 export function poseOf({ robot, obstacles }: Scene, thing: Thing): Pose {
   const disc = typeof thing === "number" ? obstacles[thing] : undefined;
@@ -169,5 +179,7 @@ export function movedBy(key: string, isShift: boolean, pose: Pose): Pose | null 
   const arrow = ARROWS[key];
   const times = isShift ? 5 : 1;
   if (arrow) return { ...pose, x: pose.x + times * arrow.x, y: pose.y + times * arrow.y };
-  return key === "[" || key === "]" ? { ...pose, yaw: pose.yaw + (key === "[" ? TURN : -TURN) } : null;
+  if (key !== "[" && key !== "]") return null;
+  const yaw = pose.yaw + (key === "[" ? TURN : -TURN);
+  return { ...pose, yaw: Math.atan2(Math.sin(yaw), Math.cos(yaw)) };
 }

@@ -1,5 +1,10 @@
 import type { CardTraits, Shape } from "../shared/traits.ts";
 
+/** A shape on a scan to whose angles its widget adds some radians. */
+export interface RoomShape extends Shape {
+  turned: number;
+}
+
 export interface SimulatorTraits extends CardTraits {
   /** The robot, its newest scan, its path and the obstacles: see `toScene`. */
   _frame: DataView;
@@ -8,7 +13,7 @@ export interface SimulatorTraits extends CardTraits {
   /** The rectangles without floor as float32: x1, y1, x2, y2 of each, metres. */
   _drops: DataView;
   /** What programs drew on the newest scan. */
-  _shapes: Shape[];
+  _shapes: RoomShape[];
   /** Why the robot moves no more; empty while it may. */
   _status: string;
 }

@@ -1,10 +1,20 @@
 import { Canvas } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, pointIn, setText } from "../shared/dom.ts";
+import { isDragged, make, makeButton, pointIn, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
-import { BELOW, drawFloor, fit, MARGIN, type Place, type Pose, type Projection, toFloor } from "../shared/floor.ts";
+import {
+  BELOW,
+  drawFloor,
+  fit,
+  MARGIN,
+  type Place,
+  type Pose,
+  type Projection,
+  toFloor,
+  toPixel,
+} from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany } from "../shared/format.ts";
-import { lacksKernel, type Model, NO_KERNEL, onChange } from "../shared/model.ts";
+import { lacksKernel, type Model, NO_KERNEL, newName, onChange } from "../shared/model.ts";
 import { READING_MS, throttle } from "../shared/schedule.ts";
 import { drawDrops, drawFree, drawRobot, drawThings, drawWalls } from "./draw.ts";
 import { drawShapes } from "./draw_shapes.ts";
@@ -58,7 +68,7 @@ export class SimulatorView {
     this.#card = new Card(element, "simulator", model, () => this.#draw(), signal);
     const { picture, controls, footer } = this.#card;
     this.#canvas = new Canvas(picture);
-    this.#edits = new Edits(model, crypto.randomUUID().slice(0, 8), (why) => this.#onRefused(why), signal);
+    this.#edits = new Edits(model, newName(), (why) => this.#onRefused(why), signal);
     this.#put = makeButton("", "Put an obstacle: press, then press a place", () => this.#onPut(), signal, "Obstacle");
     this.#put.ariaPressed = "false";
     this.#remove = makeButton("", "Remove the selected obstacle", () => this.#onRemove(), signal, "Remove");
@@ -77,7 +87,7 @@ export class SimulatorView {
   #onFrame(): void {
     this.#scene = toScene(this.#model.get("_frame"));
     this.#edits.onFrame();
-    if (typeof this.#selected === "number" && !this.#scene?.obstacles[this.#selected]) this.#selected = "robot";
+    if (typeof this.#selected === "number" && !this.#shown?.obstacles[this.#selected]) this.#selected = "robot";
     this.#card.redraw();
   }
 
@@ -163,7 +173,8 @@ export class SimulatorView {
 
   #onRemove(): void {
     if (typeof this.#selected !== "number") return;
-    this.#edits.send({ act: "remove", index: this.#selected });
+    this.#cancel();
+    this.#edits.remove(this.#selected);
     this.#select("robot");
     this.#card.say(["obstacle removed"]);
   }
@@ -220,8 +231,9 @@ export class SimulatorView {
     this.#pointer = toFloor(this.#projection, point);
     const drag = this.#drag;
     if (drag && pointerId === drag.pointer) {
-      drag.hasMoved = true;
-      this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, drag.from, this.#pointer), true);
+      drag.hasMoved ||= isDragged(toPixel(this.#projection, drag.from), point);
+      if (drag.hasMoved)
+        this.#edits.move(drag.thing, draggedTo(drag.before, drag.thing, drag.from, this.#pointer), true);
     } else if (pointerType !== "touch" && !this.#isPutting) {
       this.#card.picture.dataset.cursor = this.#thingAt(point, false) === null ? "" : "grab";
     }

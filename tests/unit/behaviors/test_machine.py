@@ -206,6 +206,37 @@ def test_a_new_version_keeps_what_is_active_and_still_exists() -> None:
     assert (1.0, 3.5, "Walker.avoid") in step.left
 
 
+def test_versions_that_make_no_step_lose_nothing() -> None:
+    class Walker:
+        a = b = None
+        moves = "a -> b after 1"
+
+    run = Run(Walker)
+    assert [run.at(t) for t in (0.0, 1.0)] == [("a",), ("b",)]
+    for _ in range(3):
+        before, run.machine = run.machine, Machine(Walker)
+        run.machine.adopt(before)
+    assert run.machine.active == run.at(2.0) == ("b",)
+    assert [move.target for move in run.machine.fired] == ["b"]
+
+
+def test_an_event_that_asks_for_something_new_names_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Walker:
+        a = b = None
+        moves = "a -> b on bumped"
+
+    run = Run(Walker)
+    for event in (lambda touch: touch.touched["left"], conditions.touched("left")):
+        monkeypatch.setitem(globals(), "bumped", event)
+        with pytest.raises(TypeError, match=r"asks for 'touch', which it did not .*: run the machine's cell again"):
+            run.at(0.0)
+
+
+def bumped(time: float) -> bool:
+    """An event of the notebook, which a test redefines."""
+    return time < 0
+
+
 def test_after_an_error_it_goes_on_in_its_states() -> None:
     class Walker:
         a = None
@@ -284,6 +315,14 @@ class Leaf:
             "class Walker.a: expected entry,.*'entri'",
         ),
         ({"moves": " "}, ValueError, "expected at least one"),
+        ({"a": None, "b": None, "moves": "a -> b after 5s"}, ValueError, "got 'a -> b after 5s'"),
+        ({"a": None, "running": None, "moves": "a -> running after 1"}, TypeError, "'running' is an action"),
+        ({"a": None, "b": None, "moves": "a -> b on done"}, TypeError, "machines in a state have ended; a has none"),
+        (
+            {"a": None, "b": None, "done": lambda: True, "moves": "* -> b on done"},
+            TypeError,
+            "give your event another name",
+        ),
         ({"a": lambda scn: scn, "b": None, "moves": "a -> b after 1"}, TypeError, "asks for 'scn'"),
         ({"a": lambda self: self, "b": None, "moves": "a -> b after 1"}, TypeError, "takes no self: remove it"),
     ],

@@ -9,6 +9,7 @@ import threading
 import time
 import weakref
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import partial
 from math import inf
 from typing import Any
@@ -18,8 +19,10 @@ import pytest
 
 from robowidgets import SAMPLE, feeds
 from robowidgets.behaviors import Drive
+from robowidgets.behaviors.robot import NotReadyError
 from robowidgets.behaviors.variables import State
 from robowidgets.feeds import Advert, Feed, FeedError
+from robowidgets.feeds._program_inputs import FeedInputs
 from robowidgets.samples import Scan, Speed, Touch
 
 from ..feeds.scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
@@ -57,6 +60,23 @@ def test_a_step_gets_what_it_names_and_its_speed_is_sent(robot: Feed, script: Sc
     assert look(1, 2, 3, 4, 5, 6, 7) == Drive(0.2, -0.1)
 
 
+def test_state_and_time_go_on_after_another_program(robot: Feed) -> None:
+    seen: list[tuple[float, float]] = []
+
+    def go(state, time):  # type: ignore[no-untyped-def]
+        state.since = state.get("since", time)
+        seen.append((state.since, time))
+
+    robot.program(go, rate=100)
+    wait_for(lambda: len(seen) > 20, "it steps")
+    robot.program(lambda: Drive())
+    steps, last = len(seen), seen[-1]
+    robot.program(go, rate=100)
+    wait_for(lambda: len(seen) > steps, "it steps again")
+    assert seen[-1][0] == last[0]
+    assert seen[-1][1] > last[1]
+
+
 def test_on_a_topic_there_is_one_step_for_each_message(robot: Feed, script: Scripted) -> None:
     got: list[float] = []
 
@@ -88,6 +108,48 @@ def test_a_program_on_a_topic_without_messages_says_so(robot: Feed, script: Scri
     assert look.returned == Drive()
     script.listener.on_message("/scan", scan())
     wait_for(lambda: look.steps == 2 and not look.waiting, "it goes on")
+
+
+def test_samples_that_cannot_be_taken_end_it_with_a_word_and_its_next_version_drives(
+    robot: Feed, script: Scripted
+) -> None:
+    def go() -> Drive:
+        return Drive(0.1)
+
+    program = robot.program(go, rate=100)
+    wait_for(lambda: script.speeds[-1:] == [(0.1, 0.0)], "it drives")
+    take = program._inputs.take
+    program._inputs.take = lambda: {}["/scan"]  # type: ignore[attr-defined]
+    wait_for(lambda: (program.mode, program.error) == ("failed", "KeyError: '/scan'"), "it says why")
+    wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "the robot stands")
+    program._inputs.take = take  # type: ignore[attr-defined]
+    robot.program(go, rate=100)
+    wait_for(lambda: script.speeds[-1] == (0.1, 0.0), "it drives again")
+
+
+def test_a_version_may_choose_other_samples_while_those_of_the_last_are_taken(robot: Feed, script: Scripted) -> None:
+    inputs, is_over, seen = FeedInputs(robot.connection, lambda: None), threading.Event(), set()
+
+    def take() -> None:
+        while not is_over.is_set():
+            with suppress(NotReadyError):
+                seen.add(tuple(inputs.take()))
+
+    inputs.choose({"scan": None}, None)
+    thread = threading.Thread(target=take)
+    thread.start()
+    until = time.monotonic() + 0.5
+    while time.monotonic() < until:
+        inputs.choose({"scan": None, "touch": None, "speed": None}, None)
+        script.listener.on_message("/scan", scan())
+        inputs.choose({"scan": None}, None)
+        script.listener.on_message("/scan", scan())
+    assert thread.is_alive()
+    is_over.set()
+    thread.join()
+    assert seen == {("scan",)}
+    inputs.close()
+    assert not robot.connection._table.by_topic
 
 
 def test_a_bump_between_two_steps_is_not_lost(robot: Feed, script: Scripted) -> None:

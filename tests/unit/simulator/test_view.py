@@ -62,11 +62,12 @@ def test_a_page_gets_what_is_drawn_on_the_lasers_of_the_robot_until_its_time_is_
     with feeds.simulator(wander=False, hz=50) as feed:
         laser, other, view = LaserWidget(), LaserWidget(), View(feed)
         feed.connect("/scan", laser)
+        laser.angle_offset = 0.5
         laser.draw("wall", Line((1, -1), 5), color="green")
         laser.draw("soon", Arc(0.4), lifetime=0.2)
         other.draw("elsewhere", Line((1, -1), (1, 1)))
         wall, soon = view.get_state()["_shapes"]
-        assert wall == {"name": "wall", "kind": "line", "at": [[1.0, -1.0], 5], "color": "green"}
+        assert wall == {"name": "wall", "kind": "line", "at": [[1.0, -1.0], 5], "color": "green", "turned": 0.5}
         assert soon["name"] == "soon"
         wait_for(lambda: view._shapes == [wall], "its time is over")
         sent: list[Any] = []
