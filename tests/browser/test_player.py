@@ -288,9 +288,14 @@ ENDS = """elements => elements.map(element => {
 """Left and right of the texts of elements."""
 
 
+def drawn(nb: Notebook | PlainPage) -> None:
+    """Wait until all that was asked for is drawn."""
+    nb.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
 def boxes(nb: Notebook | PlainPage) -> dict[str, list[float]]:
     """Left, top, width and height of the recording and of its cards."""
-    nb.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    drawn(nb)
     found: dict[str, list[float]] = dict(nb.page.evaluate(BOXES))
     return found
 
@@ -419,7 +424,11 @@ def test_while_a_cell_runs_it_plays_steps_points_and_seeks(notebook: Open) -> No
     assert now(nb) == pytest.approx(there, abs=0.25)
 
     # Where the pointer is on the scanogram, all show that moment; a click stays there.
-    there, first = now(nb), nearest.inner_text()
+    drawn(nb)
+    there = now(nb)
+    scans = [m for m in robowidgets.open(robowidgets.SAMPLE).samples("/scan") if m.seconds < there + 0.005]
+    expect(nearest).to_contain_text(f"[{scans[-1].sample.nearest().index}]")
+    first = nearest.inner_text()
     at = boxes(nb)
     assert at["recording"][3] == 562
     picture = shown.locator(".rw-scanogram .rw-picture")
@@ -433,6 +442,7 @@ def test_while_a_cell_runs_it_plays_steps_points_and_seeks(notebook: Open) -> No
     expect(nearest).not_to_have_text(first)
     ring = shown.locator(".rw-laser .rw-popup:visible .rw-popup-expression")
     expect(ring).to_have_text(shown.locator(".rw-scanogram .rw-popup-expression").inner_text())
+    drawn(nb)
     pointed = (nearest.inner_text(), value.inner_text(), tile.inner_text())
     nb.page.mouse.move(5, 5)
     expect(time).to_have_text(f"{there:.2f}")
@@ -446,10 +456,12 @@ def test_while_a_cell_runs_it_plays_steps_points_and_seeks(notebook: Open) -> No
     # To a moment that it has not played yet, and a step from there.
     picture.click(position=at_second(9))
     passes(nb, 8.9)
+    drawn(nb)
     clicked = now(nb)
     expect(shown.locator(".rw-scanogram .rw-scanogram-cursor")).to_contain_text(f"{clicked:.2f} s")
     nb.page.keyboard.press(".")
     passes(nb, clicked)
+    drawn(nb)
     stepped = now(nb)
     for focused in (".rw-play", ".rw-step >> nth=0", ".rw-play-speed", ".rw-loop", "input"):
         bar(nb).locator(focused).focus()
