@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import http.client
-import socket
 import xmlrpc.client
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
@@ -54,14 +53,17 @@ class Master:
 
     def _unreachable(self, node: str) -> str:
         try:
-            where = urlsplit(_call(self.uri, "lookupNode", node))
-            socket.create_connection((where.hostname or "", where.port or 0), TIMEOUT).close()
+            uri = _call(self.uri, "lookupNode", node)
         except MasterError:  # the node has just left, and the next state lacks it
             return ""
-        except ConnectionRefusedError:
-            return f"its node {node} is not at {where.netloc} any more; rosnode cleanup makes the master forget it"
-        except OSError as error:
-            return f"its node {node} cannot be reached at {where.netloc} ({error}); set ROS_IP where it runs"
+        where = urlsplit(uri).netloc
+        try:
+            # Another program may have the port now; rospy would wait for its answer for ever.
+            _call(uri, "getPid")
+        except MasterError as error:
+            if isinstance(error.__cause__, ConnectionRefusedError):
+                return f"its node {node} is not at {where} any more; rosnode cleanup makes the master forget it"
+            return f"its node {node} cannot be reached at {where} ({error}); set ROS_IP where it runs"
         return ""
 
 
@@ -76,10 +78,10 @@ def _call(uri: str, method: str, *args: Any, caller: str = "/robowidgets") -> An
     try:
         with xmlrpc.client.ServerProxy(uri, _Timed()) as server:
             code, text, value = getattr(server, method)(caller, *args)
-    except TimeoutError:
-        raise MasterError(f"no answer within {TIMEOUT:g} s") from None
+    except TimeoutError as error:
+        raise MasterError(f"no answer within {TIMEOUT:g} s") from error
     except (OSError, xmlrpc.client.Error, http.client.HTTPException, ExpatError, TypeError, ValueError) as error:
-        raise MasterError(str(error) or type(error).__name__) from None
+        raise MasterError(str(error) or type(error).__name__) from error
     if code != 1:
         raise MasterError(f"{method}: {text}")
     return value

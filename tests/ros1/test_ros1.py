@@ -144,6 +144,20 @@ def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_to
     assert laser._source["status"].endswith("set ROS_IP where it runs")
 
 
+def test_another_program_at_the_address_of_a_publisher_that_has_gone_is_not_taken_for_it(feed, publish, master):
+    laser, topic = LaserWidget(), "/taken/scan"
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+        known = _ros1_master.Master(f"http://127.0.0.1:{master.port}")
+        known.register_publisher("/gone", topic, "sensor_msgs/LaserScan", f"http://{address}")
+        feed.connect(topic, laser)
+        words = f"{topic} is published, but its node /gone cannot be reached at {address} (no answer within 2 s)"
+        wait_for(lambda: laser._source["status"].startswith(words), "the widget says so")
+        publish(topic, "scan", 5)
+        wait_for(lambda: rays(laser) == 5, "a scan of a publisher comes that is there")
+        wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
+
+
 def test_data_still_come_when_the_master_is_lost_and_the_widget_says_both(feed, publish, master):
     laser, other = LaserWidget(), LaserWidget()
     feed.connect("/four/scan", laser)
