@@ -109,10 +109,11 @@ def test_scans_and_speeds_arrive_and_are_listed(feed, publish):
     wait_for(lambda: speed.speed is not None, "a speed comes")
     assert speed.speed.values[0] == 0.25
     wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
-    listed = {topic.name: topic for topic in feed.topics}
-    assert listed["/one/scan"].type == "sensor_msgs/msg/LaserScan"
-    assert listed["/one/scan"].offered
-    assert listed["/one/scan"].wanted is False
+
+    def listed() -> list[Any]:
+        return [(topic.type, topic.offered, topic.wanted) for topic in feed.topics if topic.name == "/one/scan"]
+
+    wait_for(lambda: listed() == [("sensor_msgs/msg/LaserScan", True, False)], "it is listed")
 
 
 def test_messages_of_a_package_that_is_not_installed_are_read_by_the_definition_of_their_publisher(feed, publish):
@@ -120,7 +121,8 @@ def test_messages_of_a_package_that_is_not_installed_are_read_by_the_definition_
     feed.connect("/two/scan", laser)
     publish("/two/scan", "sweep", 6)
     wait_for(lambda: rays(laser) == 6, "a sweep comes")
-    assert laser._source["type"] == "acme_msgs/msg/Sweep"
+    # A message may come before the state of the master that lists its topic.
+    wait_for(lambda: laser._source["type"] == "acme_msgs/msg/Sweep", "the widget names the type")
 
 
 def test_a_publisher_that_was_killed_and_comes_back_is_heard_again(feed, publish):
@@ -404,6 +406,7 @@ def test_a_robot_that_was_refused_is_told_of_and_asked_again_until_it_connects(m
     with pytest.raises(FeedError, match=r"/deaf/cmd_vel: /hear_\w+ listens to it, but has not connected"):
         middleware.publish("/deaf/cmd_vel", 0.25)
     wait_for(lambda: middleware.told.unheard.get("/deaf/cmd_vel"), "it is told")
+    wait_for(lambda: refused, "the robot was refused")
     words = f"{refused[0]} listens to /deaf/cmd_vel, but does not connect; it is asked again"
     wait_for(lambda: middleware.told.said == [words, ""], "it has connected")
     middleware.publish("/deaf/cmd_vel", 0.0)
@@ -428,15 +431,16 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
     assert re.fullmatch(rf"/hear_{stuck.process.pid}_\d+ does not read {topic}", middleware.told.unheard[topic])
     last = next(speeds)
     wait_for(lambda: other.heard[-1] == last - 1, "the other robot hears all the same")
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", SEND_TIMEOUT)
+    limit = 3.0  # a busy machine stands still for long
+    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", limit)
     started = time.monotonic()
     middleware.publish(topic, last)
-    assert time.monotonic() - started < SEND_TIMEOUT, "a speed does not wait for it"
+    assert time.monotonic() - started < limit, "a speed does not wait for it"
     wait_for(lambda: other.heard[-1] == last, "the other robot hears it")
     started = time.monotonic()
-    with pytest.raises(FeedError, match=rf"/hear_{stuck.process.pid}_\d+ took no message of {topic} for 0.5 s"):
+    with pytest.raises(FeedError, match=rf"/hear_{stuck.process.pid}_\d+ took no message of {topic} for 3 s"):
         middleware.publish(topic, 0.0)
-    assert SEND_TIMEOUT < time.monotonic() - started < 3 * SEND_TIMEOUT
+    assert limit < time.monotonic() - started < 3 * limit
     wait_for(lambda: other.heard[-1] == 0.0, "the other robot hears zero")
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 20.0)
     stuck.process.send_signal(signal.SIGCONT)
