@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from IPython.display import display
 
-from robowidgets import LaserWidget, feeds
+from robowidgets import LaserWidget, Scan, feeds
 
 from .inside import MADE
 from .middleware import DOMAIN, SYSTEM, now_us
@@ -141,12 +141,9 @@ def feed_of(name: str, where: str) -> feeds.Feed:
     return {"foxglove": feeds.foxglove, "rosbridge": feeds.rosbridge}[name](where)
 
 
-def number_of(message: Any) -> int:
-    """What a message says, of the kind that its feed hands on."""
-    if hasattr(message, "stamp_ns"):
-        return int(message.stamp_ns // 1_000_000_000)
-    stamp = message["header"]["stamp"] if isinstance(message, dict) else message.header.stamp
-    return int(stamp["sec"] if isinstance(stamp, dict) else getattr(stamp, "sec", getattr(stamp, "secs", 0)))
+def number_of(scan: Scan) -> int:
+    """What a scan says, in the seconds of its stamp; 0 is no stamp."""
+    return (scan.stamp_ns or 0) // 1_000_000_000
 
 
 class Source:
@@ -161,8 +158,8 @@ class Source:
         )
         self.put(0)
 
-    def _note(self, message: Any) -> None:
-        self._heard.append((number_of(message), now_us()))
+    def _note(self, scan: Scan) -> None:
+        self._heard.append((number_of(scan), now_us()))
 
     def show(self) -> None:
         """Display the widgets."""

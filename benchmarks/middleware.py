@@ -167,7 +167,7 @@ class Ros1:
 
         def publish(number: int) -> None:
             message = LaserScan(None, *GEOMETRY, encode(number), [])
-            message.header.stamp.secs = number
+            message.header.stamp.secs, message.header.frame_id = number, "laser"
             topic.publish(message)
 
         return publish
