@@ -15,7 +15,7 @@ ACTIONS = ("entry", "running", "exit")
 DONE = "done"
 """The event that is true when the nested machines of a state are in a state that no move leaves."""
 
-_SECONDS = r"\d+\.?\d*|\.\d+|[^\W\d]\w*"
+_SECONDS = r"(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|[^\W\d]\w*"
 _MOVE = re.compile(rf"(\w+|\*)\s*->\s*(\w+)(?:\s+on\s+(\w+)|\s+after\s+({_SECONDS})(?:\s+s)?|\s+at\s+once)")
 _FORMS = "'state -> state on event', 'state -> state after 0.5', 'state -> state at once', '* -> state on event'"
 

@@ -71,7 +71,7 @@ def test_entry_running_and_exit_run_outer_states_first_and_inner_ones_are_left_f
                 entry, running, exit = note("enter inner"), note("inner"), note("leave inner")
 
             rest = None
-            moves = "inner -> rest after 9"
+            moves = "inner -> rest after 1e9"
 
         b = note("b")
         moves = "a -> b after 1"
