@@ -14,7 +14,7 @@ import sys
 import threading
 import time
 import weakref
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 from uuid import UUID
@@ -88,10 +88,27 @@ class Robot:
 
 
 @pytest.fixture
-def robot() -> Iterator[Robot]:
-    robot = Robot()
-    yield robot
-    robot.kill()
+def start() -> Iterator[Callable[[], Robot]]:
+    """Starts robots, which end with the test, also with one that fails."""
+    robots: list[Robot] = []
+
+    def start_one() -> Robot:
+        robots.append(Robot())
+        return robots[-1]
+
+    yield start_one
+    for robot in robots:
+        robot.kill()
+
+
+@pytest.fixture
+def robot(start: Callable[[], Robot]) -> Robot:
+    return start()
+
+
+@pytest.fixture
+def other(start: Callable[[], Robot]) -> Robot:
+    return start()
 
 
 @pytest.fixture
@@ -107,14 +124,14 @@ def dds(heard: Ears) -> Iterator[Dds]:
     dds.close()
 
 
-def publish_until(robot: Robot, condition: Any, what: str, *message: Any) -> None:
+def publish_until(robot: Robot, condition: Any, what: str, *message: Any, seconds: float = 20.0) -> None:
     def done() -> bool:
         if condition():
             return True
         robot.do("write", *message)
         return False
 
-    wait_for(done, what)
+    wait_for(done, what, seconds)
 
 
 def memory() -> int:
@@ -144,22 +161,23 @@ def test_a_scan_comes_with_its_topic_and_type(dds: Dds, heard: Ears, robot: Robo
     assert (heard.connected, heard.lost, heard.troubles) == (1, [], {})
 
 
-def test_a_publisher_that_was_killed_and_restarted_is_heard_again(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_publisher_that_was_killed_and_restarted_is_heard_again(
+    dds: Dds, heard: Ears, robot: Robot, start: Callable[[], Robot]
+) -> None:
     dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.messages, "a scan came", "/scan", "LaserScan", [1.0], 0.5)
     robot.kill()
-    again = Robot()
+    again = start()
     publish_until(again, lambda: 2 in counts(heard), "the other scan came", "/scan", "LaserScan", [1.0, 2.0], 0.5)
-    again.kill()
 
 
-def test_two_publishers_with_different_geometry_are_both_heard(dds: Dds, heard: Ears, robot: Robot) -> None:
-    other = Robot()
+def test_two_publishers_with_different_geometry_are_both_heard(
+    dds: Dds, heard: Ears, robot: Robot, other: Robot
+) -> None:
     dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: 1 in counts(heard), "the one came", "/scan", "LaserScan", [1.0], 0.5)
     publish_until(other, lambda: 3 in counts(heard), "the other came", "/scan", "LaserScan", [1.0, 2.0, 3.0], 0.1)
     publish_until(robot, lambda: len(heard.messages[-1][1].ranges) == 1, "the one again", "/scan", "LaserScan", [1], 1)
-    other.kill()
 
 
 def test_events_that_come_at_once_all_come(dds: Dds, heard: Ears, robot: Robot) -> None:
@@ -244,9 +262,8 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Ears) -> Non
 
 @pytest.mark.slow
 def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behind(
-    dds: Dds, heard: Ears, robot: Robot
+    dds: Dds, heard: Ears, robot: Robot, other: Robot
 ) -> None:
-    other = Robot()
     scan = "/scan", "LaserScan", [1.0], 0.5
     dds.follow(frozenset({"/scan"}))
     publish_until(other, lambda: heard.messages, "a scan came", *scan)
@@ -255,7 +272,9 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
         heard.messages.clear()
         robot.do("latch", "/image", "Image", 100_000_000)
         dds.follow(frozenset({"/scan", "/image"}))
-        publish_until(other, lambda: "/image" in [topic for topic, _ in heard.messages], "the image came", *scan)
+        publish_until(
+            other, lambda: "/image" in [topic for topic, _ in heard.messages], "the image came", *scan, seconds=60.0
+        )
         publish_until(other, lambda: heard.messages[-1][0] == "/scan", "scans go on", *scan)
         dds.follow(frozenset({"/scan"}))
     came = [(topic, len(message.data) if topic == "/image" else 0) for topic, message in heard.messages]
@@ -263,7 +282,6 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
     heard.messages.clear()
     # What was freed in small pieces may stay with the process: as much as one of them, but not two.
     wait_for(lambda: memory() < before + 150e6, "the memory is given back")
-    other.kill()
 
 
 @pytest.mark.parametrize(("kind", "name"), [("Twist", TWIST), ("TwistStamped", STAMPED)])
@@ -328,8 +346,9 @@ def test_a_speed_is_sent_while_a_message_is_handed_on(dds: Dds, heard: Ears, rob
     go_on.set()
 
 
-def test_speeds_are_sent_at_once_while_scans_come_at_a_high_rate(dds: Dds, heard: Ears, robot: Robot) -> None:
-    other = Robot()
+def test_speeds_are_sent_at_once_while_scans_come_at_a_high_rate(
+    dds: Dds, heard: Ears, robot: Robot, other: Robot
+) -> None:
     robot.do("flood", "/scan", "LaserScan", 0.002, [1.0] * 1040, 0.006)
     other.hear("/cmd_vel", "Twist")
     dds.follow(frozenset({"/scan"}))
@@ -344,7 +363,6 @@ def test_speeds_are_sent_at_once_while_scans_come_at_a_high_rate(dds: Dds, heard
         worst = max(worst, time.monotonic() - since)
     wait_for(lambda: len(heard.messages) > before, "scans come all the time")
     assert worst < SEND_TIMEOUT
-    other.kill()
 
 
 @pytest.mark.parametrize("reliable", [True, False])
@@ -379,9 +397,8 @@ def test_the_first_message_waits_for_nobody_when_nobody_comes(dds: Dds, heard: E
 
 
 def test_subscribers_of_two_types_match_before_the_first_message(
-    dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
+    dds: Dds, heard: Ears, robot: Robot, other: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    other = Robot()
     robot.hear("/of_two_types", "Twist")
     other.hear("/of_two_types", "TwistStamped", False)
     wait_for(lambda: [one.name for one in heard.topics or ()].count("/of_two_types") == 2, "both are known")
@@ -391,13 +408,11 @@ def test_subscribers_of_two_types_match_before_the_first_message(
     dds.publish("/of_two_types", STAMPED, {"twist": {"linear": {"x": 0.25}}})
     assert time.monotonic() - since < 1.0
     assert other.heard()["twist"]["linear"]["x"] == 0.25
-    other.kill()
 
 
 def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
-    robot: Robot, monkeypatch: pytest.MonkeyPatch
+    robot: Robot, other: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    other = Robot()
     robot.hear("/retyped", "Twist")
     with Feed(Dds(DOMAIN, interface="lo")) as feed:
         feed.driving = Driving("/retyped", hold=60.0)
@@ -419,7 +434,6 @@ def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
             return other.has_heard
 
         wait_for(moves, "the other moves, too")
-    other.kill()
 
 
 def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Robot) -> None:
@@ -482,8 +496,7 @@ def test_a_subscriber_that_does_not_hear_what_is_published_is_told_until_it_is_g
     wait_for(lambda: not heard.words("/cmd_vel"), "it is over")
 
 
-def test_another_subscriber_hears_what_one_does_not(dds: Dds, heard: Ears, robot: Robot) -> None:
-    other = Robot()
+def test_another_subscriber_hears_what_one_does_not(dds: Dds, heard: Ears, robot: Robot, other: Robot) -> None:
     robot.do("want_kept", "/cmd_vel", "Twist")
     wait_for(lambda: heard.topics, "the topic is known")
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
@@ -502,7 +515,6 @@ def test_another_subscriber_hears_what_one_does_not(dds: Dds, heard: Ears, robot
     publishing.set()
     thread.join()
     assert heard.words("/cmd_vel").startswith("a subscriber of /cmd_vel expects")
-    other.kill()
 
 
 @pytest.mark.parametrize("do", ["write", "hashed"])
