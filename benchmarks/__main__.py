@@ -66,6 +66,9 @@ Absolute figures depend on the machine and move by a third from run to run; rati
   until the first step of the new version. What a step costs is the CPU of the program's thread from step to step, at
   200 Hz on the simulator, for a function that asks for scan and variables, and for a machine of three levels that
   judges two events, one of which asks for a distance, whose own cost is beside it; without a `MachineWidget` and with.
+- The kernel keeps a widget until it is closed. A closed one leaves as much as the canvas, whose model the page keeps,
+  too. `show` closes what its cell showed before; the nodes that it leaves are those of ipywidgets' boxes, which their
+  models keep. Listeners of widgets that the kernel keeps go when these are closed: one for each that shows samples.
 - A page in a file, of a minute of such a recording, is opened from disk; it counts from there to the first frame with
   the numbers of the laser, and with the scanogram, which the page makes of all scans.
 - A player shows a recording whose scans carry their numbers, and its page reads them back. A click on scanogram or
